@@ -1,0 +1,104 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Contact laws at one multiplier, written as one nonsmooth equation R(w, t) = 0 with its generalised derivative.
+!>
+!> t = (p, tau_1, tau_2) is the traction on the master (p > 0 pushes apart), w = (gap, slip_1, slip_2) the gap and the slip
+!> since the last converged step. With the trial pressure p^ = p - c gap and the trial shear tau^ = tau - c slip,
+!>   unilateral:  p - max(0, p^) = 0,    Coulomb:  tau - proj(tau^; |.| <= mu max(0, p^)) = 0
+!> (Alart and Curnier 1991). The constant c [Pa/m] only scales the iteration, never the solution.
+module hd_contact_law
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_input
+  implicit none
+  private
+  public :: contact_law_t, contact_mode, evaluate_law
+  public :: open_state, stick_state, slip_state, bonded, frictionless, frictional
+
+  integer, parameter :: open_state = 0   !< no contact
+  integer, parameter :: stick_state = 1  !< contact without slip
+  integer, parameter :: slip_state = 2   !< contact with slip
+  integer, parameter :: bonded = 0       !< neither gap nor slip
+  integer, parameter :: frictionless = 1 !< unilateral, no shear
+  integer, parameter :: frictional = 2   !< unilateral with Coulomb friction
+
+  type :: contact_law_t
+    integer :: mode = frictional      !< bonded, frictionless or frictional
+    real(dp) :: friction = 0          !< Coulomb coefficient
+    real(dp) :: scale = 0             !< c [Pa/m]
+  end type contact_law_t
+
+contains
+
+  !> Mode from its name.
+  subroutine contact_mode(name, mode, error)
+    character(len=*), intent(in) :: name  !< bonded, frictionless or frictional
+    integer, intent(out) :: mode          !< one of the constants
+    type(error_t), allocatable, intent(out) :: error
+    mode = -1
+    select case (name)
+    case ('bonded'); mode = bonded
+    case ('frictionless'); mode = frictionless
+    case ('frictional'); mode = frictional
+    case default
+      call raise(error, code_input, "contact mode '"//name//"' is unknown; valid: bonded, frictionless, frictional")
+    end select
+  end subroutine contact_mode
+
+  !> Residual, derivatives and state of one multiplier.
+  pure subroutine evaluate_law(law, t, w, r, dw, dt, state)
+    type(contact_law_t), intent(in) :: law  !< law
+    real(dp), intent(in) :: t(3)            !< traction [Pa]
+    real(dp), intent(in) :: w(3)            !< gap and slip [m]
+    real(dp), intent(out) :: r(3)           !< residual [Pa]
+    real(dp), intent(out) :: dw(3, 3)       !< dR/dw [Pa/m]
+    real(dp), intent(out) :: dt(3, 3)       !< dR/dt
+    integer, intent(out) :: state           !< open, stick or slip
+    real(dp) :: trial, shear(2), size, bound, e(2), tangent(2, 2)
+    integer :: i
+    dw = 0
+    dt = 0
+    if (law%mode == bonded) then
+      r = law%scale*w
+      do i = 1, 3
+        dw(i, i) = law%scale
+      end do
+      state = stick_state
+      return
+    end if
+    trial = t(1) - law%scale*w(1)
+    if (trial < 0) then
+      r = t
+      do i = 1, 3
+        dt(i, i) = 1
+      end do
+      state = open_state
+      return
+    end if
+    r(1) = law%scale*w(1)
+    dw(1, 1) = law%scale
+    bound = 0
+    if (law%mode == frictional) bound = law%friction*trial
+    shear = t(2:) - law%scale*w(2:)
+    size = norm2(shear)
+    if (size <= bound .and. law%mode == frictional) then
+      r(2:) = law%scale*w(2:)
+      dw(2, 2) = law%scale
+      dw(3, 3) = law%scale
+      state = stick_state
+      return
+    end if
+    state = slip_state
+    e = 0
+    if (size > 0) e = shear/size
+    r(2:) = t(2:) - bound*e
+    tangent = 0
+    if (size > 0) tangent = bound/size*(reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2]) - spread(e, 2, 2)*spread(e, 1, 2))
+    dt(2:, 2:) = -tangent
+    dt(2, 2) = dt(2, 2) + 1
+    dt(3, 3) = dt(3, 3) + 1
+    dw(2:, 2:) = law%scale*tangent
+    if (law%mode == frictional) then
+      dt(2:, 1) = -law%friction*e
+      dw(2:, 1) = law%scale*law%friction*e
+    end if
+  end subroutine evaluate_law
+end module hd_contact_law

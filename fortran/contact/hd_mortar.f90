@@ -1,0 +1,235 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Mortar coupling of two faces on a common chart: where facets overlap, the product of the dual basis of the slave side
+!> and the shape functions of both sides is integrated exactly, segment by segment (Wohlmuth 2000; Popp et al. 2010).
+!>
+!> The relative displacement at multiplier j is  w_j = (1/a_j) int phi_j (u_master - u_slave) dA,  taken component by
+!> component in the dofs of the nodes; a_j = int phi_j dA. Its transpose times a_j sends tractions to nodal forces.
+!> On a cylinder the components are u_r, u_theta, u_z, so the gap is that of the smooth cylinder, not of its facets.
+module hd_mortar
+  use hd_kinds, only: dp
+  use hd_face, only: face_t
+  use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
+  implicit none
+  private
+  public :: mortar_t, new_mortar, relative_displacement, add_nodal_forces, facet_mean
+
+  !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
+  type :: mortar_t
+    integer :: n = 0                           !< multipliers
+    integer, allocatable :: node(:)            !< slave node of each multiplier
+    real(dp), allocatable :: area(:)           !< a_j, 0 where no master facet lies opposite [m^2]
+    integer, allocatable :: ptr(:), col(:)     !< rows by multiplier, columns are nodes
+    real(dp), allocatable :: val(:)            !< weights
+    integer, allocatable :: facet(:, :)        !< multipliers at the corners of each slave facet (4, facets)
+    real(dp), allocatable :: share(:, :)       !< int phi_j dA over the facet (4, facets) [m^2]
+  end type mortar_t
+
+contains
+
+  !> Couple two faces; their node numbers belong to one common numbering.
+  subroutine new_mortar(slave, master, mortar)
+    type(face_t), intent(in) :: slave      !< face that carries the multipliers
+    type(face_t), intent(in) :: master     !< the other face
+    type(mortar_t), intent(out) :: mortar  !< coupling
+    type(point_t), allocatable :: points(:)
+    type(bins_t) :: bins
+    integer, allocatable :: row(:), col(:)
+    real(dp), allocatable :: val(:)
+    real(dp) :: dual(4, 4), phi(4)
+    integer :: f, k, p, nnz
+    call number_multipliers(slave, mortar)
+    call new_bins(master, bins)
+    allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
+    allocate (row(0), col(0), val(0))
+    nnz = 0
+    do f = 1, size(slave%nodes, 2)
+      call integrate_overlaps(slave, f, master, bins, points)
+      if (size(points) == 0) cycle
+      dual = dual_basis(points)
+      do p = 1, size(points)
+        phi = matmul(dual, points(p)%corner)*points(p)%weight
+        mortar%share(:, f) = mortar%share(:, f) + phi
+        do k = 1, 4
+          call append(mortar%facet(k, f), slave%nodes(:, f), -phi(k)*points(p)%slave)
+          call append(mortar%facet(k, f), master%nodes(:, points(p)%facet), phi(k)*points(p)%master)
+        end do
+      end do
+    end do
+    call compress(mortar, row(:nnz), col(:nnz), val(:nnz))
+  contains
+    !> Append entries of one row to the growing coordinate list.
+    subroutine append(multiplier, nodes, values)
+      integer, intent(in) :: multiplier       !< row
+      integer, intent(in) :: nodes(:)         !< columns
+      real(dp), intent(in) :: values(:)       !< entries, at least size(nodes)
+      integer :: n, room
+      n = size(nodes)
+      if (nnz + n > size(row)) then
+        room = nnz + n + 1000
+        row = [row, spread(0, 1, room)]
+        col = [col, spread(0, 1, room)]
+        val = [val, spread(0._dp, 1, room)]
+      end if
+      row(nnz + 1:nnz + n) = multiplier
+      col(nnz + 1:nnz + n) = nodes
+      val(nnz + 1:nnz + n) = values(:n)
+      nnz = nnz + n
+    end subroutine append
+  end subroutine new_mortar
+
+  !> Number the corner nodes of the slave face as multipliers, in the order in which the facets meet them.
+  subroutine number_multipliers(slave, mortar)
+    type(face_t), intent(in) :: slave        !< slave face
+    type(mortar_t), intent(inout) :: mortar  !< its multipliers
+    integer, allocatable :: number(:)
+    integer :: f, k, a
+    allocate (number(maxval(slave%nodes)), source=0)
+    allocate (mortar%facet(4, size(slave%nodes, 2)), mortar%node(4*size(slave%nodes, 2)))
+    do f = 1, size(slave%nodes, 2)
+      do k = 1, 4
+        a = slave%nodes(k, f)
+        if (number(a) == 0) then
+          mortar%n = mortar%n + 1
+          number(a) = mortar%n
+          mortar%node(mortar%n) = a
+        end if
+        mortar%facet(k, f) = number(a)
+      end do
+    end do
+    mortar%node = mortar%node(:mortar%n)
+  end subroutine number_multipliers
+
+  !> Dual shape functions as combinations of the bilinear ones: rows of diag(int N) (int N N^T)^-1 over the covered part.
+  pure function dual_basis(points) result(dual)
+    type(point_t), intent(in) :: points(:)  !< integration points of the facet
+    real(dp) :: dual(4, 4), mass(4, 4), a(4, 8), row(8)
+    integer :: p, i, j
+    mass = 0
+    do p = 1, size(points)
+      do j = 1, 4
+        mass(:, j) = mass(:, j) + points(p)%weight*points(p)%corner*points(p)%corner(j)
+      end do
+    end do
+    a = 0
+    a(:, :4) = mass
+    do i = 1, 4
+      a(i, 4 + i) = 1
+    end do
+    do i = 1, 4
+      j = i - 1 + maxloc(abs(a(i:, i)), 1)
+      row = a(j, :)
+      a(j, :) = a(i, :)
+      a(i, :) = row/row(i)
+      do j = 1, 4
+        if (j /= i) a(j, :) = a(j, :) - a(j, i)*a(i, :)
+      end do
+    end do
+    do i = 1, 4
+      dual(i, :) = a(i, 5:)*sum(mass(i, :))
+    end do
+  end function dual_basis
+
+  !> Sum equal entries and scale each row by 1 / a_j.
+  subroutine compress(mortar, row, col, val)
+    type(mortar_t), intent(inout) :: mortar  !< gets area, ptr, col, val
+    integer, intent(in) :: row(:), col(:)    !< coordinate list
+    real(dp), intent(in) :: val(:)
+    integer, allocatable :: first(:), list(:), place(:)
+    integer :: i, j, k, n
+    allocate (mortar%area(mortar%n), mortar%ptr(mortar%n + 1), mortar%col(size(row)), mortar%val(size(row)))
+    mortar%area = 0
+    do i = 1, size(mortar%facet, 2)
+      do k = 1, 4
+        j = mortar%facet(k, i)
+        mortar%area(j) = mortar%area(j) + mortar%share(k, i)
+      end do
+    end do
+    allocate (first(mortar%n + 1), source=0)
+    do i = 1, size(row)
+      first(row(i) + 1) = first(row(i) + 1) + 1
+    end do
+    do j = 1, mortar%n
+      first(j + 1) = first(j + 1) + first(j)
+    end do
+    list = first
+    place = [(0, i=1, size(row))]
+    do i = 1, size(row)
+      list(row(i)) = list(row(i)) + 1
+      place(list(row(i))) = i
+    end do
+    n = 0
+    do j = 1, mortar%n
+      mortar%ptr(j) = n + 1
+      do k = first(j) + 1, first(j + 1)
+        i = findloc(mortar%col(mortar%ptr(j):n), col(place(k)), 1)
+        if (i == 0) then
+          n = n + 1
+          mortar%col(n) = col(place(k))
+          mortar%val(n) = 0
+          i = n - mortar%ptr(j) + 1
+        end if
+        mortar%val(mortar%ptr(j) + i - 1) = mortar%val(mortar%ptr(j) + i - 1) + val(place(k))/mortar%area(j)
+      end do
+      call drop_rounding(mortar, j, n)
+    end do
+    mortar%ptr(mortar%n + 1) = n + 1
+    mortar%col = mortar%col(:n)
+    mortar%val = mortar%val(:n)
+  end subroutine compress
+
+  !> Remove the entries of a row that are zero but for rounding (matching meshes couple node to node).
+  subroutine drop_rounding(mortar, j, n)
+    type(mortar_t), intent(inout) :: mortar  !< coupling
+    integer, intent(in) :: j                 !< row
+    integer, intent(inout) :: n              !< last entry of the row
+    integer :: i, keep
+    keep = mortar%ptr(j) - 1
+    do i = mortar%ptr(j), n
+      if (abs(mortar%val(i)) < 1e-12_dp) cycle
+      keep = keep + 1
+      mortar%col(keep) = mortar%col(i)
+      mortar%val(keep) = mortar%val(i)
+    end do
+    n = keep
+  end subroutine drop_rounding
+
+  !> Relative displacement w of the master against the slave at the multipliers.
+  pure function relative_displacement(mortar, u) result(w)
+    type(mortar_t), intent(in) :: mortar  !< coupling
+    real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
+    real(dp) :: w(3, mortar%n)
+    integer :: j, k
+    w = 0
+    do j = 1, mortar%n
+      do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+        w(:, j) = w(:, j) + mortar%val(k)*u(:, mortar%col(k))
+      end do
+    end do
+  end function relative_displacement
+
+  !> Add the nodal forces of tractions given on the master [Pa]; the slave gets the opposite.
+  pure subroutine add_nodal_forces(mortar, traction, f)
+    type(mortar_t), intent(in) :: mortar     !< coupling
+    real(dp), intent(in) :: traction(:, :)   !< (3, multipliers) [Pa]
+    real(dp), intent(inout) :: f(:, :)       !< nodal forces (3, nodes) [N]
+    integer :: j, k
+    do j = 1, mortar%n
+      do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+        f(:, mortar%col(k)) = f(:, mortar%col(k)) + mortar%area(j)*mortar%val(k)*traction(:, j)
+      end do
+    end do
+  end subroutine add_nodal_forces
+
+  !> Means over the slave facets of a field known at the multipliers.
+  pure function facet_mean(mortar, field) result(mean)
+    type(mortar_t), intent(in) :: mortar  !< coupling
+    real(dp), intent(in) :: field(:)      !< (multipliers)
+    real(dp) :: mean(size(mortar%facet, 2)), area
+    integer :: f
+    do f = 1, size(mean)
+      area = sum(mortar%share(:, f))
+      mean(f) = 0
+      if (area > 0) mean(f) = dot_product(mortar%share(:, f), field(mortar%facet(:, f)))/area
+    end do
+  end function facet_mean
+end module hd_mortar

@@ -1,0 +1,268 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The Newton matrix of displacements and multipliers, factorised by MUMPS in a METIS order.
+!>
+!>   [ K          -B^T a c ] [ du   ]   [ -r_u   ]      K stiffness of the free dofs, B the mortar coupling,
+!>   [ -a R_w B   -a c R_t ] [ dt/c ] = [  a r_c ]      R_w, R_t derivatives of the contact law, a areas, c its scale.
+!> The pattern holds every contact state, so it is analysed once; only the entries of the law change.
+module hd_newton_matrix
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_problem, only: problem_t
+  use hd_metis, only: nested_dissection
+  use hd_mumps, only: mumps_t, unsymmetric
+  implicit none
+  private
+  public :: newton_matrix_t, new_newton_matrix, update, solve_newton
+
+  type :: newton_matrix_t
+    integer :: dofs = 0                          !< free displacement dofs
+    integer :: unknowns = 0                      !< dofs and multipliers
+    integer, allocatable :: equation(:, :)       !< number of each dof, 0 where fixed (3, n)
+    type(mumps_t) :: mumps                       !< factors
+    integer, pointer :: row(:) => null(), col(:) => null()
+    real(dp), pointer :: val(:) => null()
+    integer :: law_start = 0                     !< entries after this one depend on the contact state
+  contains
+    procedure :: release
+  end type newton_matrix_t
+
+contains
+
+  !> Number the unknowns, lay out the pattern, order and analyse it.
+  subroutine new_newton_matrix(problem, matrix, error)
+    type(problem_t), intent(in) :: problem            !< problem with supports and interface
+    type(newton_matrix_t), intent(out) :: matrix      !< analysed matrix
+    type(error_t), allocatable, intent(out) :: error  !< out of memory
+    integer, allocatable :: position(:)
+    integer :: a, c
+    allocate (matrix%equation(3, problem%n), source=0)
+    do a = 1, problem%n
+      do c = 1, 3
+        if (problem%fixed(c, a)) cycle
+        matrix%dofs = matrix%dofs + 1
+        matrix%equation(c, a) = matrix%dofs
+      end do
+    end do
+    matrix%unknowns = matrix%dofs + 3*problem%mortar%n
+    call lay_out(problem, matrix)
+    call order_unknowns(problem, matrix, position, error)
+    if (allocated(error)) return
+    call matrix%mumps%analyse(unsymmetric, matrix%unknowns, matrix%row, matrix%col, matrix%val, position, error)
+  end subroutine new_newton_matrix
+
+  !> Coordinates of all entries, and the values that never change.
+  subroutine lay_out(problem, matrix)
+    type(problem_t), intent(in) :: problem           !< problem
+    type(newton_matrix_t), intent(inout) :: matrix   !< gets row, col, val
+    integer :: a, b, c, d, j, k, pass, n
+    real(dp) :: v
+    do pass = 1, 2
+      n = 0
+      do a = 1, problem%n
+        do k = problem%stiffness%ptr(a), problem%stiffness%ptr(a + 1) - 1
+          b = problem%stiffness%col(k)
+          do d = 1, 3
+            do c = 1, 3
+              call put(matrix%equation(c, a), matrix%equation(d, b), problem%stiffness%val(c, d, k))
+            end do
+          end do
+        end do
+      end do
+      do j = 1, problem%mortar%n
+        do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
+          v = -problem%mortar%area(j)*problem%law%scale*problem%mortar%val(k)
+          do c = 1, 3
+            call put(matrix%equation(c, problem%mortar%col(k)), multiplier(j, c), v)
+          end do
+        end do
+      end do
+      matrix%law_start = n
+      do j = 1, problem%mortar%n
+        do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
+          do d = 1, 3
+            do c = 1, 3
+              if (c == 1 .and. d > 1) cycle
+              call put(multiplier(j, c), matrix%equation(d, problem%mortar%col(k)), 0._dp)
+            end do
+          end do
+        end do
+        do d = 1, 3
+          do c = 1, 3
+            call put(multiplier(j, c), multiplier(j, d), 0._dp)
+          end do
+        end do
+      end do
+      if (pass == 1) allocate (matrix%row(n), matrix%col(n), matrix%val(n))
+    end do
+  contains
+    pure integer function multiplier(j, c)
+      integer, intent(in) :: j, c
+      multiplier = matrix%dofs + 3*(j - 1) + c
+    end function multiplier
+
+    subroutine put(row, col, value)
+      integer, intent(in) :: row, col
+      real(dp), intent(in) :: value
+      if (row == 0 .or. col == 0) return
+      n = n + 1
+      if (pass == 1) return
+      matrix%row(n) = row
+      matrix%col(n) = col
+      matrix%val(n) = value
+    end subroutine put
+  end subroutine lay_out
+
+  !> Elimination order: METIS on the graph of nodes, a multiplier standing right behind the dofs of its slave node.
+  subroutine order_unknowns(problem, matrix, position, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(newton_matrix_t), intent(in) :: matrix       !< numbered unknowns
+    integer, allocatable, intent(out) :: position(:)  !< place of each unknown
+    type(error_t), allocatable, intent(out) :: error  !< out of memory
+    integer, allocatable :: ptr(:), col(:), weight(:), place(:), at(:), owner(:)
+    integer :: a, c, i, n
+    call coupled_graph(problem, ptr, col)
+    allocate (weight(problem%n), place(problem%n), at(problem%n), position(matrix%unknowns))
+    allocate (owner(problem%n), source=0)
+    owner(problem%mortar%node) = [(i, i=1, problem%mortar%n)]
+    weight = max(1, count(matrix%equation > 0, 1) + merge(3, 0, owner > 0))
+    call nested_dissection(ptr, col, weight, place, error)
+    if (allocated(error)) return
+    at(place) = [(i, i=1, problem%n)]
+    n = 0
+    do i = 1, problem%n
+      a = at(i)
+      do c = 1, 3
+        if (matrix%equation(c, a) == 0) cycle
+        n = n + 1
+        position(matrix%equation(c, a)) = n
+      end do
+      if (owner(a) == 0) cycle
+      position(matrix%dofs + 3*owner(a) - 2:matrix%dofs + 3*owner(a)) = [n + 1, n + 2, n + 3]
+      n = n + 3
+    end do
+  end subroutine order_unknowns
+
+  !> Graph of the nodes with the edges of the interface added.
+  subroutine coupled_graph(problem, ptr, col)
+    type(problem_t), intent(in) :: problem        !< problem
+    integer, allocatable, intent(out) :: ptr(:)   !< row pointers
+    integer, allocatable, intent(out) :: col(:)   !< neighbours
+    integer, allocatable :: extra(:), start(:), list(:), mark(:)
+    integer :: a, j, k, m, pass
+    associate (mortar => problem%mortar, graph => problem%stiffness)
+      allocate (start(problem%n + 1), mark(problem%n), ptr(problem%n + 1))
+      do pass = 1, 2
+        if (pass == 1) start = 0
+        do j = 1, mortar%n
+          do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+            call edge(mortar%node(j), mortar%col(k))
+            call edge(mortar%col(k), mortar%node(j))
+          end do
+        end do
+        if (pass == 2) exit
+        do a = 1, problem%n
+          start(a + 1) = start(a + 1) + start(a)
+        end do
+        allocate (list(start(problem%n + 1)))
+        extra = start(:problem%n)
+      end do
+      allocate (col(size(graph%col) + size(list)))
+      mark = 0
+      m = 0
+      do a = 1, problem%n
+        ptr(a) = m + 1
+        do k = graph%ptr(a), graph%ptr(a + 1) - 1
+          call neighbour(graph%col(k))
+        end do
+        do k = start(a) + 1, start(a + 1)
+          call neighbour(list(k))
+        end do
+      end do
+      ptr(problem%n + 1) = m + 1
+      col = col(:m)
+    end associate
+  contains
+    subroutine edge(from, to)
+      integer, intent(in) :: from, to
+      if (pass == 1) then
+        start(from + 1) = start(from + 1) + 1
+      else
+        extra(from) = extra(from) + 1
+        list(extra(from)) = to
+      end if
+    end subroutine edge
+
+    subroutine neighbour(b)
+      integer, intent(in) :: b
+      if (mark(b) == a .or. b == a) return
+      mark(b) = a
+      m = m + 1
+      col(m) = b
+    end subroutine neighbour
+  end subroutine coupled_graph
+
+  !> Enter the derivatives of the contact law and factorise.
+  subroutine update(problem, matrix, dw, dt, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(newton_matrix_t), intent(inout) :: matrix    !< matrix
+    real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
+    type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
+    integer :: c, d, j, k, n
+    n = matrix%law_start
+    do j = 1, problem%mortar%n
+      do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
+        do d = 1, 3
+          if (matrix%equation(d, problem%mortar%col(k)) == 0) cycle
+          do c = merge(1, 2, d == 1), 3
+            n = n + 1
+            matrix%val(n) = -problem%mortar%area(j)*dw(c, d, j)*problem%mortar%val(k)
+          end do
+        end do
+      end do
+      do d = 1, 3
+        matrix%val(n + 1:n + 3) = -max(problem%mortar%area(j), tiny(1._dp))*problem%law%scale*dt(:, d, j)
+        n = n + 3
+      end do
+    end do
+    call matrix%mumps%factorise(error)
+  end subroutine update
+
+  !> Newton correction for given residuals.
+  subroutine solve_newton(problem, matrix, r_u, r_c, du, dt, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(newton_matrix_t), intent(inout) :: matrix    !< factorised matrix
+    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
+    real(dp), intent(out) :: dt(:, :)                 !< correction of the tractions (3, multipliers) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< solver failure
+    real(dp), allocatable :: b(:, :)
+    integer :: a, c, j
+    allocate (b(matrix%unknowns, 1))
+    do a = 1, problem%n
+      do c = 1, 3
+        if (matrix%equation(c, a) > 0) b(matrix%equation(c, a), 1) = -r_u(c, a)
+      end do
+    end do
+    do j = 1, problem%mortar%n
+      b(matrix%dofs + 3*j - 2:matrix%dofs + 3*j, 1) = max(problem%mortar%area(j), tiny(1._dp))*r_c(:, j)
+    end do
+    call matrix%mumps%solve(b, error)
+    if (allocated(error)) return
+    du = 0
+    do a = 1, problem%n
+      do c = 1, 3
+        if (matrix%equation(c, a) > 0) du(c, a) = b(matrix%equation(c, a), 1)
+      end do
+    end do
+    dt = problem%law%scale*reshape(b(matrix%dofs + 1:, 1), shape(dt))
+  end subroutine solve_newton
+
+  !> Give back all memory.
+  subroutine release(self)
+    class(newton_matrix_t), intent(inout) :: self  !< matrix
+    call self%mumps%release()
+    if (associated(self%row)) deallocate (self%row, self%col, self%val)
+  end subroutine release
+end module hd_newton_matrix

@@ -1,0 +1,141 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> MUMPS: sparse direct solution of A x = b (Amestoy, Duff, L'Excellent and Koster 2001), sequential library.
+!>
+!> The pattern is analysed once, with an ordering of the caller's; values are factorised as often as they change.
+module hd_mumps
+  use hd_kinds, only: dp, i8
+  use hd_error, only: error_t, raise, code_linear_solver, code_memory, code_internal
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: mumps_t, unsymmetric, positive_definite, symmetric
+
+  include 'dmumps_struc.h'
+
+  integer, parameter :: unsymmetric = 0        !< MUMPS SYM
+  integer, parameter :: positive_definite = 1  !< MUMPS SYM
+  integer, parameter :: symmetric = 2          !< MUMPS SYM
+
+  type :: mumps_t
+    private
+    type(dmumps_struc), pointer :: id => null()
+    integer, public :: ordering_used = -1      !< INFOG(7): 1 is the ordering handed in
+    integer(i8), public :: factor_entries = 0  !< entries of the factors
+    real(dp), public :: flops = 0              !< operations of a factorisation
+    real(dp), public :: memory_mb = 0          !< memory of the factorisation, MUMPS's own count [MB]
+  contains
+    procedure :: analyse
+    procedure :: factorise
+    procedure :: solve
+    procedure :: release
+  end type mumps_t
+
+contains
+
+  !> Analyse a pattern; keep `row`, `col` and `value` alive: MUMPS reads the values at every factorisation.
+  subroutine analyse(self, symmetry, n, row, col, value, position, error)
+    class(mumps_t), intent(inout) :: self             !< solver
+    integer, intent(in) :: symmetry                   !< unsymmetric, positive_definite or symmetric (one triangle given)
+    integer, intent(in) :: n                          !< unknowns
+    integer, intent(in), target :: row(:), col(:)     !< coordinates from 1
+    real(dp), intent(in), target :: value(:)          !< values
+    integer, intent(in) :: position(:)                !< place of each unknown in the elimination order
+    type(error_t), allocatable, intent(out) :: error  !< out of memory, wrong pattern
+    call self%release()
+    allocate (self%id)
+    associate (id => self%id)
+      id%comm = 0
+      id%sym = symmetry
+      id%par = 1
+      id%job = -1
+      call dmumps(id)
+      id%icntl(1:3) = -1
+      id%icntl(4) = 0
+      id%icntl(6) = 0
+      id%icntl(7) = 1
+      id%icntl(14) = 30
+      id%n = n
+      id%nnz = size(row, kind=i8)
+      id%irn => row
+      id%jcn => col
+      id%a => value
+      allocate (id%perm_in(n))
+      id%perm_in = position
+      id%job = 1
+      call dmumps(id)
+      call check(id, error)
+      if (allocated(error)) return
+      self%ordering_used = id%infog(7)
+    end associate
+  end subroutine analyse
+
+  !> Factorise the present values; the working space grows and the step is repeated where MUMPS asks for it.
+  subroutine factorise(self, error)
+    class(mumps_t), intent(inout) :: self             !< analysed solver
+    type(error_t), allocatable, intent(out) :: error  !< singular (a body is not held), out of memory
+    integer :: attempt
+    do attempt = 1, 5
+      self%id%job = 2
+      call dmumps(self%id)
+      if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
+      self%id%icntl(14) = 2*self%id%icntl(14)
+    end do
+    call check(self%id, error)
+    if (allocated(error)) return
+    self%factor_entries = entries(self%id%infog(29))
+    self%flops = self%id%rinfog(3)
+    self%memory_mb = self%id%infog(22)
+  end subroutine factorise
+
+  !> MUMPS gives large counts as negative millions.
+  pure integer(i8) function entries(info)
+    integer, intent(in) :: info  !< INFOG(29)
+    entries = merge(int(info, i8), -1000000_i8*info, info >= 0)
+  end function entries
+
+  !> Solve for one or more right-hand sides in place.
+  subroutine solve(self, b, error)
+    class(mumps_t), intent(inout) :: self                     !< factorised solver
+    real(dp), intent(inout), target, contiguous :: b(:, :)    !< right-hand sides (n, count), then solutions
+    type(error_t), allocatable, intent(out) :: error          !< MUMPS failure
+    self%id%nrhs = size(b, 2)
+    self%id%lrhs = size(b, 1)
+    self%id%rhs(1:size(b)) => b
+    self%id%job = 3
+    call dmumps(self%id)
+    nullify (self%id%rhs)
+    call check(self%id, error)
+  end subroutine solve
+
+  !> Give back all memory.
+  subroutine release(self)
+    class(mumps_t), intent(inout) :: self  !< solver
+    if (.not. associated(self%id)) return
+    nullify (self%id%irn, self%id%jcn, self%id%a)
+    if (associated(self%id%perm_in)) deallocate (self%id%perm_in)
+    nullify (self%id%perm_in)
+    self%id%job = -2
+    call dmumps(self%id)
+    deallocate (self%id)
+  end subroutine release
+
+  !> Sentence for a MUMPS status.
+  subroutine check(id, error)
+    type(dmumps_struc), intent(in) :: id              !< instance after a call
+    type(error_t), allocatable, intent(out) :: error  !< set if the call failed
+    character(len=:), allocatable :: codes
+    if (id%infog(1) >= 0) return
+    codes = ' (MUMPS INFOG(1:2) = '//to_text(id%infog(1))//', '//to_text(id%infog(2))//')'
+    select case (id%infog(1))
+    case (-10, -6)
+      call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held'//codes)
+    case (-13, -19, -22)
+      call raise(error, code_memory, 'out of memory in the factorisation of '//to_text(id%n)// &
+        ' unknowns: use a coarser mesh or fewer layers'//codes)
+    case (-8, -9)
+      call raise(error, code_memory, 'the factorisation kept asking for more working space'//codes)
+    case default
+      call raise(error, code_internal, 'the sparse solver failed'//codes)
+    end select
+  end subroutine check
+end module hd_mumps

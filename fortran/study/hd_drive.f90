@@ -1,0 +1,229 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The harmonic drive scene as a contact problem: flexspline cup, bearing ring, wave generator, supports and torque.
+!>
+!> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 is the ring (slave), body 2 the cup (master).
+module hd_drive
+  use hd_kinds, only: dp, pi
+  use hd_error, only: error_t
+  use hd_scene, only: scene_t
+  use hd_body, only: body_t
+  use hd_face, only: face_t, facet_weights
+  use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
+  use hd_hexahedron, only: element_kind
+  use hd_mortar, only: new_mortar
+  use hd_problem, only: problem_t, load_t, new_problem, add_springs
+  use hd_contact_law, only: contact_mode
+  implicit none
+  private
+  public :: drive_t, new_drive, drive_load
+
+  type :: drive_t
+    type(problem_t) :: problem               !< bodies, supports, interface
+    type(strip_t) :: ring, cup               !< meridian sections
+    type(face_t) :: face                     !< contact face of the ring
+    integer :: axial_facets = 0              !< facets of that face along the axis
+    real(dp) :: radius = 0                   !< contact radius [m]
+    real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
+    real(dp), allocatable :: torque(:, :)    !< nodal forces of a unit torque (3, n) [1/m]
+    real(dp) :: interference = 0             !< radial interference [m]
+  end type drive_t
+
+contains
+
+  !> Build the problem of a scene.
+  subroutine new_drive(scene, drive, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(drive_t), intent(out) :: drive               !< problem and loads
+    type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
+    type(body_t) :: bodies(2)
+    type(face_t) :: master
+    integer :: kind, sectors, first, last
+    call element_kind(scene%element, kind, error)
+    if (allocated(error)) return
+    drive%radius = scene%bore_radius
+    drive%interference = scene%interference
+    call ring_strip(scene, drive%ring)
+    call cup_strip(scene, drive%cup, first, last)
+    sectors = merge(scene%ring_divisions, scene%divisions, scene%ring_divisions > 0)
+    call revolve(drive%ring, sectors, kind, bodies(1))
+    call revolve(drive%cup, scene%divisions, kind, bodies(2))
+    bodies%young = [scene%ring_e, scene%flexspline_e]
+    bodies%poisson = [scene%ring_nu, scene%flexspline_nu]
+    call new_problem(bodies, drive%problem, error)
+    if (allocated(error)) return
+    drive%axial_facets = size(drive%ring%inner, 2) - 1
+    call strip_face(drive%ring, bodies(1), drive%ring%layers + 1, 1, drive%axial_facets + 1, drive%radius, drive%face)
+    call strip_face(drive%cup, bodies(2), 1, first, last, drive%radius, master)
+    master%nodes = master%nodes + drive%problem%first(2)
+    call new_mortar(drive%face, master, drive%problem%mortar)
+    call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
+    if (allocated(error)) return
+    drive%problem%law%friction = scene%friction
+    drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
+    call hold(scene, drive)
+    call turn_cam(scene, drive)
+    call load_rim(scene, drive)
+  end subroutine new_drive
+
+  !> Meridian section of the ring.
+  pure subroutine ring_strip(scene, strip)
+    type(scene_t), intent(in) :: scene   !< scene
+    type(strip_t), intent(out) :: strip  !< section
+    real(dp), allocatable :: z(:)
+    z = [scene%band_start]
+    call append_intervals(z, scene%band_start + scene%band_length, &
+      merge(scene%ring_facets, scene%band_facets, scene%ring_facets > 0))
+    allocate (strip%inner(2, size(z)), strip%outer(2, size(z)))
+    strip%inner(1, :) = scene%bore_radius - scene%ring_thickness
+    strip%outer(1, :) = scene%bore_radius
+    strip%inner(2, :) = z
+    strip%outer(2, :) = z
+    strip%layers = scene%through_ring
+  end subroutine ring_strip
+
+  !> Meridian section of the cup: wall from the opening to a mitred corner, bottom from there to the hub.
+  pure subroutine cup_strip(scene, strip, first, last)
+    type(scene_t), intent(in) :: scene      !< scene
+    type(strip_t), intent(out) :: strip     !< section
+    integer, intent(out) :: first, last     !< stations at the ends of the contact band
+    real(dp), allocatable :: z(:), r(:)
+    real(dp) :: h, corner, wall_start
+    integer :: i, wall, bottom
+    h = scene%band_length/scene%band_facets
+    corner = scene%cup_length - scene%bottom_thickness
+    z = [0._dp]
+    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)))
+    first = size(z)
+    call append_intervals(z, scene%band_start + scene%band_length, scene%band_facets)
+    last = size(z)
+    wall_start = z(last)
+    if (scene%rim_length > wall_start .and. scene%rim_length < corner) then
+      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)))
+      wall_start = scene%rim_length
+    end if
+    wall = merge(scene%wall_elements, max(1, nint((corner - wall_start)/h)), scene%wall_elements > 0)
+    call append_intervals(z, corner, wall)
+    r = [scene%bore_radius]
+    bottom = merge(scene%bottom_elements, max(1, nint((scene%bore_radius - scene%hub_radius)/h)), scene%bottom_elements > 0)
+    call append_intervals(r, scene%hub_radius, bottom)
+    wall = size(z)
+    allocate (strip%inner(2, wall + bottom), strip%outer(2, wall + bottom))
+    do i = 1, wall
+      strip%inner(:, i) = [scene%bore_radius, z(i)]
+      strip%outer(:, i) = [scene%bore_radius + thickness(scene, z(i)), z(i)]
+    end do
+    strip%outer(2, wall) = scene%cup_length
+    do i = 1, bottom
+      strip%inner(:, wall + i) = [r(i + 1), corner]
+      strip%outer(:, wall + i) = [r(i + 1), scene%cup_length]
+    end do
+    strip%layers = scene%through_wall
+  end subroutine cup_strip
+
+  !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].
+  elemental real(dp) function thickness(scene, z)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: z           !< distance from the opening [m]
+    real(dp) :: f
+    f = min(max((z - scene%rim_length)/scene%rim_taper, 0._dp), 1._dp)
+    if (f < 1e-9_dp) f = 0
+    thickness = (1 - f)*scene%rim_thickness + f*scene%wall_thickness
+  end function thickness
+
+  !> Supports. The wave generator prescribes the ring's inner face; the ring is held axially along the middle of that face.
+  subroutine hold(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
+    integer, allocatable :: hub(:)
+    real(dp) :: z, corner
+    associate (problem => drive%problem)
+      problem%fixed(1, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)) = .true.
+      if (scene%ring_tangent == 'follow') &
+        problem%fixed(2, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)) = .true.
+      z = drive%ring%inner(2, (drive%axial_facets + 2)/2)
+      problem%fixed(3, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
+      corner = scene%cup_length - scene%bottom_thickness
+      hub = nodes_at(drive, 2, scene%hub_radius, corner, scene%cup_length)
+      problem%fixed(3, hub) = .true.
+      if (scene%support == 'hub') then
+        problem%fixed(:, hub) = .true.
+      else
+        call add_springs(problem, hub, 1, scene%support_stiffness/size(hub))
+        call add_springs(problem, hub, 2, scene%support_stiffness/size(hub))
+      end if
+    end associate
+  end subroutine hold
+
+  !> Nodes of a body on a cylinder, between two heights.
+  function nodes_at(drive, b, r, z_low, z_high) result(list)
+    type(drive_t), intent(in) :: drive              !< drive
+    integer, intent(in) :: b                        !< body, 1 ring or 2 cup
+    real(dp), intent(in) :: r                       !< radius [m]
+    real(dp), intent(in), optional :: z_low, z_high !< heights, default all [m]
+    integer, allocatable :: list(:)
+    real(dp) :: range(2), tol
+    integer :: i
+    tol = 1e-7_dp*drive%radius
+    range = [-1, 1]*huge(tol)
+    if (present(z_low)) range = [z_low - tol, z_high + tol]
+    associate (x => drive%problem%bodies(b)%x)
+      list = pack([(i, i=1, size(x, 2))], abs(hypot(x(1, :), x(2, :)) - r) < tol .and. &
+        x(3, :) > range(1) .and. x(3, :) < range(2)) + drive%problem%first(b)
+    end associate
+  end function nodes_at
+
+  !> Displacements of the ring's inner face by the wave generator and its eccentricity.
+  subroutine turn_cam(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets assembly
+    real(dp), allocatable :: t(:), radial(:)
+    real(dp) :: r, angle
+    integer, allocatable :: inner(:)
+    angle = scene%eccentricity_angle_deg*pi/180
+    r = scene%bore_radius - scene%ring_thickness
+    allocate (drive%assembly(3, drive%problem%n), source=0._dp)
+    inner = nodes_at(drive, 1, r)
+    t = drive%problem%bodies(1)%angle(inner)
+    radial = scene%w*cos(2*t)
+    if (scene%cam == 'ellipse') radial = (r + scene%w)*(r - scene%w)/ &
+      sqrt(((r - scene%w)*cos(t))**2 + ((r + scene%w)*sin(t))**2) - r
+    drive%assembly(1, inner) = radial + scene%eccentricity*cos(t - angle)
+    drive%assembly(2, inner) = -scene%w/2*sin(2*t) - scene%eccentricity*sin(t - angle)
+  end subroutine turn_cam
+
+  !> Unit torque as an even shear on the rim's outer face.
+  subroutine load_rim(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets torque
+    type(face_t) :: face
+    real(dp), allocatable :: w(:), r(:)
+    real(dp) :: area
+    integer :: f, last
+    associate (body => drive%problem%bodies(2))
+      last = max(2, count(drive%cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. &
+        drive%cup%outer(1, :) >= scene%bore_radius))
+      call strip_face(drive%cup, body, drive%cup%layers + 1, 1, last, drive%radius, face)
+      allocate (drive%torque(3, drive%problem%n), source=0._dp)
+      w = facet_weights(size(face%nodes, 1))
+      do f = 1, size(face%nodes, 2)
+        area = (face%chart(1, 2, f) - face%chart(1, 1, f))*(face%chart(2, 4, f) - face%chart(2, 1, f))
+        associate (list => drive%problem%first(2) + face%nodes(:, f))
+          drive%torque(2, list) = drive%torque(2, list) + w*area
+        end associate
+      end do
+      r = hypot(body%x(1, :), body%x(2, :))
+      drive%torque = drive%torque/sum(drive%torque(2, drive%problem%first(2) + 1:)*r)
+    end associate
+  end subroutine load_rim
+
+  !> Load at a fraction of the assembly and a torque.
+  pure subroutine drive_load(drive, assembly, torque, load)
+    type(drive_t), intent(in) :: drive    !< drive
+    real(dp), intent(in) :: assembly      !< fraction of the assembly, 0 to 1
+    real(dp), intent(in) :: torque        !< torque on the rim [N m]
+    type(load_t), intent(out) :: load     !< load
+    load%displacement = assembly*drive%assembly
+    load%force = torque*drive%torque
+    load%gap = spread(-assembly*drive%interference, 1, drive%problem%mortar%n)
+  end subroutine drive_load
+end module hd_drive

@@ -1,0 +1,50 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The scene: every parameter of a run, in SI units. Bounds, units and meanings stand in hd_parameters.
+module hd_scene
+  use hd_kinds, only: dp
+  implicit none
+  private
+  public :: scene_t, name_length
+
+  integer, parameter :: name_length = 32   !< longest choice
+  integer, parameter :: title_length = 120 !< longest title
+
+  type :: scene_t
+    integer :: version = 1
+    character(len=title_length) :: title = ''
+    ! geometry
+    real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
+    real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
+    real(dp) :: hub_radius = 8e-3_dp, ring_thickness = 1e-3_dp, band_start = 0.5e-3_dp, band_length = 12e-3_dp
+    ! material
+    real(dp) :: flexspline_e = 209e9_dp, flexspline_nu = 0.295_dp, ring_e = 219e9_dp, ring_nu = 0.30_dp
+    real(dp) :: yield_strength = 835e6_dp
+    ! mesh
+    integer :: divisions = 86, band_facets = 15, ring_divisions = 0, ring_facets = 0, wall_elements = 0
+    integer :: bottom_elements = 0, through_wall = 1, through_ring = 1
+    character(len=name_length) :: element = 'hex8i'
+    real(dp) :: memory_limit_mb = 0
+    ! wave generator
+    real(dp) :: w = 0.2e-3_dp
+    character(len=name_length) :: cam = 'ellipse', ring_tangent = 'follow', shape = 'pressed'
+    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp
+    ! contact
+    character(len=name_length) :: contact_mode = 'frictional'
+    real(dp) :: friction = 0.15_dp
+    ! load
+    character(len=name_length) :: support = 'hub', torque_load = 'uniform'
+    real(dp) :: torque = 5, support_stiffness = 100
+    integer :: assembly_steps = 3, torque_steps = 5
+    ! solver
+    real(dp) :: tolerance = 1e-8_dp
+    integer :: max_iterations = 60, max_cuts = 8
+    real(dp) :: time_limit_s = 0
+    ! joint
+    real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
+    real(dp) :: shortest_wavelength = 1e-6_dp, asperity_radius = 5e-6_dp, s_min = 0, hardness = 0
+    character(len=name_length) :: closure = 'nominal'
+    ! output
+    character(len=name_length) :: vtu = 'last'
+    real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]
+  end type scene_t
+end module hd_scene

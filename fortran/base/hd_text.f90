@@ -1,24 +1,154 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Text: numbers as text, lower case, lists of names, the nearest valid name.
 module hd_text
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text
+  public :: to_text, lower, nearest_name, string_t, join, exact
+
+  !> One entry of a list of texts.
+  type :: string_t
+    character(len=:), allocatable :: s
+  end type string_t
+
+  !> Number as short text.
   interface to_text
-    module procedure :: ti, tr
-  end interface
+    module procedure :: integer_text, long_text, real_text
+  end interface to_text
+
 contains
-  pure function ti(i) result(s)
-    integer, intent(in) :: i
+
+  !> Decimal text of an integer.
+  pure function integer_text(i) result(s)
+    integer, intent(in) :: i  !< number
     character(len=:), allocatable :: s
-    character(len=20) :: b
-    write (b, '(i0)') i
-    s = trim(b)
-  end function
-  pure function tr(i) result(s)
-    real(dp), intent(in) :: i
+    s = long_text(int(i, int64))
+  end function integer_text
+
+  !> Decimal text of a long integer.
+  pure function long_text(i) result(s)
+    integer(int64), intent(in) :: i  !< number
     character(len=:), allocatable :: s
-    character(len=30) :: b
-    write (b, '(g0.6)') i
-    s = trim(b)
-  end function
-end module
+    character(len=24) :: buffer
+    write (buffer, '(i0)') i
+    s = trim(buffer)
+  end function long_text
+
+  !> Six digits, without superfluous zeros.
+  pure function real_text(x) result(s)
+    real(dp), intent(in) :: x  !< number
+    character(len=:), allocatable :: s
+    s = shorten(x, 6)
+  end function real_text
+
+  !> The shortest text that reads back as the same number.
+  pure function exact(x) result(s)
+    real(dp), intent(in) :: x  !< number
+    character(len=:), allocatable :: s
+    real(dp) :: y
+    integer :: digits, status
+    do digits = 6, 17
+      s = shorten(x, digits)
+      read (s, *, iostat=status) y
+      if (status == 0 .and. abs(y - x) <= 0) return
+    end do
+  end function exact
+
+  !> Text of a real with a number of significant digits.
+  pure function shorten(x, digits) result(s)
+    real(dp), intent(in) :: x       !< number
+    integer, intent(in) :: digits   !< significant digits
+    character(len=:), allocatable :: s
+    character(len=40) :: buffer
+    character(len=12) :: form
+    integer :: e
+    if (x /= x .or. abs(x) > huge(x)) then
+      write (buffer, '(f0.0)') x
+      s = trim(buffer)
+      return
+    end if
+    write (form, '(a,i0,a)') '(es40.', digits - 1, 'e3)'
+    write (buffer, form) x
+    buffer = adjustl(buffer)
+    e = index(buffer, 'E')
+    s = buffer(:e - 1)
+    do while (s(len(s):) == '0')
+      s = s(:len(s) - 1)
+    end do
+    if (s(len(s):) == '.') s = s//'0'
+    read (buffer(e + 1:), *) e
+    if (e == 0) return
+    if (e >= -3 .and. e < 5) then
+      write (form, '(a,i0,a)') '(f0.', max(1, digits - 1 - e), ')'
+      write (buffer, form) x
+      s = trim(buffer)
+      do while (s(len(s):) == '0' .and. s(len(s) - 1:len(s) - 1) /= '.')
+        s = s(:len(s) - 1)
+      end do
+      if (s(1:1) == '.') s = '0'//s
+      if (len(s) > 1) then
+        if (s(1:2) == '-.') s = '-0'//s(2:)
+      end if
+    else
+      s = s//'e'//integer_text(e)
+    end if
+  end function shorten
+
+  !> Lower-case copy.
+  pure function lower(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=len(s)) :: t
+    integer :: i
+    t = s
+    do i = 1, len(s)
+      if (s(i:i) >= 'A' .and. s(i:i) <= 'Z') t(i:i) = achar(iachar(s(i:i)) + 32)
+    end do
+  end function lower
+
+  !> Names joined by a separator.
+  pure function join(names, separator) result(s)
+    type(string_t), intent(in) :: names(:)      !< names
+    character(len=*), intent(in) :: separator   !< between them
+    character(len=:), allocatable :: s
+    integer :: i
+    s = ''
+    do i = 1, size(names)
+      if (i > 1) s = s//separator
+      s = s//names(i)%s
+    end do
+  end function join
+
+  !> The name nearest to a misspelt one, empty if none is close.
+  pure function nearest_name(word, names) result(best)
+    character(len=*), intent(in) :: word     !< as typed
+    type(string_t), intent(in) :: names(:)   !< valid names
+    character(len=:), allocatable :: best
+    integer :: i, d, least
+    best = ''
+    least = max(2, len(word)/3) + 1
+    do i = 1, size(names)
+      d = distance(lower(word), names(i)%s)
+      if (d >= least) cycle
+      least = d
+      best = names(i)%s
+    end do
+  end function nearest_name
+
+  !> Edit distance (insertions, deletions, substitutions).
+  pure integer function distance(a, b)
+    character(len=*), intent(in) :: a, b  !< words
+    integer :: row(0:len(b)), i, j, diagonal, above
+    row = [(j, j=0, len(b))]
+    do i = 1, len(a)
+      diagonal = row(0)
+      row(0) = i
+      do j = 1, len(b)
+        above = row(j)
+        row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, a(i:i) == b(j:j)))
+        diagonal = above
+      end do
+    end do
+    distance = row(len(b))
+  end function distance
+end module hd_text

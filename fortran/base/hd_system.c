@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Signals that ask for an orderly stop only set a flag; the load-step loop reads it. */
+#include <signal.h>
+#include <stdio.h>
+#include <sys/stat.h>
+#include <errno.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t stop_requested = 0;
+
+static void request_stop(int number) { stop_requested = number; }
+
+void hd_catch_signals(void)
+{
+  signal(SIGTERM, request_stop);
+  signal(SIGUSR1, request_stop);
+  signal(SIGXCPU, request_stop);
+  signal(SIGINT, request_stop);
+}
+
+int hd_stop_requested(void) { return stop_requested; }
+
+/* 0: done or already there. */
+int hd_make_directory(const char *path)
+{
+  return mkdir(path, 0777) == 0 || errno == EEXIST ? 0 : errno;
+}
+
+int hd_rename(const char *from, const char *to) { return rename(from, to); }
+
+int hd_remove(const char *path) { return unlink(path); }
+
+/* 0 absent, 1 file, 2 directory. */
+int hd_path_kind(const char *path)
+{
+  struct stat s;
+  if (stat(path, &s) != 0) return 0;
+  return S_ISDIR(s.st_mode) ? 2 : 1;
+}
+
+int hd_is_terminal(void) { return isatty(1); }

@@ -1,0 +1,84 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The operating system: stop signals, folders, renaming.
+module hd_system
+  use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char
+  use hd_error, only: error_t, raise, code_file
+  implicit none
+  private
+  public :: catch_signals, stop_requested, make_directory, rename_file, remove_file, path_kind, on_terminal
+  public :: path_absent, path_file, path_directory
+
+  integer, parameter :: path_absent = 0     !< nothing there
+  integer, parameter :: path_file = 1       !< a file
+  integer, parameter :: path_directory = 2  !< a folder
+
+  interface
+    subroutine catch_signals() bind(c, name='hd_catch_signals')
+    end subroutine catch_signals
+    integer(c_int) function c_stop() bind(c, name='hd_stop_requested')
+      import :: c_int
+    end function c_stop
+    integer(c_int) function c_mkdir(path) bind(c, name='hd_make_directory')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_mkdir
+    integer(c_int) function c_rename(from, to) bind(c, name='hd_rename')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: from(*), to(*)
+    end function c_rename
+    integer(c_int) function c_remove(path) bind(c, name='hd_remove')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_remove
+    integer(c_int) function c_kind(path) bind(c, name='hd_path_kind')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_kind
+    integer(c_int) function c_tty() bind(c, name='hd_is_terminal')
+      import :: c_int
+    end function c_tty
+  end interface
+
+contains
+
+  !> A caught signal asks for an orderly stop.
+  logical function stop_requested()
+    stop_requested = c_stop() /= 0
+  end function stop_requested
+
+  !> Standard output is a terminal.
+  logical function on_terminal()
+    on_terminal = c_tty() /= 0
+  end function on_terminal
+
+  !> What stands at a path.
+  integer function path_kind(path)
+    character(len=*), intent(in) :: path  !< path
+    path_kind = c_kind(trim(path)//c_null_char)
+  end function path_kind
+
+  !> Make a folder; nothing happens if it is there.
+  subroutine make_directory(path, error)
+    character(len=*), intent(in) :: path              !< folder; its parent must exist
+    type(error_t), allocatable, intent(out) :: error  !< cannot be made
+    integer(c_int) :: status
+    status = c_mkdir(trim(path)//c_null_char)
+    if (path_kind(path) /= path_directory) &
+      call raise(error, code_file, "cannot make the folder '"//trim(path)//"': choose another with --out DIR")
+  end subroutine make_directory
+
+  !> Rename a file, replacing the target.
+  subroutine rename_file(from, to, error)
+    character(len=*), intent(in) :: from, to          !< paths
+    type(error_t), allocatable, intent(out) :: error  !< cannot be renamed
+    if (c_rename(trim(from)//c_null_char, trim(to)//c_null_char) /= 0) &
+      call raise(error, code_file, "cannot write '"//trim(to)//"'")
+  end subroutine rename_file
+
+  !> Remove a file if it is there.
+  subroutine remove_file(path)
+    character(len=*), intent(in) :: path  !< file
+    integer(c_int) :: status
+    status = c_remove(trim(path)//c_null_char)
+  end subroutine remove_file
+end module hd_system

@@ -1,0 +1,76 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> CSV tables, written row by row.
+module hd_table
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_file
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: table_t
+
+  type :: table_t
+    private
+    integer :: unit = -1
+    character(len=:), allocatable :: path, line
+  contains
+    procedure :: open => open_table
+    generic :: add => add_integer, add_real, add_text
+    procedure, private :: add_integer, add_real, add_text
+    procedure :: end_row
+    procedure :: close => close_table
+  end type table_t
+
+contains
+
+  !> Start a table with its header.
+  subroutine open_table(self, path, columns, error)
+    class(table_t), intent(inout) :: self             !< table
+    character(len=*), intent(in) :: path              !< file
+    character(len=*), intent(in) :: columns           !< names joined by commas
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    integer :: status
+    self%path = path
+    self%line = ''
+    open (newunit=self%unit, file=path, action='write', status='replace', recl=100000, iostat=status)
+    if (status == 0) write (self%unit, '(a)', iostat=status) columns
+    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+  end subroutine open_table
+
+  subroutine add_integer(self, value)
+    class(table_t), intent(inout) :: self
+    integer, intent(in) :: value
+    self%line = self%line//','//to_text(value)
+  end subroutine add_integer
+
+  !> Reals keep all their digits.
+  subroutine add_real(self, value)
+    class(table_t), intent(inout) :: self
+    real(dp), intent(in) :: value
+    character(len=25) :: buffer
+    write (buffer, '(es24.16e3)') value
+    self%line = self%line//','//trim(adjustl(buffer))
+  end subroutine add_real
+
+  subroutine add_text(self, value)
+    class(table_t), intent(inout) :: self
+    character(len=*), intent(in) :: value
+    self%line = self%line//','//trim(value)
+  end subroutine add_text
+
+  !> Write the row and flush it.
+  subroutine end_row(self, error)
+    class(table_t), intent(inout) :: self             !< table
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer :: status
+    write (self%unit, '(a)', iostat=status) self%line(2:)
+    self%line = ''
+    if (status /= 0) call raise(error, code_file, "cannot write '"//self%path//"': is the disk full?")
+  end subroutine end_row
+
+  !> Close the file.
+  subroutine close_table(self)
+    class(table_t), intent(inout) :: self  !< table
+    if (self%unit /= -1) close (self%unit)
+    self%unit = -1
+  end subroutine close_table
+end module hd_table

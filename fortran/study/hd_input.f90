@@ -1,0 +1,290 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> From an input file and assignments to a checked scene, with every mistake in one message; echo and explanation of keys.
+module hd_input
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_input, code_file, code_memory
+  use hd_clock, only: machine_memory_mb
+  use hd_namelist, only: namelist_t, read_namelist, report
+  use hd_parameters, only: table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, join, nearest_name, to_text, lower
+  implicit none
+  private
+  public :: read_scene, write_echo, explain, estimate_memory_mb
+
+  character(len=1), parameter :: nl = new_line('a')
+
+contains
+
+  !> Read a scene. `path` may be empty: defaults and assignments only.
+  subroutine read_scene(path, assignments, scene, error)
+    character(len=*), intent(in) :: path              !< input file or ''
+    type(string_t), intent(in) :: assignments(:)      !< 'group.key=value'
+    type(scene_t), intent(inout), target :: scene     !< scene
+    type(error_t), allocatable, intent(out) :: error  !< all mistakes in one message
+    type(namelist_t) :: list
+    type(table_t) :: table
+    allocate (list%faults(0))
+    call new_table(scene, table)
+    if (len_trim(path) > 0) then
+      call read_namelist(trim(path), list, error)
+      if (allocated(error)) return
+      call apply_file(list, table)
+    end if
+    call apply_assignments(assignments, list%faults, table)
+    if (size(list%faults) == 0) call check_scene(scene, list%faults)
+    if (size(list%faults) > 0) then
+      call raise(error, code_input, join(list%faults, nl))
+      return
+    end if
+    call check_memory(scene, error)
+  end subroutine read_scene
+
+  !> Enter the assignments of a file into the table.
+  subroutine apply_file(list, table)
+    type(namelist_t), intent(inout) :: list  !< scanned file; gets faults
+    type(table_t), intent(inout) :: table    !< table
+    character(len=:), allocatable :: what, hint
+    integer :: i, row
+    do i = 1, size(list%groups)
+      associate (g => list%groups(i))
+        if (has(groups_of(table), g%group)) then
+          if (any([(list%groups(row)%group == g%group, row=1, i - 1)])) &
+            call report(list, g%line, g%column, len(g%group) + 1, 'group &'//g%group//' stands twice', 'keep one')
+        else
+          call report(list, g%line, g%column, len(g%group) + 1, 'unknown group &'//g%group, &
+            suggestion(g%group, groups_of(table)))
+        end if
+      end associate
+    end do
+    do i = 1, size(list%assignments)
+      associate (a => list%assignments(i))
+        if (.not. has(groups_of(table), a%group)) cycle
+        row = find_parameter(table, a%group, a%key)
+        if (row == 0) then
+          call report(list, a%line, a%column, len(a%key), "unknown key '"//a%key//"' in &"//a%group, &
+            suggestion(a%key, keys_of(table, a%group)))
+          cycle
+        end if
+        if (table%rows(row)%given) then
+          call report(list, a%line, a%column, len(a%key), "key '"//a%key//"' stands twice in &"//a%group, 'keep one')
+          cycle
+        end if
+        call assign_words(table%rows(row), a%values, what, hint)
+        if (len(what) > 0) call report(list, a%value_line, a%value_column, len(a%values(1)%s), what, hint)
+      end associate
+    end do
+  end subroutine apply_file
+
+  !> Enter assignments from the command line or from Python.
+  subroutine apply_assignments(assignments, faults, table)
+    type(string_t), intent(in) :: assignments(:)                !< 'group.key=value'
+    type(string_t), allocatable, intent(inout) :: faults(:)     !< gets mistakes
+    type(table_t), intent(inout) :: table                       !< table
+    character(len=:), allocatable :: what, hint, group, key
+    type(string_t), allocatable :: words(:)
+    integer :: i, dot, equal, row
+    do i = 1, size(assignments)
+      associate (s => assignments(i)%s)
+        equal = index(s, '=')
+        dot = index(s(:max(0, equal - 1)), '.')
+        what = ''
+        if (equal == 0 .or. dot == 0) then
+          what = "'"//s//"' is no assignment"
+          hint = 'write group.key=value'
+        else
+          group = lower(s(:dot - 1))
+          key = lower(s(dot + 1:equal - 1))
+          row = find_parameter(table, group, key)
+          if (.not. has(groups_of(table), group)) then
+            what = 'unknown group &'//group
+            hint = suggestion(group, groups_of(table))
+          else if (row == 0) then
+            what = "unknown key '"//key//"' in &"//group
+            hint = suggestion(key, keys_of(table, group))
+          else
+            words = split(s(equal + 1:), associated(table%rows(row)%reals))
+            call assign_words(table%rows(row), words, what, hint)
+          end if
+        end if
+        if (len(what) > 0) faults = [faults, string_t('error: '//what//nl//'  --> '//s//nl//'      '//hint)]
+      end associate
+    end do
+  end subroutine apply_assignments
+
+  !> Words of a value; only lists of numbers are cut.
+  pure function split(s, cut) result(words)
+    character(len=*), intent(in) :: s  !< text behind '='
+    logical, intent(in) :: cut         !< cut at commas and blanks
+    type(string_t), allocatable :: words(:)
+    integer :: i, j
+    if (.not. cut) then
+      words = [string_t(trim(adjustl(s))//'')]
+      return
+    end if
+    allocate (words(0))
+    i = 1
+    do while (i <= len(s))
+      j = i + scan(s(i:)//',', ', ') - 2
+      if (j >= i) words = [words, string_t(s(i:j))]
+      i = j + 2
+    end do
+    if (size(words) == 0) words = [string_t('')]
+  end function split
+
+  !> Is a name in a list?
+  pure logical function has(names, name)
+    type(string_t), intent(in) :: names(:)  !< list
+    character(len=*), intent(in) :: name    !< name
+    integer :: i
+    has = any([(names(i)%s == name, i=1, size(names))])
+  end function has
+
+  !> Nearest valid name and the list of all.
+  pure function suggestion(word, names) result(hint)
+    character(len=*), intent(in) :: word    !< as typed
+    type(string_t), intent(in) :: names(:)  !< valid names
+    character(len=:), allocatable :: hint
+    hint = nearest_name(word, names)
+    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
+    hint = hint//'valid: '//join(names, ', ')
+  end function suggestion
+
+  !> Conditions between keys.
+  subroutine check_scene(s, faults)
+    type(scene_t), intent(in) :: s                            !< scene whose keys are in range
+    type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
+    call need(s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%ring_thickness < s%bore_radius, 'geometry.ring_thickness', s%ring_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%hub_radius < s%bore_radius, 'geometry.hub_radius', s%hub_radius, 'below bore_radius', s%bore_radius)
+    call need(s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', s%cup_length)
+    call need(s%band_start + s%band_length < s%cup_length - s%bottom_thickness, 'geometry.band_length', s%band_length, &
+      'so that the band ends before the bottom: below cup_length - bottom_thickness - band_start', &
+      s%cup_length - s%bottom_thickness - s%band_start)
+    call need(s%rim_length < s%cup_length - s%bottom_thickness, 'geometry.rim_length', s%rim_length, &
+      'below cup_length - bottom_thickness', s%cup_length - s%bottom_thickness)
+    call need(abs(s%w) < s%bore_radius - s%ring_thickness, 'wave_generator.w', s%w, &
+      'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
+    call need(s%eccentricity < 0.1_dp*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
+      'below a tenth of bore_radius (small displacements)', 0.1_dp*s%bore_radius)
+    call need(abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
+      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
+    call need(s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
+      'below sample_length', s%sample_length)
+    call need(s%support == 'hub' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
+      "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
+  contains
+    subroutine need(condition, name, value, rule, limit)
+      logical, intent(in) :: condition
+      character(len=*), intent(in) :: name, rule
+      real(dp), intent(in) :: value, limit
+      if (condition) return
+      faults = [faults, string_t('error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')]
+    end subroutine need
+  end subroutine check_scene
+
+  !> Memory that a run of the scene will need, from the size of its mesh [MB].
+  !> Factor entries grow as n^1.15 for meshes one cell thick and n^1.35 for solid ones (measured on the reference scenes).
+  pure real(dp) function estimate_memory_mb(s) result(mb)
+    type(scene_t), intent(in) :: s  !< scene
+    real(dp) :: h, stations, nodes, thick
+    h = s%band_length/s%band_facets
+    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h
+    nodes = real(s%divisions, dp)*(stations*(s%through_wall + 1) + (s%band_facets + 1)*(s%through_ring + 1))
+    if (s%element == 'hex20r') nodes = 3.5_dp*nodes
+    thick = max(s%through_wall, s%through_ring)
+    mb = 60 + 196*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes
+  end function estimate_memory_mb
+
+  !> Refuse a mesh that does not fit before it is tried.
+  subroutine check_memory(s, error)
+    type(scene_t), intent(in) :: s                    !< scene
+    type(error_t), allocatable, intent(out) :: error  !< too large
+    real(dp) :: need, limit
+    need = estimate_memory_mb(s)
+    limit = s%memory_limit_mb
+    if (limit <= 0) limit = 0.8_dp*machine_memory_mb()
+    if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(anint(need))// &
+      ' MB, the limit is '//to_text(anint(limit))//' MB'//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
+      ') or mesh.band_facets ('//to_text(s%band_facets)//'), or raise mesh.memory_limit_mb')
+  end subroutine check_memory
+
+  !> Write every key; reading the file back gives the same run.
+  subroutine write_echo(path, scene, error)
+    character(len=*), intent(in) :: path              !< file
+    type(scene_t), intent(in) :: scene                !< scene
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    type(scene_t), target :: standard, copy
+    type(table_t) :: default, table
+    type(string_t), allocatable :: groups(:)
+    character(len=:), allocatable :: line
+    integer :: unit, status, g, i
+    copy = scene
+    call new_table(standard, default)
+    call new_table(copy, table)
+    open (newunit=unit, file=path, action='write', status='replace', iostat=status)
+    if (status /= 0) then
+      call raise(error, code_file, "cannot write '"//path//"'")
+      return
+    end if
+    groups = groups_of(table)
+    do g = 1, size(groups)
+      write (unit, '(a)') '&'//groups(g)%s
+      do i = 1, size(table%rows)
+        if (table%rows(i)%group /= groups(g)%s) cycle
+        line = '  '//table%rows(i)%key//' = '//value_text(table%rows(i))
+        if (value_text(table%rows(i)) == value_text(default%rows(i))) line = line//'  ! default'
+        write (unit, '(a)') line
+      end do
+      write (unit, '(a)') '/'
+    end do
+    close (unit)
+  end subroutine write_echo
+
+  !> Text about a key, a group, or `all` keys as a Markdown page.
+  subroutine explain(name, answer, error)
+    character(len=*), intent(in) :: name                    !< key, group.key, group or 'all'
+    character(len=:), allocatable, intent(out) :: answer    !< text
+    type(error_t), allocatable, intent(out) :: error        !< no such name
+    type(scene_t), target :: scene
+    type(table_t) :: table
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    call new_table(scene, table)
+    answer = ''
+    names = groups_of(table)
+    if (name == 'all') answer = '# Input keys'//nl//nl//'Written by `hdengine.x --explain all`. All values in SI units.'//nl
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        names = [names, string_t(p%key)]
+        if (name == 'all') then
+          if (i == 1) then
+            answer = answer//heading(p)
+          else if (table%rows(i - 1)%group /= p%group) then
+            answer = answer//heading(p)
+          end if
+          answer = answer//'| `'//p%key//'` | '//p%default//' | '//p%unit//' | '//p%meaning//choices(p)//' |'//nl
+        else if (lower(name) == p%key .or. lower(name) == p%group//'.'//p%key .or. lower(name) == p%group) then
+          answer = answer//'&'//p%group//' '//p%key//' = '//p%default
+          if (len(p%unit) > 0) answer = answer//' ['//p%unit//']'
+          answer = answer//nl//'    '//p%meaning//choices(p)//nl
+        end if
+      end associate
+    end do
+    if (len(answer) == 0) call raise(error, code_input, "error: no key '"//name//"'"//nl//'      '//suggestion(name, names))
+  contains
+    function heading(p) result(s)
+      type(parameter_t), intent(in) :: p
+      character(len=:), allocatable :: s
+      s = nl//'## &'//p%group//nl//nl//'| key | default | unit | meaning |'//nl//'|---|---|---|---|'//nl
+    end function heading
+
+    function choices(p) result(s)
+      type(parameter_t), intent(in) :: p
+      character(len=:), allocatable :: s
+      s = ''
+      if (size(p%choices) > 0) s = ' ('//join(p%choices, ', ')//')'
+    end function choices
+  end subroutine explain
+end module hd_input

@@ -1,0 +1,375 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The one table of parameters: it reads, checks, echoes and explains every key of the input file.
+module hd_parameters
+  use hd_kinds, only: dp
+  use hd_text, only: string_t, to_text, exact, join, nearest_name, lower
+  use hd_scene, only: scene_t
+  implicit none
+  private
+  public :: parameter_t, table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+
+  !> A key: exactly one of integer, real, text and reals points into the scene.
+  type :: parameter_t
+    character(len=:), allocatable :: group, key, unit, meaning
+    integer, pointer :: integer => null()
+    real(dp), pointer :: real => null(), reals(:) => null()
+    character(len=:), pointer :: text => null()
+    real(dp) :: low = -huge(1._dp), high = huge(1._dp)   !< valid range
+    logical :: open_low = .false., open_high = .false.   !< the bound itself is not valid
+    type(string_t), allocatable :: choices(:)            !< valid texts, empty: any
+    character(len=:), allocatable :: default             !< as text
+    logical :: given = .false.                           !< set by the user
+  end type parameter_t
+
+  type :: table_t
+    type(parameter_t), allocatable :: rows(:)
+  end type table_t
+
+contains
+
+  !> Table of all keys, tied to a scene; the scene must live as long as the table.
+  subroutine new_table(scene, table)
+    type(scene_t), intent(inout), target :: scene  !< holds the values
+    type(table_t), intent(out) :: table            !< keys
+    integer :: i
+    allocate (table%rows(0))
+    call add_shape_keys(scene, table)
+    call add_model_keys(scene, table)
+    do i = 1, size(table%rows)
+      table%rows(i)%default = value_text(table%rows(i))
+    end do
+  end subroutine new_table
+
+  !> Geometry, material, mesh and wave generator.
+  subroutine add_shape_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call whole(t, 'hd_input', 'version', s%version, 1, 1, 'format of this file')
+    call text(t, 'run', 'title', s%title, '', 'one line that names the run in its results')
+    call number(t, 'geometry', 'bore_radius', s%bore_radius, 'm', 0._dp, big, &
+      'contact radius: bore of the flexspline, outside of the ring')
+    call number(t, 'geometry', 'wall_thickness', s%wall_thickness, 'm', 0._dp, big, 'wall of the cup behind the toothed rim')
+    call number(t, 'geometry', 'rim_thickness', s%rim_thickness, 'm', 0._dp, big, &
+      'smooth rim as stiff as the toothed one, 1.67^(1/3) times the wall')
+    call number(t, 'geometry', 'rim_length', s%rim_length, 'm', 0._dp, big, 'rim, measured from the opening')
+    call number(t, 'geometry', 'rim_taper', s%rim_taper, 'm', 0._dp, big, 'length over which the rim thins to the wall')
+    call number(t, 'geometry', 'cup_length', s%cup_length, 'm', 0._dp, big, 'from the opening to the outside of the bottom')
+    call number(t, 'geometry', 'bottom_thickness', s%bottom_thickness, 'm', 0._dp, big, 'bottom of the cup')
+    call number(t, 'geometry', 'hub_radius', s%hub_radius, 'm', 0._dp, big, 'radius at which the bottom is held')
+    call number(t, 'geometry', 'ring_thickness', s%ring_thickness, 'm', 0._dp, big, 'outer ring of the flexible bearing')
+    call number(t, 'geometry', 'band_start', s%band_start, 'm', 0._dp, big, &
+      'contact band: distance behind the opening', closed=.true.)
+    call number(t, 'geometry', 'band_length', s%band_length, 'm', 0._dp, big, &
+      'contact band: length, equal to the width of the ring')
+    call number(t, 'material', 'flexspline_e', s%flexspline_e, 'Pa', 0._dp, big, "Young's modulus of the flexspline")
+    call number(t, 'material', 'flexspline_nu', s%flexspline_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the flexspline")
+    call number(t, 'material', 'ring_e', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
+    call number(t, 'material', 'ring_nu', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
+    call number(t, 'material', 'yield_strength', s%yield_strength, 'Pa', 0._dp, big, &
+      'of the softer body, gives the hardness 2.8 sigma_s')
+    call whole(t, 'mesh', 'divisions', s%divisions, 8, 100000, 'cells round the circumference')
+    call whole(t, 'mesh', 'band_facets', s%band_facets, 1, 10000, 'contact facets along the band')
+    call whole(t, 'mesh', 'ring_divisions', s%ring_divisions, 0, 100000, 'cells round the ring; 0: as divisions')
+    call whole(t, 'mesh', 'ring_facets', s%ring_facets, 0, 10000, 'cells along the ring; 0: as band_facets')
+    call whole(t, 'mesh', 'wall_elements', s%wall_elements, 0, 10000, &
+      'cells along the wall behind band and rim; 0: as long as the facets')
+    call whole(t, 'mesh', 'bottom_elements', s%bottom_elements, 0, 10000, 'cells along the bottom; 0: as long as the facets')
+    call whole(t, 'mesh', 'through_wall', s%through_wall, 1, 100, 'cells through wall, rim and bottom')
+    call whole(t, 'mesh', 'through_ring', s%through_ring, 1, 100, 'cells through the ring')
+    call text(t, 'mesh', 'element', s%element, 'hex8 hex8i hex20r', &
+      'hexahedron: plain, with incompatible modes, quadratic reduced')
+    call number(t, 'mesh', 'memory_limit_mb', s%memory_limit_mb, 'MB', 0._dp, big, &
+      'larger meshes are refused before they are tried; 0: 80 % of the machine', closed=.true.)
+    call number(t, 'wave_generator', 'w', s%w, 'm', 0._dp, big, 'radial deformation (deformation coefficient)', closed=.true.)
+    call text(t, 'wave_generator', 'cam', s%cam, 'ellipse cosine', 'ellipse with semi-axes r + w, r - w, or w cos 2 theta')
+    call text(t, 'wave_generator', 'ring_tangent', s%ring_tangent, 'follow free', &
+      'inner face of the ring: inextensible displacement -(w/2) sin 2 theta, or free to slide')
+    call text(t, 'wave_generator', 'shape', s%shape, 'pressed', 'round flexspline pressed onto the wave generator')
+    call number(t, 'wave_generator', 'eccentricity', s%eccentricity, 'm', 0._dp, big, 'installation eccentricity', closed=.true.)
+    call number(t, 'wave_generator', 'eccentricity_angle_deg', s%eccentricity_angle_deg, 'deg', -360._dp, 360._dp, &
+      'its direction from the long axis', closed=.true.)
+    call number(t, 'wave_generator', 'interference', s%interference, 'm', -big, big, &
+      'radial interference of ring and flexspline; negative: clearance', closed=.true.)
+  end subroutine add_shape_keys
+
+  !> Contact, load, solver, joint and output.
+  subroutine add_model_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call text(t, 'contact', 'mode', s%contact_mode, 'frictional frictionless bonded', 'contact of ring and flexspline')
+    call number(t, 'contact', 'friction', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
+    call text(t, 'load', 'support', s%support, 'hub bearing', &
+      'cup bottom held (the torque leaves at the output), or free to turn (all torque through the contact)')
+    call text(t, 'load', 'torque_load', s%torque_load, 'uniform', 'even shear on the outside of the rim')
+    call number(t, 'load', 'torque', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
+    call number(t, 'load', 'support_stiffness', s%support_stiffness, 'N/m', 0._dp, big, &
+      'soft springs that hold the hub of a bearing support in its plane')
+    call whole(t, 'load', 'assembly_steps', s%assembly_steps, 1, 100000, 'load steps of the assembly')
+    call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
+    call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &
+      'relative residual of forces and contact law', closed=.true.)
+    call whole(t, 'solver', 'max_iterations', s%max_iterations, 1, 10000, 'Newton iterations per load step')
+    call whole(t, 'solver', 'max_cuts', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
+    call number(t, 'solver', 'time_limit_s', s%time_limit_s, 's', 0._dp, big, &
+      'wall clock after which the run stops in order; 0: none', closed=.true.)
+    call number(t, 'joint', 'fractal_dimension', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')
+    call number(t, 'joint', 'roughness', s%roughness, 'm', 0._dp, big, 'fractal roughness G')
+    call number(t, 'joint', 'gamma', s%gamma, '', 1._dp, big, 'frequency ratio of the Weierstrass-Mandelbrot function')
+    call number(t, 'joint', 'sample_length', s%sample_length, 'm', 0._dp, big, 'L; the nominal reference area is L^2')
+    call number(t, 'joint', 'shortest_wavelength', s%shortest_wavelength, 'm', 0._dp, big, 'L_s')
+    call number(t, 'joint', 'asperity_radius', s%asperity_radius, 'm', 0._dp, big, 'r_m, half the base of an asperity')
+    call number(t, 'joint', 's_min', s%s_min, 'm^2', 0._dp, big, 'smallest contact spot; 0: pi (L_s/2)^2', closed=.true.)
+    call number(t, 'joint', 'hardness', s%hardness, 'Pa', 0._dp, big, 'of the softer body; 0: 2.8 yield_strength', closed=.true.)
+    call text(t, 'joint', 'closure', s%closure, 'nominal paper', &
+      'pressure is force on the reference area, or (Eq. 28 as printed) mean pressure of the real contact')
+    call text(t, 'output', 'vtu', s%vtu, 'none last all', 'steps written for ParaView')
+    call numbers(t, 'output', 'positions', s%positions, 'm', 0._dp, big, &
+      'Positions I, II, III: distances from the front edge of the contact band')
+  end subroutine add_model_keys
+
+  !> Add a row.
+  subroutine append(table, group, key, unit, meaning, row)
+    type(table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, unit, meaning
+    type(parameter_t), intent(inout) :: row
+    row%group = group
+    row%key = key
+    row%unit = unit
+    row%meaning = meaning
+    if (.not. allocated(row%choices)) allocate (row%choices(0))
+    table%rows = [table%rows, row]
+  end subroutine append
+
+  subroutine whole(table, group, key, value, low, high, meaning)
+    type(table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, meaning
+    integer, intent(in), target :: value
+    integer, intent(in) :: low, high
+    type(parameter_t) :: row
+    row%integer => value
+    row%low = low
+    row%high = high
+    call append(table, group, key, '', meaning, row)
+  end subroutine whole
+
+  subroutine number(table, group, key, value, unit, low, high, meaning, closed)
+    type(table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, unit, meaning
+    real(dp), intent(in), target :: value
+    real(dp), intent(in) :: low, high
+    logical, intent(in), optional :: closed   !< the bounds themselves are valid
+    type(parameter_t) :: row
+    row%real => value
+    row%low = low
+    row%high = high
+    row%open_low = .not. present(closed)
+    row%open_high = row%open_low
+    call append(table, group, key, unit, meaning, row)
+  end subroutine number
+
+  subroutine numbers(table, group, key, value, unit, low, high, meaning)
+    type(table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, unit, meaning
+    real(dp), intent(in), target :: value(:)
+    real(dp), intent(in) :: low, high
+    type(parameter_t) :: row
+    row%reals => value
+    row%low = low
+    row%high = high
+    call append(table, group, key, unit, meaning, row)
+  end subroutine numbers
+
+  subroutine text(table, group, key, value, choices, meaning)
+    type(table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, choices, meaning
+    character(len=*), intent(in), target :: value
+    type(parameter_t) :: row
+    integer :: i, j
+    row%text => value
+    allocate (row%choices(0))
+    i = 1
+    do while (i <= len(choices))
+      j = i + index(choices(i:)//' ', ' ') - 2
+      row%choices = [row%choices, string_t(choices(i:j))]
+      i = j + 2
+    end do
+    call append(table, group, key, '', meaning, row)
+  end subroutine text
+
+  !> Names of the groups, in order.
+  function groups_of(table) result(names)
+    type(table_t), intent(in) :: table  !< table
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    allocate (names(0))
+    do i = 1, size(table%rows)
+      if (i > 1) then
+        if (table%rows(i)%group == table%rows(i - 1)%group) cycle
+      end if
+      names = [names, string_t(table%rows(i)%group)]
+    end do
+  end function groups_of
+
+  !> Names of the keys of a group.
+  function keys_of(table, group) result(names)
+    type(table_t), intent(in) :: table      !< table
+    character(len=*), intent(in) :: group   !< group
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    allocate (names(0))
+    do i = 1, size(table%rows)
+      if (table%rows(i)%group == group) names = [names, string_t(table%rows(i)%key)]
+    end do
+  end function keys_of
+
+  !> Row of a key, 0 if there is none.
+  pure integer function find_parameter(table, group, key) result(row)
+    type(table_t), intent(in) :: table           !< table
+    character(len=*), intent(in) :: group, key   !< names
+    do row = 1, size(table%rows)
+      if (table%rows(row)%group == group .and. table%rows(row)%key == key) return
+    end do
+    row = 0
+  end function find_parameter
+
+  !> Present value as text that reads back exactly.
+  function value_text(p) result(s)
+    type(parameter_t), intent(in) :: p  !< row
+    character(len=:), allocatable :: s
+    integer :: i
+    if (associated(p%integer)) then
+      s = to_text(p%integer)
+    else if (associated(p%real)) then
+      s = exact(p%real)
+    else if (associated(p%reals)) then
+      s = exact(p%reals(1))
+      do i = 2, size(p%reals)
+        s = s//', '//exact(p%reals(i))
+      end do
+    else
+      s = "'"//doubled(trim(p%text))//"'"
+    end if
+  end function value_text
+
+  !> Quotes doubled.
+  pure function doubled(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=:), allocatable :: t
+    integer :: i
+    t = ''
+    do i = 1, len(s)
+      t = t//s(i:i)
+      if (s(i:i) == "'") t = t//"'"
+    end do
+  end function doubled
+
+  !> Set a value from words; `what` says what is wrong with them (empty: nothing), `hint` what would be right.
+  subroutine assign_words(p, words, what, hint)
+    type(parameter_t), intent(inout) :: p                !< row, its value is set
+    type(string_t), intent(in) :: words(:)               !< words as in the file
+    character(len=:), allocatable, intent(out) :: what   !< mistake
+    character(len=:), allocatable, intent(out) :: hint   !< valid values
+    real(dp) :: x(100)
+    integer :: n, wanted
+    what = ''
+    hint = ''
+    p%given = .true.
+    wanted = 1
+    if (associated(p%reals)) wanted = size(p%reals)
+    if (associated(p%text)) then
+      call assign_text(p, words, what, hint)
+      return
+    end if
+    call read_numbers(words, x, n)
+    hint = 'valid: '//range_text(p)
+    if (n < 0) then
+      what = "'"//p%key//"' is not "//merge('an integer', 'a number  ', associated(p%integer))//": '"//words(-n)%s//"'"
+    else if (n /= wanted) then
+      what = "'"//p%key//"' takes "//to_text(wanted)//' value(s), '//to_text(n)//' found'
+    else if (associated(p%integer) .and. any(abs(x(:n) - nint(x(:n))) > 0)) then
+      what = "'"//p%key//"' is not an integer: '"//words(1)%s//"'"
+    else if (any(x(:n) < p%low .or. x(:n) > p%high) .or. (p%open_low .and. any(x(:n) <= p%low)) &
+        .or. (p%open_high .and. any(x(:n) >= p%high))) then
+      what = "'"//p%key//"' is out of range: "//join(words, ', ')
+    else
+      if (associated(p%integer)) p%integer = nint(x(1))
+      if (associated(p%real)) p%real = x(1)
+      if (associated(p%reals)) p%reals = x(:n)
+    end if
+  end subroutine assign_words
+
+  !> Set a text value; quotes may be left out for a single word.
+  subroutine assign_text(p, words, what, hint)
+    type(parameter_t), intent(inout) :: p
+    type(string_t), intent(in) :: words(:)
+    character(len=:), allocatable, intent(inout) :: what, hint
+    character(len=:), allocatable :: s, best
+    integer :: i
+    s = words(1)%s
+    if (scan(s(1:1), '''"') == 1) s = s(2:max(1, len(s) - 1))
+    if (size(p%choices) > 0) s = lower(s)
+    if (size(words) > 1) then
+      what = "'"//p%key//"' takes 1 value(s), "//to_text(size(words))//' found'
+      hint = 'put a text with blanks between quotes'
+    else if (len(s) > len(p%text)) then
+      what = "'"//p%key//"' is too long: "//to_text(len(s))//' characters'
+      hint = 'valid: up to '//to_text(len(p%text))//' characters'
+    else if (size(p%choices) > 0 .and. .not. any([(p%choices(i)%s == s, i=1, size(p%choices))])) then
+      what = "'"//p%key//"' has no choice '"//s//"'"
+      best = nearest_name(s, p%choices)
+      if (len(best) > 0) hint = "did you mean '"//best//"'?  "
+      hint = hint//'valid: '//join(p%choices, ', ')
+    else
+      p%text = s
+    end if
+  end subroutine assign_text
+
+  !> Numbers from words, `3*1.5` repeats; n < 0 names the first bad word.
+  pure subroutine read_numbers(words, x, n)
+    type(string_t), intent(in) :: words(:)  !< words
+    real(dp), intent(out) :: x(:)           !< numbers
+    integer, intent(out) :: n               !< count, or minus the place of a bad word
+    integer :: i, k, star, times, status
+    x = 0
+    n = 0
+    do i = 1, size(words)
+      associate (s => words(i)%s)
+        star = index(s, '*')
+        times = 1
+        status = 0
+        if (star > 1) read (s(:star - 1), '(i10)', iostat=status) times
+        if (status == 0 .and. star == len(s)) status = 1
+        if (status == 0 .and. verify(s(star + 1:), '0123456789.+-eEdD') > 0) status = 1
+        if (status == 0 .and. scan(s(star + 1:), '0123456789') == 0) status = 1
+        if (status == 0) read (s(star + 1:), *, iostat=status) x(min(n + 1, size(x)))
+        if (status /= 0 .or. times < 1) then
+          n = -i
+          return
+        end if
+        do k = 2, times
+          x(min(n + k, size(x))) = x(min(n + 1, size(x)))
+        end do
+        n = n + times
+      end associate
+    end do
+  end subroutine read_numbers
+
+  !> Valid range in words.
+  pure function range_text(p) result(s)
+    type(parameter_t), intent(in) :: p  !< row
+    character(len=:), allocatable :: s
+    s = trim(merge('integer', 'number ', associated(p%integer)))
+    if (p%low > -huge(1._dp)) then
+      if (p%open_low) s = s//' > '//exact(p%low)
+      if (.not. p%open_low) s = s//' >= '//exact(p%low)
+    end if
+    if (p%high < huge(1._dp)) then
+      if (p%low > -huge(1._dp)) s = s//' and'
+      if (p%open_high) s = s//' < '//exact(p%high)
+      if (.not. p%open_high) s = s//' <= '//exact(p%high)
+    end if
+    if (len(p%unit) > 0) s = s//' ['//p%unit//']'
+  end function range_text
+end module hd_parameters

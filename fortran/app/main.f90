@@ -1,5 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
+!> hdengine.x: reads a scene, runs it, and ends with the exit code of its error.
 program main
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use hd_command_line, only: command_t, read_command_line, obey
+  use hd_error, only: error_t
+  use hd_system, only: catch_signals
   implicit none
-  print '(a)', 'hdengine'
+  type(command_t) :: command
+  type(error_t), allocatable :: error
+  call catch_signals()
+  call read_command_line(command, error)
+  if (.not. allocated(error)) call obey(command, error)
+  if (.not. allocated(error)) stop 0, quiet=.true.
+  if (index(error%message, 'error: ') /= 1) error%message = 'error: '//error%message
+  write (error_unit, '(a)') error%message
+  stop error%code, quiet=.true.
 end program main

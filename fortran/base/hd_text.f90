@@ -5,7 +5,7 @@ module hd_text
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text, lower, nearest_name, string_t, join, exact
+  public :: to_text, lower, nearest_name, string_t, push, join, exact
 
   !> One entry of a list of texts.
   type :: string_t
@@ -105,6 +105,22 @@ contains
       if (s(i:i) >= 'A' .and. s(i:i) <= 'Z') t(i:i) = achar(iachar(s(i:i)) + 32)
     end do
   end function lower
+
+  !> Append a text to a list. (An array constructor of texts is miscompiled by gfortran 12.)
+  pure subroutine push(list, s)
+    type(string_t), allocatable, intent(inout) :: list(:)  !< grows by one; may be unallocated
+    character(len=*), intent(in) :: s                      !< text
+    type(string_t), allocatable :: longer(:)
+    integer :: i, n
+    n = 0
+    if (allocated(list)) n = size(list)
+    allocate (longer(n + 1))
+    do i = 1, n
+      call move_alloc(list(i)%s, longer(i)%s)
+    end do
+    longer(n + 1)%s = s
+    call move_alloc(longer, list)
+  end subroutine push
 
   !> Names joined by a separator.
   pure function join(names, separator) result(s)

@@ -16,6 +16,7 @@ module hd_newton
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
     integer :: max_iterations = 60     !< Newton iterations per load step
     integer :: full_steps = 12         !< undamped iterations before the line search sets in
+    real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
   end type newton_options_t
 
   !> One row of the convergence history.
@@ -38,7 +39,7 @@ module hd_newton
 contains
 
   !> Iterate from `state` to the solution of a load step. Not converging is a result, not an error.
-  subroutine iterate(problem, matrix, options, load, previous, state, history, converged, error)
+  subroutine iterate(problem, matrix, options, load, previous, state, history, converged, sliding, error)
     type(problem_t), intent(in) :: problem                       !< problem
     type(newton_matrix_t), intent(inout) :: matrix               !< its Newton matrix
     type(newton_options_t), intent(in) :: options                !< tolerance and limits
@@ -47,6 +48,7 @@ contains
     type(state_t), intent(inout) :: state                        !< first guess, then solution
     type(iteration_t), allocatable, intent(out) :: history(:)    !< one entry per iterate
     logical, intent(out) :: converged                            !< residual below the tolerance
+    logical, intent(out) :: sliding                              !< in balance, but displaced beyond `runaway`
     type(error_t), allocatable, intent(out) :: error             !< linear solver
     type(linearisation_t) :: here
     type(iteration_t) :: row
@@ -55,6 +57,7 @@ contains
     call system_clock(start, rate)
     allocate (history(0))
     converged = .false.
+    sliding = .false.
     where (problem%fixed) state%u = load%displacement
     du = state%u
     dt = state%traction
@@ -69,7 +72,10 @@ contains
       row%seconds = real(now - start, dp)/rate
       history = [history, row]
       state%contact = here%contact
+      sliding = here%merit < 1e-6_dp .and. maxval(abs(state%u)) > options%runaway
+      if (sliding) return
       converged = here%merit <= options%tolerance
+      if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call update(problem, matrix, here%dw, here%dt, error)
       if (allocated(error)) return

@@ -5,7 +5,7 @@
 module hd_namelist
   use hd_error, only: error_t, raise, code_file
   use hd_system, only: path_kind, path_directory, path_absent
-  use hd_text, only: string_t, to_text, lower
+  use hd_text, only: string_t, push, to_text, lower
   implicit none
   private
   public :: assignment_t, namelist_t, read_namelist, report
@@ -75,7 +75,7 @@ contains
         if (buffer(i:i) == achar(9) .or. buffer(i:i) == achar(13)) buffer(i:i) = ' '
       end do
       if (size(lines) == 0 .and. buffer(1:3) == char(239)//char(187)//char(191)) buffer = buffer(4:)
-      lines = [lines, string_t(trim(buffer))]
+      call push(lines, trim(buffer))
     end do
     close (unit)
   end subroutine read_lines
@@ -127,12 +127,19 @@ contains
     character(len=*), intent(in) :: s                       !< text
     character(len=1), intent(in) :: kind                    !< kind
     integer, intent(in) :: line, column                     !< place
+    type(token_t), allocatable :: longer(:)
     type(token_t) :: new
+    integer :: i
     new%s = s
     new%kind = kind
     new%line = line
     new%column = column
-    tokens = [tokens, new]
+    allocate (longer(size(tokens) + 1))
+    do i = 1, size(tokens)
+      longer(i) = tokens(i)
+    end do
+    longer(size(longer)) = new
+    call move_alloc(longer, tokens)
   end subroutine add_token
 
   !> Column of the quote that closes the one at i, 0 if there is none; a doubled quote stands for itself.
@@ -204,8 +211,24 @@ contains
     header%group = t%s
     header%line = t%line
     header%column = t%column
-    list%groups = [list%groups, header]
+    header%key = ''
+    allocate (header%values(0))
+    call append(list%groups, header)
   end subroutine add_group
+
+  !> Append an assignment.
+  subroutine append(list, new)
+    type(assignment_t), allocatable, intent(inout) :: list(:)  !< grows
+    type(assignment_t), intent(in) :: new                      !< its last entry
+    type(assignment_t), allocatable :: longer(:)
+    integer :: i
+    allocate (longer(size(list) + 1))
+    do i = 1, size(list)
+      longer(i) = list(i)
+    end do
+    longer(size(longer)) = new
+    call move_alloc(longer, list)
+  end subroutine append
 
   !> First token after stray text: the next group.
   pure integer function end_of_junk(tokens, start) result(i)
@@ -249,13 +272,13 @@ contains
         new%value_line = tokens(i)%line
         new%value_column = tokens(i)%column
       end if
-      new%values = [new%values, string_t(tokens(i)%s)]
+      call push(new%values, tokens(i)%s)
       i = i + 1
     end do
     if (size(new%values) == 0) then
       call report(list, new%line, new%column, len(new%key), "'"//new%key//"' has no value", "write 'key = value'")
     else
-      list%assignments = [list%assignments, new]
+      call append(list%assignments, new)
     end if
     do while (kind_is(i, '='))
       call report(list, tokens(i)%line, tokens(i)%column, 1, "stray '='", "write 'key = value'")
@@ -282,8 +305,8 @@ contains
     number = to_text(line)
     text = ''
     if (line <= size(list%lines)) text = list%lines(line)%s
-    list%faults = [list%faults, string_t('error: '//what//nl//'  --> '//list%path//':'//number//':'//to_text(column)//nl// &
+    call push(list%faults, 'error: '//what//nl//'  --> '//list%path//':'//number//':'//to_text(column)//nl// &
       ' '//number//' | '//text//nl//repeat(' ', len(number) + 1)//' | '//repeat(' ', column - 1)// &
-      repeat('^', max(1, length))//' '//hint)]
+      repeat('^', max(1, length))//' '//hint)
   end subroutine report
 end module hd_namelist

@@ -166,9 +166,8 @@ contains
     do i = 1, 4
       call limits(joint, sigma_l, i, lo, hi)
       f(i) = power_integral(lo, hi, load_power(i) - (joint%d - 1)/2)
-      if (i < 4) f(i) = f(i)*load(i)
     end do
-    f(4) = f(4)*joint%plastic_load
+    f = f*[load, joint%plastic_load]
     f = f*prefactor(joint, sigma_l)*joint%asperity%f_ec
   end function joint_load
 
@@ -339,18 +338,15 @@ contains
   !> Gauss-Legendre rule on [0, 1].
   pure subroutine gauss_rule(x, w)
     real(dp), intent(out) :: x(:), w(:)  !< points and weights
-    real(dp) :: z, p0, p1, p2, slope
+    real(dp) :: z, p0, p1, slope
     integer :: i, j, n
     n = size(x)
     do i = 1, n
       z = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
       do j = 1, 10
-        p1 = 1
-        p0 = 0
         call legendre(n, z, p1, p0)
         slope = n*(z*p1 - p0)/(z*z - 1)
-        p2 = p1/slope
-        z = z - p2
+        z = z - p1/slope
       end do
       x(i) = (1 - z)/2
       w(i) = 1/((1 - z*z)*slope**2)

@@ -23,6 +23,7 @@ module hd_mumps
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
     real(dp), public :: memory_mb = 0          !< memory of the factorisation, MUMPS's own count [MB]
+    character(len=16), public :: version = ''  !< of the library
   contains
     procedure :: analyse
     procedure :: factorise
@@ -49,6 +50,7 @@ contains
       id%par = 1
       id%job = -1
       call dmumps(id)
+      self%version = id%version_number(:16)
       id%icntl(1:3) = -1
       id%icntl(4) = 0
       id%icntl(6) = 0

@@ -26,6 +26,9 @@ module hd_drive
     real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
     real(dp), allocatable :: torque(:, :)    !< nodal forces of a unit torque (3, n) [1/m]
     real(dp) :: interference = 0             !< radial interference [m]
+    integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
+    real(dp) :: spring_rate = 0              !< stiffness at each of them, radial and tangential [N/m]
+    real(dp) :: hub_radius = 0               !< [m]
   end type drive_t
 
 contains
@@ -143,13 +146,17 @@ contains
       z = drive%ring%inner(2, (drive%axial_facets + 2)/2)
       problem%fixed(3, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
       corner = scene%cup_length - scene%bottom_thickness
+      drive%hub_radius = scene%hub_radius
+      allocate (drive%sprung(0))
       hub = nodes_at(drive, 2, scene%hub_radius, corner, scene%cup_length)
       problem%fixed(3, hub) = .true.
       if (scene%support == 'hub') then
         problem%fixed(:, hub) = .true.
       else
-        call add_springs(problem, hub, 1, scene%support_stiffness/size(hub))
-        call add_springs(problem, hub, 2, scene%support_stiffness/size(hub))
+        drive%sprung = hub
+        drive%spring_rate = scene%support_stiffness/size(hub)
+        call add_springs(problem, hub, 1, drive%spring_rate)
+        call add_springs(problem, hub, 2, drive%spring_rate)
       end if
     end associate
   end subroutine hold

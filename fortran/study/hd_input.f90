@@ -7,7 +7,7 @@ module hd_input
   use hd_namelist, only: namelist_t, read_namelist, report
   use hd_parameters, only: table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
-  use hd_text, only: string_t, join, nearest_name, to_text, lower
+  use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
   public :: read_scene, write_echo, explain, estimate_memory_mb
@@ -107,7 +107,7 @@ contains
             call assign_words(table%rows(row), words, what, hint)
           end if
         end if
-        if (len(what) > 0) faults = [faults, string_t('error: '//what//nl//'  --> '//s//nl//'      '//hint)]
+        if (len(what) > 0) call push(faults, 'error: '//what//nl//'  --> '//s//nl//'      '//hint)
       end associate
     end do
   end subroutine apply_assignments
@@ -118,18 +118,18 @@ contains
     logical, intent(in) :: cut         !< cut at commas and blanks
     type(string_t), allocatable :: words(:)
     integer :: i, j
+    allocate (words(0))
     if (.not. cut) then
-      words = [string_t(trim(adjustl(s))//'')]
+      call push(words, trim(adjustl(s)))
       return
     end if
-    allocate (words(0))
     i = 1
     do while (i <= len(s))
       j = i + scan(s(i:)//',', ', ') - 2
-      if (j >= i) words = [words, string_t(s(i:j))]
+      if (j >= i) call push(words, s(i:j))
       i = j + 2
     end do
-    if (size(words) == 0) words = [string_t('')]
+    if (size(words) == 0) call push(words, '')
   end function split
 
   !> Is a name in a list?
@@ -180,7 +180,7 @@ contains
       character(len=*), intent(in) :: name, rule
       real(dp), intent(in) :: value, limit
       if (condition) return
-      faults = [faults, string_t('error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')]
+      call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')
     end subroutine need
   end subroutine check_scene
 
@@ -257,7 +257,7 @@ contains
     if (name == 'all') answer = '# Input keys'//nl//nl//'Written by `hdengine.x --explain all`. All values in SI units.'//nl
     do i = 1, size(table%rows)
       associate (p => table%rows(i))
-        names = [names, string_t(p%key)]
+        call push(names, p%key)
         if (name == 'all') then
           if (i == 1) then
             answer = answer//heading(p)

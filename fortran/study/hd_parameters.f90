@@ -2,7 +2,7 @@
 !> The one table of parameters: it reads, checks, echoes and explains every key of the input file.
 module hd_parameters
   use hd_kinds, only: dp
-  use hd_text, only: string_t, to_text, exact, join, nearest_name, lower
+  use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower
   use hd_scene, only: scene_t
   implicit none
   private
@@ -134,12 +134,19 @@ contains
     type(table_t), intent(inout) :: table
     character(len=*), intent(in) :: group, key, unit, meaning
     type(parameter_t), intent(inout) :: row
+    type(parameter_t), allocatable :: longer(:)
+    integer :: i
     row%group = group
     row%key = key
     row%unit = unit
     row%meaning = meaning
     if (.not. allocated(row%choices)) allocate (row%choices(0))
-    table%rows = [table%rows, row]
+    allocate (longer(size(table%rows) + 1))
+    do i = 1, size(table%rows)
+      longer(i) = table%rows(i)
+    end do
+    longer(size(longer)) = row
+    call move_alloc(longer, table%rows)
   end subroutine append
 
   subroutine whole(table, group, key, value, low, high, meaning)
@@ -192,7 +199,7 @@ contains
     i = 1
     do while (i <= len(choices))
       j = i + index(choices(i:)//' ', ' ') - 2
-      row%choices = [row%choices, string_t(choices(i:j))]
+      call push(row%choices, choices(i:j))
       i = j + 2
     end do
     call append(table, group, key, '', meaning, row)
@@ -208,7 +215,7 @@ contains
       if (i > 1) then
         if (table%rows(i)%group == table%rows(i - 1)%group) cycle
       end if
-      names = [names, string_t(table%rows(i)%group)]
+      call push(names, table%rows(i)%group)
     end do
   end function groups_of
 
@@ -220,7 +227,7 @@ contains
     integer :: i
     allocate (names(0))
     do i = 1, size(table%rows)
-      if (table%rows(i)%group == group) names = [names, string_t(table%rows(i)%key)]
+      if (table%rows(i)%group == group) call push(names, table%rows(i)%key)
     end do
   end function keys_of
 

@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The command line of hdengine.x: what is asked, and doing it.
+module hd_command_line
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use hd_error, only: error_t, raise, code_input
+  use hd_help, only: help_text, license_text, citation_text, version_text
+  use hd_input, only: read_scene, explain
+  use hd_log, only: set_log_level, quiet, normal, verbose, say
+  use hd_run, only: run_scene
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, push, nearest_name, join
+  implicit none
+  private
+  public :: command_t, read_command_line, obey
+
+  type :: command_t
+    character(len=:), allocatable :: action       !< run, check, explain, or a text to print
+    character(len=:), allocatable :: input        !< input file
+    character(len=:), allocatable :: folder       !< output folder, '' for the default
+    character(len=:), allocatable :: key          !< key to explain
+    type(string_t), allocatable :: assignments(:) !< group.key=value
+    logical :: force = .false.
+    integer :: level = normal
+  end type command_t
+
+contains
+
+  !> Parse the arguments.
+  subroutine read_command_line(command, error)
+    type(command_t), intent(out) :: command           !< what is asked
+    type(error_t), allocatable, intent(out) :: error  !< usage
+    character(len=:), allocatable :: word
+    integer :: i
+    command%action = 'run'
+    command%input = ''
+    command%folder = ''
+    command%key = ''
+    allocate (command%assignments(0))
+    i = 1
+    do while (i <= command_argument_count() .and. .not. allocated(error))
+      word = argument(i)
+      select case (word)
+      case ('--check', '--help', '--version', '--license', '--citation')
+        command%action = word(3:)
+      case ('-h')
+        command%action = 'help'
+      case ('--explain')
+        command%action = 'explain'
+        call take_value(command%key)
+      case ('--out')
+        call take_value(command%folder)
+      case ('--force'); command%force = .true.
+      case ('-q'); command%level = quiet
+      case ('-v'); command%level = verbose
+      case default
+        if (word(1:1) == '-') then
+          call unknown_option(word, error)
+        else if (index(word, '=') > 0) then
+          call push(command%assignments, word)
+        else if (len(command%input) > 0) then
+          call raise(error, code_input, "two input files: '"//command%input//"' and '"//word//"'; valid: one")
+        else
+          command%input = word
+        end if
+      end select
+      i = i + 1
+    end do
+    if (allocated(error)) return
+    if ((command%action == 'run' .or. command%action == 'check') .and. len(command%input) == 0) &
+      call raise(error, code_input, 'no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)')
+  contains
+    subroutine take_value(value)
+      character(len=:), allocatable, intent(out) :: value
+      i = i + 1
+      value = ''
+      if (i <= command_argument_count()) value = argument(i)
+      if (len(value) == 0) call raise(error, code_input, word//' needs a value; see hdengine.x --help')
+    end subroutine take_value
+  end subroutine read_command_line
+
+  !> One argument of the command line.
+  function argument(i) result(word)
+    integer, intent(in) :: i  !< number
+    character(len=:), allocatable :: word
+    integer :: n
+    call get_command_argument(i, length=n)
+    allocate (character(len=max(1, n)) :: word)
+    word(:) = ' '
+    call get_command_argument(i, word)
+  end function argument
+
+  !> Error for an option that does not exist.
+  subroutine unknown_option(word, error)
+    character(len=*), intent(in) :: word              !< as typed
+    type(error_t), allocatable, intent(out) :: error  !< usage
+    character(len=*), parameter :: names(8) = [character(len=10) :: '--check', '--explain', '--force', '--help', '--out', &
+      '--version', '--license', '--citation']
+    type(string_t), allocatable :: options(:)
+    integer :: i
+    character(len=:), allocatable :: hint
+    do i = 1, size(names)
+      call push(options, trim(names(i)))
+    end do
+    hint = nearest_name(word, options)
+    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
+    call raise(error, code_input, "unknown option '"//word//"'"//new_line('a')//'      '//hint//'valid: '// &
+      join(options, ', ')//', -q, -v')
+  end subroutine unknown_option
+
+  !> Do what is asked.
+  subroutine obey(command, error)
+    type(command_t), intent(in) :: command            !< what is asked
+    type(error_t), allocatable, intent(out) :: error  !< what went wrong
+    type(scene_t), allocatable :: scene
+    character(len=:), allocatable :: answer, folder
+    call set_log_level(command%level)
+    select case (command%action)
+    case ('help'); call print_text(help_text())
+    case ('version'); call print_text(version_text())
+    case ('license'); call print_text(license_text())
+    case ('citation'); call print_text(citation_text())
+    case ('explain')
+      call explain(command%key, answer, error)
+      if (.not. allocated(error)) call print_text(answer)
+    case default
+      allocate (scene)
+      call read_scene(command%input, command%assignments, scene, error)
+      if (allocated(error)) return
+      if (command%action == 'check') then
+        call say(command%input//' is valid')
+        return
+      end if
+      folder = command%folder
+      if (len(folder) == 0) folder = stem(command%input)//'.out'
+      call run_scene(scene, command%input, folder, command%force, error)
+    end select
+  end subroutine obey
+
+  !> File name without folder and extension: results land where the run starts.
+  pure function stem(path) result(s)
+    character(len=*), intent(in) :: path  !< input file
+    character(len=:), allocatable :: s
+    integer :: dot
+    s = path(index(path, '/', back=.true.) + 1:)
+    dot = index(s, '.', back=.true.)
+    if (dot > 1) s = s(:dot - 1)
+  end function stem
+
+  subroutine print_text(text)
+    character(len=*), intent(in) :: text
+    write (output_unit, '(a)') text
+  end subroutine print_text
+end module hd_command_line

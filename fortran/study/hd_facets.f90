@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Results of a converged step: fields on the contact facets and the sums over them.
+module hd_facets
+  use hd_kinds, only: dp, pi
+  use hd_error, only: error_t
+  use hd_asperity, only: asperity_t, new_asperity
+  use hd_body, only: cartesian
+  use hd_contact_law, only: open_state, stick_state, slip_state
+  use hd_drive, only: drive_t
+  use hd_joint, only: joint_t, new_joint, evaluate_joint
+  use hd_mortar, only: facet_mean
+  use hd_problem, only: state_t, load_t, internal_residual
+  use hd_scene, only: scene_t
+  implicit none
+  private
+  public :: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
+
+  !> Facets are numbered axially first, then round the axis.
+  type :: facets_t
+    real(dp), allocatable :: theta(:)         !< reference angle of the centre [rad]
+    real(dp), allocatable :: x(:, :)          !< deformed centre (3, facets) [m]
+    real(dp), allocatable :: normal(:, :)     !< deformed unit normal, outward (3, facets)
+    real(dp), allocatable :: area(:)          !< reference area [m^2]
+    real(dp), allocatable :: gap(:)           !< [m]
+    real(dp), allocatable :: traction(:, :)   !< pressure and shear along theta and z, on the flexspline (3, facets) [Pa]
+    real(dp), allocatable :: slip(:, :)       !< displacement of the flexspline against the ring along theta, z (2, facets) [m]
+    integer, allocatable :: state(:)          !< 0 open, 1 stick, 2 slip
+    real(dp), allocatable :: k_n(:), k_t(:)   !< joint stiffness [N/m]
+  end type facets_t
+
+  !> Sums over the contact and the supports.
+  type :: sums_t
+    real(dp) :: rotation = 0           !< mean rotation of the loaded rim, work-conjugate to the torque [rad]
+    real(dp) :: normal_force = 0       !< int p dA [N]
+    real(dp) :: reaction_force = 0     !< the same from the nodal forces of the flexspline [N]
+    real(dp) :: facet_force = 0        !< the same from the table of facets [N]
+    real(dp) :: lobe_force_x = 0       !< int p |cos theta| dA within 45 degrees of the long axis [N]
+    real(dp) :: contact_area = 0       !< [m^2]
+    real(dp) :: pressure_max = 0       !< at a node [Pa]
+    real(dp) :: pressure_middle = 0    !< mean over the middle of the band [Pa]
+    real(dp) :: friction_torque = 0    !< of the ring on the flexspline [N m]
+    real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
+    real(dp) :: torque_balance = 0     !< sum of all moments about the axis [N m]
+    real(dp) :: axial_balance = 0      !< sum of all axial forces [N]
+    integer :: sticking = 0            !< multipliers that stick
+  end type sums_t
+
+contains
+
+  !> Joint model of a scene.
+  subroutine scene_joint(scene, joint, error)
+    type(scene_t), intent(in) :: scene                !< scene
+    type(joint_t), intent(out) :: joint               !< joint
+    type(error_t), allocatable, intent(out) :: error  !< parameters out of range
+    type(asperity_t) :: asperity
+    real(dp) :: hardness, s_min
+    hardness = merge(scene%hardness, 2.8_dp*scene%yield_strength, scene%hardness > 0)
+    s_min = merge(scene%s_min, pi*(scene%shortest_wavelength/2)**2, scene%s_min > 0)
+    asperity = new_asperity(scene%flexspline_e, scene%flexspline_nu, scene%ring_e, scene%ring_nu, scene%flexspline_nu, &
+      hardness, scene%fractal_dimension, scene%roughness, scene%gamma, scene%asperity_radius)
+    call new_joint(asperity, scene%fractal_dimension, scene%friction, s_min, scene%sample_length**2, &
+      scene%asperity_radius, scene%closure == 'paper', joint, error)
+  end subroutine scene_joint
+
+  !> Fields on the facets.
+  subroutine evaluate_facets(drive, joint, state, facets)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(joint_t), intent(in) :: joint      !< joint
+    type(state_t), intent(in) :: state      !< converged state
+    type(facets_t), intent(out) :: facets   !< fields
+    real(dp), allocatable :: x(:, :), s_l(:)
+    real(dp) :: c(3, 4), d(3), e(3)
+    integer :: f, i, n
+    n = size(drive%face%nodes, 2)
+    allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
+    allocate (facets%k_n(n), facets%k_t(n), s_l(n))
+    associate (mortar => drive%problem%mortar, ring => drive%problem%bodies(1))
+      x = ring%x + cartesian(ring, state%u(:, :ring%nodes()))
+      facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
+      facets%area = sum(mortar%share, 1)
+      facets%gap = facet_mean(mortar, state%gap)
+      do i = 1, 3
+        facets%traction(i, :) = facet_mean(mortar, state%traction(i, :))
+      end do
+      do i = 1, 2
+        facets%slip(i, :) = facet_mean(mortar, state%slip(i, :))
+      end do
+      do f = 1, n
+        c = x(:, drive%face%nodes(:4, f))
+        facets%x(:, f) = sum(c, 2)/4
+        d = c(:, 3) - c(:, 1)
+        e = c(:, 4) - c(:, 2)
+        facets%normal(:, f) = [d(2)*e(3) - d(3)*e(2), d(3)*e(1) - d(1)*e(3), d(1)*e(2) - d(2)*e(1)]
+        facets%normal(:, f) = facets%normal(:, f)/norm2(facets%normal(:, f))
+        associate (s => state%contact(mortar%facet(:, f)))
+          facets%state(f) = open_state
+          if (any(s == slip_state)) facets%state(f) = slip_state
+          if (any(s == stick_state)) facets%state(f) = stick_state
+        end associate
+      end do
+    end associate
+    call evaluate_joint(joint, facets%traction(1, :), hypot(facets%traction(2, :), facets%traction(3, :)), facets%area, &
+      facets%k_n, facets%k_t, s_l)
+  end subroutine evaluate_facets
+
+  !> Sums over the contact, and the balance of the whole.
+  subroutine sum_up(drive, load, state, facets, sums)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(load_t), intent(in) :: load        !< load of the step
+    type(state_t), intent(in) :: state      !< converged state
+    type(facets_t), intent(in) :: facets    !< its facets
+    type(sums_t), intent(out) :: sums       !< sums
+    real(dp), allocatable :: r(:, :), theta(:), radius(:)
+    type(state_t) :: free
+    integer :: b, row
+    associate (problem => drive%problem, a => drive%problem%mortar%area, p => state%traction(1, :))
+      theta = problem%bodies(1)%angle(problem%mortar%node)
+      sums%rotation = sum(drive%torque*state%u)
+      sums%normal_force = sum(a*p)
+      sums%facet_force = sum(facets%area*facets%traction(1, :))
+      sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
+      sums%contact_area = sum(a, mask=state%contact /= open_state)
+      sums%pressure_max = maxval(p)
+      row = (drive%axial_facets + 1)/2
+      sums%pressure_middle = sum(facets%traction(1, row::drive%axial_facets))/size(facets%theta(row::drive%axial_facets))
+      sums%friction_torque = sum(a*state%traction(2, :))*drive%radius
+      sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
+      sums%sticking = count(state%contact == stick_state)
+      r = internal_residual(problem, load, state)
+      allocate (radius(problem%n))
+      do b = 1, 2
+        associate (body => problem%bodies(b))
+          radius(problem%first(b) + 1:problem%first(b) + body%nodes()) = hypot(body%x(1, :), body%x(2, :))
+        end associate
+      end do
+      where (.not. problem%fixed) r = 0
+      sums%torque_balance = sum(r(2, :)*radius) + sum(load%force(2, :)*radius) - spring_torque(drive, state)
+      sums%axial_balance = sum(r(3, :))
+      free = state
+      free%traction = 0
+      r = internal_residual(problem, load, free)
+      where (problem%fixed) r = 0
+      sums%reaction_force = sum(r(1, problem%first(2) + 1:))
+    end associate
+  end subroutine sum_up
+
+  !> Moment of the support springs about the axis [N m].
+  pure real(dp) function spring_torque(drive, state) result(m)
+    type(drive_t), intent(in) :: drive  !< drive
+    type(state_t), intent(in) :: state  !< state
+    m = drive%spring_rate*drive%hub_radius*sum(state%u(2, drive%sprung))
+  end function spring_torque
+end module hd_facets

@@ -1,0 +1,216 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The folder of a run: tables, grids for ParaView, echo of the input, and last of all the summary.
+module hd_output
+  use hd_kinds, only: dp
+  use hd_body, only: cartesian, cell_nodes
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_facets, only: facets_t, sums_t
+  use hd_hexahedron, only: hex20r
+  use hd_input, only: write_echo
+  use hd_newton, only: iteration_t
+  use hd_problem, only: state_t
+  use hd_scene, only: scene_t
+  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
+  use hd_table, only: table_t
+  use hd_text, only: to_text
+  use hd_vtu, only: field_t, write_vtu, write_pvd
+  implicit none
+  private
+  public :: output_t, step_t, open_output, write_step, write_history, write_grids, close_output
+
+  !> Where a step stands in the run.
+  type :: step_t
+    integer :: number = 0
+    character(len=8) :: phase = 'assembly'
+    real(dp) :: load_factor = 0      !< share of the phase, 0 to 1
+    real(dp) :: torque = 0           !< [N m]
+    integer :: iterations = 0
+    real(dp) :: seconds = 0
+  end type step_t
+
+  type :: output_t
+    character(len=:), allocatable :: folder
+    type(table_t) :: contact, history, steps
+    character(len=40), allocatable :: grids(:)
+    real(dp), allocatable :: times(:)
+  end type output_t
+
+contains
+
+  !> Prepare the folder; earlier results are only replaced with `force`.
+  subroutine open_output(folder, scene, force, output, error)
+    character(len=*), intent(in) :: folder            !< folder
+    type(scene_t), intent(in) :: scene                !< scene
+    logical, intent(in) :: force                      !< replace earlier results
+    type(output_t), intent(out) :: output             !< open tables
+    type(error_t), allocatable, intent(out) :: error  !< exists already, cannot be written
+    character(len=*), parameter :: place = 'step,phase,load_factor,torque_nm'
+    output%folder = folder
+    allocate (output%grids(0), output%times(0))
+    if (path_kind(folder) /= path_absent) then
+      if (path_kind(folder) /= path_directory) then
+        call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
+      else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
+        call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
+          'folder with --out DIR')
+      end if
+      if (allocated(error)) return
+    end if
+    call make_directory(folder, error)
+    if (allocated(error)) return
+    call remove_file(folder//'/summary.json')
+    call write_echo(folder//'/echo.nml', scene, error)
+    if (allocated(error)) return
+    call output%contact%open(folder//'/contact.csv', place//',facet,i_theta,i_z,theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,'// &
+      'area_m2,gap_m,pressure_pa,traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m', error)
+    if (allocated(error)) return
+    call output%history%open(folder//'/history.csv', place//',attempt,iteration,residual,change,open,stick,slip,damping,'// &
+      'seconds', error)
+    if (allocated(error)) return
+    call output%steps%open(folder//'/steps.csv', place//',rotation_rad,normal_force_n,reaction_force_n,facet_force_n,'// &
+      'lobe_force_x_n,contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,friction_torque_nm,friction_capacity_nm,'// &
+      'torque_balance_nm,axial_balance_n,iterations,seconds', error)
+  end subroutine open_output
+
+  !> First four columns of every table.
+  subroutine add_place(table, step)
+    type(table_t), intent(inout) :: table  !< table
+    type(step_t), intent(in) :: step       !< step
+    call table%add(step%number)
+    call table%add(step%phase)
+    call table%add(step%load_factor)
+    call table%add(step%torque)
+  end subroutine add_place
+
+  !> Rows of a converged step: one in steps.csv, one per facet in contact.csv.
+  subroutine write_step(output, step, drive, facets, sums, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    type(drive_t), intent(in) :: drive                !< drive
+    type(facets_t), intent(in) :: facets              !< its facets
+    type(sums_t), intent(in) :: sums                  !< its sums
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    real(dp) :: row(14), total(12)
+    integer :: f, i
+    do f = 1, size(facets%area)
+      call add_place(output%contact, step)
+      call output%contact%add(f)
+      call output%contact%add((f - 1)/drive%axial_facets + 1)
+      call output%contact%add(modulo(f - 1, drive%axial_facets) + 1)
+      row = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%gap(f), &
+        facets%traction(:, f), facets%slip(:, f)]
+      do i = 1, 14
+        call output%contact%add(row(i))
+      end do
+      call output%contact%add(facets%state(f))
+      call output%contact%add(facets%k_n(f))
+      call output%contact%add(facets%k_t(f))
+      call output%contact%end_row(error)
+      if (allocated(error)) return
+    end do
+    call add_place(output%steps, step)
+    total = [sums%rotation, sums%normal_force, sums%reaction_force, sums%facet_force, sums%lobe_force_x, sums%contact_area, &
+      sums%pressure_max, sums%pressure_middle, sums%friction_torque, sums%friction_capacity, sums%torque_balance, &
+      sums%axial_balance]
+    do i = 1, size(total)
+      call output%steps%add(total(i))
+    end do
+    call output%steps%add(step%iterations)
+    call output%steps%add(step%seconds)
+    call output%steps%end_row(error)
+  end subroutine write_step
+
+  !> Rows of the convergence history of one attempt.
+  subroutine write_history(output, step, attempt, history, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    integer, intent(in) :: attempt                    !< attempts before this one
+    type(iteration_t), intent(in) :: history(:)       !< iterates
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer :: i
+    do i = 1, size(history)
+      associate (h => history(i))
+        call add_place(output%history, step)
+        call output%history%add(attempt)
+        call output%history%add(h%iteration)
+        call output%history%add(h%residual)
+        call output%history%add(h%changes)
+        call output%history%add(h%open)
+        call output%history%add(h%stick)
+        call output%history%add(h%slip)
+        call output%history%add(h%damping)
+        call output%history%add(h%seconds)
+      end associate
+      call output%history%end_row(error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_history
+
+  !> Grids of a step: the bodies with their displacements and the contact face with its fields.
+  subroutine write_grids(output, step, drive, facets, state, error)
+    type(output_t), intent(inout) :: output           !< folder
+    type(step_t), intent(in) :: step                  !< step
+    type(drive_t), intent(in) :: drive                !< drive
+    type(facets_t), intent(in) :: facets              !< its facets
+    type(state_t), intent(in) :: state                !< its state
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=40) :: name
+    type(field_t) :: fields(6)
+    real(dp), allocatable :: x(:, :), u(:, :), tag(:, :)
+    integer, allocatable :: cells(:, :)
+    integer :: b, c, s, m
+    associate (problem => drive%problem)
+      m = sum(problem%bodies%sectors*[(size(problem%bodies(b)%cells, 2), b=1, 2)])
+      allocate (x(3, problem%n), u(3, problem%n), cells(size(problem%bodies(1)%cells, 1), m), tag(1, m))
+      m = 0
+      do b = 1, 2
+        associate (body => problem%bodies(b), range => problem%first(b))
+          x(:, range + 1:range + body%nodes()) = body%x
+          u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
+          do s = 0, body%sectors - 1
+            do c = 1, size(body%cells, 2)
+              m = m + 1
+              cells(:, m) = range + cell_nodes(body, c, s)
+              tag(1, m) = b
+            end do
+          end do
+        end associate
+      end do
+      fields(1) = field_t('displacement_m', u, .false.)
+      fields(2) = field_t('body', tag, .true.)
+      name = 'bodies_'//padded(step%number)//'.vtu'
+      call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), fields(:2), error)
+      if (allocated(error)) return
+      output%grids = [output%grids, name]
+      output%times = [output%times, real(step%number, dp)]
+      fields(1) = field_t('displacement_m', u(:, :problem%first(2)), .false.)
+      fields(2) = field_t('pressure_pa', facets%traction(1:1, :), .true.)
+      fields(3) = field_t('shear_pa', facets%traction(2:3, :), .true.)
+      fields(4) = field_t('gap_m', reshape(facets%gap, [1, size(facets%gap)]), .true.)
+      fields(5) = field_t('slip_m', facets%slip, .true.)
+      fields(6) = field_t('state', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
+      call write_vtu(output%folder//'/contact_'//padded(step%number)//'.vtu', x(:, :problem%first(2)), &
+        drive%face%nodes(:4, :), 9, fields, error)
+      if (allocated(error)) return
+    end associate
+    call write_pvd(output%folder//'/bodies.pvd', output%grids, output%times, error)
+    if (allocated(error)) return
+    call write_pvd(output%folder//'/contact.pvd', 'contact'//output%grids(:)(7:), output%times, error)
+  end subroutine write_grids
+
+  !> Number with leading zeros.
+  pure function padded(n) result(s)
+    integer, intent(in) :: n  !< number
+    character(len=4) :: s
+    write (s, '(i4.4)') n
+  end function padded
+
+  !> Close the tables.
+  subroutine close_output(output)
+    type(output_t), intent(inout) :: output  !< tables
+    call output%contact%close()
+    call output%history%close()
+    call output%steps%close()
+  end subroutine close_output
+end module hd_output

@@ -1,0 +1,178 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> summary.json: the last file of a run, and the proof that it ended as it says.
+module hd_summary
+  use, intrinsic :: iso_fortran_env, only: compiler_version
+  use hd_kinds, only: dp
+  use hd_clock, only: timestamp, peak_memory_mb
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t, code_done, code_stopped
+  use hd_facets, only: sums_t
+  use hd_joint, only: joint_t
+  use hd_json, only: json_t
+  use hd_newton_matrix, only: newton_matrix_t
+  use hd_parameters, only: table_t, new_table
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t
+  use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
+  implicit none
+  private
+  public :: timers_t, record_t, write_summary
+
+  type :: timers_t
+    real(dp) :: setup = 0, newton = 0, output = 0, total = 0   !< wall clock [s]
+  end type timers_t
+
+  !> What a run has to say of itself.
+  type :: record_t
+    character(len=25) :: started = ''
+    character(len=:), allocatable :: input
+    integer :: steps = 0, iterations = 0, cuts = 0
+    type(timers_t) :: timers
+    type(string_t), allocatable :: warnings(:)
+    real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
+  end type record_t
+
+contains
+
+  !> Write the summary; `failure` is what ended the run early, if anything did.
+  subroutine write_summary(folder, scene, drive, joint, matrix, sums, record, failure, error)
+    character(len=*), intent(in) :: folder                    !< folder of the run
+    type(scene_t), intent(in) :: scene                        !< scene
+    type(drive_t), intent(in) :: drive                        !< drive
+    type(joint_t), intent(in) :: joint                        !< joint
+    type(newton_matrix_t), intent(in) :: matrix               !< Newton matrix
+    type(sums_t), intent(in) :: sums                          !< of the last converged step
+    type(record_t), intent(in) :: record                      !< counts and times
+    type(error_t), allocatable, intent(in) :: failure         !< why the run ended early
+    type(error_t), allocatable, intent(out) :: error          !< cannot be written
+    type(json_t) :: json
+    call json%begin()
+    if (allocated(failure)) then
+      call json%add('status', trim(merge('stopped_at_limit', 'failed          ', failure%code == code_stopped)))
+      call json%add('code', failure%code)
+      call json%add('message', failure%message)
+    else
+      call json%add('status', 'complete')
+      call json%add('code', code_done)
+      call json%add('message', '')
+    end if
+    call json%add('kind', 'drive')
+    call json%add('title', scene%title)
+    call add_results(json, sums, record)
+    call add_joint(json, joint)
+    call json%begin('model')
+    call json%add('dof', 3*drive%problem%n)
+    call json%add('unknowns', matrix%unknowns)
+    call json%add('facets', size(drive%face%nodes, 2))
+    call json%add('multipliers', drive%problem%mortar%n)
+    call json%add('factor_entries', matrix%mumps%factor_entries)
+    call json%add('factor_flops', matrix%mumps%flops)
+    call json%add('ordering_asked', 'METIS (PERM_IN)')
+    call json%add('ordering_used', trim(merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)))
+    call json%finish()
+    call json%begin('timers_s')
+    call json%add('setup', record%timers%setup)
+    call json%add('newton', record%timers%newton)
+    call json%add('output', record%timers%output)
+    call json%add('total', record%timers%total)
+    call json%finish()
+    call json%add('peak_memory_mb', peak_memory_mb())
+    call add_warnings(json, record)
+    call add_provenance(json, matrix, record)
+    call add_scene(json, scene)
+    call json%finish()
+    call json%write_atomic(folder//'/summary.json', error)
+  end subroutine write_summary
+
+  !> Results of the last converged step.
+  subroutine add_results(json, sums, record)
+    type(json_t), intent(inout) :: json      !< document
+    type(sums_t), intent(in) :: sums         !< sums
+    type(record_t), intent(in) :: record     !< counts
+    call json%begin('results')
+    call json%add('steps', record%steps)
+    call json%add('iterations', record%iterations)
+    call json%add('cut_backs', record%cuts)
+    call json%add('rotation_rad', sums%rotation)
+    call json%add('normal_force_n', sums%normal_force)
+    call json%add('reaction_force_n', sums%reaction_force)
+    call json%add('facet_force_n', sums%facet_force)
+    call json%add('lobe_force_x_n', sums%lobe_force_x)
+    call json%add('contact_area_m2', sums%contact_area)
+    call json%add('pressure_max_pa', sums%pressure_max)
+    call json%add('pressure_mid_mean_pa', sums%pressure_middle)
+    call json%add('friction_torque_nm', sums%friction_torque)
+    call json%add('friction_capacity_nm', sums%friction_capacity)
+    call json%add('torque_balance_nm', sums%torque_balance)
+    call json%add('axial_balance_n', sums%axial_balance)
+    if (record%slip_torque > 0) call json%add('gross_slip_torque_nm', record%slip_torque)
+    call json%finish()
+  end subroutine add_results
+
+  !> Parameters that the joint results rest on.
+  subroutine add_joint(json, joint)
+    type(json_t), intent(inout) :: json  !< document
+    type(joint_t), intent(in) :: joint   !< joint
+    call json%begin('joint')
+    call json%add('closure', trim(merge('paper  ', 'nominal', joint%paper)))
+    call json%add('asperity_radius_m', joint%r_m)
+    call json%add('s_min_m2', joint%s_min)
+    call json%add('reference_area_m2', joint%reference_area)
+    call json%add('hardness_pa', joint%asperity%hardness)
+    call json%add('reduced_modulus_pa', joint%asperity%e_star)
+    call json%add('s_ec_m2', joint%asperity%s_ec)
+    call json%add('psi', joint%psi)
+    call json%finish()
+  end subroutine add_joint
+
+  subroutine add_warnings(json, record)
+    type(json_t), intent(inout) :: json    !< document
+    type(record_t), intent(in) :: record   !< warnings
+    character(len=400) :: lines(size(record%warnings))
+    integer :: i
+    do i = 1, size(lines)
+      lines(i) = record%warnings(i)%s
+    end do
+    call json%add('warnings', lines)
+  end subroutine add_warnings
+
+  !> Versions, input, dates.
+  subroutine add_provenance(json, matrix, record)
+    type(json_t), intent(inout) :: json            !< document
+    type(newton_matrix_t), intent(in) :: matrix    !< knows the version of MUMPS
+    type(record_t), intent(in) :: record           !< dates
+    call json%begin('provenance')
+    call json%add('hdengine', version)
+    call json%add('input', record%input)
+    call json%add('started', record%started)
+    call json%add('finished', timestamp())
+    call json%add('compiler', compiler_version())
+    call json%add('build', build_type)
+    call json%add('mumps', matrix%mumps%version)
+    call json%add('metis', metis_version)
+    call json%add('openblas', openblas_version)
+    call json%add('fftw', fftw_version)
+    call json%finish()
+  end subroutine add_provenance
+
+  !> Every key of the scene.
+  subroutine add_scene(json, scene)
+    type(json_t), intent(inout) :: json   !< document
+    type(scene_t), intent(in) :: scene    !< scene
+    type(scene_t), target :: copy
+    type(table_t) :: table
+    integer :: i
+    copy = scene
+    call new_table(copy, table)
+    call json%begin('scene')
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        if (associated(p%integer)) call json%add(p%group//'.'//p%key, p%integer)
+        if (associated(p%real)) call json%add(p%group//'.'//p%key, p%real)
+        if (associated(p%reals)) call json%add(p%group//'.'//p%key, p%reals)
+        if (associated(p%text)) call json%add(p%group//'.'//p%key, trim(p%text))
+      end associate
+    end do
+    call json%finish()
+  end subroutine add_scene
+end module hd_summary

@@ -4,11 +4,12 @@ program main
   use, intrinsic :: iso_fortran_env, only: error_unit
   use hd_command_line, only: command_t, read_command_line, obey
   use hd_error, only: error_t
-  use hd_system, only: catch_signals
+  use hd_system, only: catch_signals, keep_memory
   implicit none
   type(command_t) :: command
   type(error_t), allocatable :: error
   call catch_signals()
+  call keep_memory()
   call read_command_line(command, error)
   if (.not. allocated(error)) call obey(command, error)
   if (.not. allocated(error)) stop 0, quiet=.true.

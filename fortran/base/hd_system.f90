@@ -5,7 +5,7 @@ module hd_system
   use hd_error, only: error_t, raise, code_file
   implicit none
   private
-  public :: catch_signals, stop_requested, make_directory, rename_file, remove_file, path_kind, on_terminal
+  public :: catch_signals, keep_memory, stop_requested, make_directory, rename_file, remove_file, path_kind, on_terminal
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -15,6 +15,8 @@ module hd_system
   interface
     subroutine catch_signals() bind(c, name='hd_catch_signals')
     end subroutine catch_signals
+    subroutine keep_memory() bind(c, name='hd_keep_memory')
+    end subroutine keep_memory
     integer(c_int) function c_stop() bind(c, name='hd_stop_requested')
       import :: c_int
     end function c_stop

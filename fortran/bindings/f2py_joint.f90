@@ -1,0 +1,75 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+! Flat entries for Python: the joint model. `p` holds e1, nu1, e2, nu2, nu_soft, hardness, D, G, gamma, r_m, mu, s_min, A_0
+! and 1 for the closure of the paper.
+
+!> Stiffness of facets.
+subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_asperity, only: new_asperity
+  use hd_error, only: error_t
+  use hd_joint, only: joint_t, new_joint, evaluate_joint
+  use hd_status, only: tell
+  implicit none
+  real(c_double), intent(in) :: p(14)
+  integer(c_int), intent(in) :: n
+  real(c_double), intent(in) :: pressure(n), shear(n), area(n)
+  real(c_double), intent(out) :: k_n(n), k_t(n), s_l(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(pressure) :: n = len(pressure)
+  !f2py threadsafe
+  type(joint_t) :: joint
+  type(error_t), allocatable :: error
+  k_n = 0
+  k_t = 0
+  s_l = 0
+  call new_joint(new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10)), p(7), p(11), p(12), p(13), &
+    p(10), p(14) > 0, joint, error)
+  if (.not. allocated(error)) call evaluate_joint(joint, pressure, shear, area, k_n, k_t, s_l)
+  call tell(error, status, message)
+end subroutine joint_facets
+
+!> Integrals of one surface at a given largest spot, by regime: load, normal and tangential stiffness; then psi, S_r.
+subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_asperity, only: new_asperity
+  use hd_error, only: error_t
+  use hd_joint, only: joint_t, new_joint, joint_load, normal_stiffness, tangential_stiffness, real_area
+  use hd_status, only: tell
+  implicit none
+  real(c_double), intent(in) :: p(14), s_l, tau
+  real(c_double), intent(out) :: load(4), k_n(4), k_t(4), psi, s_r
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(joint_t) :: joint
+  type(error_t), allocatable :: error
+  load = 0
+  k_n = 0
+  k_t = 0
+  psi = 0
+  s_r = 0
+  call new_joint(new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10)), p(7), p(11), p(12), p(13), &
+    p(10), p(14) > 0, joint, error)
+  if (.not. allocated(error)) then
+    load = joint_load(joint, s_l)
+    k_n = normal_stiffness(joint, s_l)
+    k_t = tangential_stiffness(joint, s_l, tau)
+    psi = joint%psi
+    s_r = real_area(joint, s_l)
+  end if
+  call tell(error, status, message)
+end subroutine joint_parts
+
+!> One asperity: properties (E, G', H, k, eta, R, eps_ec, s_ec, f_ec), by depth (s, f, k) and by area (f, k, k_t).
+subroutine asperity(p, eps, s, tau, properties, by_depth, by_area)
+  use, intrinsic :: iso_c_binding, only: c_double
+  use hd_asperity, only: asperity_t, new_asperity, asperity_by_depth, asperity_by_area
+  implicit none
+  real(c_double), intent(in) :: p(14), eps, s, tau
+  real(c_double), intent(out) :: properties(9), by_depth(3), by_area(3)
+  type(asperity_t) :: a
+  a = new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10))
+  properties = [a%e_star, a%g_prime, a%hardness, a%hardness_factor, a%amplitude, a%radius, a%eps_ec, a%s_ec, a%f_ec]
+  call asperity_by_depth(a, eps, by_depth(1), by_depth(2), by_depth(3))
+  call asperity_by_area(a, s, tau, p(11), by_area(1), by_area(2), by_area(3))
+end subroutine asperity

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""hdengine: torsional stiffness of the flexspline-bearing contact of a harmonic drive."""
+from ._engine import (
+    EngineMemoryError,
+    FileError,
+    HdengineError,
+    InputError,
+    InternalError,
+    LinearSolverError,
+    NotConvergedError,
+    StoppedError,
+)
+from ._engine import version as _version
+from .contact import Run, Step, run
+from .joint import Joint
+from .results import Result, load
+
+__version__ = _version()
+__all__ = [
+    "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "LinearSolverError",
+    "NotConvergedError", "Result", "Run", "Step", "StoppedError", "load", "run",
+]

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Figures of a run."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+plt.rcParams.update({"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "figure.constrained_layout.use": True,
+                     "savefig.dpi": 150})
+
+
+def plot_run(result):
+    """Make all figures of a run in its folder.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    list of Path
+    """
+    figures = {
+        "positions.png": plot_positions(result),
+        "pressure_band.png": plot_band(result),
+        "torsion.png": plot_torsion(result),
+        "newton.png": plot_newton(result),
+    }
+    paths = []
+    for name, figure in figures.items():
+        paths.append(result.folder / name)
+        figure.savefig(paths[-1])
+        plt.close(figure)
+    return paths
+
+
+def _grid(result, name, step=-1):
+    """A contact column as (angle, axis)."""
+    return result.contact[name][step].reshape(result.shape)
+
+
+def _reference_z(result):
+    """Distance of the facet rows from the front edge of the band [m]."""
+    length = result.scene["geometry.band_length"]
+    return (np.arange(result.shape[1]) + 0.5) * length / result.shape[1]
+
+
+def plot_positions(result):
+    """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
+    figure, axes = plt.subplots(2, 1, sharex=True, figsize=(8, 7))
+    theta = np.degrees(_grid(result, "theta_rad")[:, 0])
+    z = _reference_z(result)
+    for label, place, style in zip(("I", "II", "III"), result.scene["output.positions"], ("-", "--", "-.")):
+        row = int(np.argmin(abs(z - place)))
+        name = f"Position {label}: row at {1e3 * z[row]:.1f} mm"
+        axes[0].plot(theta, _grid(result, "pressure_pa")[:, row] / 1e6, style, label=name)
+        axes[1].plot(theta, _grid(result, "traction_theta_pa")[:, row] / 1e6, style, label=name)
+    axes[0].set_ylabel("pressure / MPa")
+    axes[1].set_ylabel("shear along θ / MPa")
+    axes[1].set_xlabel("angle from the long axis / degree")
+    axes[1].set_xticks(range(0, 361, 45))
+    axes[0].set_title(f"Contact stress at {result.torque_nm[-1]:g} N m (rows from the band's front edge)")
+    axes[0].legend()
+    return figure
+
+
+def plot_band(result):
+    """Contact pressure on the unrolled band, last step."""
+    figure, axis = plt.subplots(figsize=(9, 4))
+    p = _grid(result, "pressure_pa").T / 1e6
+    extent = (0, 360, 0, 1e3 * result.scene["geometry.band_length"])
+    top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
+    image = axis.imshow(np.where(p > 0, p, np.nan), origin="lower", extent=extent, aspect="auto", cmap="viridis", vmin=0,
+                        vmax=top)
+    axis.set_facecolor("0.9")
+    axis.grid(False)
+    axis.set_xticks(range(0, 361, 45))
+    axis.set_xlabel("angle from the long axis / degree")
+    axis.set_ylabel("distance from the\nfront edge / mm")
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; peak {p.max():.0f} MPa at the edge)")
+    figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
+    return figure
+
+
+def plot_torsion(result):
+    """K_TS over torque by both forms of Eq. 45, and the FE rotation."""
+    k, paper = result.torsional_stiffness()
+    select = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[0]
+    t = result.torque_nm[select:]
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2))
+    for axis, values, label in zip(
+            axes, (k[select:], paper[select:], 1e6 * result.steps["rotation_rad"][select:]),
+            ("$K_{TS}$ (Eq. 45) / (N m/rad)", "Eq. 45 as printed / N", "FE rotation of the rim / µrad")):
+        axis.plot(t, values, "o-")
+        axis.set_xlabel("torque / N m")
+        axis.set_title(label, fontsize=12)
+        if np.ptp(values) < 0.05 * abs(np.mean(values)):
+            axis.set_ylim(np.mean(values) * np.array([0.95, 1.05]))
+    return figure
+
+
+def plot_newton(result):
+    """Relative residual over the Newton iterations of all steps."""
+    h = result.history
+    figure, axis = plt.subplots(figsize=(9, 4.2))
+    marks = np.flatnonzero(h["iteration"] == 0)
+    for i, (a, b) in enumerate(zip(marks, np.append(marks[1:], len(h)))):
+        colour = "C0" if str(h["phase"][a]).strip() == "assembly" else "C1"
+        axis.semilogy(np.arange(a, b), np.maximum(h["residual"][a:b], 1e-17), "o-", color=colour, ms=4)
+    axis.axhline(result.scene["solver.tolerance"], color="k", ls=":", label="tolerance")
+    axis.plot([], [], "o-", color="C0", label="assembly")
+    axis.plot([], [], "o-", color="C1", label="torque")
+    axis.set_xlabel("Newton iterate, all load steps in a row")
+    axis.set_ylabel("relative residual")
+    axis.legend()
+    return figure

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Results of a run, read from its folder."""
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+
+from . import torsion
+from ._engine import FileError
+
+
+def read_csv(path):
+    """A CSV table as a structured array with the header's names."""
+    try:
+        return np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+    except OSError as e:
+        raise FileError(f"'{path}' cannot be read: {e}") from None
+
+
+class Result:
+    """A finished run.
+
+    Attributes
+    ----------
+    folder : Path
+    summary : dict
+        summary.json.
+    steps, history : structured ndarray
+        One row per load step, per Newton iteration.
+    contact : dict of ndarray (steps, facets)
+        Columns of contact.csv.
+    shape : tuple
+        Facets round the circumference, facets along the band.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        path = self.folder / "summary.json"
+        if not path.is_file():
+            raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
+        self.summary = json.loads(path.read_text())
+        self.steps = read_csv(self.folder / "steps.csv")
+        self.history = read_csv(self.folder / "history.csv")
+        table = read_csv(self.folder / "contact.csv")
+        facets = int(table["facet"].max())
+        self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names}
+        self.shape = int(table["i_theta"].max()), int(table["i_z"].max())
+
+    @property
+    def scene(self):
+        """All keys of the scene, 'group.key'."""
+        return self.summary["scene"]
+
+    @property
+    def complete(self):
+        """The run reached its last load step."""
+        return self.summary["status"] == "complete"
+
+    @property
+    def torque_nm(self):
+        """Torque of each step [N m]."""
+        return self.steps["torque_nm"]
+
+    def vectors(self, *names):
+        """Columns stacked as (steps, facets, len(names))."""
+        return np.stack([self.contact[name] for name in names], axis=-1)
+
+    def torsional_stiffness(self):
+        """K_TS of each step (Eq. 45): default [N m/rad] and as printed [N].
+
+        Returns
+        -------
+        k_nm_per_rad, paper_n : ndarray (steps,)
+        """
+        c, s = self.contact, self.scene
+        k = torsion.torsional_stiffness(c["k_n_n_per_m"], c["k_t_n_per_m"], self.vectors("x_m", "y_m", "z_m"),
+                                        self.vectors("n_x", "n_y", "n_z"))
+        paper = torsion.torsional_stiffness_paper(c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0],
+                                                  s["geometry.bore_radius"], s["wave_generator.w"])
+        return k, paper
+
+    def write_torsion(self):
+        """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""
+        k, paper = self.torsional_stiffness()
+        path = self.folder / "torsion.csv"
+        rows = np.column_stack([self.steps["step"], self.torque_nm, k, paper, self.steps["rotation_rad"]])
+        part = path.with_suffix(".part")
+        np.savetxt(part, rows, delimiter=",", comments="", fmt=["%d"] + ["%.17g"] * 4,
+                   header="step,torque_nm,k_ts_nm_per_rad,k_ts_paper_n,rotation_rad")
+        os.replace(part, path)
+        return path
+
+    def __repr__(self):
+        r = self.summary["results"]
+        k, paper = self.torsional_stiffness()
+        lines = [
+            f"{self.summary['title'] or self.folder}: {self.summary['status']}",
+            f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
+            f"{self.summary['model']['facets']} facets",
+            f"  torque {self.torque_nm[-1]:.4g} N m   normal force {r['normal_force_n']:.4g} N   "
+            f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa   rotation {r['rotation_rad']:.3e} rad",
+            f"  K_TS (Eq. 45) {k[-1]:.4g} N m/rad   as printed {paper[-1]:.4g} N",
+        ]
+        return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
+
+
+def load(folder):
+    """Result of a run folder."""
+    return Result(folder)

@@ -33,6 +33,7 @@ module hd_newton
   type :: linearisation_t
     real(dp), allocatable :: r_u(:, :), r_c(:, :), dw(:, :, :), dt(:, :, :)
     integer, allocatable :: contact(:)
+    logical, allocatable :: idle(:, :)   !< components whose dofs are all prescribed: their traction stays 0
     real(dp) :: merit = 0
   end type linearisation_t
 
@@ -131,19 +132,39 @@ contains
     type(linearisation_t), intent(inout) :: here    !< linearisation
     real(dp), allocatable :: force(:, :)
     real(dp) :: scale, law
-    integer :: j
-    if (.not. allocated(here%contact)) allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), &
-      here%dt(3, 3, problem%mortar%n), here%contact(problem%mortar%n))
+    integer :: c, i, j
+    if (.not. allocated(here%contact)) then
+      allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
+        here%contact(problem%mortar%n))
+      here%idle = idle_components(problem)
+    end if
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n
       call evaluate_law(problem%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
         here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      do c = 1, 3
+        if (.not. here%idle(c, j)) cycle
+        here%r_c(c, j) = state%traction(c, j)
+        here%dw(c, :, j) = 0
+        here%dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
+      end do
     end do
     here%r_u = internal_residual(problem, load, state)
     allocate (force(3, problem%n), source=0._dp)
     call add_nodal_forces(problem%mortar, state%traction, force)
-    scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + tiny(scale)
     law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
+    scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
     here%merit = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)/scale
   end subroutine linearise
+
+  !> Traction components that act on prescribed dofs only, or on no facet opposite.
+  pure function idle_components(problem) result(idle)
+    type(problem_t), intent(in) :: problem  !< problem
+    logical :: idle(3, problem%mortar%n)
+    integer :: j
+    do j = 1, problem%mortar%n
+      idle(:, j) = all(problem%fixed(:, problem%mortar%col(problem%mortar%ptr(j):problem%mortar%ptr(j + 1) - 1)), 2)
+      if (.not. problem%mortar%area(j) > 0) idle(:, j) = .true.
+    end do
+  end function idle_components
 end module hd_newton

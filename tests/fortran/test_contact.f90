@@ -1,0 +1,255 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+module test_contact
+  use hd_body, only: body_t
+  use hd_check, only: check, check_close
+  use hd_contact_law, only: contact_law_t, evaluate_law, frictional, frictionless
+  use hd_error, only: error_t
+  use hd_face, only: face_t
+  use hd_hexahedron, only: hex20r, hex8i
+  use hd_kinds, only: dp, pi
+  use hd_mortar, only: facet_mean, mortar_t, new_mortar, relative_displacement
+  use hd_newton, only: iterate, iteration_t, newton_options_t
+  use hd_newton_matrix, only: new_newton_matrix, newton_matrix_t
+  use hd_problem, only: load_t, new_problem, new_state, problem_t, state_t
+  use hd_revolution, only: revolve, strip_face, strip_t
+  implicit none
+  private
+  public :: run_contact
+
+contains
+
+  subroutine run_contact()
+    call law_tangent()
+    call mortar_sums()
+    call flat_patch(swap=.false.)
+    call flat_patch(swap=.true.)
+    call press_fit(hex8i, 40, 40)
+    call press_fit(hex8i, 80, 64)
+    call press_fit(hex20r, 40, 32)
+  end subroutine run_contact
+
+  !> The derivatives of the law agree with central differences in every state.
+  subroutine law_tangent()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), w(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(6, 4)
+    integer :: i, k, state, seen(0:2)
+    law = contact_law_t(frictional, 0.3_dp, 2._dp)
+    cases = reshape([1._dp, 0.1_dp, 0.05_dp, 3._dp, 0.1_dp, 0.2_dp, &      ! open
+      2._dp, 0.1_dp, -0.1_dp, -0.2_dp, 0.05_dp, 0.02_dp, &                 ! stick
+      2._dp, 0.9_dp, -0.4_dp, -0.1_dp, 0.3_dp, -0.2_dp, &                  ! slip
+      1._dp, -0.7_dp, 0.6_dp, 0.1_dp, -0.5_dp, 0.9_dp], [6, 4])            ! slip the other way
+    worst = 0
+    seen = 0
+    do k = 1, 4
+      t = cases(:3, k)
+      w = cases(4:, k)
+      call evaluate_law(law, t, w, r, dw, dt, state)
+      seen(state) = seen(state) + 1
+      do i = 1, 3
+        step = 0
+        step(i) = 1e-6_dp
+        call evaluate_law(law, t + step, w, plus, skip, skip, state)
+        call evaluate_law(law, t - step, w, minus, skip, skip, state)
+        worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dt(:, i))))
+        call evaluate_law(law, t, w + step, plus, skip, skip, state)
+        call evaluate_law(law, t, w - step, minus, skip, skip, state)
+        worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dw(:, i))))
+      end do
+    end do
+    call check(all(seen > 0), 'the cases of the tangent test cover open, stick and slip')
+    call check_close(worst, 0._dp, 1e-8_dp, 'the derivatives of the contact law agree with differences')
+  end subroutine law_tangent
+
+  !> On cylinders that do not match, equal rigid motions give no relative displacement and the areas add up.
+  subroutine mortar_sums()
+    type(body_t) :: a, b
+    type(face_t) :: slave, master
+    type(mortar_t) :: mortar
+    real(dp), allocatable :: u(:, :)
+    call two_rings(hex8i, 24, 17, a, b, slave, master)
+    call new_mortar(slave, master, mortar)
+    call check_close(sum(mortar%area)/(2*pi*20e-3_dp*5e-3_dp), 1._dp, 1e-13_dp, 'the mortar areas cover the cylinder')
+    allocate (u(3, a%nodes() + b%nodes()))
+    u(1, :) = 1
+    u(2, :) = -2
+    u(3, :) = 3
+    call check_close(maxval(abs(relative_displacement(mortar, u))), 0._dp, 1e-11_dp, &
+      'swelling, turning and shifting both cylinders alike opens no gap and causes no slip')
+  end subroutine mortar_sums
+
+  !> Two rings that touch at 20 mm, outer slave on inner master or the reverse numbering of the master.
+  subroutine two_rings(kind, n_inner, n_outer, inner, outer, slave, master)
+    integer, intent(in) :: kind, n_inner, n_outer
+    type(body_t), intent(out) :: inner, outer
+    type(face_t), intent(out) :: slave, master
+    type(strip_t) :: strip
+    real(dp), parameter :: z(3) = [0._dp, 2e-3_dp, 5e-3_dp]
+    strip%layers = 3
+    strip%inner = reshape([10e-3_dp, z(1), 10e-3_dp, z(2), 10e-3_dp, z(3)], [2, 3])
+    strip%outer = reshape([20e-3_dp, z(1), 20e-3_dp, z(2), 20e-3_dp, z(3)], [2, 3])
+    call revolve(strip, n_inner, kind, inner)
+    call strip_face(strip, inner, 4, 1, 3, 20e-3_dp, slave)
+    strip%inner = reshape([20e-3_dp, z(1), 20e-3_dp, z(1) + 1e-3_dp, 20e-3_dp, z(3)], [2, 3])
+    strip%outer = reshape([30e-3_dp, z(1), 30e-3_dp, z(1) + 1e-3_dp, 30e-3_dp, z(3)], [2, 3])
+    call revolve(strip, n_outer, kind, outer)
+    call strip_face(strip, outer, 1, 1, 3, 20e-3_dp, master)
+    inner%young = 210e9_dp
+    inner%poisson = 0.3_dp
+    outer%young = 110e9_dp
+    outer%poisson = 0.25_dp
+    master%nodes = master%nodes + inner%nodes()
+  end subroutine two_rings
+
+  !> Lame press fit in plane strain, frictionless: pressure at every facet against the closed solution; the meshes need not match.
+  subroutine press_fit(kind, n_inner, n_outer)
+    integer, intent(in) :: kind, n_inner, n_outer
+    type(body_t) :: bodies(2)
+    type(face_t) :: slave, master
+    type(problem_t) :: problem
+    type(load_t) :: load
+    type(state_t) :: state
+    real(dp), allocatable :: p(:)
+    real(dp) :: exact, a, b, c, e1, n1, e2, n2, flex, delta
+    character(len=60) :: name
+    write (name, '(a,i0,a,i0,a)') 'Lame press fit, ', n_inner, '/', n_outer, merge(' quadratic', ' hex8i    ', kind == hex20r)
+    call two_rings(kind, n_inner, n_outer, bodies(1), bodies(2), slave, master)
+    call new_problem_of(bodies, slave, master, frictionless, problem)
+    problem%fixed(3, :) = .true.
+    problem%fixed(2, :) = .true.
+    delta = 10e-6_dp
+    call solve(problem, spread(-delta, 1, problem%mortar%n), load, state)
+    a = 10e-3_dp
+    b = 20e-3_dp
+    c = 30e-3_dp
+    e1 = 210e9_dp/(1 - 0.3_dp**2)
+    n1 = 0.3_dp/0.7_dp
+    e2 = 110e9_dp/(1 - 0.25_dp**2)
+    n2 = 0.25_dp/0.75_dp
+    flex = b/e1*((b**2 + a**2)/(b**2 - a**2) - n1) + b/e2*((c**2 + b**2)/(c**2 - b**2) + n2)
+    exact = delta/flex
+    p = facet_mean(problem%mortar, state%traction(1, :))
+    call check_close(sum(p)/size(p)/exact, 1._dp, merge(1e-3_dp, 2e-2_dp, kind == hex20r), trim(name)//': mean pressure')
+    call check_close((maxval(p) - minval(p))/exact, 0._dp, merge(5e-3_dp, 1e-6_dp, kind == hex20r), &
+      trim(name)//': the pressure is even')
+  end subroutine press_fit
+
+  subroutine new_problem_of(bodies, slave, master, mode, problem)
+    type(body_t), intent(in) :: bodies(:)
+    type(face_t), intent(in) :: slave, master
+    integer, intent(in) :: mode
+    type(problem_t), intent(out) :: problem
+    type(error_t), allocatable :: error
+    call new_problem(bodies, problem, error)
+    call check(.not. allocated(error), 'the bodies assemble')
+    call new_mortar(slave, master, problem%mortar)
+    problem%law = contact_law_t(mode, 0.2_dp, 1e13_dp)
+  end subroutine new_problem_of
+
+  subroutine solve(problem, gap, load, state)
+    type(problem_t), intent(in) :: problem
+    real(dp), intent(in) :: gap(:)
+    type(load_t), intent(inout) :: load
+    type(state_t), intent(out) :: state
+    type(newton_matrix_t) :: matrix
+    type(state_t) :: rest
+    type(iteration_t), allocatable :: history(:)
+    type(error_t), allocatable :: error
+    type(newton_options_t) :: options
+    logical :: converged, sliding
+    if (.not. allocated(load%force)) allocate (load%force(3, problem%n), source=0._dp)
+    if (.not. allocated(load%displacement)) allocate (load%displacement(3, problem%n), source=0._dp)
+    load%gap = gap
+    options%tolerance = 1e-12_dp
+    call new_newton_matrix(problem, matrix, error)
+    call new_state(problem, rest)
+    state = rest
+    if (.not. allocated(error)) call iterate(problem, matrix, options, load, rest, state, history, converged, sliding, error)
+    call check(converged .and. .not. allocated(error), 'the contact problem converges')
+    call matrix%release()
+  end subroutine solve
+
+  !> A block of nx x ny x nz cells between two corners, Cartesian dofs; its nodes are numbered x fastest.
+  function block(n, low, high) result(body)
+    integer, intent(in) :: n(3)
+    real(dp), intent(in) :: low(3), high(3)
+    type(body_t) :: body
+    integer :: i, j, k, c, a
+    body%kind = hex8i
+    body%young = 200e9_dp
+    body%poisson = 0.3_dp
+    body%nodes_per_sector = product(n + 1)
+    allocate (body%x(3, body%nodes_per_sector), body%angle(body%nodes_per_sector), body%cells(8, product(n)))
+    body%angle = 0
+    c = 0
+    do k = 0, n(3)
+      do j = 0, n(2)
+        do i = 0, n(1)
+          a = node(i, j, k)
+          body%x(:, a) = low + (high - low)*[i, j, k]/n
+          if (i == n(1) .or. j == n(2) .or. k == n(3)) cycle
+          c = c + 1
+          body%cells(:, c) = [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k), &
+            node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)]
+        end do
+      end do
+    end do
+  contains
+    pure integer function node(i, j, k)
+      integer, intent(in) :: i, j, k
+      node = 1 + i + (n(1) + 1)*(j + (n(2) + 1)*k)
+    end function node
+  end function block
+
+  !> Face of a block at constant x: chart (y, z). The contact normal is the first dof.
+  function block_face(body, n, side) result(face)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: n(3), side
+    type(face_t) :: face
+    integer :: j, k, f, a
+    allocate (face%nodes(4, n(2)*n(3)), face%chart(2, 4, n(2)*n(3)))
+    f = 0
+    do j = 0, n(2) - 1
+      do k = 0, n(3) - 1
+        f = f + 1
+        a = 1 + side + (n(1) + 1)*(j + (n(2) + 1)*k)
+        face%nodes(:, f) = [a, a + n(1) + 1, a + (n(1) + 1)*(n(2) + 2), a + (n(1) + 1)*(n(2) + 1)]
+        face%chart(:, :, f) = body%x(2:, face%nodes(:, f))
+      end do
+    end do
+  end function block_face
+
+  !> Contact patch test: two blocks whose meshes do not match, pressed under load control, carry an even stress.
+  subroutine flat_patch(swap)
+    logical, intent(in) :: swap
+    integer, parameter :: n1(3) = [2, 3, 4], n2(3) = [2, 5, 3]
+    real(dp), parameter :: pressure = 80e6_dp
+    type(body_t) :: bodies(2)
+    type(face_t) :: slave, master, pushed
+    type(problem_t) :: problem
+    type(load_t) :: load
+    type(state_t) :: state
+    real(dp), allocatable :: x(:, :)
+    real(dp) :: area
+    integer :: f
+    bodies(1) = block(merge(n2, n1, swap), [0._dp, 0._dp, 0._dp], [1e-2_dp, 2e-2_dp, 2e-2_dp])
+    bodies(2) = block(merge(n1, n2, swap), [1e-2_dp, 0._dp, 0._dp], [2e-2_dp, 2e-2_dp, 2e-2_dp])
+    slave = block_face(bodies(1), merge(n2, n1, swap), 2)
+    master = block_face(bodies(2), merge(n1, n2, swap), 0)
+    pushed = block_face(bodies(2), merge(n1, n2, swap), 2)
+    master%nodes = master%nodes + bodies(1)%nodes()
+    pushed%nodes = pushed%nodes + bodies(1)%nodes()
+    call new_problem_of(bodies, slave, master, frictional, problem)
+    x = reshape([bodies(1)%x, bodies(2)%x], [3, problem%n])
+    problem%fixed = x < 1e-12_dp
+    allocate (load%force(3, problem%n), source=0._dp)
+    do f = 1, size(pushed%nodes, 2)
+      area = (pushed%chart(1, 2, f) - pushed%chart(1, 1, f))*(pushed%chart(2, 4, f) - pushed%chart(2, 1, f))
+      load%force(1, pushed%nodes(:, f)) = load%force(1, pushed%nodes(:, f)) - pressure*area/4
+    end do
+    call solve(problem, spread(0._dp, 1, problem%mortar%n), load, state)
+    call check_close(maxval(abs(state%traction(1, :) - pressure))/pressure, 0._dp, 1e-10_dp, &
+      'contact patch test, meshes that do not match, load control: even pressure')
+    call check_close(maxval(abs(state%u(1, :) + pressure/200e9_dp*x(1, :)))/1e-5_dp, 0._dp, 1e-10_dp, &
+      'contact patch test: exact displacements')
+  end subroutine flat_patch
+end module test_contact

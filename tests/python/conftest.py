@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths and helpers shared by the tests."""
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "load.assembly_steps=1"]
+
+
+def executable():
+    """hdengine.x that belongs to the installed package."""
+    beside = Path(sys.executable).with_name("hdengine.x")
+    found = str(beside) if beside.exists() else shutil.which("hdengine.x")
+    assert found, "hdengine.x is not installed beside this Python"
+    return found
+
+
+@pytest.fixture(scope="session")
+def exe():
+    return executable()
+
+
+def call(exe, *args, cwd=None):
+    """Run hdengine.x and return the finished process."""
+    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, cwd=cwd, timeout=600)
+
+
+@pytest.fixture(scope="session")
+def small_run(exe, tmp_path_factory):
+    """Folder of a small finished run of the default scene."""
+    folder = tmp_path_factory.mktemp("runs") / "small.out"
+    done = call(exe, ROOT / "data/cd14.nml", *SMALL, "--out", folder, "output.vtu=all", "-q")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture(scope="session")
+def reference():
+    """Reference cases of the joint model, by kind; skips where they are not at hand."""
+    path = ROOT.parent / "shared/reference/micro.json"
+    if not path.exists():
+        pytest.skip("reference cases not present")
+    cases = {}
+    for case in json.loads(path.read_text())["cases"]:
+        cases.setdefault(case["kind"], []).append(case)
+    return cases

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The joint model against 20-digit reference cases and against its own limits."""
+import numpy as np
+import pytest
+
+import hdengine
+
+
+def joint_of(case):
+    i = case["inputs"]
+    number = {k: float(v) for k, v in i.items() if isinstance(v, str) and k != "material"}
+    return hdengine.Joint(
+        e1=number["E1"], nu1=number["nu1"], e2=number["E2"], nu2=number["nu2"], nu_soft=number["nu_soft"],
+        hardness=2.8 * number["sigma_s"], fractal_dimension=number["D"], roughness=number["G"], gamma=number["gamma"],
+        asperity_radius=number["r_m"], friction=number.get("mu", 0.15),
+        s_min=float(case["outputs"].get("s_min", 1e-20))), number
+
+
+def numbers(values):
+    return np.array([float(v) for v in values])
+
+
+def test_asperity_by_depth_agrees_with_reference(reference):
+    """Area, load and stiffness at a depth follow Eq. 3-16 to 1e-12 in every regime."""
+    for case in reference["asperity_eps"]:
+        joint, i = joint_of(case)
+        o = {k: float(v) for k, v in case["outputs"].items()}
+        p, by_depth, _ = joint.asperity(depth=o["eps"])
+        expected = [o[k] for k in ("E_star", "G_prime", "H", "k_hard", "eta", "R", "eps_ec", "s_ec", "f_ec")]
+        np.testing.assert_allclose(list(p.values()), expected, rtol=1e-12, err_msg=case["id"])
+        if i["eps_over_eps_ec"] in (1, 6, 110):
+            continue  # the regimes jump here: which side the rounded depth falls on is not defined
+        np.testing.assert_allclose(by_depth, [o["s"], o["f"], o["k"]], rtol=1e-12, err_msg=case["id"])
+
+
+def test_asperity_by_area_agrees_with_reference(reference):
+    """Load, normal and tangential stiffness of a spot follow Eq. 9-16, 39, 40 to 1e-12."""
+    for case in reference["asperity_s"]:
+        joint, i = joint_of(case)
+        o = {k: float(v) for k, v in case["outputs"].items()}
+        _, _, by_area = joint.asperity(area=o["s"], tau=i["tau"])
+        np.testing.assert_allclose(by_area, [o["f"], o["k"], o["kt"]], rtol=1e-12, err_msg=case["id"])
+
+
+def test_integrals_agree_with_reference(reference):
+    """Loads and stiffnesses of all 16 surfaces agree with 50-digit quadrature: 1e-12, tangential 1e-11."""
+    for case in reference["surface"]:
+        joint, i = joint_of(case)
+        o = case["outputs"]
+        parts = joint.parts(float(o["s_l"]), tau=i["tau"])
+        assert parts["psi"] == pytest.approx(float(o["psi"]), rel=1e-13)
+        assert parts["real_area_m2"] == pytest.approx(float(o["S_r_smin0"]), rel=1e-12)
+        for key, name, tol in (("F_parts", "load_n", 1e-12), ("K_N_parts", "k_n_n_per_m", 1e-12),
+                               ("K_T_parts", "k_t_n_per_m", 1e-11)):
+            expected = numbers(o[key])
+            np.testing.assert_allclose(parts[name], expected, rtol=tol, atol=tol * expected.sum(), err_msg=case["id"] + key)
+
+
+def test_psi_agrees_with_reference(reference):
+    """psi solves its transcendental equation to 1e-13, also near D = 2 and D = 3."""
+    for case in reference["psi"]:
+        joint = hdengine.Joint(fractal_dimension=float(case["inputs"]["D"]))
+        assert joint.parts(1e-12)["psi"] == pytest.approx(float(case["outputs"]["psi"]), rel=1e-13)
+
+
+def test_load_inverts_to_pressure():
+    """The largest spot found for a pressure carries exactly that pressure times A_0."""
+    from hdengine import _engine
+
+    joint = hdengine.Joint()
+    pressure = np.logspace(3, 9, 200)
+    _, _, s_l = _engine.call("joint_facets", joint._parameters(), pressure, 0 * pressure, 0 * pressure + 1e-6)
+    load = [joint.parts(s)["load_n"].sum() for s in s_l]
+    np.testing.assert_allclose(load, pressure * joint.reference_area, rtol=1e-12)
+
+
+def test_stiffness_is_independent_of_the_number_of_facets():
+    """The nominal closure gives the same total for one facet as for four quarters; Eq. 28 as printed gives four times."""
+    for paper, factor in ((False, 1), (True, 4)):
+        joint = hdengine.Joint(paper=paper)
+        whole = joint.stiffness(50e6, 1e6, 1e-6)
+        quarters = joint.stiffness(np.full(4, 50e6), 1e6, 0.25e-6)
+        for a, b in zip(whole, quarters):
+            assert b.sum() == pytest.approx(factor * float(a), rel=1e-12)
+
+
+def test_open_and_slipping_facets_have_no_tangential_stiffness():
+    """No pressure: no stiffness at all. Shear at mu P: the facet slips and keeps only its normal stiffness."""
+    k_n, k_t = hdengine.Joint().stiffness([0.0, -1.0, 50e6, 50e6], [0.0, 0.0, 7.5e6, 7.4e6], 1e-6)
+    assert np.all(k_n[:2] == 0) and np.all(k_t[:3] == 0)
+    assert np.all(k_n[2:] > 0) and k_t[3] > 0
+
+
+def test_stiffness_grows_with_pressure():
+    """K_N(P) rises monotonically with an exponent between 0.33 and 0.95 over six decades."""
+    p = np.logspace(4, 9, 60)
+    k, _ = hdengine.Joint().stiffness(p)
+    slope = np.diff(np.log(k)) / np.diff(np.log(p))
+    assert slope.min() > 0.33 and slope.max() < 0.95
+
+
+@pytest.mark.parametrize("keys, word", [
+    ({"fractal_dimension": 2.0}, "fractal_dimension"), ({"fractal_dimension": 3.0}, "fractal_dimension"),
+    ({"s_min": 0.0}, "s_min"), ({"friction": -0.1}, "friction"), ({"roughness": float("nan")}, "yield"),
+])
+def test_bad_parameters_are_named(keys, word):
+    """Parameters out of range raise InputError with their name and what is valid."""
+    with pytest.raises(hdengine.InputError, match=word):
+        hdengine.Joint(**keys).stiffness(1e6)

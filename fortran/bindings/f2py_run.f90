@@ -27,7 +27,7 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   i = 1
   do while (i <= len(assignments))
     j = i + index(assignments(i:)//new_line('a'), new_line('a')) - 2
-    if (j >= i) call push(lines, assignments(i:j))
+    if (len_trim(assignments(i:j)) > 0) call push(lines, assignments(i:j))
     i = j + 2
   end do
   call read_scene(path, lines, scene, error)

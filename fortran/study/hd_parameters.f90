@@ -292,7 +292,7 @@ contains
     call read_numbers(words, x, n)
     hint = 'valid: '//range_text(p)
     if (n < 0) then
-      what = "'"//p%key//"' is not "//merge('an integer', 'a number  ', associated(p%integer))//": '"//words(-n)%s//"'"
+      what = "'"//p%key//"' is not "//trim(merge('an integer', 'a number  ', associated(p%integer)))//": '"//words(-n)%s//"'"
     else if (n /= wanted) then
       what = "'"//p%key//"' takes "//to_text(wanted)//' value(s), '//to_text(n)//' found'
     else if (associated(p%integer) .and. any(abs(x(:n) - nint(x(:n))) > 0)) then
@@ -368,15 +368,19 @@ contains
     type(parameter_t), intent(in) :: p  !< row
     character(len=:), allocatable :: s
     s = trim(merge('integer', 'number ', associated(p%integer)))
-    if (p%low > -huge(1._dp)) then
-      if (p%open_low) s = s//' > '//exact(p%low)
-      if (.not. p%open_low) s = s//' >= '//exact(p%low)
-    end if
-    if (p%high < huge(1._dp)) then
-      if (p%low > -huge(1._dp)) s = s//' and'
-      if (p%open_high) s = s//' < '//exact(p%high)
-      if (.not. p%open_high) s = s//' <= '//exact(p%high)
-    end if
+    if (p%low > -huge(1._dp)) s = s//trim(merge(' > ', ' >=', p%open_low))//' '//bound(p%low)
+    if (p%low > -huge(1._dp) .and. p%high < huge(1._dp)) s = s//' and'
+    if (p%high < huge(1._dp)) s = s//trim(merge(' < ', ' <=', p%open_high))//' '//bound(p%high)
     if (len(p%unit) > 0) s = s//' ['//p%unit//']'
+  contains
+    pure function bound(x) result(t)
+      real(dp), intent(in) :: x
+      character(len=:), allocatable :: t
+      if (associated(p%integer)) then
+        t = to_text(nint(x))
+      else
+        t = exact(x)
+      end if
+    end function bound
   end function range_text
 end module hd_parameters

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bad inputs: exit code and the whole of stderr, and the same words as a Python exception."""
+import pytest
+from conftest import call
+
+import hdengine
+
+HEAD = "&hd_input version = 1 /\n"
+
+# name: (text of the file, exit code, whole stderr with {f} for the file)
+CASES = {
+    "misspelt_group": ("&geometri bore_radius = 1 /\n", 2, """\
+error: unknown group &geometri
+  --> {f}:1:1
+ 1 | &geometri bore_radius = 1 /
+   | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, material, mesh, wave_generator, contact, load, \
+solver, joint, output
+"""),
+    "misspelt_key": ("&contact\n  frictoin = 0.2\n/\n", 2, """\
+error: unknown key 'frictoin' in &contact
+  --> {f}:2:3
+ 2 |   frictoin = 0.2
+   |   ^^^^^^^^ did you mean 'friction'?  valid: mode, friction
+"""),
+    "key_without_neighbour": ("&contact qqqqqqqqq = 1 /\n", 2, """\
+error: unknown key 'qqqqqqqqq' in &contact
+  --> {f}:1:10
+ 1 | &contact qqqqqqqqq = 1 /
+   |          ^^^^^^^^^ valid: mode, friction
+"""),
+    "word_for_number": ("&load torque = abc /\n", 2, """\
+error: 'torque' is not a number: 'abc'
+  --> {f}:1:16
+ 1 | &load torque = abc /
+   |                ^^^ valid: number [N m]
+"""),
+    "real_for_integer": ("&mesh divisions = 80.5 /\n", 2, """\
+error: 'divisions' is not an integer: '80.5'
+  --> {f}:1:19
+ 1 | &mesh divisions = 80.5 /
+   |                   ^^^^ valid: integer >= 8 and <= 100000
+"""),
+    "nan": ("&load torque = NaN /\n", 2, """\
+error: 'torque' is not a number: 'NaN'
+  --> {f}:1:16
+ 1 | &load torque = NaN /
+   |                ^^^ valid: number [N m]
+"""),
+    "infinity": ("&wave_generator w = Infinity /\n", 2, """\
+error: 'w' is not a number: 'Infinity'
+  --> {f}:1:21
+ 1 | &wave_generator w = Infinity /
+   |                     ^^^^^^^^ valid: number >= 0.0 [m]
+"""),
+    "negative_size": ("&geometry wall_thickness = -1e-3 /\n", 2, """\
+error: 'wall_thickness' is out of range: -1e-3
+  --> {f}:1:28
+ 1 | &geometry wall_thickness = -1e-3 /
+   |                            ^^^^^ valid: number > 0.0 [m]
+"""),
+    "zero_size": ("&geometry ring_thickness = 0 /\n", 2, """\
+error: 'ring_thickness' is out of range: 0
+  --> {f}:1:28
+ 1 | &geometry ring_thickness = 0 /
+   |                            ^ valid: number > 0.0 [m]
+"""),
+    "unterminated_text": ("&load support = 'hub /\n", 2, """\
+error: unterminated text
+  --> {f}:1:17
+ 1 | &load support = 'hub /
+   |                 ^^^^^^ the closing ' is missing
+error: group &load is not closed
+  --> {f}:1:1
+ 1 | &load support = 'hub /
+   | ^^^^^ its '/' is missing at the end
+"""),
+    "missing_slash": ("&load torque = 1\n", 2, """\
+error: group &load is not closed
+  --> {f}:1:1
+ 1 | &load torque = 1
+   | ^^^^^ its '/' is missing at the end
+"""),
+    "missing_slash_before_group": ("&load torque = 1\n&mesh divisions = 20 /\n", 2, """\
+error: group &load is not closed
+  --> {f}:1:1
+ 1 | &load torque = 1
+   | ^^^^^ end it with '/' before the next group
+"""),
+    "empty_file": ("", 2, """\
+error: the file holds no group
+  --> {f}:1:1
+ 1 | 
+   | ^ an empty scene is written as "&hd_input version = 1 /"
+"""),
+    "text_outside": ("hello = 3\n" + HEAD, 2, """\
+error: text outside a group
+  --> {f}:1:1
+ 1 | hello = 3
+   | ^^^^^ groups start with '&name'
+"""),
+    "no_value": ("&load torque = /\n", 2, """\
+error: 'torque' has no value
+  --> {f}:1:7
+ 1 | &load torque = /
+   |       ^^^^^^ write 'key = value'
+"""),
+    "no_equals": ("&load torque 5 /\n", 2, """\
+error: 'torque' stands alone in &load
+  --> {f}:1:7
+ 1 | &load torque 5 /
+   |       ^^^^^^ write 'key = value'
+error: '5' stands alone in &load
+  --> {f}:1:14
+ 1 | &load torque 5 /
+   |              ^ write 'key = value'
+"""),
+    "key_twice": ("&load torque = 1, torque = 2 /\n", 2, """\
+error: key 'torque' stands twice in &load
+  --> {f}:1:19
+ 1 | &load torque = 1, torque = 2 /
+   |                   ^^^^^^ keep one
+"""),
+    "group_twice": ("&load torque = 1 /\n&load /\n", 2, """\
+error: group &load stands twice
+  --> {f}:2:1
+ 2 | &load /
+   | ^^^^^ keep one
+"""),
+    "too_many_values": ("&load torque = 1, 2 /\n", 2, """\
+error: 'torque' takes 1 value(s), 2 found
+  --> {f}:1:16
+ 1 | &load torque = 1, 2 /
+   |                ^ valid: number [N m]
+"""),
+    "too_few_values": ("&output positions = 1e-3 /\n", 2, """\
+error: 'positions' takes 3 value(s), 1 found
+  --> {f}:1:21
+ 1 | &output positions = 1e-3 /
+   |                     ^^^^ valid: number >= 0.0 [m]
+"""),
+    "wrong_choice": ("&load support = 'huub' /\n", 2, """\
+error: 'support' has no choice 'huub'
+  --> {f}:1:17
+ 1 | &load support = 'huub' /
+   |                 ^^^^^^ did you mean 'hub'?  valid: hub, bearing
+"""),
+    "text_too_long": ("&run title = '" + "x" * 121 + "' /\n", 2, """\
+error: 'title' is too long: 121 characters
+  --> {f}:1:14
+ 1 | &run title = '""" + "x" * 121 + """' /
+   |              """ + "^" * 123 + """ valid: up to 120 characters
+"""),
+    "zero_elements": ("&mesh band_facets = 0 /\n", 2, """\
+error: 'band_facets' is out of range: 0
+  --> {f}:1:21
+ 1 | &mesh band_facets = 0 /
+   |                     ^ valid: integer >= 1 and <= 10000
+"""),
+    "negative_friction": ("&contact friction = -0.1 /\n", 2, """\
+error: 'friction' is out of range: -0.1
+  --> {f}:1:21
+ 1 | &contact friction = -0.1 /
+   |                     ^^^^ valid: number >= 0.0 and <= 10.0
+"""),
+    "dimension_2": ("&joint fractal_dimension = 2 /\n", 2, """\
+error: 'fractal_dimension' is out of range: 2
+  --> {f}:1:28
+ 1 | &joint fractal_dimension = 2 /
+   |                            ^ valid: number > 2.0 and < 3.0
+"""),
+    "dimension_3": ("&joint fractal_dimension = 3.0 /\n", 2, """\
+error: 'fractal_dimension' is out of range: 3.0
+  --> {f}:1:28
+ 1 | &joint fractal_dimension = 3.0 /
+   |                            ^^^ valid: number > 2.0 and < 3.0
+"""),
+    "incompressible": ("&material ring_nu = 0.5 /\n", 2, """\
+error: 'ring_nu' is out of range: 0.5
+  --> {f}:1:21
+ 1 | &material ring_nu = 0.5 /
+   |                     ^^^ valid: number > -1.0 and < 0.5
+"""),
+    "wall_thicker_than_radius": ("&geometry wall_thickness = 20e-3 /\n", 2, """\
+error: geometry.wall_thickness = 0.02
+      valid: below bore_radius (0.0175)
+"""),
+    "hub_outside": ("&geometry hub_radius = 18e-3 /\n", 2, """\
+error: geometry.hub_radius = 0.018
+      valid: below bore_radius (0.0175)
+"""),
+    "band_beyond_cup": ("&geometry band_length = 30e-3 /\n", 2, """\
+error: geometry.band_length = 0.03
+      valid: so that the band ends before the bottom: below cup_length - bottom_thickness - band_start (0.019)
+"""),
+    "wavelength_above_sample": ("&joint shortest_wavelength = 1e-3 /\n", 2, """\
+error: joint.shortest_wavelength = 0.001
+      valid: below sample_length (5.0e-4)
+"""),
+    "wrong_version": ("&hd_input version = 2 /\n", 2, """\
+error: 'version' is out of range: 2
+  --> {f}:1:21
+ 1 | &hd_input version = 2 /
+   |                     ^ valid: integer >= 1 and <= 1
+"""),
+    "several_at_once": ("&load torque = x /\n&mesh divisons = 20 /\n", 2, """\
+error: 'torque' is not a number: 'x'
+  --> {f}:1:16
+ 1 | &load torque = x /
+   |                ^ valid: number [N m]
+error: unknown key 'divisons' in &mesh
+  --> {f}:2:7
+ 2 | &mesh divisons = 20 /
+   |       ^^^^^^^^ did you mean 'divisions'?  valid: divisions, band_facets, ring_divisions, ring_facets, wall_elements, \
+bottom_elements, through_wall, through_ring, element, memory_limit_mb
+"""),
+    "too_large": ("&mesh divisions = 100000, band_facets = 5000, memory_limit_mb = 1000 /\n", 6, None),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_bad_file(exe, tmp_path, name):
+    """The mistake is named with file, line, caret and what is valid; nothing is written; Python says the same."""
+    text, code, expected = CASES[name]
+    file = tmp_path / "in.nml"
+    file.write_text(text)
+    done = call(exe, file, cwd=tmp_path)
+    assert done.returncode == code
+    assert done.stdout == ""
+    if expected is None:
+        assert "MB, the limit is 1000.0 MB" in done.stderr and "mesh.divisions (100000)" in done.stderr
+    else:
+        assert done.stderr == expected.format(f=file)
+    assert [p.name for p in tmp_path.iterdir()] == ["in.nml"]
+    kind = {2: hdengine.InputError, 6: hdengine.EngineMemoryError}[code]
+    with pytest.raises(kind) as caught:
+        hdengine.Run(file)
+    if expected is not None:
+        assert str(caught.value) == expected.format(f=file).strip().removeprefix("error: ")
+
+
+def test_missing_file(exe, tmp_path):
+    """A file that does not exist is an error of its own kind."""
+    done = call(exe, tmp_path / "none.nml")
+    assert (done.returncode, done.stderr) == (3, f"error: input file '{tmp_path}/none.nml' does not exist\n")
+    with pytest.raises(hdengine.FileError, match="does not exist"):
+        hdengine.Run(tmp_path / "none.nml")
+
+
+def test_folder_for_file(exe, tmp_path):
+    """A folder is not an input file."""
+    done = call(exe, tmp_path)
+    assert (done.returncode, done.stderr) == (3, f"error: '{tmp_path}' is a folder, not an input file\n")
+
+
+def test_unwritable_output(exe, tmp_path):
+    """An output folder that cannot be made is refused before anything is computed."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD)
+    out = file / "below"
+    done = call(exe, file, "--out", out)
+    assert done.returncode == 3
+    assert done.stderr == f"error: cannot make the folder '{out}': choose another with --out DIR\n"
+
+
+def test_output_is_a_file(exe, tmp_path):
+    """An output folder whose name is taken by a file is refused."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD)
+    done = call(exe, file, "--out", file)
+    assert (done.returncode, done.stderr) == (
+        3, f"error: '{file}' is a file, not a folder: choose another with --out DIR\n")
+
+
+@pytest.mark.parametrize("args, expected", [
+    ([], "error: no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)\n"),
+    (["--chekc"], "error: unknown option '--chekc'\n      did you mean '--check'?  valid: --check, --explain, --force, "
+     "--help, --out, --version, --license, --citation, -q, -v\n"),
+    (["a.nml", "b.nml"], "error: two input files: 'a.nml' and 'b.nml'; valid: one\n"),
+    (["--out"], "error: --out needs a value; see hdengine.x --help\n"),
+    (["--explain", "frcition"], None),
+])
+def test_usage(exe, args, expected):
+    """A wrong command line ends with code 2 and says what is right."""
+    done = call(exe, *args)
+    assert done.returncode == 2
+    if expected is None:
+        assert "no key 'frcition'" in done.stderr and "did you mean 'friction'?" in done.stderr
+    else:
+        assert done.stderr == expected
+
+
+def test_bad_assignment(exe, tmp_path):
+    """Assignments on the command line are checked like the file."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD)
+    done = call(exe, file, "load.torqe=3", "mesh.divisions=ten", "nonsense=")
+    assert done.returncode == 2
+    assert done.stderr == """\
+error: unknown key 'torqe' in &load
+  --> load.torqe=3
+      did you mean 'torque'?  valid: support, torque_load, torque, support_stiffness, assembly_steps, torque_steps
+error: 'divisions' is not an integer: 'ten'
+  --> mesh.divisions=ten
+      valid: integer >= 8 and <= 100000
+error: 'nonsense=' is no assignment
+  --> nonsense=
+      write group.key=value
+"""
+    with pytest.raises(hdengine.InputError, match="did you mean 'torque'"):
+        hdengine.Run(load={"torqe": 3})

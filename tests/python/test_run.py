@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whole runs of hdengine.x and of hdengine.Run: equilibrium, history, output, slip."""
+import json
+
+import meshio
+import numpy as np
+import pytest
+from conftest import ROOT, SMALL, call
+
+import hdengine
+
+CD14 = ROOT / "data/cd14.nml"
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_every_step_converges(small_run):
+    """Each load step ends with a relative residual below 1e-8."""
+    h = hdengine.load(small_run).history
+    for step in np.unique(h["step"]):
+        assert h["residual"][h["step"] == step][-1] <= 1e-8
+
+
+def test_forces_balance(small_run):
+    """Moments and axial forces of supports and load balance to 1e-8; the facets' pressure integrates to the reaction."""
+    s = hdengine.load(small_run).steps
+    assert np.all(abs(s["torque_balance_nm"]) <= 1e-8 * 5)
+    assert np.all(abs(s["axial_balance_n"]) <= 1e-8 * s["normal_force_n"])
+    np.testing.assert_allclose(s["facet_force_n"], s["reaction_force_n"], rtol=1e-8)
+    np.testing.assert_allclose(s["normal_force_n"], s["reaction_force_n"], rtol=1e-8)
+
+
+def test_coulomb_holds_on_every_facet(small_run):
+    """No facet pulls, and no shear exceeds mu p."""
+    r = hdengine.load(small_run)
+    p, t = r.contact["pressure_pa"], np.hypot(r.contact["traction_theta_pa"], r.contact["traction_z_pa"])
+    assert p.min() >= 0
+    assert np.all(t <= r.scene["contact.friction"] * p * (1 + 1e-6) + 1e-3)
+
+
+def test_two_lobes_are_equal(small_run):
+    """Without eccentricity the pressure repeats after half a turn."""
+    r = hdengine.load(small_run)
+    p = r.contact["pressure_pa"][-1].reshape(r.shape)
+    np.testing.assert_allclose(p, np.roll(p, r.shape[0] // 2, axis=0), atol=1e-6 * p.max())
+
+
+def test_eccentricity_loads_one_lobe_more(exe, tmp_path):
+    """10 um towards theta = 0 raise the force there and lower it opposite; K_TS stays positive."""
+    out = tmp_path / "e.out"
+    done = call(exe, CD14, *SMALL, "wave_generator.eccentricity=10e-6", "load.torque_steps=0", "--out", out, "-q")
+    assert done.returncode == 0, done.stderr
+    r = hdengine.load(out)
+    force = (r.contact["pressure_pa"] * r.contact["area_m2"])[-1]
+    side = np.cos(r.contact["theta_rad"][-1])
+    assert force[side > 0.7].sum() > 1.05 * force[side < -0.7].sum()
+
+
+def test_echo_repeats_the_run_bit_by_bit(exe, small_run, tmp_path):
+    """The echoed input gives the same contact table to the last digit."""
+    done = call(exe, small_run / "echo.nml", "--out", tmp_path / "again.out", "-q")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "again.out/contact.csv").read_text() == (small_run / "contact.csv").read_text()
+
+
+def test_earlier_results_are_kept(exe, small_run):
+    """A folder with results is refused with code 3 and left as it was; --force replaces it."""
+    before = (small_run / "summary.json").read_text()
+    done = call(exe, CD14, "--out", small_run)
+    assert done.returncode == 3 and "--force" in done.stderr
+    assert (small_run / "summary.json").read_text() == before
+
+
+def test_golden(small_run):
+    """The small scene gives the stored results within the stored tolerances (relative; they change only with a reason)."""
+    golden = json.loads((ROOT / "tests/cases/cd14_small.json").read_text())
+    results = summary(small_run)["results"]
+    for key, (value, tolerance) in golden["results"].items():
+        assert results[key] == pytest.approx(value, rel=tolerance), key
+
+
+def test_vtu_reads_back(small_run):
+    """meshio and vtk read the grids: the same nodes, displacement, pressure."""
+    vtk_io = pytest.importorskip("vtk")
+    r = hdengine.load(small_run)
+    path = sorted(small_run.glob("contact_*.vtu"))[-1]
+    mesh = meshio.read(path)
+    np.testing.assert_allclose(mesh.cell_data["pressure_pa"][0].ravel(), r.contact["pressure_pa"][-1])
+    reader = vtk_io.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(sorted(small_run.glob("bodies_*.vtu"))[-1]))
+    reader.Update()
+    grid = reader.GetOutput()
+    assert 3 * grid.GetNumberOfPoints() == summary(small_run)["model"]["dof"]
+    displacement = grid.GetPointData().GetArray("displacement_m")
+    assert displacement.GetNumberOfComponents() == 3
+    assert 1.5e-4 < max(abs(x) for x in displacement.GetRange(0)) < 3e-4
+    assert (small_run / "bodies.pvd").read_text().count("<DataSet") == len(r.steps)
+
+
+def test_summary_tells_what_was_used(small_run):
+    """Ordering asked and used agree, memory and versions are there, the status is complete."""
+    s = summary(small_run)
+    assert s["status"] == "complete" and s["code"] == 0
+    assert s["model"]["ordering_used"] == s["model"]["ordering_asked"]
+    assert s["peak_memory_mb"] > 10 and s["provenance"]["mumps"].startswith("5.")
+    assert s["scene"]["mesh.divisions"] == 24
+
+
+def test_gross_slip_is_diagnosed(exe, tmp_path):
+    """Support 'bearing', torque beyond friction: code 4, torque equal to mu int p r dA to 0.5 %, last state kept."""
+    out = tmp_path / "slip.out"
+    done = call(exe, CD14, *SMALL, "load.support=bearing", "load.torque=60", "--out", out, "-q")
+    assert done.returncode == 4 and "gross slip at T = " in done.stderr
+    s = summary(out)
+    assert s["status"] == "failed" and s["code"] == 4
+    r = s["results"]
+    assert r["gross_slip_torque_nm"] == pytest.approx(r["friction_capacity_nm"], rel=5e-3)
+    steps = hdengine.load(out).steps
+    assert steps["torque_nm"][-1] == pytest.approx(r["gross_slip_torque_nm"], rel=5e-3)
+    with pytest.raises(hdengine.NotConvergedError, match="gross slip"):
+        hdengine.run(CD14, out=tmp_path / "py.out", mesh={"divisions": 24, "band_facets": 4},
+                     load={"support": "bearing", "torque": 60, "torque_steps": 2, "assembly_steps": 1})
+    assert summary(tmp_path / "py.out")["code"] == 4
+
+
+def test_no_body_is_held(exe, tmp_path):
+    """A clearance that the cam cannot close leaves the flexspline of a bearing support without contact: a clear message."""
+    done = call(exe, CD14, *SMALL, "load.support=bearing", "wave_generator.w=0", "wave_generator.interference=-1e-4",
+                "load.torque=1", "--out", tmp_path / "a.out", "-q")
+    assert done.returncode in (4, 5) and done.stderr.startswith("error: ")
+
+
+def test_time_limit_stops_in_order(exe, tmp_path):
+    """A run past its time limit ends with code 7 and a summary that says so."""
+    done = call(exe, CD14, *SMALL, "solver.time_limit_s=1e-6", "--out", tmp_path / "t.out", "-q")
+    assert done.returncode == 7
+    assert summary(tmp_path / "t.out")["status"] == "stopped_at_limit"
+
+
+def test_python_steps_give_the_same_numbers(small_run):
+    """hdengine.Run, driven step by step, repeats the run of hdengine.x."""
+    table = hdengine.load(small_run)
+    with hdengine.Run(CD14, mesh={"divisions": 24, "band_facets": 4}, load={"torque_steps": 2, "assembly_steps": 1}) as run:
+        steps = list(run)
+    assert len(steps) == len(table.steps)
+    for i, step in enumerate(steps):
+        np.testing.assert_allclose(step.facets["pressure_pa"], table.contact["pressure_pa"][i], rtol=1e-9, atol=1)
+        assert step.k_ts_nm_per_rad == pytest.approx(table.torsional_stiffness()[0][i], rel=1e-9)
+    with pytest.raises(hdengine.InputError, match="closed"):
+        run.__class__.step(type("Closed", (), {"_handle": 99, "facets": 1})())
+
+
+def test_runs_in_threads_do_not_disturb_each_other():
+    """Four threads, four runs, one answer: the engine's lock holds."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    def normal_force(_):
+        with hdengine.Run(mesh={"divisions": 16, "band_facets": 3}, load={"torque_steps": 0, "assembly_steps": 1}) as run:
+            return run.advance().sums["normal_force_n"]
+
+    with ThreadPoolExecutor(4) as pool:
+        forces = list(pool.map(normal_force, range(4)))
+    assert np.ptp(forces) <= 1e-9 * forces[0]
+
+
+def test_scale_of_the_iteration_does_not_matter(exe, small_run, tmp_path):
+    """The rotation does not depend on numerical parameters: a hundred times stricter tolerance changes it by < 1e-6."""
+    done = call(exe, CD14, *SMALL, "solver.tolerance=1e-10", "--out", tmp_path / "s.out", "-q")
+    assert done.returncode == 0, done.stderr
+    a, b = (summary(f)["results"]["rotation_rad"] for f in (small_run, tmp_path / "s.out"))
+    assert a == pytest.approx(b, rel=1e-6)
+
+
+def test_quadratic_elements_run_too(exe, tmp_path):
+    """The same scene with quadratic elements gives the normal force of the finer linear mesh to 10 %."""
+    done = call(exe, CD14, *SMALL, "mesh.element=hex20r", "load.torque_steps=1", "--out", tmp_path / "q.out", "-q")
+    assert done.returncode == 0, done.stderr
+    assert summary(tmp_path / "q.out")["results"]["normal_force_n"] > 0
+
+
+def test_meshes_that_do_not_match(exe, small_run, tmp_path):
+    """A ring of 20 divisions in a cup of 24: converged, pressure integrates to the reaction to 0.1 %."""
+    done = call(exe, CD14, *SMALL, "mesh.ring_divisions=20", "--out", tmp_path / "n.out", "-q")
+    assert done.returncode == 0, done.stderr
+    r = summary(tmp_path / "n.out")["results"]
+    assert r["facet_force_n"] == pytest.approx(r["reaction_force_n"], rel=1e-3)
+    assert r["normal_force_n"] == pytest.approx(summary(small_run)["results"]["normal_force_n"], rel=0.1)
+
+
+@pytest.mark.parametrize("option, word", [("--help", "usage:"), ("--version", "METIS"),
+                                          ("--license", "GPL-3.0"), ("--citation", "Hu, Li, Wang, Li")])
+def test_texts(exe, option, word):
+    """The texts of the command line are there."""
+    done = call(exe, option)
+    assert done.returncode == 0 and word in done.stdout
+
+
+def test_check_and_explain(exe, tmp_path):
+    """--check writes nothing; --explain gives unit, default and meaning."""
+    done = call(exe, "--check", CD14, cwd=tmp_path)
+    assert done.returncode == 0 and "is valid" in done.stdout and not list(tmp_path.iterdir())
+    done = call(exe, "--explain", "friction")
+    assert done.stdout.startswith("&contact friction = 0.15")

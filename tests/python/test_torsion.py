@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Eq. 45 and 46 against reference cases and closed forms."""
+import numpy as np
+import pytest
+
+from hdengine import torsion
+
+
+def test_ellipse_points_agree_with_reference(reference):
+    """Position, normal, area density and levers of an elliptic cone to 1e-14."""
+    for case in reference["ellipse_point"]:
+        i, o = case["inputs"], case["outputs"]
+        x, n, density = torsion.ellipse_facet(float(i["theta"]), float(i["r"]), float(i["w"]), float(i["tan_alpha"]), i["homothetic"])
+        lever, rho2 = torsion.lever_arms(x, n)
+        np.testing.assert_allclose(n, [float(v) for v in o["n"]], atol=1e-14)
+        assert density == pytest.approx(float(o["area_density"]), rel=1e-14)
+        assert lever == pytest.approx(float(o["lever_N"]), rel=1e-12, abs=1e-18)
+        assert rho2 - lever**2 == pytest.approx(float(o["lever_T2"]), rel=1e-13)
+
+
+def test_band_agrees_with_reference(reference):
+    """K_TS of an elliptic band with constant stiffness per area, 64 facets, to 1e-12 (the trapezoidal rule is exact)."""
+    for case in reference["torsion_band"]:
+        i, o = {k: float(v) if isinstance(v, str) else v for k, v in case["inputs"].items()}, case["outputs"]
+        theta = 2 * np.pi * np.arange(64) / 64
+        x, n, density = torsion.ellipse_facet(theta, i["r"], i["w"], i["tan_alpha"], i["homothetic"])
+        area = density * 2 * np.pi / 64 * i["width"]
+        for k_n, k_t, key in ((i["kN"], i["kT"], "K_theta"), (i["kN"], 0, "K_theta_N_only"), (0, i["kT"], "K_theta_T_only")):
+            assert torsion.torsional_stiffness(k_n * area, k_t * area, x, n) == pytest.approx(float(o[key]), rel=1e-12)
+
+
+def test_a_circle_has_no_normal_lever():
+    """On a circle normal stiffness adds nothing, tangential stiffness adds k r^2."""
+    x, n, _ = torsion.ellipse_facet(np.linspace(0, 6, 7), 17.5e-3, 0.0)
+    assert torsion.torsional_stiffness(1e9, 0.0, x, n) == pytest.approx(0, abs=1e-20)
+    assert torsion.torsional_stiffness(0.0, 2.0, x, n) == pytest.approx(7 * 2 * 17.5e-3**2, rel=1e-14)
+
+
+def test_paper_form_is_another_quantity():
+    """Eq. 45 as printed weighs the long axis with zero and gives newtons."""
+    assert torsion.torsional_stiffness_paper(1.0, 1.0, np.array([0.0]), 17.5e-3, 0.2e-3) == 0
+    assert torsion.torsional_stiffness_paper(0.0, 1.0, np.array([np.pi / 2]), 17.5e-3, 0.2e-3) > 0
+
+
+def test_springs_in_series():
+    """Eq. 46 and its inverse; a soft spring of zero stiffness makes the whole zero."""
+    assert torsion.series(2.0, 2.0) == pytest.approx(1.0)
+    assert torsion.series(2.0, 0.0) == 0
+    assert torsion.remaining_stiffness(1.0, 2.0) == pytest.approx(2.0)
+
+
+def test_inverting_the_papers_figures_is_refused():
+    """K_WTS = 5294 cannot come from springs in series of which one has 1820 N m/rad."""
+    with pytest.raises(ValueError, match="below each of its parts"):
+        torsion.remaining_stiffness(5294, 1820.44)

@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene data/peer_hub.nml in hdengine and in CalculiX, on the same mesh, in one run.
+
+Needs the Debian package calculix-ccx and the Python package meshio. CalculiX solves the mesh that hdengine wrote: C3D8I,
+surface-to-surface contact, the same steps, supports and loads. Usage: bench/peer_hub.py [--divisions 80] [--limit 1500]
+"""
+import argparse
+import json
+import platform
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
+BORE, RING, HUB, BAND, RIM = 17.8, 16.8, 8.0, (1.0, 7.0), 7.0
+
+
+def timed(command, cwd, limit):
+    """Wall clock [s], CPU [s], peak memory [MB], output of a command; None if it hits the limit."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    start = time.time()
+    try:
+        done = subprocess.run(["/usr/bin/time", "-f", "PEAK %M", *command], cwd=cwd, capture_output=True, text=True, timeout=limit)
+        text = done.stdout + done.stderr
+    except subprocess.TimeoutExpired as e:
+        text = (e.stdout or b"").decode(errors="replace") + "\nnot done within the limit"
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    peak = re.search(r"PEAK (\d+)", text)
+    return {
+        "wall_s": time.time() - start,
+        "cpu_s": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
+        "memory_mb": int(peak.group(1)) / 1024 if peak else None,
+        "finished": "not done within the limit" not in text,
+        "text": text,
+    }
+
+
+def blocks(values, per_line=8):
+    """Numbers as lines of a CalculiX deck."""
+    values = [str(v) for v in values]
+    return "\n".join(", ".join(values[i:i + per_line]) for i in range(0, len(values), per_line))
+
+
+def write_deck(path, points, cells, body, rim_force, stiffness=2e6, stick=2e5):
+    """CalculiX deck [mm, N, MPa] of the scene on a given mesh; steps of 4 increments each."""
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    near = 1e-5
+    ring_nodes = np.unique(cells[body == 1])
+    is_ring = np.zeros(len(points), bool)
+    is_ring[ring_nodes] = True
+    inner = np.flatnonzero(is_ring & (abs(r - RING) < near))
+    middle = inner[abs(z[inner] - np.unique(np.round(z[inner], 6))[3]) < near]
+    hub = np.flatnonzero(~is_ring & (abs(r - HUB) < near))
+    bore = (abs(r[cells[:, [0, 3, 4, 7]]] - BORE) < near).all(1)
+    low, high = z[cells].min(1), z[cells[:, [0, 3, 4, 7]]].max(1)
+    ring_cells = np.flatnonzero(body == 1) + 1
+    cup_cells = np.flatnonzero((body == 2) & bore & (low > BAND[0] - near) & (high < BAND[1] + near)) + 1
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{i + 1}, {p[0]:.15g}, {p[1]:.15g}, {p[2]:.15g}" for i, p in enumerate(points)]
+    for b, name in ((1, "RING"), (2, "CUP")):
+        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
+        lines += [f"{e + 1}, " + ", ".join(str(n + 1) for n in cells[e]) for e in np.flatnonzero(body == b)]
+        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", "219000., 0.30" if b == 1 else "209000., 0.295",
+                  f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}"]
+    for name, nodes in (("INNER", inner), ("MIDDLE", middle), ("HUB", hub), ("LOADED", np.flatnonzero(rim_force > 0))):
+        lines += [f"*NSET, NSET={name}", blocks(nodes + 1)]
+    lines += ["*TRANSFORM, NSET=ALL, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    lines += ["*SURFACE, NAME=SRING, TYPE=ELEMENT"] + [f"{e}, S4" for e in ring_cells]
+    lines += ["*SURFACE, NAME=SCUP, TYPE=ELEMENT"] + [f"{e}, S6" for e in cup_cells]
+    lines += ["*SURFACE INTERACTION, NAME=TOUCH", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness}, 0.1",
+              "*FRICTION", f"{FRICTION}, {stick}",
+              "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE, ADJUST=1e-4", "SRING, SCUP"]
+    lines += ["*BOUNDARY", "HUB, 1, 3", "MIDDLE, 3, 3", "*STEP, INC=100", "*STATIC", "0.25, 1., 1e-5, 0.25", "*BOUNDARY"]
+    for i in inner:
+        lines += [f"{i + 1}, 1, 1, {W * np.cos(2 * angle[i]):.12g}", f"{i + 1}, 2, 2, {-W / 2 * np.sin(2 * angle[i]):.12g}"]
+    output = ["*NODE PRINT, NSET=LOADED, FREQUENCY=100", "U", "*END STEP"]
+    lines += output + ["*STEP, INC=100", "*STATIC", "0.25, 1., 1e-5, 0.25", "*CLOAD"]
+    lines += [f"{i + 1}, 2, {rim_force[i]:.12g}" for i in np.flatnonzero(rim_force > 0)]
+    path.write_text("\n".join(lines + output) + "\n")
+
+
+def rim_weights(points, cells, body):
+    """Nodal forces [N] of TORQUE as an even shear on the outside of the rim."""
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    faces = cells[body == 2][:, [1, 2, 5, 6]]
+    outer = (r[faces] > BORE + 0.6).all(1) & (z[faces].max(1) < RIM + 1e-5)
+    f = np.zeros(len(points))
+    for face in faces[outer]:
+        f[face] += np.ptp(z[face])
+    return TORQUE * f / np.sum(f * r)
+
+
+def calculix(folder, mesh, limit):
+    """Solve the mesh in CalculiX; times, iterations, rotation."""
+    points, cells = 1e3 * mesh.points, mesh.cells[0].data
+    body = np.asarray(mesh.cell_data["body"][0]).ravel().astype(int)
+    force = rim_weights(points, cells, body)
+    write_deck(folder / "peer.inp", points, cells, body, force)
+    result = timed(["ccx", "-i", "peer"], folder, limit)
+    history = (folder / "peer.cvg").read_text().split("\n") if (folder / "peer.cvg").exists() else []
+    result["iterations"] = sum(1 for line in history if re.match(r"\s*\d+\s+\d+\s+\d+", line))
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    steps, current = [], None
+    for line in ((folder / "peer.dat").read_text().split("\n") if (folder / "peer.dat").exists() else []):
+        if "displacements" in line:
+            current = {}
+            steps.append(current)
+        elif current is not None and len(line.split()) == 4:
+            n, *u = line.split()
+            current[int(n) - 1] = np.array(u, float)
+    rotation = [sum(force[n] * (u[1] * np.cos(angle[n]) - u[0] * np.sin(angle[n])) for n, u in s.items()) / TORQUE for s in steps]
+    result["rotation_rad"] = rotation[-1] - rotation[0] if len(rotation) > 1 and result["finished"] else None
+    return result
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--divisions", type=int, default=215)
+    parser.add_argument("--limit", type=float, default=1500, help="seconds for CalculiX")
+    args = parser.parse_args()
+    exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
+    ccx = shutil.which("ccx") or sys.exit("ccx not found: apt-get install calculix-ccx")
+    version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        ours = timed([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={args.divisions}", "--out", folder / "hub.out", "-q"],
+                     folder, args.limit)
+        summary = json.loads((folder / "hub.out/summary.json").read_text())
+        mesh = meshio.read(sorted((folder / "hub.out").glob("bodies_*.vtu"))[-1])
+        theirs = calculix(folder, mesh, args.limit)
+    r = summary["results"]
+    ours |= {"iterations": r["iterations"], "rotation_rad": r["rotation_rad"]}
+    for x in (ours, theirs):
+        x.pop("text")
+    record = {"machine": platform.processor() or platform.machine(), "hdengine": summary["provenance"], "calculix": version,
+              "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "ours": ours, "calculix_s2s_c3d8i": theirs,
+              "ratio_wall": ours["wall_s"] / theirs["wall_s"], "results": r}
+    out = ROOT / f"bench/results/peer_hub_{args.divisions}.json"
+    out.parent.mkdir(exist_ok=True)
+    out.write_text(json.dumps(record, indent=1) + "\n")
+    print(f"{record['dof']} dof, {record['facets']} facets; {version}")
+    print("| code | wall s | CPU s | MB | Newton iterations | rotation by 5 Nm / rad |\n|---|---|---|---|---|---|")
+    for label, x in (("hdengine, Newton with MUMPS", ours), ("CalculiX s2s, C3D8I", theirs)):
+        rotation = f"{x['rotation_rad']:.3e}" if x["rotation_rad"] is not None else "not done"
+        print(f"| {label} | {x['wall_s']:.1f} | {x['cpu_s']:.1f} | {x['memory_mb'] or float('nan'):.0f} | {x['iterations']} | {rotation} |")
+    print(f"written: {out.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -110,16 +110,15 @@ def calculix(folder, mesh, limit):
     result = timed(["ccx", "-i", "peer"], folder, limit)
     history = (folder / "peer.cvg").read_text().split("\n") if (folder / "peer.cvg").exists() else []
     result["iterations"] = sum(1 for line in history if re.match(r"\s*\d+\s+\d+\s+\d+", line))
-    angle = np.arctan2(points[:, 1], points[:, 0])
     steps, current = [], None
     for line in ((folder / "peer.dat").read_text().split("\n") if (folder / "peer.dat").exists() else []):
         if "displacements" in line:
             current = {}
             steps.append(current)
-        elif current is not None and len(line.split()) == 4:
-            n, *u = line.split()
-            current[int(n) - 1] = np.array(u, float)
-    rotation = [sum(force[n] * (u[1] * np.cos(angle[n]) - u[0] * np.sin(angle[n])) for n, u in s.items()) / TORQUE for s in steps]
+        elif current is not None and line.endswith(" L"):  # node, u_r, u_theta, u_z in the local system
+            n, _, u_theta, *_ = line.split()
+            current[int(n) - 1] = float(u_theta)
+    rotation = [sum(force[n] * u for n, u in s.items()) / TORQUE for s in steps]
     result["rotation_rad"] = rotation[-1] - rotation[0] if len(rotation) > 1 and result["finished"] else None
     return result
 

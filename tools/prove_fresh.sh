@@ -10,13 +10,11 @@ here=$(cd "$(dirname "$0")/.." && pwd)
 mirror=$(grep -hE '^(URIs:|deb )' /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources 2>/dev/null |
   sed 's/^URIs: //; s/^deb //; s/ .*//' | head -n 1)
 debootstrap --variant=minbase bookworm "$target" "$mirror"
-for f in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources /etc/apt/apt.conf.d /etc/pip.conf; do
+for f in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources /etc/apt/apt.conf.d /etc/pip.conf /usr/local/share/ca-certificates; do
   [ -e "$f" ] || continue
   mkdir -p "$target$(dirname "$f")"
   cp -rL "$f" "$target$(dirname "$f")/"
 done
-# under a name of its own: installing ca-certificates rewrites the bundle
-cp -L /etc/ssl/certs/ca-certificates.crt "$target/etc/host-certificates.crt" 2>/dev/null || true
 mkdir -p "$target/src"
 git -C "$here" archive --prefix=hdengine/ HEAD | tar -x -C "$target/src"
 mount --bind /proc "$target/proc" 2>/dev/null || true
@@ -24,6 +22,6 @@ mount --bind /dev "$target/dev" 2>/dev/null || true
 trap 'umount "$target/proc" "$target/dev" 2>/dev/null || true' EXIT
 for command in "$@"; do
   start=$(date +%s)
-  chroot "$target" /usr/bin/env PIP_CERT=/etc/host-certificates.crt /bin/sh -c "cd /src/hdengine && ./hd $command"
+  chroot "$target" /bin/sh -c "cd /src/hdengine && ./hd $command"
   echo "== ./hd $command: $(($(date +%s) - start)) s"
 done

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of docs/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference.
+
+Usage: bench/scene_tables.py [meshes] [slip]; writes bench/results/*.json and prints Markdown.
+"""
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+EXE = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
+
+
+def solve(scene, *assignments):
+    """Summary of a run and its exit code."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run.out"
+        done = subprocess.run([EXE, ROOT / "data" / scene, *assignments, "output.vtu=none", "--out", out, "-q"],
+                              capture_output=True, text=True)
+        return json.loads((out / "summary.json").read_text()), done.returncode
+
+
+def save(name, rows):
+    out = ROOT / "bench/results" / f"{name}.json"
+    out.parent.mkdir(exist_ok=True)
+    out.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+def meshes():
+    """Normal force, area, mid-band pressure, rotation and peak on three meshes refined in both directions."""
+    keys = {"normal force / N": ("normal_force_n", 1, ".1f"), "lobe force x / N": ("lobe_force_x_n", 1, ".1f"),
+            "contact area / mm²": ("contact_area_m2", 1e6, ".2f"), "mid-band mean / MPa": ("pressure_mid_mean_pa", 1e-6, ".4f"),
+            "rotation / µrad": ("rotation_rad", 1e6, ".3f"), "peak / MPa": ("pressure_max_pa", 1e-6, ".1f")}
+    rows = []
+    for divisions, facets in ((80, 6), (120, 9), (180, 14), (240, 18)):
+        ratio = facets / 6
+        s, code = solve("peer_hub.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}",
+                        f"mesh.wall_elements={round(13 * ratio)}", f"mesh.bottom_elements={round(13 * ratio)}")
+        r = s["results"]
+        rows.append({"divisions": divisions, "band_facets": facets, "dof": s["model"]["dof"], "code": code, "results": r,
+                     "total_s": s["timers_s"]["total"], "peak_memory_mb": s["peak_memory_mb"]})
+    save("mesh_study", rows)
+    print("| mesh | dof | " + " | ".join(keys) + " | iterations |\n|" + "---|" * (len(keys) + 3))
+    for row in rows:
+        values = [format(row["results"][key] * factor, form) for key, factor, form in keys.values()]
+        print(f"| {row['divisions']} x {row['band_facets']} | {row['dof']} | " + " | ".join(values)
+              + f" | {row['results']['iterations']} |")
+
+
+def slip():
+    """Support 'bearing': torque ramped past what friction holds, for four interferences."""
+    rows = []
+    for interference in (0, 5e-6, 10e-6, 20e-6):
+        s, code = solve("cd14.nml", "load.support=bearing", "load.torque=60", "load.torque_steps=10",
+                        f"wave_generator.interference={interference}")
+        rows.append({"interference_m": interference, "code": code, "message": s["message"], "results": s["results"]})
+    save("slip_study", rows)
+    print("| interference / µm | exit code | gross slip at / N m | µ∫p r dA / N m | last converged / N m | cut-backs |\n|---|---|---|---|---|---|")
+    for row in rows:
+        r = row["results"]
+        print(f"| {1e6 * row['interference_m']:.0f} | {row['code']} | {r.get('gross_slip_torque_nm', float('nan')):.4f} | "
+              f"{r['friction_capacity_nm']:.4f} | {-r['friction_torque_nm']:.4f} | {r['cut_backs']} |")
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or ["meshes", "slip"]:
+        {"meshes": meshes, "slip": slip}[name]()

@@ -4,9 +4,9 @@ module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t
+  use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip
   use hd_contact_law, only: evaluate_law, open_state, stick_state, slip_state
-  use hd_newton_matrix, only: newton_matrix_t, update, solve_newton
   use hd_mortar, only: add_nodal_forces
   implicit none
   private
@@ -40,9 +40,9 @@ module hd_newton
 contains
 
   !> Iterate from `state` to the solution of a load step. Not converging is a result, not an error.
-  subroutine iterate(problem, matrix, options, load, previous, state, history, converged, sliding, error)
+  subroutine iterate(problem, solver, options, load, previous, state, history, converged, sliding, error)
     type(problem_t), intent(in) :: problem                       !< problem
-    type(newton_matrix_t), intent(inout) :: matrix               !< its Newton matrix
+    class(linear_solver_t), intent(inout) :: solver              !< its linear solver
     type(newton_options_t), intent(in) :: options                !< tolerance and limits
     type(load_t), intent(in) :: load                             !< load at the end of the step
     type(state_t), intent(in) :: previous                        !< state at its beginning (friction history)
@@ -78,9 +78,9 @@ contains
       converged = here%merit <= options%tolerance
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
-      call update(problem, matrix, here%dw, here%dt, error)
+      call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
-      call solve_newton(problem, matrix, here%r_u, here%r_c, du, dt, error)
+      call solver%solve(problem, here%r_u, here%r_c, du, dt, error)
       if (allocated(error)) return
       row%iteration = row%iteration + 1
       call advance(problem, load, previous, du, dt, row%iteration > options%full_steps, state, here, row%damping)

@@ -7,22 +7,24 @@
 module hd_newton_matrix
   use hd_kinds, only: dp
   use hd_error, only: error_t
+  use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, unsymmetric
   implicit none
   private
-  public :: newton_matrix_t, new_newton_matrix, update, solve_newton
+  public :: newton_matrix_t, new_newton_matrix
 
-  type :: newton_matrix_t
+  type, extends(linear_solver_t) :: newton_matrix_t
     integer :: dofs = 0                          !< free displacement dofs
-    integer :: unknowns = 0                      !< dofs and multipliers
     integer, allocatable :: equation(:, :)       !< number of each dof, 0 where fixed (3, n)
     type(mumps_t) :: mumps                       !< factors
     integer, pointer :: row(:) => null(), col(:) => null()
     real(dp), pointer :: val(:) => null()
     integer :: law_start = 0                     !< entries after this one depend on the contact state
   contains
+    procedure :: update => update_matrix
+    procedure :: solve => solve_newton
     procedure :: release
   end type newton_matrix_t
 
@@ -48,6 +50,10 @@ contains
     call order_unknowns(problem, matrix, position, error)
     if (allocated(error)) return
     call matrix%mumps%analyse(unsymmetric, matrix%unknowns, matrix%row, matrix%col, matrix%val, position, error)
+    matrix%name = 'Newton matrix, MUMPS'
+    matrix%ordering_asked = 'METIS (PERM_IN)'
+    matrix%ordering_used = merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)
+    matrix%library = matrix%mumps%version
   end subroutine new_newton_matrix
 
   !> Coordinates of all entries, and the values that never change.
@@ -202,61 +208,63 @@ contains
   end subroutine coupled_graph
 
   !> Enter the derivatives of the contact law and factorise.
-  subroutine update(problem, matrix, dw, dt, error)
+  subroutine update_matrix(self, problem, dw, dt, error)
+    class(newton_matrix_t), intent(inout) :: self     !< matrix
     type(problem_t), intent(in) :: problem            !< problem
-    type(newton_matrix_t), intent(inout) :: matrix    !< matrix
     real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     integer :: c, d, j, k, n
-    n = matrix%law_start
+    n = self%law_start
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
         do d = 1, 3
-          if (matrix%equation(d, problem%mortar%col(k)) == 0) cycle
+          if (self%equation(d, problem%mortar%col(k)) == 0) cycle
           do c = merge(1, 2, d == 1), 3
             n = n + 1
-            matrix%val(n) = -problem%mortar%area(j)*dw(c, d, j)*problem%mortar%val(k)
+            self%val(n) = -problem%mortar%area(j)*dw(c, d, j)*problem%mortar%val(k)
           end do
         end do
       end do
       do d = 1, 3
-        matrix%val(n + 1:n + 3) = -max(problem%mortar%area(j), tiny(1._dp))*problem%law%scale*dt(:, d, j)
+        self%val(n + 1:n + 3) = -max(problem%mortar%area(j), tiny(1._dp))*problem%law%scale*dt(:, d, j)
         n = n + 3
       end do
     end do
-    call matrix%mumps%factorise(error)
-  end subroutine update
+    call self%mumps%factorise(error)
+    self%factor_entries = self%mumps%factor_entries
+    self%flops = self%mumps%flops
+  end subroutine update_matrix
 
   !> Newton correction for given residuals.
-  subroutine solve_newton(problem, matrix, r_u, r_c, du, dt, error)
+  subroutine solve_newton(self, problem, r_u, r_c, du, dtraction, error)
+    class(newton_matrix_t), intent(inout) :: self     !< factorised matrix
     type(problem_t), intent(in) :: problem            !< problem
-    type(newton_matrix_t), intent(inout) :: matrix    !< factorised matrix
     real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
     real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
     real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
-    real(dp), intent(out) :: dt(:, :)                 !< correction of the tractions (3, multipliers) [Pa]
+    real(dp), intent(out) :: dtraction(:, :)                 !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< solver failure
     real(dp), allocatable :: b(:, :)
     integer :: a, c, j
-    allocate (b(matrix%unknowns, 1))
+    allocate (b(self%unknowns, 1))
     do a = 1, problem%n
       do c = 1, 3
-        if (matrix%equation(c, a) > 0) b(matrix%equation(c, a), 1) = -r_u(c, a)
+        if (self%equation(c, a) > 0) b(self%equation(c, a), 1) = -r_u(c, a)
       end do
     end do
     do j = 1, problem%mortar%n
-      b(matrix%dofs + 3*j - 2:matrix%dofs + 3*j, 1) = max(problem%mortar%area(j), tiny(1._dp))*r_c(:, j)
+      b(self%dofs + 3*j - 2:self%dofs + 3*j, 1) = max(problem%mortar%area(j), tiny(1._dp))*r_c(:, j)
     end do
-    call matrix%mumps%solve(b, error)
+    call self%mumps%solve(b, error)
     if (allocated(error)) return
     du = 0
     do a = 1, problem%n
       do c = 1, 3
-        if (matrix%equation(c, a) > 0) du(c, a) = b(matrix%equation(c, a), 1)
+        if (self%equation(c, a) > 0) du(c, a) = b(self%equation(c, a), 1)
       end do
     end do
-    dt = problem%law%scale*reshape(b(matrix%dofs + 1:, 1), shape(dt))
+    dtraction = problem%law%scale*reshape(b(self%dofs + 1:, 1), shape(dtraction))
   end subroutine solve_newton
 
   !> Give back all memory.

@@ -18,6 +18,7 @@ module hd_problem
     integer :: n = 0                           !< nodes
     type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
+    real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
     type(mortar_t) :: mortar                   !< interface
     type(contact_law_t) :: law                 !< its law
   end type problem_t
@@ -58,6 +59,7 @@ contains
     end do
     allocate (cells(size(bodies(1)%cells, 1), m), problem%fixed(3, problem%n))
     problem%fixed = .false.
+    allocate (problem%spring(3, problem%n), source=0._dp)
     m = 0
     do b = 1, size(bodies)
       do s = 0, bodies(b)%sectors - 1
@@ -89,6 +91,7 @@ contains
     real(dp), intent(in) :: rate               !< stiffness at each node [N/m]
     integer :: i, k
     do i = 1, size(nodes)
+      problem%spring(component, nodes(i)) = problem%spring(component, nodes(i)) + rate
       do k = problem%stiffness%ptr(nodes(i)), problem%stiffness%ptr(nodes(i) + 1) - 1
         if (problem%stiffness%col(k) /= nodes(i)) cycle
         problem%stiffness%val(component, component, k) = problem%stiffness%val(component, component, k) + rate

@@ -108,6 +108,8 @@ contains
       'soft springs that hold the hub of a bearing support in its plane')
     call whole(t, 'load', 'assembly_steps', s%assembly_steps, 1, 100000, 'load steps of the assembly')
     call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
+    call text(t, 'solver', 'method', s%method, 'auto condensed newton', &
+      'condensation to the contact face by harmonics, sparse Newton matrix by MUMPS, or the cheaper one that applies')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &
       'relative residual of forces and contact law', closed=.true.)
     call whole(t, 'solver', 'max_iterations', s%max_iterations, 1, 10000, 'Newton iterations per load step')

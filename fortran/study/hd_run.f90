@@ -7,9 +7,10 @@ module hd_run
   use hd_error, only: error_t, raise, code_not_converged, code_stopped, code_memory
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
   use hd_joint, only: joint_t, largest_spot, real_area
+  use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
-  use hd_newton_matrix, only: newton_matrix_t, new_newton_matrix
+  use hd_solver_choice, only: choose_solver
   use hd_output, only: output_t, step_t, open_output, write_step, write_history, write_grids, close_output
   use hd_problem, only: state_t, load_t, new_state
   use hd_scene, only: scene_t
@@ -25,7 +26,7 @@ module hd_run
     type(scene_t) :: scene
     type(drive_t) :: drive
     type(joint_t) :: joint
-    type(newton_matrix_t) :: matrix
+    class(linear_solver_t), allocatable :: solver
     type(state_t) :: before, state          !< last two converged states
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
     type(step_t) :: step                    !< last converged step
@@ -62,13 +63,14 @@ contains
       run%writes = .true.
     end if
     call new_drive(scene, run%drive, error)
-    if (.not. allocated(error)) call new_newton_matrix(run%drive%problem, run%matrix, error)
+    if (.not. allocated(error)) call choose_solver(scene, run%drive, run%solver, error)
     if (allocated(error)) return
     call new_state(run%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
     call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
-      ' contact facets, '//to_text(run%matrix%unknowns)//' unknowns')
+      ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
+    call say('solver    '//trim(run%solver%name))
     call say('step phase     load  torque/Nm its   residual   open stick slip   normal/N  pmax/MPa')
   end subroutine new_run
 
@@ -183,7 +185,7 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
-    call iterate(run%drive%problem, run%matrix, options, load, run%state, trial, history, solved, sliding, error)
+    call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
     run%record%iterations = run%record%iterations + size(history) - 1
@@ -291,11 +293,11 @@ contains
       if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%record%steps > 0) &
         call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
       call close_output(run%output)
-      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%drive, run%joint, run%matrix, &
+      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%drive, run%joint, run%solver, &
         run%sums, run%record, run%failure, error)
       run%writes = .false.
     end if
-    call run%matrix%release()
+    if (allocated(run%solver)) call run%solver%release()
   end subroutine finish
 
   !> Warn where the joint model leaves its range.

@@ -36,6 +36,7 @@ module hd_scene
     real(dp) :: torque = 5, support_stiffness = 100
     integer :: assembly_steps = 3, torque_steps = 5
     ! solver
+    character(len=name_length) :: method = 'auto'
     real(dp) :: tolerance = 1e-8_dp
     integer :: max_iterations = 60, max_cuts = 8
     real(dp) :: time_limit_s = 0

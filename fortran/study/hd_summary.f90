@@ -9,7 +9,7 @@ module hd_summary
   use hd_facets, only: sums_t
   use hd_joint, only: joint_t
   use hd_json, only: json_t
-  use hd_newton_matrix, only: newton_matrix_t
+  use hd_linear_solver, only: linear_solver_t
   use hd_parameters, only: table_t, new_table
   use hd_scene, only: scene_t
   use hd_text, only: string_t
@@ -35,12 +35,12 @@ module hd_summary
 contains
 
   !> Write the summary; `failure` is what ended the run early, if anything did.
-  subroutine write_summary(folder, scene, drive, joint, matrix, sums, record, failure, error)
+  subroutine write_summary(folder, scene, drive, joint, solver, sums, record, failure, error)
     character(len=*), intent(in) :: folder                    !< folder of the run
     type(scene_t), intent(in) :: scene                        !< scene
     type(drive_t), intent(in) :: drive                        !< drive
     type(joint_t), intent(in) :: joint                        !< joint
-    type(newton_matrix_t), intent(in) :: matrix               !< Newton matrix
+    class(linear_solver_t), intent(in) :: solver              !< linear solver
     type(sums_t), intent(in) :: sums                          !< of the last converged step
     type(record_t), intent(in) :: record                      !< counts and times
     type(error_t), allocatable, intent(in) :: failure         !< why the run ended early
@@ -62,13 +62,14 @@ contains
     call add_joint(json, joint)
     call json%begin('model')
     call json%add('dof', 3*drive%problem%n)
-    call json%add('unknowns', matrix%unknowns)
+    call json%add('unknowns', solver%unknowns)
     call json%add('facets', size(drive%face%nodes, 2))
     call json%add('multipliers', drive%problem%mortar%n)
-    call json%add('factor_entries', matrix%mumps%factor_entries)
-    call json%add('factor_flops', matrix%mumps%flops)
-    call json%add('ordering_asked', 'METIS (PERM_IN)')
-    call json%add('ordering_used', trim(merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)))
+    call json%add('factor_entries', solver%factor_entries)
+    call json%add('factor_flops', solver%flops)
+    call json%add('solver', trim(solver%name))
+    call json%add('ordering_asked', trim(solver%ordering_asked))
+    call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
     call json%begin('timers_s')
     call json%add('setup', record%timers%setup)
@@ -78,7 +79,7 @@ contains
     call json%finish()
     call json%add('peak_memory_mb', peak_memory_mb())
     call add_warnings(json, record)
-    call add_provenance(json, matrix, record)
+    call add_provenance(json, solver, record)
     call add_scene(json, scene)
     call json%finish()
     call json%write_atomic(folder//'/summary.json', error)
@@ -137,9 +138,9 @@ contains
   end subroutine add_warnings
 
   !> Versions, input, dates.
-  subroutine add_provenance(json, matrix, record)
+  subroutine add_provenance(json, solver, record)
     type(json_t), intent(inout) :: json            !< document
-    type(newton_matrix_t), intent(in) :: matrix    !< knows the version of MUMPS
+    class(linear_solver_t), intent(in) :: solver   !< knows the version of MUMPS
     type(record_t), intent(in) :: record           !< dates
     call json%begin('provenance')
     call json%add('hdengine', version)
@@ -148,7 +149,7 @@ contains
     call json%add('finished', timestamp())
     call json%add('compiler', compiler_version())
     call json%add('build', build_type)
-    call json%add('mumps', matrix%mumps%version)
+    call json%add('mumps', solver%library)
     call json%add('metis', metis_version)
     call json%add('openblas', openblas_version)
     call json%add('fftw', fftw_version)

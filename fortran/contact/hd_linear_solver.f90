@@ -1,0 +1,54 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> What Newton's method needs of a linear solver; two kinds exist: the sparse Newton matrix, and condensation to the face.
+module hd_linear_solver
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_problem, only: problem_t
+  implicit none
+  private
+  public :: linear_solver_t
+
+  type, abstract :: linear_solver_t
+    character(len=40) :: name = ''             !< for log and summary
+    integer :: unknowns = 0                    !< size of the system that is factorised
+    integer(int64) :: factor_entries = 0       !< entries of its factors
+    real(dp) :: flops = 0                      !< operations of the last factorisation
+    character(len=40) :: ordering_asked = 'none', ordering_used = 'none'
+    character(len=16) :: library = ''          !< version of the library behind it
+  contains
+    procedure(update_linear), deferred :: update
+    procedure(solve_linear), deferred :: solve
+    procedure(release_linear), deferred :: release
+  end type linear_solver_t
+
+  abstract interface
+    !> Enter the derivatives of the contact law and factorise.
+    subroutine update_linear(self, problem, dw, dt, error)
+      import :: linear_solver_t, problem_t, dp, error_t
+      class(linear_solver_t), intent(inout) :: self     !< solver
+      type(problem_t), intent(in) :: problem            !< problem
+      real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
+      real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
+      type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
+    end subroutine update_linear
+
+    !> Newton correction: K du - B^T a dtraction = -r_u,  dR/dw B du + dR/dt dtraction = -r_c.
+    subroutine solve_linear(self, problem, r_u, r_c, du, dtraction, error)
+      import :: linear_solver_t, problem_t, dp, error_t
+      class(linear_solver_t), intent(inout) :: self     !< factorised solver
+      type(problem_t), intent(in) :: problem            !< problem
+      real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+      real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+      real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
+      real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
+      type(error_t), allocatable, intent(out) :: error  !< solver failure
+    end subroutine solve_linear
+
+    !> Give back all memory.
+    subroutine release_linear(self)
+      import :: linear_solver_t
+      class(linear_solver_t), intent(inout) :: self     !< solver
+    end subroutine release_linear
+  end interface
+end module hd_linear_solver

@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> LAPACK and BLAS: matrix product, dense and banded factorisations.
+module hd_lapack
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_linear_solver
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: multiply_dense, solve_dense, factorise_band, solve_band
+
+  interface
+    subroutine dgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+      import :: dp
+      character(len=1), intent(in) :: ta, tb
+      integer, intent(in) :: m, n, k, lda, ldb, ldc
+      real(dp), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
+      real(dp), intent(inout) :: c(ldc, *)
+    end subroutine dgemm
+    subroutine dgesv(n, nrhs, a, lda, pivot, b, ldb, info)
+      import :: dp
+      integer, intent(in) :: n, nrhs, lda, ldb
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(out) :: pivot(*), info
+    end subroutine dgesv
+    subroutine zpbtrf(uplo, n, kd, ab, ldab, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, kd, ldab
+      complex(dp), intent(inout) :: ab(ldab, *)
+      integer, intent(out) :: info
+    end subroutine zpbtrf
+    subroutine zpbtrs(uplo, n, kd, nrhs, ab, ldab, b, ldb, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, kd, nrhs, ldab, ldb
+      complex(dp), intent(in) :: ab(ldab, *)
+      complex(dp), intent(inout) :: b(ldb, *)
+      integer, intent(out) :: info
+    end subroutine zpbtrs
+  end interface
+
+contains
+
+  !> C = A B.
+  subroutine multiply_dense(a, b, c)
+    real(dp), intent(in), contiguous :: a(:, :), b(:, :)  !< factors (m, k), (k, n)
+    real(dp), intent(out), contiguous :: c(:, :)          !< product (m, n)
+    call dgemm('N', 'N', size(a, 1), size(b, 2), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
+  end subroutine multiply_dense
+
+  !> Solve A x = b by LU; A is overwritten.
+  subroutine solve_dense(a, b, error)
+    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n)
+    real(dp), intent(inout), contiguous :: b(:, :)    !< right-hand sides, then solutions (n, count)
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    integer :: pivot(size(a, 1)), info
+    if (size(a, 1) == 0) return
+    call dgesv(size(a, 1), size(b, 2), a, size(a, 1), pivot, b, size(b, 1), info)
+    if (info > 0) call raise(error, code_linear_solver, 'the condensed contact matrix is singular at unknown '// &
+      to_text(info)//': a body is not held')
+  end subroutine solve_dense
+
+  !> Cholesky factor of a Hermitian positive definite band matrix, upper storage: ab(kd + 1 + i - j, j) = a(i, j).
+  subroutine factorise_band(ab, error)
+    complex(dp), intent(inout), contiguous :: ab(:, :)  !< band (kd + 1, n)
+    type(error_t), allocatable, intent(out) :: error    !< not positive definite
+    integer :: info
+    call zpbtrf('U', size(ab, 2), size(ab, 1) - 1, ab, size(ab, 1), info)
+    if (info > 0) call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held')
+  end subroutine factorise_band
+
+  !> Solve with a band factor in place.
+  subroutine solve_band(ab, b)
+    complex(dp), intent(in), contiguous :: ab(:, :)     !< factor (kd + 1, n)
+    complex(dp), intent(inout), contiguous :: b(:, :)   !< right-hand sides, then solutions (n, count)
+    integer :: info
+    call zpbtrs('U', size(ab, 2), size(ab, 1) - 1, size(b, 2), ab, size(ab, 1), b, size(b, 1), info)
+  end subroutine solve_band
+end module hd_lapack

@@ -7,6 +7,7 @@ surface-to-surface contact, the same steps, supports and loads. Usage: bench/pee
 """
 import argparse
 import json
+import os
 import platform
 import re
 import resource
@@ -23,6 +24,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
 BORE, RING, HUB, BAND, RIM = 17.8, 16.8, 8.0, (1.0, 7.0), 7.0
+
+
+def machine():
+    """Name of the processor and number of cores."""
+    names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text()) or [platform.machine()]
+    return f"{names[0]}, {os.cpu_count()} cores"
 
 
 def timed(command, cwd, limit):
@@ -133,24 +140,28 @@ def main():
     version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        ours = timed([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={args.divisions}", "--out", folder / "hub.out", "-q"],
-                     folder, args.limit)
-        summary = json.loads((folder / "hub.out/summary.json").read_text())
-        mesh = meshio.read(sorted((folder / "hub.out").glob("bodies_*.vtu"))[-1])
-        theirs = calculix(folder, mesh, args.limit)
-    r = summary["results"]
-    ours |= {"iterations": r["iterations"], "rotation_rad": r["rotation_rad"]}
-    for x in (ours, theirs):
+        runs = {}
+        for method in ("newton", "condensed"):
+            run = timed([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={args.divisions}", f"solver.method={method}",
+                         "--out", folder / method, "-q"], folder, args.limit)
+            summary = json.loads((folder / method / "summary.json").read_text())
+            r = summary["results"]
+            runs[f"hdengine, {method}"] = run | {"iterations": r["iterations"], "rotation_rad": r["rotation_rad"]}
+            if method == "newton":
+                provenance = summary["provenance"]
+        provenance.pop("input")
+        mesh = meshio.read(sorted((folder / "newton").glob("bodies_*.vtu"))[-1])
+        runs["CalculiX, s2s, C3D8I"] = calculix(folder, mesh, args.limit)
+    for x in runs.values():
         x.pop("text")
-    record = {"machine": platform.processor() or platform.machine(), "hdengine": summary["provenance"], "calculix": version,
-              "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "ours": ours, "calculix_s2s_c3d8i": theirs,
-              "ratio_wall": ours["wall_s"] / theirs["wall_s"], "results": r}
+    record = {"machine": machine(), "hdengine": provenance, "calculix": version,
+              "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "runs": runs, "results": r}
     out = ROOT / f"bench/results/peer_hub_{args.divisions}.json"
     out.parent.mkdir(exist_ok=True)
     out.write_text(json.dumps(record, indent=1) + "\n")
     print(f"{record['dof']} dof, {record['facets']} facets; {version}")
     print("| code | wall s | CPU s | MB | Newton iterations | rotation by 5 Nm / rad |\n|---|---|---|---|---|---|")
-    for label, x in (("hdengine, Newton with MUMPS", ours), ("CalculiX s2s, C3D8I", theirs)):
+    for label, x in runs.items():
         rotation = f"{x['rotation_rad']:.3e}" if x["rotation_rad"] is not None else "not done"
         print(f"| {label} | {x['wall_s']:.1f} | {x['cpu_s']:.1f} | {x['memory_mb'] or float('nan'):.0f} | {x['iterations']} | {rotation} |")
     print(f"written: {out.relative_to(ROOT)}")

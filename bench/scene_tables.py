@@ -31,12 +31,12 @@ def save(name, rows):
 
 
 def meshes():
-    """Normal force, area, mid-band pressure, rotation and peak on three meshes refined in both directions."""
+    """Normal force, area, mid-band pressure, rotation and peak on four meshes refined in both directions."""
     keys = {"normal force / N": ("normal_force_n", 1, ".1f"), "lobe force x / N": ("lobe_force_x_n", 1, ".1f"),
             "contact area / mm²": ("contact_area_m2", 1e6, ".2f"), "mid-band mean / MPa": ("pressure_mid_mean_pa", 1e-6, ".4f"),
             "rotation / µrad": ("rotation_rad", 1e6, ".3f"), "peak / MPa": ("pressure_max_pa", 1e-6, ".1f")}
     rows = []
-    for divisions, facets in ((80, 6), (120, 9), (180, 14), (240, 18)):
+    for divisions, facets in ((80, 6), (120, 9), (160, 12), (240, 18)):
         ratio = facets / 6
         s, code = solve("peer_hub.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}",
                         f"mesh.wall_elements={round(13 * ratio)}", f"mesh.bottom_elements={round(13 * ratio)}")

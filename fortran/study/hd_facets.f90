@@ -112,7 +112,7 @@ contains
     type(sums_t), intent(out) :: sums       !< sums
     real(dp), allocatable :: r(:, :), theta(:), radius(:)
     type(state_t) :: free
-    integer :: b, row
+    integer :: b, row, rows
     associate (problem => drive%problem, a => drive%problem%mortar%area, p => state%traction(1, :))
       theta = problem%bodies(1)%angle(problem%mortar%node)
       sums%rotation = sum(drive%torque*state%u)
@@ -121,8 +121,10 @@ contains
       sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
       sums%contact_area = sum(a, mask=state%contact /= open_state)
       sums%pressure_max = maxval(p)
-      row = (drive%axial_facets + 1)/2
-      sums%pressure_middle = sum(facets%traction(1, row::drive%axial_facets))/size(facets%theta(row::drive%axial_facets))
+      rows = drive%axial_facets
+      row = (rows + 1)/2
+      sums%pressure_middle = sum(facets%traction(1, row::rows) + facets%traction(1, rows + 1 - row::rows))/ &
+        (2*(size(facets%area)/rows))
       sums%friction_torque = sum(a*state%traction(2, :))*drive%radius
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact == stick_state)

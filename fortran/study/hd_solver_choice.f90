@@ -6,7 +6,7 @@ module hd_solver_choice
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_newton_matrix, only: newton_matrix_t, new_newton_matrix
-  use hd_scene, only: scene_t
+  use hd_scene, only: scene_t, largest_face
   implicit none
   private
   public :: choose_solver
@@ -21,9 +21,11 @@ contains
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
     type(condensed_t), allocatable :: condensed
     type(newton_matrix_t), allocatable :: matrix
-    if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. can_condense(drive%problem))) then
+    logical :: condense
+    condense = can_condense(drive%problem) .and. scene%solved_points() <= largest_face
+    if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. condense)) then
       allocate (condensed)
-      call new_condensed(drive%problem, .not. scene%eccentricity > 0, condensed, error)
+      call new_condensed(drive%problem, scene%repeats(), condensed, error)
       call move_alloc(condensed, solver)
     else
       allocate (matrix)

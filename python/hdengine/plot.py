@@ -61,7 +61,7 @@ def plot_positions(result):
     axes[1].set_xlabel("angle from the long axis / degree")
     axes[1].set_xticks(range(0, 361, 45))
     axes[0].set_title(f"Contact stress at {result.torque_nm[-1]:g} N m (rows from the band's front edge)")
-    axes[0].legend()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=11)
     return figure
 
 

@@ -69,3 +69,21 @@ def test_readme_opens_with_two_commands():
     block = re.search(r"```\w*\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
     assert block.splitlines() == ["./hd run", "./hd test"]
     assert "./hd test" in (ROOT / ".ci/run").read_text()
+
+
+@pytest.mark.parametrize("page", ["README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))])
+def test_python_blocks_run(page, tmp_path, monkeypatch):
+    """Every Python block of the README and of the docs runs as it stands."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.S)
+    space = {}
+    for block in blocks:
+        exec(compile(block, page, "exec"), space)
+
+
+def test_links_lead_somewhere():
+    """Every relative link in the README and in the docs names a file that exists."""
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+            assert target.startswith("http") or (page.parent / target).exists(), (page.name, target)

@@ -3,9 +3,11 @@ program hd_tester
   use hd_check, only: report_checks
   use test_contact, only: run_contact
   use test_element, only: run_element
+  use test_fft, only: run_fft
   use test_text, only: run_text
   implicit none
   call run_text()
+  call run_fft()
   call run_element()
   call run_contact()
   if (.not. report_checks()) stop 1, quiet=.true.

@@ -1,0 +1,201 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> FFTW in double precision: real and complex transforms, 1-D batched and 2-D, unscaled.
+!>
+!> Plans are estimated, never measured: the same sizes give the same algorithm and so the same bits in every run. The planner is
+!> behind a process-wide lock; executing a plan needs none. The sign is -1 forward (exp(-i...)), +1 backward.
+module hd_fft
+  use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_associated, c_int, c_double, c_double_complex, c_float, &
+    c_float_complex, c_size_t, c_intptr_t, c_char, c_funptr, c_int32_t
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_memory
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: forward_real, backward_real, forward_real_2d, backward_real_2d, transform_complex, transform_complex_2d
+  public :: fft_plan_t, plan_complex, plan_backward_real, execute_complex, execute_backward_real, free_plan, smooth_size
+
+  include 'fftw3.f03'
+
+  !> A plan for repeated use, also from several threads at once, on arrays aligned to 16 bytes. Free it with `free_plan`.
+  type :: fft_plan_t
+    private
+    type(c_ptr) :: plan = c_null_ptr
+  end type fft_plan_t
+
+  interface
+    subroutine lock_planner() bind(c, name='hd_lock_planner')
+    end subroutine lock_planner
+    subroutine unlock_planner() bind(c, name='hd_unlock_planner')
+    end subroutine unlock_planner
+  end interface
+
+contains
+
+  !> Smallest size >= n of the form 2^a 3^b 5^c, even if asked: FFTW is fast there.
+  pure integer function smooth_size(n, even) result(size_)
+    integer, intent(in) :: n        !< lower bound
+    logical, intent(in) :: even     !< only even sizes
+    integer :: rest
+    size_ = max(n, 1)
+    do
+      rest = size_
+      do while (mod(rest, 2) == 0)
+        rest = rest / 2
+      end do
+      do while (mod(rest, 3) == 0)
+        rest = rest / 3
+      end do
+      do while (mod(rest, 5) == 0)
+        rest = rest / 5
+      end do
+      if (rest == 1 .and. (.not. even .or. mod(size_, 2) == 0)) return
+      size_ = size_ + 1
+    end do
+  end function smooth_size
+
+  !> Each column of real numbers to its half spectrum.
+  subroutine forward_real(a, s, error)
+    real(dp), intent(inout), contiguous :: a(:, :)      !< columns (n, count); kept
+    complex(dp), intent(inout), contiguous :: s(:, :)   !< half spectra (n/2 + 1, count)
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call lock_planner()
+    p%plan = fftw_plan_many_dft_r2c(1, [size(a, 1)], size(a, 2), a, [size(a, 1)], 1, size(a, 1), &
+      s, [size(s, 1)], 1, size(s, 1), ior(FFTW_ESTIMATE, FFTW_PRESERVE_INPUT))
+    call unlock_planner()
+    call check_plan(p, size(a), error)
+    if (allocated(error)) return
+    call fftw_execute_dft_r2c(p%plan, a, s)
+    call free_plan(p)
+  end subroutine forward_real
+
+  !> Each half spectrum to its column of real numbers.
+  subroutine backward_real(s, a, error)
+    complex(dp), intent(inout), contiguous :: s(:, :)   !< half spectra (n/2 + 1, count); destroyed
+    real(dp), intent(inout), contiguous :: a(:, :)      !< columns (n, count)
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call plan_backward_real(size(a, 1), size(a, 2), s, a, p, error)
+    if (allocated(error)) return
+    call fftw_execute_dft_c2r(p%plan, s, a)
+    call free_plan(p)
+  end subroutine backward_real
+
+  !> Real array to its half spectrum in both directions.
+  subroutine forward_real_2d(a, s, error)
+    real(dp), intent(inout), contiguous :: a(:, :)      !< array (nx, ny); kept
+    complex(dp), intent(inout), contiguous :: s(:, :)   !< half spectrum (nx/2 + 1, ny)
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call lock_planner()
+    p%plan = fftw_plan_dft_r2c_2d(size(a, 2), size(a, 1), a, s, FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, size(a), error)
+    if (allocated(error)) return
+    call fftw_execute_dft_r2c(p%plan, a, s)
+    call free_plan(p)
+  end subroutine forward_real_2d
+
+  !> Half spectrum to the real array.
+  subroutine backward_real_2d(s, a, error)
+    complex(dp), intent(inout), contiguous :: s(:, :)   !< half spectrum (nx/2 + 1, ny); destroyed
+    real(dp), intent(inout), contiguous :: a(:, :)      !< array (nx, ny)
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call lock_planner()
+    p%plan = fftw_plan_dft_c2r_2d(size(a, 2), size(a, 1), s, a, FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, size(a), error)
+    if (allocated(error)) return
+    call fftw_execute_dft_c2r(p%plan, s, a)
+    call free_plan(p)
+  end subroutine backward_real_2d
+
+  !> Each complex column in place.
+  subroutine transform_complex(a, sign, error)
+    complex(dp), intent(inout), contiguous :: a(:, :)   !< columns (n, count)
+    integer, intent(in) :: sign                         !< -1 or +1
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call plan_complex(size(a, 1), size(a, 2), 1, size(a, 1), sign, a, p, error)
+    if (allocated(error)) return
+    call fftw_execute_dft(p%plan, a, a)
+    call free_plan(p)
+  end subroutine transform_complex
+
+  !> Complex array in both directions, in place.
+  subroutine transform_complex_2d(a, sign, error)
+    complex(dp), intent(inout), contiguous :: a(:, :)   !< array (nx, ny)
+    integer, intent(in) :: sign                         !< -1 or +1
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    type(fft_plan_t) :: p
+    call lock_planner()
+    p%plan = fftw_plan_dft_2d(size(a, 2), size(a, 1), a, a, int(sign, c_int), FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, size(a), error)
+    if (allocated(error)) return
+    call fftw_execute_dft(p%plan, a, a)
+    call free_plan(p)
+  end subroutine transform_complex_2d
+
+  !> Plan `count` complex transforms of n numbers, `stride` apart, starting `distance` apart, in place.
+  subroutine plan_complex(n, count, stride, distance, sign, a, p, error)
+    integer, intent(in) :: n, count, stride, distance   !< size, number, strides
+    integer, intent(in) :: sign                         !< -1 or +1
+    complex(dp), intent(inout) :: a(*)                  !< array of the kind to be transformed; kept
+    type(fft_plan_t), intent(out) :: p                  !< plan
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    p%plan = fftw_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
+      FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, n, error)
+  end subroutine plan_complex
+
+  !> Plan `count` transforms of contiguous half spectra (n/2 + 1) to contiguous real columns (n).
+  subroutine plan_backward_real(n, count, s, a, p, error)
+    integer, intent(in) :: n, count                     !< size, number
+    complex(dp), intent(inout) :: s(*)                  !< half spectra; kept
+    real(dp), intent(inout) :: a(*)                     !< columns; kept
+    type(fft_plan_t), intent(out) :: p                  !< plan
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    p%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, n, error)
+  end subroutine plan_backward_real
+
+  !> Run a plan of `plan_complex`.
+  subroutine execute_complex(p, a)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    complex(dp), intent(inout) :: a(*)      !< transformed in place
+    call fftw_execute_dft(p%plan, a, a)
+  end subroutine execute_complex
+
+  !> Run a plan of `plan_backward_real`.
+  subroutine execute_backward_real(p, s, a)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    complex(dp), intent(inout) :: s(*)      !< half spectra; destroyed
+    real(dp), intent(inout) :: a(*)         !< real columns
+    call fftw_execute_dft_c2r(p%plan, s, a)
+  end subroutine execute_backward_real
+
+  !> Give a plan back.
+  subroutine free_plan(p)
+    type(fft_plan_t), intent(inout) :: p    !< plan
+    if (.not. c_associated(p%plan)) return
+    call lock_planner()
+    call fftw_destroy_plan(p%plan)
+    call unlock_planner()
+    p%plan = c_null_ptr
+  end subroutine free_plan
+
+  !> FFTW returns no plan if memory runs out.
+  subroutine check_plan(p, n, error)
+    type(fft_plan_t), intent(in) :: p                   !< plan
+    integer, intent(in) :: n                            !< size
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    if (c_associated(p%plan)) return
+    call raise(error, code_memory, 'FFTW finds no plan for a transform of '//to_text(n)//' numbers: not enough memory')
+  end subroutine check_plan
+end module hd_fft

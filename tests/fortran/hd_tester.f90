@@ -4,10 +4,12 @@ program hd_tester
   use test_contact, only: run_contact
   use test_element, only: run_element
   use test_fft, only: run_fft
+  use test_random, only: run_random
   use test_text, only: run_text
   implicit none
   call run_text()
   call run_fft()
+  call run_random()
   call run_element()
   call run_contact()
   if (.not. report_checks()) stop 1, quiet=.true.

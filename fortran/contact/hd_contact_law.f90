@@ -5,9 +5,14 @@
 !> since the last converged step. With the trial pressure p^ = p - c gap and the trial shear tau^ = tau - c slip,
 !>   unilateral:  p - max(0, p^) = 0,    Coulomb:  tau - proj(tau^; |.| <= mu max(0, p^)) = 0
 !> (Alart and Curnier 1991). The constant c [Pa/m] only scales the iteration, never the solution.
+!>
+!> A rough joint takes the same form. Its pressure P(x) over the closure x = -gap gives  p - P(x*) = 0  with x* from
+!> P(x*) + c x* = p^ (the resolvent; max(0, p^) is its limit for a stiff joint). Shear follows the slip with the stiffness
+!> k_t(p) from the last step's tau_0 until Coulomb's bound:  tau - proj((k_t tau^ + c tau_0) / (k_t + c); mu P(x*)) = 0.
 module hd_contact_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
+  use hd_closure_table, only: closure_table_t, resolve_pressure, stiffness_at_pressure
   implicit none
   private
   public :: contact_law_t, contact_mode, evaluate_law
@@ -24,6 +29,7 @@ module hd_contact_law
     integer :: mode = frictional      !< bonded, frictionless or frictional
     real(dp) :: friction = 0          !< Coulomb coefficient
     real(dp) :: scale = 0             !< c [Pa/m]
+    type(closure_table_t), allocatable :: joint   !< compliance of a rough joint; absent: hard
   end type contact_law_t
 
 contains
@@ -44,10 +50,11 @@ contains
   end subroutine contact_mode
 
   !> Residual, derivatives and state of one multiplier.
-  pure subroutine evaluate_law(law, t, w, r, dw, dt, state)
+  pure subroutine evaluate_law(law, t, w, before, r, dw, dt, state)
     type(contact_law_t), intent(in) :: law  !< law
     real(dp), intent(in) :: t(3)            !< traction [Pa]
     real(dp), intent(in) :: w(3)            !< gap and slip [m]
+    real(dp), intent(in) :: before(2)       !< shear at the end of the last step, for a rough joint [Pa]
     real(dp), intent(out) :: r(3)           !< residual [Pa]
     real(dp), intent(out) :: dw(3, 3)       !< dR/dw [Pa/m]
     real(dp), intent(out) :: dt(3, 3)       !< dR/dt
@@ -62,6 +69,10 @@ contains
         dw(i, i) = law%scale
       end do
       state = stick_state
+      return
+    end if
+    if (allocated(law%joint)) then
+      call evaluate_joint_law(law, t, w, before, r, dw, dt, state)
       return
     end if
     trial = t(1) - law%scale*w(1)
@@ -101,4 +112,50 @@ contains
       dw(2:, 1) = law%scale*law%friction*e
     end if
   end subroutine evaluate_law
+
+  !> The same for a rough joint; arguments as in evaluate_law, `dw` and `dt` enter as zero.
+  pure subroutine evaluate_joint_law(law, t, w, before, r, dw, dt, state)
+    type(contact_law_t), intent(in) :: law
+    real(dp), intent(in) :: t(3), w(3), before(2)
+    real(dp), intent(out) :: r(3)
+    real(dp), intent(inout) :: dw(3, 3), dt(3, 3)
+    integer, intent(out) :: state
+    real(dp) :: p, k, kt, kt_slope, share, lean, shear(2), stick(2), by_p(2), tangent(2, 2), e(2), size, bound
+    integer :: i
+    call resolve_pressure(law%joint, law%scale, t(1) - law%scale*w(1), p, k)
+    r = t
+    r(1) = t(1) - p
+    lean = k/(k + law%scale)
+    dw(1, 1) = law%scale*lean
+    dt(1, 1) = 1 - lean
+    dt(2, 2) = 1
+    dt(3, 3) = 1
+    state = open_state
+    if (.not. p > 0) return
+    state = slip_state
+    if (law%mode == frictionless) return
+    call stiffness_at_pressure(law%joint, p, kt, kt_slope)
+    share = kt/(kt + law%scale)
+    shear = t(2:) - law%scale*w(2:)
+    stick = share*shear + (1 - share)*before
+    by_p = law%scale*kt_slope/(kt + law%scale)**2*(shear - before)
+    size = norm2(stick)
+    bound = law%friction*p
+    tangent = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
+    if (size <= bound) then
+      state = stick_state
+      r(2:) = t(2:) - stick
+    else
+      e = stick/size
+      r(2:) = t(2:) - bound*e
+      tangent = bound/size*(tangent - spread(e, 2, 2)*spread(e, 1, 2))
+      by_p = matmul(tangent, by_p) + law%friction*e
+    end if
+    do i = 1, 2
+      dt(2:, 1 + i) = dt(2:, 1 + i) - share*tangent(:, i)
+      dw(2:, 1 + i) = law%scale*share*tangent(:, i)
+    end do
+    dt(2:, 1) = -by_p*lean
+    dw(2:, 1) = by_p*lean*law%scale
+  end subroutine evaluate_joint_law
 end module hd_contact_law

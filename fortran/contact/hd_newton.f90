@@ -141,7 +141,7 @@ contains
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n
       call evaluate_law(problem%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
-        here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+        previous%traction(2:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
       do c = 1, 3
         if (.not. here%idle(c, j)) cycle
         here%r_c(c, j) = state%traction(c, j)

@@ -5,6 +5,7 @@ program hd_tester
   use test_element, only: run_element
   use test_fft, only: run_fft
   use test_random, only: run_random
+  use test_interface, only: run_interface
   use test_text, only: run_text
   implicit none
   call run_text()
@@ -12,5 +13,6 @@ program hd_tester
   call run_random()
   call run_element()
   call run_contact()
+  call run_interface()
   if (.not. report_checks()) stop 1, quiet=.true.
 end program hd_tester

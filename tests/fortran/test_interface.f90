@@ -1,0 +1,178 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The compliant interface law against closed forms of the exponential joint p = p_0 exp(x / h), k_t = 0.8 p / h.
+module test_interface
+  use hd_body, only: body_t
+  use hd_check, only: check, check_close
+  use hd_closure_table, only: closure_table_t, new_closure_table, pressure_at_closure, resolve_pressure, stiffness_at_pressure
+  use hd_contact_law, only: contact_law_t, evaluate_law, frictional, open_state, slip_state, stick_state
+  use hd_error, only: error_t
+  use hd_face, only: face_t
+  use hd_kinds, only: dp
+  use hd_problem, only: load_t, problem_t, state_t
+  use test_contact, only: block, block_face, new_problem_of, solve
+  implicit none
+  private
+  public :: run_interface
+
+  real(dp), parameter :: h = 0.4e-6_dp, p0 = 1e3_dp
+
+contains
+
+  subroutine run_interface()
+    call table_is_exact()
+    call law_tangent()
+    call shear_loop()
+    call pressed_blocks()
+  end subroutine run_interface
+
+  !> Table of the exponential joint from 1 kPa to 10 GPa.
+  function exponential() result(table)
+    type(closure_table_t) :: table
+    type(error_t), allocatable :: error
+    real(dp) :: x(41)
+    integer :: i
+    x = [(h*0.4_dp*i, i=0, 40)]
+    call new_closure_table(x, p0*exp(x/h), p0*exp(x/h)/h, 0.8_dp*p0*exp(x/h)/h, table, error)
+    call check(.not. allocated(error), 'a rising table is accepted')
+  end function exponential
+
+  !> The interpolation reproduces the exponential, its tangent and the resolvent; falling tables are refused.
+  subroutine table_is_exact()
+    type(closure_table_t) :: table, bad
+    type(error_t), allocatable :: error
+    real(dp) :: x, p, k, kt, slope, c, worst(4), trial
+    integer :: i
+    table = exponential()
+    worst = 0
+    c = 1e13_dp
+    do i = 1, 199
+      x = 16*h*i/200._dp
+      call pressure_at_closure(table, x, p, k)
+      worst(1) = max(worst(1), abs(p/(p0*exp(x/h)) - 1), abs(k/(p0*exp(x/h)/h) - 1))
+      call stiffness_at_pressure(table, p, kt, slope)
+      worst(2) = max(worst(2), abs(kt/(0.8_dp*p/h) - 1), abs(slope*h/0.8_dp - 1))
+      trial = p + c*x
+      call resolve_pressure(table, c, trial, k, slope)
+      worst(3) = max(worst(3), abs(k/p - 1))
+    end do
+    call check_close(worst(1), 0._dp, 1e-12_dp, 'the table interpolates pressure and tangent of an exponential joint exactly')
+    call check_close(worst(2), 0._dp, 1e-12_dp, 'the table interpolates the tangential stiffness')
+    call check_close(worst(3), 0._dp, 1e-6_dp, 'the resolvent finds the closure under a trial pressure')
+    call pressure_at_closure(table, -1.001_dp*h, p, k)
+    call check_close(p, 0._dp, 0._dp, 'the faces part where the tangent of the first entry ends')
+    call new_closure_table([0._dp, 1._dp], [2._dp, 1._dp], [1._dp, 1._dp], [1._dp, 1._dp], bad, error)
+    call check(allocated(error), 'a falling table is refused')
+  end subroutine table_is_exact
+
+  !> The derivatives of the joint law agree with central differences in every state.
+  subroutine law_tangent()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), w(3), before(2), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 4), c
+    integer :: i, k, state, seen(0:2)
+    c = 1e13_dp
+    law = contact_law_t(frictional, 0.3_dp, c, exponential())
+    cases = reshape([-1e6_dp, 0.1e6_dp, 0.05e6_dp, 1e-6_dp, 0.1e-6_dp, 0.2e-6_dp, 0._dp, 0._dp, &       ! open
+      20e6_dp, 1e6_dp, -1e6_dp, -4e-6_dp, 0.01e-6_dp, 0.02e-6_dp, 2e6_dp, 1e6_dp, &                     ! stick
+      20e6_dp, 9e6_dp, -4e6_dp, -4e-6_dp, 3e-6_dp, -2e-6_dp, 2e6_dp, 1e6_dp, &                          ! slip
+      1e6_dp, -7e6_dp, 6e6_dp, -3e-6_dp, -5e-6_dp, 9e-6_dp, 0._dp, -1e6_dp], [8, 4])
+    worst = 0
+    seen = 0
+    do k = 1, 4
+      t = cases(:3, k)
+      w = cases(4:6, k)
+      before = cases(7:, k)
+      call evaluate_law(law, t, w, before, r, dw, dt, state)
+      seen(state) = seen(state) + 1
+      do i = 1, 3
+        step = 0
+        step(i) = 1e2_dp
+        call evaluate_law(law, t + step, w, before, plus, skip, skip, state)
+        call evaluate_law(law, t - step, w, before, minus, skip, skip, state)
+        worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dt(:, i))))
+        step = step/c
+        call evaluate_law(law, t, w + step, before, plus, skip, skip, state)
+        call evaluate_law(law, t, w - step, before, minus, skip, skip, state)
+        worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dw(:, i)/c)))
+      end do
+    end do
+    call check(all(seen > 0), 'the cases of the joint tangent test cover open, stick and slip')
+    call check_close(worst, 0._dp, 1e-6_dp, 'the derivatives of the joint law agree with differences')
+  end subroutine law_tangent
+
+  !> Sheared to and fro under constant pressure, the law follows the elastoplastic loop of stiffness k_t and bound mu p.
+  subroutine shear_loop()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), r(3), dw(3, 3), dt(3, 3), u, old, tau, kt, p, worst, path(8)
+    integer :: i, state, seen(0:2)
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp, exponential())
+    p = p0*exp(8._dp)
+    kt = 0.8_dp*p/h
+    path = [0.2_dp, 0.35_dp, 0.6_dp, 0.4_dp, 0.1_dp, -0.5_dp, -0.4_dp, 0.7_dp]*h
+    tau = 0
+    old = 0
+    worst = 0
+    seen = 0
+    t = [p, 0._dp, 0._dp]
+    do i = 1, size(path)
+      u = path(i)
+      tau = max(-0.3_dp*p, min(0.3_dp*p, tau - kt*(u - old)))
+      call converge(law, [-8*h, u - old, 0._dp], t, state)
+      worst = max(worst, abs(t(2) - tau)/p)
+      seen(state) = seen(state) + 1
+      old = u
+    end do
+    call check(seen(stick_state) > 2 .and. seen(slip_state) > 2 .and. seen(open_state) == 0, 'the shear loop sticks and slips')
+    call check_close(worst, 0._dp, 1e-10_dp, 'the joint law follows the elastoplastic loop of stiffness k_t and bound mu p')
+  contains
+    subroutine converge(law, w, t, state)
+      type(contact_law_t), intent(in) :: law
+      real(dp), intent(in) :: w(3)
+      real(dp), intent(inout) :: t(3)
+      integer, intent(out) :: state
+      real(dp) :: before(2)
+      integer :: k
+      before = t(2:)
+      do k = 1, 2000
+        call evaluate_law(law, t, w, before, r, dw, dt, state)
+        t = t - r
+      end do
+    end subroutine converge
+  end subroutine shear_loop
+
+  !> Blocks whose meshes do not match, pressed by 80 MPa on an exponential joint, come closer by h ln(p / p_0) more than hard ones.
+  subroutine pressed_blocks()
+    integer, parameter :: n1(3) = [2, 3, 4], n2(3) = [2, 5, 3]
+    real(dp), parameter :: pressure = 80e6_dp
+    type(body_t) :: bodies(2)
+    type(face_t) :: slave, master, pushed
+    type(problem_t) :: problem
+    type(load_t) :: load
+    type(state_t) :: state
+    real(dp), allocatable :: x(:, :), exact(:)
+    real(dp) :: area
+    integer :: f
+    bodies(1) = block(n1, [0._dp, 0._dp, 0._dp], [1e-2_dp, 2e-2_dp, 2e-2_dp])
+    bodies(2) = block(n2, [1e-2_dp, 0._dp, 0._dp], [2e-2_dp, 2e-2_dp, 2e-2_dp])
+    slave = block_face(bodies(1), n1, 2)
+    master = block_face(bodies(2), n2, 0)
+    pushed = block_face(bodies(2), n2, 2)
+    master%nodes = master%nodes + bodies(1)%nodes()
+    pushed%nodes = pushed%nodes + bodies(1)%nodes()
+    call new_problem_of(bodies, slave, master, frictional, problem)
+    problem%law%joint = exponential()
+    x = reshape([bodies(1)%x, bodies(2)%x], [3, problem%n])
+    problem%fixed = x < 1e-12_dp
+    allocate (load%force(3, problem%n), source=0._dp)
+    do f = 1, size(pushed%nodes, 2)
+      area = (pushed%chart(1, 2, f) - pushed%chart(1, 1, f))*(pushed%chart(2, 4, f) - pushed%chart(2, 1, f))
+      load%force(1, pushed%nodes(:, f)) = load%force(1, pushed%nodes(:, f)) - pressure*area/4
+    end do
+    call solve(problem, spread(0._dp, 1, problem%mortar%n), load, state)
+    exact = -pressure/200e9_dp*x(1, :)
+    exact(bodies(1)%nodes() + 1:) = exact(bodies(1)%nodes() + 1:) - h*log(pressure/p0)
+    call check_close(maxval(abs(state%u(1, :) - exact))/1e-5_dp, 0._dp, 1e-10_dp, &
+      'blocks pressed on an exponential joint come closer by its closure')
+    call check_close(maxval(abs(state%traction(1, :) - pressure))/pressure, 0._dp, 1e-9_dp, &
+      'the pressure on an exponential joint is even')
+  end subroutine pressed_blocks
+end module test_interface

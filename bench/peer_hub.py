@@ -74,7 +74,7 @@ def write_deck(path, points, cells, body, rim_force, stiffness=2e6, stick=2e5):
     ring_cells = np.flatnonzero(body == 1) + 1
     cup_cells = np.flatnonzero((body == 2) & bore & (low > BAND[0] - near) & (high < BAND[1] + near)) + 1
     lines = ["*NODE, NSET=ALL"]
-    lines += [f"{i + 1}, {p[0]:.15g}, {p[1]:.15g}, {p[2]:.15g}" for i, p in enumerate(points)]
+    lines += [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(points)]
     for b, name in ((1, "RING"), (2, "CUP")):
         lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
         lines += [f"{e + 1}, " + ", ".join(str(n + 1) for n in cells[e]) for e in np.flatnonzero(body == b)]

@@ -1,0 +1,343 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Elements of hdengine beside those of CalculiX: same meshes, supports and nodal forces, one run.
+
+Needs the Debian package calculix-ccx. Writes bench/results/elements.json and docs/figures/elements.png, prints Markdown.
+Usage: bench/elements.py [--quick]
+"""
+import argparse
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+import matplotlib.ticker
+import numpy as np
+
+import hdengine
+from hdengine import mesh as hm
+from hdengine import solid
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402
+
+sys.path.insert(0, str(Path(__file__).parent))
+from peer_hub import machine  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[1]
+OURS = ("hex8", "hex8i", "hex20r")
+PEERS = ("C3D8", "C3D8R", "C3D8I", "C3D20", "C3D20R")
+
+
+@dataclass
+class Case:
+    """A linear problem: mesh, material, supports, nodal forces, the displacement looked at and its reference."""
+
+    name: str
+    size: str
+    mesh: hm.Mesh
+    young: float
+    poisson: float
+    fixed: np.ndarray   # (n, 3)
+    force: np.ndarray   # (n, 3)
+    probe: np.ndarray   # (n, 3): result = sum(probe * u)
+    exact: float
+
+
+# -- loads ------------------------------------------------------------------------------------------------------------
+def shapes(xi, eta, nodes):
+    """Shape functions (nodes) and their two derivatives on a facet."""
+    c = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    a, b = 1 + xi * c[:, 0], 1 + eta * c[:, 1]
+    n, dx, de = a * b / 4, c[:, 0] * b / 4, a * c[:, 1] / 4
+    if nodes == 4:
+        return n, dx, de
+    s = xi * c[:, 0] + eta * c[:, 1] - 1
+    n, dx, de = n * s, dx * s + n * c[:, 0], de * s + n * c[:, 1]
+    m = [(1 - xi**2) * (1 - eta) / 2, (1 - eta**2) * (1 + xi) / 2, (1 - xi**2) * (1 + eta) / 2, (1 - eta**2) * (1 - xi) / 2]
+    mx = [-xi * (1 - eta), (1 - eta**2) / 2, -xi * (1 + eta), -(1 - eta**2) / 2]
+    me = [-(1 - xi**2) / 2, -eta * (1 + xi), (1 - xi**2) / 2, -eta * (1 - xi)]
+    return np.r_[n, m], np.r_[dx, mx], np.r_[de, me]
+
+
+def surface_force(mesh, facets, traction):
+    """Consistent nodal forces (n, 3) of a traction, a function of points (k, 3)."""
+    f = np.zeros_like(mesh.points)
+    g, w = np.polynomial.legendre.leggauss(4)
+    x = mesh.points[facets]
+    for i, xi in enumerate(g):
+        for j, eta in enumerate(g):
+            n, dx, de = shapes(xi, eta, facets.shape[1])
+            area = np.linalg.norm(np.cross(np.einsum("a,kac->kc", dx, x), np.einsum("a,kac->kc", de, x)), axis=1)
+            t = traction(np.einsum("a,kac->kc", n, x)) * (w[i] * w[j] * area)[:, None]
+            np.add.at(f, facets, n[None, :, None] * t[:, None, :])
+    return f
+
+
+def line_weights(mesh, chosen, axis):
+    """Shares of a line load that the nodes of a straight row of edges take (sum 1)."""
+    nodes = np.flatnonzero(chosen)
+    order = nodes[np.argsort(mesh.points[nodes, axis])]
+    w = np.zeros(len(mesh.points))
+    t = mesh.points[order, axis]
+    if mesh.quadratic:
+        for a in range(0, len(order) - 1, 2):
+            w[order[a:a + 3]] += (t[a + 2] - t[a]) * np.array([1, 4, 1]) / 6
+    else:
+        for a in range(len(order) - 1):
+            w[order[a:a + 2]] += (t[a + 1] - t[a]) / 2
+    return w / w.sum()
+
+
+# -- closed solutions -------------------------------------------------------------------------------------------------
+def harmonic(n, r1, r2, young, poisson, outside):
+    """Radial displacement of the inner face per cos(n theta), n >= 2, under an outward traction cos(n theta) on one face;
+    plane strain (Michell 1899)."""
+    k = np.array([n, n + 2, -n, 2 - n], float)
+    rows = []
+    for r in (r1, r2):
+        s = (r / r2) ** (k - 2)
+        rows += [(k - n**2) * s, n * (k - 1) * s]
+    right = np.zeros(4)
+    right[2 if outside else 0] = 1 if outside else -1  # sigma_r: outward traction is -sigma_r inside
+    scale = np.abs(rows).max(0)
+    a = np.linalg.solve(np.array(rows) / scale, right) / scale
+    kappa = 3 - 4 * poisson
+    u = np.array([-n, kappa - n - 1, n, kappa + n - 1]) * (r1 / r2) ** (k - 1) * r2
+    return (1 + poisson) / young * (a @ u)
+
+
+def opposite_forces(r1, r2, young, poisson):
+    """Radial displacement of the inner face at 90 degrees under two outward unit forces per length on the outer face at 0 and 180."""
+    e, nu = young / (1 - poisson**2), poisson / (1 - poisson)
+    p = 1 / (np.pi * r2)
+    b = p * r2**2 / (r2**2 - r1**2)  # Lame: sigma = b (1 -+ r1^2 / r^2)
+    u = b / e * 2 * r1
+    del nu  # at a free inner face only the hoop stress strains
+    return u + sum(2 * p * np.cos(n * np.pi / 2) * harmonic(n, r1, r2, young, poisson, True) for n in range(2, 400, 2))
+
+
+# -- cases ------------------------------------------------------------------------------------------------------------
+def beam(name, size, mesh, young, poisson, root, tip, direction, exact):
+    """Cantilever with a unit force spread over its end."""
+    facets = mesh.facets(tip)
+    area = surface_force(mesh, facets, lambda x: np.ones_like(x))[:, 0].sum()
+    force = surface_force(mesh, facets, lambda x: np.broadcast_to(np.asarray(direction, float) / area, x.shape))
+    return Case(name, size, mesh, young, poisson, np.repeat(root[:, None], 3, 1), force, force, exact)
+
+
+def straight(quadratic, shape, out):
+    """MacNeal and Harder (1985): 6 x 0.2 x 0.1, six cells, rectangles, trapezoids or parallelograms."""
+    m = hm.block(np.linspace(0, 6, 7), [-0.1, 0.1], [-0.05, 0.05], quadratic)
+    x = m.points.copy()
+    tilt = {"rectangles": np.zeros(7), "trapezoids": np.array([0, 1, -1, 1, -1, 1, 0]),
+            "parallelograms": np.array([0, 1, 1, 1, 1, 1, 0])}[shape]
+    x[:, 0] += np.interp(m.points[:, 0], np.arange(7), tilt) * m.points[:, 1]
+    m = hm.Mesh(x, m.cells)
+    return beam(f"straight beam, {shape}, {'out of' if out else 'in'} plane", "6x1x1", m, 1e7, 0.3, x[:, 0] < 1e-9,
+                x[:, 0] > 6 - 1e-9, (0, 0, 1) if out else (0, 1, 0), 0.4321 if out else 0.1081)
+
+
+def curved(quadratic, n, out):
+    """MacNeal and Harder: quarter circle, radii 4.12 and 4.32, thickness 0.1."""
+    m = hm.block(np.linspace(4.12, 4.32, n[1] + 1), np.linspace(0, np.pi / 2, n[0] + 1), np.linspace(0, 0.1, n[2] + 1), quadratic)
+    angle = m.points[:, 1].copy()
+    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
+    return beam(f"curved beam, {'out of' if out else 'in'} plane", "x".join(map(str, n)), m, 1e7, 0.25, angle < 1e-9,
+                angle > np.pi / 2 - 1e-9, (0, 0, 1) if out else (0, 1, 0), 0.5022 if out else 0.08734)
+
+
+def twisted(quadratic, n, out):
+    """MacNeal and Harder: 12 x 1.1 x 0.32, twisted by 90 degrees."""
+    m = hm.block(np.linspace(0, 12, n[0] + 1), np.linspace(-0.55, 0.55, n[1] + 1), np.linspace(-0.16, 0.16, n[2] + 1), quadratic)
+    s = m.points[:, 0].copy()
+    c, d = np.cos(s * np.pi / 24), np.sin(s * np.pi / 24)
+    m = m.warp(lambda p: np.c_[p[:, 0], p[:, 1] * c - p[:, 2] * d, p[:, 1] * d + p[:, 2] * c])
+    # the width points along z at the tip: a force along z is in its plane
+    return beam(f"twisted beam, {'out of' if out else 'in'} plane", "x".join(map(str, n)), m, 29e6, 0.22, s < 1e-9, s > 12 - 1e-9,
+                (0, 1, 0) if out else (0, 0, 1), 0.001754 if out else 0.005424)
+
+
+def pinched(quadratic, n):
+    """Pinched cylinder with end diaphragms, one eighth: R 300, L 600, t 3; deep-shell solution 1.8248e-5 (Belytschko 1985)."""
+    m = hm.block([298.5, 301.5], np.linspace(0, np.pi / 2, n + 1), np.linspace(0, 300, n + 1), quadratic)
+    q = m.points.copy()
+    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
+    fixed = np.zeros(q.shape, bool)
+    fixed[q[:, 1] < 1e-9, 1] = True                     # theta = 0: symmetry
+    fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
+    fixed[q[:, 2] < 1e-9, 2] = True                     # middle of the length
+    fixed[q[:, 2] > 300 - 1e-9, :2] = True              # diaphragm
+    at = (q[:, 1] < 1e-9) & (q[:, 2] < 1e-9)
+    force = np.zeros(q.shape)
+    force[:, 0] = -0.25 * line_weights(m, at, 0)
+    return Case("pinched cylinder", f"{n}x{n}", m, 3e6, 0.3, fixed, force, 4 * force, 1.8248e-5)
+
+
+def quarter_ring(quadratic, t, divisions):
+    """Quarter of a ring, one cell through thickness and height, plane strain; radii in mm."""
+    m = hm.block([17.8, 17.8 + t], np.linspace(0, np.pi / 2, divisions // 4 + 1), [0, 1.0], quadratic)
+    q = m.points.copy()
+    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
+    fixed = np.zeros(q.shape, bool)
+    fixed[:, 2] = True
+    fixed[q[:, 1] < 1e-9, 1] = True
+    fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
+    return m, q, fixed
+
+
+def ring_harmonic(quadratic, t, divisions):
+    """Radial traction cos 2 theta on the inner face; displacement of that face at theta = 0."""
+    m, q, fixed = quarter_ring(quadratic, t, divisions)
+    inner = m.facets(q[:, 0] < 17.8 + 1e-9)
+
+    def traction(x):
+        r = np.hypot(x[:, 0], x[:, 1])
+        return ((x[:, 0]**2 - x[:, 1]**2) / r**3)[:, None] * x * [1, 1, 0]
+
+    probe = np.zeros(q.shape)
+    probe[:, 0] = line_weights(m, (q[:, 0] < 17.8 + 1e-9) & (q[:, 1] < 1e-9), 2)
+    return Case(f"ring t = {t} mm, cos 2 theta", str(divisions), m, 210e3, 0.3, fixed, surface_force(m, inner, traction), probe,
+                harmonic(2, 17.8, 17.8 + t, 210e3, 0.3, False))
+
+
+def ring_forces(quadratic, t, divisions):
+    """Two opposite outward forces of 1 N/mm on the outer face; radial displacement of the inner face at 90 degrees."""
+    m, q, fixed = quarter_ring(quadratic, t, divisions)
+    force, probe = np.zeros(q.shape), np.zeros(q.shape)
+    force[:, 0] = 0.5 * line_weights(m, (q[:, 0] > 17.8 + t - 1e-9) & (q[:, 1] < 1e-9), 2)
+    probe[:, 1] = line_weights(m, (q[:, 0] < 17.8 + 1e-9) & (q[:, 1] > np.pi / 2 - 1e-9), 2)
+    return Case(f"ring t = {t} mm, two forces", str(divisions), m, 210e3, 0.3, fixed, force, probe,
+                opposite_forces(17.8, 17.8 + t, 210e3, 0.3))
+
+
+def all_cases(quick):
+    """Makers of cases: functions of `quadratic`."""
+    made = [lambda q, s=s, o=o: straight(q, s, o) for s in ("rectangles", "trapezoids", "parallelograms") for o in (0, 1)]
+    for n in ((6, 1, 1), (12, 2, 1)) + (() if quick else ((24, 4, 2),)):
+        made += [lambda q, n=n, o=o: curved(q, n, o) for o in (0, 1)]
+    for n in ((12, 2, 1),) + (() if quick else ((24, 4, 2),)):
+        made += [lambda q, n=n, o=o: twisted(q, n, o) for o in (0, 1)]
+    made += [lambda q, n=n: pinched(q, n) for n in ((8, 16) if quick else (8, 16, 32, 64))]
+    for t in (0.7, 0.3):
+        made += [lambda q, t=t, d=d: ring_harmonic(q, t, d) for d in (40, 80, 120)]
+        made += [lambda q, t=t, d=d: ring_forces(q, t, d) for d in (40, 80, 120)]
+    return made
+
+
+# -- solving ----------------------------------------------------------------------------------------------------------
+def calculix(case, element, folder):
+    """Displacements (n, 3) by CalculiX and the wall clock of the process [s]."""
+    lines = ["*NODE, NSET=ALL"] + [f"{i + 1},{p[0]:.12g},{p[1]:.12g},{p[2]:.12g}" for i, p in enumerate(case.mesh.points)]
+    lines.append(f"*ELEMENT, TYPE={element}, ELSET=E")
+    for e, c in enumerate(case.mesh.cells):
+        names = [str(v) for v in (e + 1, *(c + 1))]
+        lines += [",".join(names[:11]) + ("," if len(names) > 11 else "")] + ([",".join(names[11:])] if len(names) > 11 else [])
+    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{case.young}, {case.poisson}", "*SOLID SECTION, ELSET=E, MATERIAL=M", "*BOUNDARY"]
+    lines += [f"{i + 1},{d + 1},{d + 1}" for i, d in np.argwhere(case.fixed)]
+    lines += ["*STEP", "*STATIC", "*CLOAD"]
+    lines += [f"{i + 1},{d + 1},{case.force[i, d]:.12g}" for i, d in np.argwhere((case.force != 0) & ~case.fixed)]
+    lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    (folder / "case.inp").write_text("\n".join(lines) + "\n")
+    start = time.time()
+    subprocess.run(["ccx", "-i", "case"], cwd=folder, capture_output=True, check=True)
+    seconds = time.time() - start
+    u = np.zeros(case.mesh.points.shape)
+    for n, *v in re.findall(r"^\s+(\d+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", (folder / "case.dat").read_text(), re.M):
+        u[int(n) - 1] = [float(x) for x in v]
+    return u, seconds
+
+
+def engine(case, element):
+    """Displacements (n, 3) by hdengine and the wall clock of the call [s]."""
+    start = time.time()
+    u = solid.static([solid.Body(case.mesh, case.young, case.poisson)], case.fixed, force=case.force, element=element)
+    return u, time.time() - start
+
+
+def patch(element):
+    """MacNeal-Harder patch of seven distorted cells under prescribed linear displacements: worst error of the inner nodes."""
+    inner = [[.249, .342, .192], [.826, .288, .288], [.850, .649, .263], [.273, .750, .230],
+             [.320, .186, .643], [.677, .305, .683], [.788, .693, .644], [.165, .745, .702]]
+    outer = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+    points = np.array(outer + inner, float)
+    cells = [list(range(8, 16))]
+    for f in hm._FACES:
+        cells.append([f[0], f[1], f[2], f[3], *(f[k] + 8 for k in range(4))])
+    cells = np.array(cells)
+    x = points[cells]
+    volume = np.einsum("kc,kc->k", np.cross(x[:, 1] - x[:, 0], x[:, 3] - x[:, 0]), x[:, 4] - x[:, 0])
+    cells[volume < 0] = cells[volume < 0][:, [0, 3, 2, 1, 4, 7, 6, 5]]
+    if element == "hex20r":
+        middles = (points[cells[:, hm._EDGES[:, 0]]] + points[cells[:, hm._EDGES[:, 1]]]) / 2
+        m = hm.merge(hm.Mesh(np.vstack([points[cells].reshape(-1, 3), middles.reshape(-1, 3)]),
+                             np.hstack([np.arange(56).reshape(7, 8), 56 + np.arange(84).reshape(7, 12)])))
+    else:
+        m = hm.Mesh(points, cells)
+    gradient = 1e-3 * np.array([[1, 0.5, 0.2], [-0.3, -0.4, 0.7], [0.6, 0.1, 0.8]])
+    exact = m.points @ gradient.T
+    edge = (np.abs(m.points - 0.5) > 0.5 - 1e-9).any(1)
+    u = solid.static([solid.Body(m, 1e6, 0.25)], np.repeat(edge[:, None], 3, 1), exact, element=element)
+    return float(np.abs(u - exact).max() / np.abs(exact).max())
+
+
+def figure(rows):
+    """Error over dof, and over time for the pinched cylinder."""
+    panels = [("ring t = 0.7 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, two forces", "dof"),
+              ("twisted beam, in plane", "dof"), ("pinched cylinder", "dof"), ("pinched cylinder", "seconds")]
+    fig, axes = plt.subplots(2, 3, figsize=(12, 7.2), layout="constrained")
+    colours = dict(zip(("hex8", "hex8i", "hex20r"), ("C0", "C2", "C3"))) | {
+        "C3D8": "C0", "C3D8R": "C1", "C3D8I": "C2", "C3D20": "C4", "C3D20R": "C3"}
+    for ax, (name, key) in zip(axes.flat, panels):
+        for e in OURS + PEERS:
+            mine = [r for r in rows if r["case"] == name and r["element"] == e]
+            ax.plot([r[key] for r in mine], [abs(r["error_percent"]) for r in mine], color=colours[e],
+                    ls="-" if e in OURS else ":", marker="o" if e in OURS else "x", ms=6 if e in OURS else 8, label=e)
+        ax.axhline(0.1, color="0.7", lw=1, zorder=0)
+        ax.set(xscale="log", yscale="log", title=name.replace("theta", "θ"), ylabel="error of the displacement / %",
+               xlabel="degrees of freedom" if key == "dof" else "wall clock / s")
+        ax.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+        if key == "dof" and "ring" in name:
+            ax.set_xticks([150, 300, 600, 1200], ["150", "300", "600", "1200"])
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncol=8, fontsize=10,
+               title="hdengine: full lines, CalculiX: dotted")
+    fig.savefig(ROOT / "docs/figures/elements.png", dpi=110)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="small meshes; writes nothing")
+    args = parser.parse_args()
+    ccx = shutil.which("ccx") or sys.exit("ccx not found: apt-get install calculix-ccx")
+    rows = []
+    for make in all_cases(args.quick):
+        pair = {q: make(q) for q in (False, True)}
+        for e in OURS + PEERS:
+            case = pair[e in ("hex20r", "C3D20", "C3D20R")]
+            with tempfile.TemporaryDirectory() as folder:
+                u, seconds = engine(case, e) if e in OURS else calculix(case, e, Path(folder))
+            rows.append({"case": case.name, "mesh": case.size, "element": e, "dof": case.mesh.points.size,
+                         "value": abs(float((case.probe * u).sum())), "reference": abs(case.exact),
+                         "error_percent": 100 * float(abs((case.probe * u).sum()) / abs(case.exact) - 1), "seconds": seconds})
+    patches = {e: patch(e) for e in OURS}
+    print("| case | mesh | " + " | ".join(OURS + PEERS) + " |\n|" + "---|" * (2 + len(OURS + PEERS)))
+    for name, size in dict.fromkeys((r["case"], r["mesh"]) for r in rows):
+        mine = {r["element"]: r for r in rows if (r["case"], r["mesh"]) == (name, size)}
+        print(f"| {name} | {size} | " + " | ".join(f"{mine[e]['error_percent']:+.3g}" for e in OURS + PEERS) + " |")
+    print("patch test:", ", ".join(f"{e} {v:.1e}" for e, v in patches.items()))
+    if args.quick:
+        return
+    version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
+    record = {"machine": machine(), "hdengine": hdengine.__version__, "calculix": version, "patch_test_error": patches, "rows": rows}
+    (ROOT / "bench/results/elements.json").write_text(json.dumps(record, indent=1) + "\n")
+    figure(rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes and elastic bodies of the user's own: element benchmarks in small."""
+import importlib.util
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import hdengine
+from hdengine import mesh, solid
+
+
+def script(name):
+    """A script of bench/ as a module."""
+    sys.path.insert(0, str(ROOT / "bench"))
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"bench/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+elements = script("elements")
+
+
+def error(case, element):
+    """Relative error of a benchmark case."""
+    u, _ = elements.engine(case, element)
+    return abs((case.probe * u).sum()) / abs(case.exact) - 1
+
+
+@pytest.mark.parametrize("element", elements.OURS)
+def test_patch(element):
+    """Seven distorted cells carry a linear displacement field exactly, to 1e-10."""
+    assert elements.patch(element) < 1e-10
+
+
+@pytest.mark.parametrize("t", (0.7, 0.3))
+def test_ring_at_40_divisions(t):
+    """hex20r with curved sides, one through the thickness, stays within 0.1 % of Michell's ring at 40 divisions."""
+    assert abs(error(elements.ring_harmonic(True, t, 40), "hex20r")) < 1e-3
+    assert abs(error(elements.ring_forces(True, t, 40), "hex20r")) < 1e-3
+
+
+def test_ring_order():
+    """hex8i converges on the thin ring, once resolved, with order 2."""
+    coarse, fine = (error(elements.ring_harmonic(False, 0.3, n), "hex8i") for n in (80, 160))
+    assert 3.5 < coarse / fine < 5
+
+
+def test_michell_agrees_with_thin_ring_theory():
+    """The closed solution tends to the inextensible thin ring as t goes to 0."""
+    r, t, e = 1.0, 1e-3, 1.0
+    thin = r**4 / (9 * e * t**3 / 12)  # plane stress: p r^4 / (9 E I) for cos 2 theta
+    assert elements.harmonic(2, r - t / 2, r + t / 2, e, 0.0, True) / thin == pytest.approx(1, abs=3e-3)
+    assert elements.opposite_forces(r - t / 2, r + t / 2, e, 0.0) / (-(2 / np.pi - 0.5) * r**3 / (e * t**3 / 12) / 2) == \
+        pytest.approx(1, abs=3e-3)
+
+
+def test_twisted_beam():
+    """hex8i and hex20r stay within 1.5 % and 0.7 % of MacNeal and Harder's twisted beam."""
+    for out in (0, 1):
+        assert abs(error(elements.twisted(False, (12, 2, 1), out), "hex8i")) < 0.015
+        assert abs(error(elements.twisted(True, (12, 2, 1), out), "hex20r")) < 0.007
+
+
+def test_a_body_that_is_not_held_is_an_error():
+    """Missing supports are named, not solved."""
+    body = solid.Body(mesh.block([0, 1], [0, 1], [0, 1, 2]), 1.0, 0.3)
+    force = np.ones((12, 3))
+    with pytest.raises(hdengine.LinearSolverError, match="not held"):
+        solid.static([body], np.zeros((12, 3), bool), force=force)
+
+
+def test_an_unknown_element_is_an_error():
+    """The valid names are listed."""
+    body = solid.Body(mesh.block([0, 1], [0, 1], [0, 1]), 1.0, 0.3)
+    with pytest.raises(hdengine.InputError, match="hex8, hex8i, hex20r"):
+        solid.static([body], np.ones((8, 3), bool), element="tet4")
+
+
+def test_blocks_join_and_show_their_sides():
+    """Two quadratic blocks merge their common face; the boundary facet count is that of the union."""
+    joined = mesh.merge(mesh.block([0, 1], [0, 1], [0, 1], True), mesh.block([1, 2], [0, 1], [0, 1], True))
+    assert len(joined.points) == 32
+    assert joined.facets(joined.points[:, 1] == 0).shape == (2, 8)

@@ -9,8 +9,8 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
-  use hd_status, only: tell
-  use hd_text, only: string_t, push
+  use hd_status, only: tell, lines_of
+  use hd_text, only: string_t
   implicit none
   character(len=*), intent(in) :: path, assignments, folder
   integer(c_int), intent(in) :: force
@@ -21,15 +21,9 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   type(string_t), allocatable :: lines(:)
   type(scene_t), allocatable :: scene
   type(run_t), pointer :: run
-  integer :: i, j
   handle = 0
-  allocate (lines(0), scene)
-  i = 1
-  do while (i <= len(assignments))
-    j = i + index(assignments(i:)//new_line('a'), new_line('a')) - 2
-    if (len_trim(assignments(i:j)) > 0) call push(lines, assignments(i:j))
-    i = j + 2
-  end do
+  allocate (scene)
+  lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then

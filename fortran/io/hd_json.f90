@@ -19,6 +19,7 @@ module hd_json
     procedure :: begin
     procedure :: finish
     procedure :: write_atomic
+    procedure :: content
     generic :: add => add_integer, add_long, add_real, add_text, add_logical, add_reals, add_texts
     procedure, private :: add_integer, add_long, add_real, add_text, add_logical, add_reals, add_texts
     procedure, private :: put
@@ -149,6 +150,13 @@ contains
     end do
     s = s//'"'
   end function quoted
+
+  !> The document as text.
+  pure function content(self) result(text)
+    class(json_t), intent(in) :: self  !< closed document
+    character(len=:), allocatable :: text
+    text = self%text
+  end function content
 
   !> Write the document under a temporary name and rename it: it is there whole or not at all.
   subroutine write_atomic(self, path, error)

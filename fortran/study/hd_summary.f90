@@ -16,7 +16,7 @@ module hd_summary
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private
-  public :: timers_t, record_t, write_summary
+  public :: timers_t, record_t, write_summary, add_scene
 
   type :: timers_t
     real(dp) :: setup = 0, newton = 0, output = 0, total = 0   !< wall clock [s]

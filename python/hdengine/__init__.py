@@ -11,12 +11,13 @@ from ._engine import (
     StoppedError,
 )
 from ._engine import version as _version
-from .contact import Run, Step, run
+from .contact import Run, Step, read_scene, run
 from .joint import Joint
 from .results import Result, load
+from .study import Study, StudyResult
 
 __version__ = _version()
 __all__ = [
     "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "LinearSolverError",
-    "NotConvergedError", "Result", "Run", "Step", "StoppedError", "load", "run",
+    "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "load", "read_scene", "run",
 ]

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from ._engine import HdengineError
+from ._engine import FileError, HdengineError
 from .contact import Run
 from .results import Result
 
@@ -19,15 +19,40 @@ def _run(args):
     return _plot(argparse.Namespace(folder=out))
 
 
-def _plot(args):
-    from .plot import plot_run
+def _study(args):
+    from .study import Study
 
-    result = Result(args.folder)
+    out = args.out or Path(args.input).with_suffix(".out").name
+    Study.read(args.input).run(out, args.jobs, args.force, args.retry)
+    return _plot(argparse.Namespace(folder=out))
+
+
+def _plot(args):
+    folder = Path(args.folder)
+    if (folder / "study.json").is_file():
+        from .plot_study import plot_study
+        from .study import StudyResult
+
+        result, paths = StudyResult(folder), [folder / "study.csv"]
+        paths += plot_study(result)
+    elif (folder / "summary.json").is_file():
+        from .plot import plot_run
+
+        result = Result(folder)
+        paths = [result.write_torsion(), *plot_run(result)]
+    else:
+        raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json)")
     print(result)
-    print(f"written: {result.write_torsion()}")
-    for path in plot_run(result):
+    for path in paths:
         print(f"written: {path}")
     return 0
+
+
+def _command(commands, name, action, text, example):
+    """A subcommand whose help ends with an example."""
+    parser = commands.add_parser(name, help=text, description=text, epilog=f"example: hdengine {example}")
+    parser.set_defaults(action=action)
+    return parser
 
 
 def main(argv=None):
@@ -35,15 +60,19 @@ def main(argv=None):
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
     commands = parser.add_subparsers(dest="command", required=True)
-    run = commands.add_parser("run", help="run a scene, then plot it", epilog="example: hdengine run data/cd14.nml --force")
+    run = _command(commands, "run", _run, "run a scene, then plot it", "run data/cd14.nml load.torque=3 --force")
     run.add_argument("input", help="namelist")
     run.add_argument("assignments", nargs="*", help="group.key=value")
-    run.add_argument("--out", help="folder for the results")
-    run.add_argument("--force", action="store_true", help="replace earlier results")
-    run.set_defaults(action=_run)
-    plot = commands.add_parser("plot", help="torsion.csv and figures of a run", epilog="example: hdengine plot cd14.out")
-    plot.add_argument("folder", help="folder of a run")
-    plot.set_defaults(action=_plot)
+    study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
+                     "study data/fig13_w.nml --jobs 2")
+    study.add_argument("input", help="study namelist")
+    study.add_argument("--jobs", type=int, default=1, help="worker processes (default: this process alone)")
+    study.add_argument("--retry", action="store_true", help="solve failed points again")
+    for sub in (run, study):
+        sub.add_argument("--out", help="folder for the results")
+        sub.add_argument("--force", action="store_true", help="replace earlier results")
+    plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
+    plot.add_argument("folder", help="folder of a run or a study")
     args = parser.parse_args(argv)
     try:
         return args.action(args)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs from Python: step by step with numpy arrays, or at once into a folder."""
+import json
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -100,6 +101,29 @@ class Run:
             self.close()
         except Exception:
             pass
+
+
+def read_scene(path="", **keys):
+    """All keys of a scene as the engine reads them, checked, without running it.
+
+    Parameters
+    ----------
+    path : str, optional
+        Namelist; default: the default scene.
+    **keys
+        As for Run.
+
+    Returns
+    -------
+    dict
+        'group.key' to value, SI units.
+
+    Raises
+    ------
+    InputError
+        All mistakes of the input in one message.
+    """
+    return json.loads(_engine.call("scene_read", str(path), "\n".join(_assignments(keys)) or " ").decode())["scene"]
 
 
 def _assignments(keys):

@@ -1,0 +1,31 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+! Flat entry for Python: a scene read and checked without running it.
+
+!> All keys of a scene as a JSON text. `assignments` holds lines 'group.key=value'.
+subroutine scene_read(path, assignments, text, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_input, only: read_scene
+  use hd_json, only: json_t
+  use hd_scene, only: scene_t
+  use hd_status, only: tell, lines_of
+  use hd_summary, only: add_scene
+  implicit none
+  character(len=*), intent(in) :: path, assignments
+  character(len=16384), intent(out) :: text
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  type(scene_t), allocatable :: scene
+  type(json_t) :: json
+  text = ''
+  allocate (scene)
+  call read_scene(path, lines_of(assignments), scene, error)
+  if (.not. allocated(error)) then
+    call json%begin()
+    call add_scene(json, scene)
+    call json%finish()
+    text = json%content()
+  end if
+  call tell(error, status, message)
+end subroutine scene_read

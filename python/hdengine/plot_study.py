@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Figures of a study: columns over a swept key, one line per value of another."""
+import itertools
+
+import numpy as np
+
+from .plot import plt
+
+LABELS = {  # column: (label, unit, factor)
+    "torque_nm": ("torque", "N m", 1), "k_ts_nm_per_rad": ("$K_{TS}$ (Eq. 45)", "MN m/rad", 1e-6),
+    "k_ts_normal_nm_per_rad": ("$K_{TS}$, normal part", "MN m/rad", 1e-6),
+    "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure", "MPa", 1e-6),
+    "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
+    "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
+    "k_fe_secant_nm_per_rad": ("FE secant torque / rotation", "kN m/rad", 1e-3),
+    "pressure_long_1_pa": ("pressure at Position I, long axis", "MPa", 1e-6),
+    "wave_generator.w": ("radial deformation w", "mm", 1e3), "wave_generator.eccentricity": ("eccentricity", "µm", 1e6),
+    "wave_generator.interference": ("interference", "µm", 1e6), "load.torque": ("torque", "N m", 1),
+    "friction_capacity_nm": ("friction capacity", "N m", 1), "friction_torque_nm": ("torque through friction", "N m", 1),
+}
+
+
+def label(column):
+    """(axis label, factor) of a column."""
+    name, unit, factor = LABELS.get(column, (column.replace("_", " "), "", 1))
+    return f"{name} / {unit}" if unit else name, factor
+
+
+def axes_of(result):
+    """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""
+    figure, swept = result.summary["figure"], list(result.summary["swept"])
+    varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
+    numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
+    x = figure.get("x") or (numeric or ["torque_nm"])[0]
+    lines = figure.get("lines") or next((name for name in [*varied, "torque_nm"] if name != x), None)
+    return x, figure.get("y") or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"], lines
+
+
+STYLES = ("-", "--", ":", "-.")
+
+
+def draw(axis, result, x, y, lines):
+    """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out."""
+    figure = result.summary["figure"]
+    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r]
+    if figure.get("torque"):
+        rows = [r for r in rows if any(abs(r["torque_nm"] - t) < 1e-9 for t in figure["torque"])]
+    others = [n for n in result.summary["swept"] if n not in (x, lines) and len({str(r.get(n)) for r in rows}) > 1]
+    (label_x, factor_x), (label_y, factor_y) = label(x), label(y)
+    colours = sorted({r.get(lines) for r in rows}, key=_order)
+    styles = sorted({tuple(r.get(n) for n in others) for r in rows}, key=lambda v: [_order(w) for w in v])
+    ramp = plt.cm.viridis(np.linspace(0, 0.85, len(colours))) if len(colours) > 3 else [f"C{i}" for i in range(len(colours))]
+    for (i, colour), (j, style) in itertools.product(enumerate(colours), enumerate(styles)):
+        chosen = [r for r in rows if r.get(lines) == colour and tuple(r.get(n) for n in others) == style]
+        if "torque_nm" not in (x, lines):
+            chosen = list({r["point"]: r for r in chosen}.values())
+        chosen.sort(key=lambda r: r[x])
+        a = np.array([[r[x] * factor_x, r[y] * factor_y] for r in chosen], float)
+        if not len(a):
+            continue
+        if figure.get("relative"):
+            a[:, 1] = 100 * (a[:, 1] / a[0, 1] - 1)
+        name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
+        axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4], color=ramp[i], ms=4, label=name)
+    axis.set_xlabel(label_x)
+    axis.set_ylabel(label_y.split(" / ")[0] + ": change / %" if figure.get("relative") else label_y)
+
+
+def _order(value):
+    return (isinstance(value, str), value if value is not None else 0)
+
+
+def _name(column, value):
+    """Legend text of a value."""
+    name, unit, factor = LABELS.get(column, (column.split(".")[-1], "", 1))
+    if isinstance(value, str):
+        return value
+    return f"{value * factor:.4g} {unit}" if unit else f"{name} {value:.4g}"
+
+
+def plot_study(result):
+    """Make the figure of a study in its folder.
+
+    Parameters
+    ----------
+    result : StudyResult
+
+    Returns
+    -------
+    list of Path
+    """
+    x, ys, lines = axes_of(result)
+    columns = min(3, len(ys))
+    rows = -(-len(ys) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 0.8 + 3.9 * rows), squeeze=False)
+    for axis, y in zip(axes.flat, ys):
+        draw(axis, result, x, y, lines)
+    for axis in axes.flat[len(ys):]:
+        axis.remove()
+    handles, names = axes.flat[0].get_legend_handles_labels()
+    if len(names) > 1:
+        figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11)
+    failed = result.summary["failed"]
+    figure.suptitle(result.summary["title"] + (f" ({failed} of {result.summary['points']} points failed)" if failed else ""),
+                    fontsize=13)
+    path = result.folder / "study.png"
+    figure.savefig(path)
+    plt.close(figure)
+    return [path]

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Progress of a list of tasks on stderr: a bar with an estimate on a terminal, else one line per task."""
+import sys
+import time
+
+
+def duration(seconds):
+    """Seconds as a short text."""
+    minutes, s = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {s:02d} s" if minutes else f"{s} s"
+
+
+class Progress:
+    """Counts tasks and estimates the time left from the tasks done so far.
+
+    Parameters
+    ----------
+    total, done : int
+        Tasks in all, tasks done before.
+    show : bool
+        Write to stderr.
+    """
+
+    def __init__(self, total, done=0, show=True):
+        self.total, self.done, self.first, self.failed, self.show = total, done, done, 0, show
+        self.start = time.monotonic()
+
+    def step(self, label, failed=False):
+        """One more task is done."""
+        self.done += 1
+        self.failed += failed
+        elapsed = time.monotonic() - self.start
+        left = elapsed / (self.done - self.first) * (self.total - self.done)
+        if not self.show:
+            return
+        tail = f"{self.done}/{self.total}" + (f", {self.failed} failed" if self.failed else "")
+        if sys.stderr.isatty():
+            filled = 30 * self.done // self.total
+            print(f"\r[{'#' * filled}{'.' * (30 - filled)}] {tail}, {duration(left)} left ", end="", file=sys.stderr, flush=True)
+            if self.done == self.total:
+                print(file=sys.stderr)
+        else:
+            print(f"{tail}, {duration(left)} left: {label}{' FAILED' if failed else ''}", file=sys.stderr, flush=True)

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies: one scene at many points, results in one table."""
+import csv
+import hashlib
+import itertools
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from . import _engine, namelist
+from ._engine import FileError, HdengineError, InputError
+from .contact import read_scene
+from .progress import Progress
+from .workers import solve_all
+
+_GROUPS = {
+    "study": {"title", "scene", "rows"},
+    "fixed": None,
+    "grid": None,
+    "together": None,
+    "figure": {"x", "y", "lines", "relative", "torque"},
+}
+ROWS = ("torque", "last", "all")
+
+
+@dataclass
+class Study:
+    """A scene and the points at which it is solved.
+
+    Parameters
+    ----------
+    scene : str or Path
+        Namelist of the scene; '' for the default scene.
+    grid : dict
+        'group.key' to a list of values; every combination is a point, the last key changes fastest.
+    together : dict
+        'group.key' to lists of one length that change side by side: one more axis, the slowest.
+    fixed : dict
+        'group.key' to a value that differs from the scene at every point.
+    rows : str
+        Load steps in the table: 'torque' (end of the assembly and torque steps), 'last', 'all'.
+    title : str
+    figure : dict
+        x, y (list), lines: columns; torque (list) [N m]: those only; relative: change against the first x in per cent.
+
+    Examples
+    --------
+    >>> study = Study(grid={"wave_generator.w": [0.19e-3, 0.20e-3]}, fixed={"mesh.divisions": 16, "mesh.band_facets": 3})
+    >>> len(study.points)
+    2
+    """
+
+    scene: str = ""
+    grid: dict = field(default_factory=dict)
+    together: dict = field(default_factory=dict)
+    fixed: dict = field(default_factory=dict)
+    rows: str = "torque"
+    title: str = ""
+    figure: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        if self.rows not in ROWS:
+            raise InputError(f"study.rows has no choice '{self.rows}'; valid: {', '.join(ROWS)}")
+        lengths = {key: len(v) for key, v in self.together.items()}
+        if len(set(lengths.values())) > 1:
+            raise InputError(f"lists in &together differ in length: {lengths}")
+        for name, keys in (("grid", self.grid), ("together", self.together)):
+            for key, values in keys.items():
+                if len(values) == 0:
+                    raise InputError(f"'{key}' in &{name} has no value")
+                if key in self.fixed or (name == "grid" and key in self.together):
+                    raise InputError(f"'{key}' stands in two groups of the study")
+
+    @classmethod
+    def read(cls, path):
+        """Study of a namelist file; the scene's path is relative to it.
+
+        Raises
+        ------
+        InputError, FileError
+            With file and line, or with the valid names.
+        """
+        groups = namelist.read(path)
+        for group, keys in groups.items():
+            if group not in _GROUPS:
+                raise InputError(f"unknown group &{group} in '{path}'; valid: {', '.join('&' + g for g in _GROUPS)}")
+            for key in keys:
+                if _GROUPS[group] and key not in _GROUPS[group]:
+                    raise InputError(f"unknown key '{key}' of &{group} in '{path}'; valid: {', '.join(sorted(_GROUPS[group]))}")
+        head = {key: v[0] for key, v in groups.get("study", {}).items()}
+        figure = {key: v if key in ("y", "torque") else v[0] for key, v in groups.get("figure", {}).items()}
+        scene = str(Path(path).parent / head["scene"]) if head.get("scene") else ""
+        fixed = {key: v[0] if len(v) == 1 else v for key, v in groups.get("fixed", {}).items()}
+        return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),
+                   head.get("title", Path(path).stem), figure)
+
+    @property
+    def points(self):
+        """Keys and values of every point, a list of dict."""
+        side = [dict(zip(self.together, values)) for values in zip(*self.together.values())] or [{}]
+        return [{**s, **dict(zip(self.grid, values))} for s in side for values in itertools.product(*self.grid.values())]
+
+    def _identity(self):
+        """What a table must have been made from to be continued."""
+        text = Path(self.scene).read_bytes() if self.scene else b""
+        return {"scene_sha256": hashlib.sha256(text).hexdigest(), "points": self.points, "fixed": self.fixed, "rows": self.rows}
+
+    def check(self):
+        """Let the engine read the scene of every point.
+
+        Returns
+        -------
+        dict
+            Keys of the first valid point.
+
+        Raises
+        ------
+        InputError
+            No point is valid: the message of the first.
+        """
+        first = None
+        for point in self.points:
+            try:
+                return read_scene(self.scene, **{**self.fixed, **point})
+            except HdengineError as error:
+                first = first or error
+        raise first
+
+    def run(self, out, jobs=1, force=False, retry=False, show=True):
+        """Solve all points that the table in `out` does not hold yet.
+
+        Parameters
+        ----------
+        out : str or Path
+            Folder for study.csv and study.json; an unfinished study in it is continued.
+        jobs : int
+            Worker processes; 1: in this process.
+        force : bool
+            Start again, also where the folder holds another study.
+        retry : bool
+            Solve failed points again.
+        show : bool
+            Progress on stderr.
+
+        Returns
+        -------
+        StudyResult
+
+        Raises
+        ------
+        InputError
+            No point is valid, or the folder holds another study. Failing points raise nothing: their reason is in the table.
+        """
+        out = Path(out)
+        scene = self.check()
+        identity = json.loads(json.dumps(self._identity(), default=float))
+        rows = {} if force else self._earlier(out, identity, retry)
+        out.mkdir(parents=True, exist_ok=True)
+        points = self.points
+        todo = [i for i in range(len(points)) if i not in rows]
+        progress = Progress(len(points), len(points) - len(todo), show)
+        self._write(out, identity, scene, rows)
+        tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
+        for i, result in solve_all(tasks, jobs):
+            rows[i] = result
+            self._write(out, identity, scene, rows)
+            progress.step(", ".join(f"{k}={v}" for k, v in points[i].items()), result[-1]["status"] == "failed")
+        return StudyResult(out)
+
+    def _earlier(self, out, identity, retry):
+        """Rows of finished points in an earlier table of the same study, by point."""
+        if not (out / "study.json").is_file():
+            return {}
+        if json.loads((out / "study.json").read_text())["identity"] != identity:
+            raise FileError(f"'{out}' holds another study: add --force to replace it, or choose another folder")
+        rows = {}
+        for row in read_rows(out / "study.csv"):
+            rows.setdefault(row["point"], []).append(row)
+        return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}
+
+    def _write(self, out, identity, scene, rows):
+        """Table, then its description, each under a temporary name first."""
+        swept = [*self.together, *self.grid]
+        points = self.points
+        table = [{"point": i, **points[i], **{k: v for k, v in row.items() if k != "point" and k not in swept}}
+                 for i in sorted(rows) for row in rows[i]]
+        names = list(dict.fromkeys(name for row in table for name in row)) or ["point"]
+        names.sort(key=lambda name: name == "reason")
+        part = out / "study.csv.part"
+        with open(part, "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, names)
+            writer.writeheader()
+            writer.writerows(table)
+        os.replace(part, out / "study.csv")
+        failed = sum(r[-1]["status"] == "failed" for r in rows.values())
+        summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
+                   "hdengine": _engine.version(), "points": len(points), "done": len(rows), "failed": failed,
+                   "swept": swept, "figure": self.figure, "identity": identity, "scene": scene}
+        part = out / "study.json.part"
+        part.write_text(json.dumps(summary, indent=1, default=float))
+        os.replace(part, out / "study.json")
+
+
+def _number(text):
+    for convert in (int, float):
+        try:
+            return convert(text)
+        except ValueError:
+            pass
+    return text
+
+
+def read_rows(path):
+    """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]
+    except OSError as e:
+        raise FileError(f"'{path}' cannot be read: {e}") from None
+
+
+class StudyResult:
+    """A study read from its folder.
+
+    Attributes
+    ----------
+    folder : Path
+    summary : dict
+        study.json.
+    rows : list of dict
+        One per load step of each point; a failed point ends with a row of status 'failed', its reason and its last
+        converged state.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        path = self.folder / "study.json"
+        if not path.is_file():
+            raise FileError(f"'{folder}' holds no study: study.json is missing")
+        self.summary = json.loads(path.read_text())
+        self.rows = read_rows(self.folder / "study.csv")
+
+    def column(self, name, rows=None):
+        """A column as an array; NaN where a row has no value."""
+        rows = self.rows if rows is None else rows
+        values = [row.get(name, np.nan) for row in rows]
+        return np.array(values, dtype=object if any(isinstance(v, str) for v in values) else float)
+
+    def select(self, torque_nm=None, **keys):
+        """Solved rows with the given values; group__key stands for 'group.key'."""
+        keys = {k.replace("__", "."): v for k, v in keys.items()}
+        if torque_nm is not None:
+            keys["torque_nm"] = torque_nm
+
+        def same(a, b):
+            return a == b if isinstance(b, str) else a is not None and abs(a - b) <= 1e-9 * max(abs(a), abs(b))
+        return [r for r in self.rows if r["status"] == "done" and all(same(r.get(k), v) for k, v in keys.items())]
+
+    @property
+    def failures(self):
+        """Rows of the failed points."""
+        return [row for row in self.rows if row["status"] == "failed"]
+
+    def frame(self):
+        """The table as a pandas.DataFrame (needs pandas)."""
+        import pandas
+
+        return pandas.read_csv(self.folder / "study.csv")
+
+    def __repr__(self):
+        s = self.summary
+        lines = [f"{s['title']}: {s['status']}", f"  {s['done']} of {s['points']} points, {s['failed']} failed, "
+                 f"{len(self.rows)} rows over {', '.join(s['swept']) or 'torque'}"]
+        return "\n".join(lines + [f"  point {r['point']} failed: {str(r['reason']).splitlines()[0]}" for r in self.failures])

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies: points, failing points, resuming, workers, figures."""
+import json
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import hdengine
+from hdengine import namelist, workers
+from hdengine.cli import main
+from hdengine.plot_study import plot_study
+from hdengine.study import Study, StudyResult
+
+SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
+STUDIES = sorted((ROOT / "data").glob("fig*.nml"))
+
+
+def small(**other):
+    return Study(str(ROOT / "data/cd14.nml"), **{"grid": {"wave_generator.w": [0.19e-3, 0.20e-3]}, "fixed": SMALL} | other)
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
+def test_studies_of_the_paper_are_valid(path):
+    """Every study namelist in data/ is read, and the engine accepts the scene of each of its points."""
+    study = Study.read(path)
+    for point in study.points:
+        hdengine.read_scene(study.scene, **{**study.fixed, **point})
+
+
+def test_table_holds_the_runs(tmp_path):
+    """The table's numbers are those of single runs, each row carries its keys."""
+    result = small().run(tmp_path / "a", show=False)
+    assert result.summary["status"] == "complete" and result.summary["failed"] == 0
+    for point, w in enumerate((0.19e-3, 0.20e-3)):
+        with hdengine.Run(ROOT / "data/cd14.nml", **SMALL, **{"wave_generator.w": w}) as run:
+            steps = list(run)
+        rows = [r for r in result.rows if r["point"] == point]
+        assert [r["k_ts_nm_per_rad"] for r in rows] == pytest.approx([s.k_ts_nm_per_rad for s in steps], rel=1e-12)
+        assert all(r["wave_generator.w"] == w for r in rows)
+    assert len(result.select(torque_nm=5.0, wave_generator__w=0.2e-3)) == 1
+    assert plot_study(result)[0].stat().st_size > 10000
+
+
+def test_a_failing_point_stops_nothing(tmp_path):
+    """Gross slip and a value out of range are kept with their reason; the points behind them are solved."""
+    study = small(grid={"load.torque": [60.0, 1.0], "contact.friction": [0.15, -1.0]}, fixed=SMALL | {"load.support": "bearing"})
+    result = study.run(tmp_path / "f", show=False)
+    reasons = {r["point"]: r["reason"] for r in result.failures}
+    assert "gross slip" in reasons[0] and "out of range" in reasons[1] and "out of range" in reasons[3]
+    assert [r["point"] for r in result.rows if r["status"] == "done" and r["torque_nm"] == 1.0] == [2]
+    slipped = result.failures[0]
+    assert slipped["friction_torque_nm"] == pytest.approx(-slipped["friction_capacity_nm"], rel=0.01)
+    assert "failed" in repr(result)
+
+
+def test_an_unfinished_study_is_continued(tmp_path, monkeypatch):
+    """After an interruption only the missing points are solved, and the table equals that of an undisturbed study."""
+    whole = small().run(tmp_path / "whole", show=False)
+    solved = []
+
+    def interrupted(*task):
+        if len(solved) == 1:
+            raise KeyboardInterrupt
+        solved.append(task)
+        return original(*task)
+
+    original = workers.solve
+    monkeypatch.setattr(workers, "solve", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        small().run(tmp_path / "b", show=False)
+    assert StudyResult(tmp_path / "b").summary["status"] == "unfinished"
+    monkeypatch.setattr(workers, "solve", lambda *task: solved.append(task) or original(*task))
+    again = small().run(tmp_path / "b", show=False)
+    assert len(solved) == 2
+    np.testing.assert_array_equal(again.column("k_ts_nm_per_rad"), whole.column("k_ts_nm_per_rad"))
+
+
+def test_another_study_is_not_overwritten(tmp_path):
+    """A folder with another study is refused with code 3; force replaces it."""
+    small().run(tmp_path / "c", show=False)
+    other = small(grid={"wave_generator.w": [0.21e-3]})
+    with pytest.raises(hdengine.FileError, match="another study"):
+        other.run(tmp_path / "c", show=False)
+    assert len(other.run(tmp_path / "c", force=True, show=False).rows) == 2
+
+
+def test_workers_give_the_same_table_and_may_die(tmp_path):
+    """Two processes give the table of one; a worker that dies marks its point as failed and is replaced."""
+    one, two = small().run(tmp_path / "one", show=False), small().run(tmp_path / "two", jobs=2, show=False)
+    np.testing.assert_array_equal(one.column("k_ts_nm_per_rad"), two.column("k_ts_nm_per_rad"))
+    path = str(ROOT / "data/cd14.nml")
+    results = dict(workers.solve_all([(0, path, None, "last"), (1, path, SMALL, "last")], jobs=2))
+    assert "died" in results[0][0]["reason"] and results[1][0]["status"] == "done"
+
+
+def test_axes():
+    """Lists side by side make one axis, the grid every combination, the last key fastest."""
+    study = Study(together={"load.torque": [1, 2], "geometry.cup_length": [3, 4]}, grid={"wave_generator.w": [5, 6]})
+    assert [tuple(p.values()) for p in study.points] == [(1, 3, 5), (1, 3, 6), (2, 4, 5), (2, 4, 6)]
+    with pytest.raises(hdengine.InputError, match="differ in length"):
+        Study(together={"a.b": [1], "c.d": [1, 2]})
+
+
+def test_namelist_values_and_faults(tmp_path):
+    """Numbers, repeats, texts with quotes and comments are read; mistakes name file and line."""
+    path = tmp_path / "s.nml"
+    path.write_text("&grid\n a.b = 1, 2.5d-3, 2*7 ! note\n c.d = 'it''s ! here', x\n/\n&study title = 'none' /\n")
+    assert namelist.read(path) == {"grid": {"a.b": [1, 2.5e-3, 7, 7], "c.d": ["it's ! here", "x"]}, "study": {"title": ["none"]}}
+    for text, what in (("&grid\n a = 1\n a = 2 /", "s.nml:3"), ("a = 1", "outside"), ("&grid a = 1", "missing"),
+                       ("&grid a = 1 / &grid /", "twice")):
+        path.write_text(text)
+        with pytest.raises(hdengine.InputError, match=what):
+            namelist.read(path)
+    path.write_text("&study scen = 'a' /")
+    with pytest.raises(hdengine.InputError, match="valid: rows, scene, title"):
+        Study.read(path)
+
+
+def test_command(tmp_path, monkeypatch, capsys):
+    """`hdengine study` writes table and figure, a wrong key ends with code 2 before anything is solved."""
+    monkeypatch.chdir(tmp_path)
+    keys = "\n".join(f"{k} = {v}" for k, v in SMALL.items())
+    (tmp_path / "s.nml").write_text(f"&fixed\n{keys}\n/\n&grid wave_generator.interference = 0, 5e-6 /\n")
+    assert main(["study", "s.nml"]) == 0
+    assert json.loads((tmp_path / "s.out/study.json").read_text())["status"] == "complete"
+    assert (tmp_path / "s.out/study.png").exists() and "2 of 2 points" in capsys.readouterr().out
+    (tmp_path / "t.nml").write_text("&grid wave_generator.interferenz = 0, 5e-6 /\n")
+    assert main(["study", "t.nml"]) == 2 and "did you mean 'interference'" in capsys.readouterr().err
+    assert main(["plot", str(tmp_path)]) == 3

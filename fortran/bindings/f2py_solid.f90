@@ -35,8 +35,8 @@ end subroutine solid_static
 !> `interface_data` holds friction, scale c [Pa/m], tolerance; history rows are step, iteration, residual, changes, open,
 !> stick, slip.
 subroutine solid_contact(element, nb, nn, m, n, node_end, cell_end, material, x, angle, cells, fixed, ns, nf, slave, &
-  slave_chart, nm, master, master_chart, period, mode, interface_data, limit, steps, displacement, force, gap, rows, u, reaction, traction, &
-  slip, opening, contact, area, history, used, status, message)
+  slave_chart, nm, master, master_chart, period, mode, interface_data, limit, steps, displacement, force, gap, rows, u, reaction, &
+  traction, slip, opening, contact, area, history, used, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_face, only: face_t

@@ -2,30 +2,44 @@
 ! Flat entries for Python: the joint model. `p` holds e1, nu1, e2, nu2, nu_soft, hardness, D, G, gamma, r_m, mu, s_min, A_0
 ! and 1 for the closure of the paper.
 
-!> Stiffness of facets.
-subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, status, message)
+!> Stiffness of facets; `derivatives` holds dK_N/dP, dK_T/dP, dK_T/dtau.
+subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: new_asperity
   use hd_error, only: error_t
-  use hd_joint, only: joint_t, new_joint, evaluate_joint
+  use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint
   use hd_status, only: tell
   implicit none
   real(c_double), intent(in) :: p(14)
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: pressure(n), shear(n), area(n)
-  real(c_double), intent(out) :: k_n(n), k_t(n), s_l(n)
+  real(c_double), intent(out) :: k_n(n), k_t(n), s_l(n), derivatives(3, n)
+  integer(c_int), intent(out) :: iterations(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(pressure) :: n = len(pressure)
   !f2py threadsafe
   type(joint_t) :: joint
+  type(response_t) :: r
   type(error_t), allocatable :: error
+  integer :: i
   k_n = 0
   k_t = 0
   s_l = 0
+  derivatives = 0
+  iterations = 0
   call new_joint(new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10)), p(7), p(11), p(12), p(13), &
     p(10), p(14) > 0, joint, error)
-  if (.not. allocated(error)) call evaluate_joint(joint, pressure, shear, area, k_n, k_t, s_l)
+  if (.not. allocated(error)) then
+    do i = 1, n
+      call evaluate_joint(joint, pressure(i), shear(i), area(i), r)
+      k_n(i) = r%k_n
+      k_t(i) = r%k_t
+      s_l(i) = r%s_l
+      derivatives(:, i) = [r%dk_n_dp, r%dk_t_dp, r%dk_t_dtau]
+      iterations(i) = r%iterations
+    end do
+  end if
   call tell(error, status, message)
 end subroutine joint_facets
 
@@ -34,11 +48,12 @@ subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: new_asperity
   use hd_error, only: error_t
-  use hd_joint, only: joint_t, new_joint, joint_load, normal_stiffness, tangential_stiffness, real_area
+  use hd_joint, only: joint_t, new_joint, spots_at, joint_load, normal_stiffness, tangential_stiffness, real_area
   use hd_status, only: tell
   implicit none
   real(c_double), intent(in) :: p(14), s_l, tau
   real(c_double), intent(out) :: load(4), k_n(4), k_t(4), psi, s_r
+  real(c_double) :: by_tau, by_spot
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(joint_t) :: joint
@@ -53,7 +68,7 @@ subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   if (.not. allocated(error)) then
     load = joint_load(joint, s_l)
     k_n = normal_stiffness(joint, s_l)
-    k_t = tangential_stiffness(joint, s_l, tau)
+    call tangential_stiffness(joint, spots_at(joint, (s_l - joint%s_min)/joint%s_min), tau, k_t, by_tau, by_spot)
     psi = joint%psi
     s_r = real_area(joint, s_l)
   end if

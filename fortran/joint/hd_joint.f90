@@ -3,18 +3,19 @@
 !>
 !> n(s) = (D-1)/2 psi^((3-D)/2) s_l^((D-1)/2) s^(-(D+1)/2) on (s_min, s_l]. Every integral over a regime runs between its
 !> edges clipped to [s_min, s_l]; unclipped, the printed differences give negative loads. Eq. 30 diverges for s -> 0, so
-!> s_min is an input. Areas are handled as sigma = s / s_ec.
+!> s_min is an input. Areas are handled as sigma = s / s_ec, the largest one as excess = s_l / s_min - 1, which keeps its
+!> digits where s_l is close to s_min. Integrals over whole regimes are computed once.
 module hd_joint
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge
+  use hd_partial_slip, only: slip_series_t, new_slip_series, slip_integral
+  use hd_powers, only: expm1, log1p, power_integral, power_partial
   implicit none
   private
-  public :: joint_t, new_joint, spot_ratio, largest_spot, largest_spot_paper, joint_load, normal_stiffness, &
-    tangential_stiffness, real_area, evaluate_joint
-
-  integer, parameter :: points = 24   !< of the Gauss rule
+  public :: joint_t, spots_t, response_t, new_joint, spot_ratio, spots_at, joint_load, normal_stiffness, &
+    tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint
 
   type :: joint_t
     type(asperity_t) :: asperity
@@ -26,9 +27,33 @@ module hd_joint
     logical :: paper = .false.   !< closure of Eq. 28 as printed
     real(dp) :: psi = 0          !< domain extension factor (Eq. 17)
     real(dp) :: area_factor = 0  !< c_S = S_r / s_l (Eq. 22)
-    real(dp) :: plastic_load = 0 !< load factor of the plastic regime, H s_ec / f_ec
-    real(dp) :: x(points) = 0, w(points) = 0  !< Gauss-Legendre rule on [0, 1]
+    real(dp) :: b = 0            !< (D-1)/2
+    real(dp) :: unit = 0         !< (D-1)/2 psi^((3-D)/2)
+    integer :: first = 1         !< regime of s_min
+    real(dp) :: lo(4) = 0        !< where each regime starts, clipped to s_min, in units of s_ec
+    real(dp) :: load_unit(4) = 0, stiff_unit(4) = 0    !< integrands at lo, times lo
+    real(dp) :: load_whole(4) = 0, stiff_whole(4) = 0  !< integrals over whole regimes
+    type(slip_series_t) :: slip(3)
   end type joint_t
+
+  !> Largest spot and what follows from it; forces in units of f_ec, stiffness in units of f_ec / eps_ec.
+  type :: spots_t
+    real(dp) :: excess = -1      !< s_l / s_min - 1; negative: no contact
+    real(dp) :: sigma = 0        !< s_l / s_ec
+    integer :: regime = 0        !< of the largest spot
+    real(dp) :: length = 0       !< ln(sigma / lo(regime))
+    real(dp) :: load = 0, load_slope = 0    !< F, dF / d ln sigma
+    real(dp) :: stiff = 0, stiff_slope = 0  !< K_N, dK_N / d ln sigma
+  end type spots_t
+
+  !> Stiffness of a facet and its derivatives.
+  type :: response_t
+    real(dp) :: k_n = 0, k_t = 0                 !< normal and tangential stiffness [N/m]
+    real(dp) :: s_l = 0                          !< largest spot [m^2]
+    real(dp) :: dk_n_dp = 0, dk_t_dp = 0         !< by the pressure [N/(m Pa)]
+    real(dp) :: dk_t_dtau = 0                    !< by the nominal shear [N/(m Pa)]
+    integer :: iterations = 0                    !< of the inversion
+  end type response_t
 
 contains
 
@@ -52,6 +77,8 @@ contains
         ' m^2: check roughness, asperity_radius, gamma and hardness')
     else if (.not. mu >= 0) then
       call raise(error, code_input, 'friction is '//to_text(mu)//'; valid: >= 0')
+    else if (.not. reference_area > 0) then
+      call raise(error, code_input, 'reference_area is '//to_text(reference_area)//' m^2; valid: > 0')
     end if
     if (allocated(error)) return
     joint%asperity = asperity
@@ -63,9 +90,31 @@ contains
     joint%paper = paper
     joint%psi = spot_ratio(d)
     joint%area_factor = (d - 1)/(3 - d)*joint%psi**((3 - d)/2)
-    joint%plastic_load = asperity%hardness*asperity%s_ec/asperity%f_ec
-    call gauss_rule(joint%x, joint%w)
+    joint%b = (d - 1)/2
+    joint%unit = joint%b*joint%psi**((3 - d)/2)
+    call prepare_regimes(joint)
   end subroutine new_joint
+
+  !> Limits and whole integrals of the regimes; the plastic load factor is H s_ec / f_ec.
+  pure subroutine prepare_regimes(joint)
+    type(joint_t), intent(inout) :: joint  !< joint
+    real(dp) :: sigma, factor(4), length
+    integer :: i
+    sigma = joint%s_min/joint%asperity%s_ec
+    joint%first = 1 + count(sigma > edge)
+    joint%lo = max([0._dp, edge], sigma)
+    factor = [load, joint%asperity%hardness*joint%asperity%s_ec/joint%asperity%f_ec]
+    joint%load_unit = factor*joint%lo**(load_power - joint%b)
+    joint%stiff_unit = stiff*joint%lo**(stiff_power - joint%b)
+    do i = joint%first, 3
+      length = log(edge(i)/joint%lo(i))
+      joint%load_whole(i) = joint%load_unit(i)*power_partial(length, load_power(i) - joint%b)
+      joint%stiff_whole(i) = joint%stiff_unit(i)*power_partial(length, stiff_power(i) - joint%b)
+    end do
+    do i = 1, 3
+      joint%slip(i) = new_slip_series(1 - joint%d/2, load_power(i) - 1)
+    end do
+  end subroutine prepare_regimes
 
   !> psi of Eq. 17 from its transcendental equation (Wang and Komvopoulos 1994), regular at D = 3.
   elemental real(dp) function spot_ratio(d) result(psi)
@@ -78,10 +127,10 @@ contains
     a = log(1.7_dp)
     b = log(2.7_dp)
     do i = 1, 60
-      r = expm1_over(h/2*x, h/ds) - expm1_over(-(h/ds)*log1p_exp(-ds/2*x), h/ds) - 1
+      r = (expm1(h/2*x) - expm1(-(h/ds)*log1p(exp(-ds/2*x))))*ds/h - 1
       if (r > 0) b = x
       if (r <= 0) a = x
-      slope = ds/2*exp(h/2*x) - exp(-(h/ds)*log1p_exp(-ds/2*x))*ds/2/(1 + exp(ds/2*x))
+      slope = ds/2*exp(h/2*x) - exp(-(h/ds)*log1p(exp(-ds/2*x)))*ds/2/(1 + exp(ds/2*x))
       step = -r/slope
       if (x + step <= a .or. x + step >= b) step = 0.5_dp*(a + b) - x
       x = x + step
@@ -90,65 +139,6 @@ contains
     psi = exp(x)
   end function spot_ratio
 
-  !> (exp(x) - 1) / y, accurate for small x.
-  elemental real(dp) function expm1_over(x, y) result(f)
-    real(dp), intent(in) :: x, y
-    f = expm1(x)/y
-  end function expm1_over
-
-  !> exp(x) - 1 without cancellation (Kahan).
-  elemental real(dp) function expm1(x)
-    real(dp), intent(in) :: x
-    real(dp) :: u
-    u = exp(x)
-    if (abs(u - 1) <= 0) then
-      expm1 = x
-    else if (u - 1 <= -1) then
-      expm1 = -1
-    else if (abs(x) < 1) then
-      expm1 = (u - 1)*x/log(u)
-    else
-      expm1 = u - 1
-    end if
-  end function expm1
-
-  !> log(1 + exp(x)).
-  elemental real(dp) function log1p_exp(x)
-    real(dp), intent(in) :: x
-    log1p_exp = log(1 + exp(x))
-  end function log1p_exp
-
-  !> int_lo^hi sigma^(e-1) dsigma, regular at e = 0; empty intervals give 0.
-  elemental real(dp) function power_integral(lo, hi, e) result(f)
-    real(dp), intent(in) :: lo, hi, e
-    real(dp) :: l
-    f = 0
-    if (hi <= lo) return
-    l = log(hi/lo)
-    f = l
-    if (abs(e*l) > 1e-300_dp) f = expm1(e*l)/e
-    f = f*lo**e
-  end function power_integral
-
-  !> Clipped limits of regime i in units of s_ec.
-  elemental subroutine limits(joint, sigma_l, i, lo, hi)
-    type(joint_t), intent(in) :: joint
-    real(dp), intent(in) :: sigma_l
-    integer, intent(in) :: i
-    real(dp), intent(out) :: lo, hi
-    lo = joint%s_min/joint%asperity%s_ec
-    if (i > 1) lo = max(lo, edge(i - 1))
-    hi = sigma_l
-    if (i < 4) hi = min(hi, edge(i))
-  end subroutine limits
-
-  !> Common factor of the integrals: (D-1)/2 psi^((3-D)/2) sigma_l^((D-1)/2).
-  elemental real(dp) function prefactor(joint, sigma_l) result(f)
-    type(joint_t), intent(in) :: joint
-    real(dp), intent(in) :: sigma_l
-    f = (joint%d - 1)/2*joint%psi**((3 - joint%d)/2)*sigma_l**((joint%d - 1)/2)
-  end function prefactor
-
   !> Real contact area c_S s_l (Eq. 22) [m^2].
   elemental real(dp) function real_area(joint, s_l)
     type(joint_t), intent(in) :: joint  !< joint
@@ -156,216 +146,201 @@ contains
     real_area = joint%area_factor*s_l
   end function real_area
 
+  !> Load and normal stiffness with their slopes for a largest spot s_min (1 + excess).
+  elemental function spots_at(joint, excess) result(s)
+    type(joint_t), intent(in) :: joint  !< joint
+    real(dp), intent(in) :: excess      !< s_l / s_min - 1
+    type(spots_t) :: s
+    real(dp) :: share, whole
+    integer :: i
+    s%excess = excess
+    if (.not. excess > 0) return
+    s%sigma = joint%s_min/joint%asperity%s_ec*(1 + excess)
+    i = max(joint%first, 1 + count(s%sigma > edge))
+    s%regime = i
+    s%length = log1p(excess)
+    if (i > joint%first) s%length = log(s%sigma/joint%lo(i))
+    share = joint%unit*s%sigma**joint%b
+    whole = sum(joint%load_whole(joint%first:i - 1))
+    s%load = share*(whole + joint%load_unit(i)*power_partial(s%length, load_power(i) - joint%b))
+    s%load_slope = joint%b*s%load + share*joint%load_unit(i)*exp((load_power(i) - joint%b)*s%length)
+    whole = sum(joint%stiff_whole(joint%first:i - 1))
+    s%stiff = share*whole
+    if (i < 4) s%stiff = s%stiff + share*joint%stiff_unit(i)*power_partial(s%length, stiff_power(i) - joint%b)
+    s%stiff_slope = joint%b*s%stiff
+    if (i < 4) s%stiff_slope = s%stiff_slope + share*joint%stiff_unit(i)*exp((stiff_power(i) - joint%b)*s%length)
+  end function spots_at
+
   !> Load carried by the spots of each regime (Eq. 23-27) [N].
   pure function joint_load(joint, s_l) result(f)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), intent(in) :: s_l         !< largest spot [m^2]
-    real(dp) :: f(4), sigma_l, lo, hi
-    integer :: i
-    sigma_l = s_l/joint%asperity%s_ec
-    do i = 1, 4
-      call limits(joint, sigma_l, i, lo, hi)
-      f(i) = power_integral(lo, hi, load_power(i) - (joint%d - 1)/2)
-    end do
-    f = f*[load, joint%plastic_load]
-    f = f*prefactor(joint, sigma_l)*joint%asperity%f_ec
+    real(dp) :: f(4)
+    f = by_regime(joint, s_l, joint%load_unit, joint%load_whole, load_power)*joint%asperity%f_ec
   end function joint_load
 
   !> Normal stiffness of each regime (Eq. 29-35, clipped) [N/m].
   pure function normal_stiffness(joint, s_l) result(k)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), intent(in) :: s_l         !< largest spot [m^2]
-    real(dp) :: k(4), sigma_l, lo, hi
-    integer :: i
-    sigma_l = s_l/joint%asperity%s_ec
-    k = 0
-    do i = 1, 3
-      call limits(joint, sigma_l, i, lo, hi)
-      k(i) = stiff(i)*power_integral(lo, hi, stiff_power(i) - (joint%d - 1)/2)
-    end do
-    k = k*prefactor(joint, sigma_l)*joint%asperity%f_ec/joint%asperity%eps_ec
+    real(dp) :: k(4)
+    k = by_regime(joint, s_l, joint%stiff_unit, joint%stiff_whole, stiff_power)*joint%asperity%f_ec/joint%asperity%eps_ec
   end function normal_stiffness
 
-  !> Tangential stiffness of each regime under the shear stress tau on the spots (Eq. 36-44) [N/m].
+  !> Integrals of one power law, regime by regime.
+  pure function by_regime(joint, s_l, unit, whole, power) result(f)
+    type(joint_t), intent(in) :: joint                     !< joint
+    real(dp), intent(in) :: s_l                            !< largest spot [m^2]
+    real(dp), intent(in) :: unit(4), whole(4), power(4)    !< integrand at lo, whole integrals, exponents
+    real(dp) :: f(4)
+    type(spots_t) :: s
+    s = spots_at(joint, (s_l - joint%s_min)/joint%s_min)
+    f = 0
+    if (s%regime == 0) return
+    f(:s%regime - 1) = whole(:s%regime - 1)
+    f(s%regime) = unit(s%regime)*power_partial(s%length, power(s%regime) - joint%b)
+    f = f*joint%unit*s%sigma**joint%b
+  end function by_regime
+
+  !> Tangential stiffness of each regime under the shear stress tau on the spots (Eq. 36-44) [N/m], and its derivatives.
   !>
   !> A spot carries t = tau s; with x = t / (mu f) = h sigma^-p its stiffness is 8 G' sqrt(s/pi) (1 - x)^(1/3), zero for
   !> x >= 1: the small spots of a regime slip first.
-  pure function tangential_stiffness(joint, s_l, tau) result(k)
-    type(joint_t), intent(in) :: joint  !< joint
-    real(dp), intent(in) :: s_l         !< largest spot [m^2]
-    real(dp), intent(in) :: tau         !< shear stress on the spots, Q / S_r [Pa]
-    real(dp) :: k(4), sigma_l, lo, hi, h, p
+  pure subroutine tangential_stiffness(joint, s, tau, k, by_tau, by_spot)
+    type(joint_t), intent(in) :: joint          !< joint
+    type(spots_t), intent(in) :: s              !< spots
+    real(dp), intent(in) :: tau                 !< shear stress on the spots, Q / S_r [Pa]
+    real(dp), intent(out) :: k(4)               !< by regime [N/m]
+    real(dp), intent(out) :: by_tau             !< d sum(k) / d tau at fixed s_l [N/(m Pa)]
+    real(dp), intent(out) :: by_spot            !< d sum(k) / d ln s_l at fixed tau [N/m]
+    real(dp) :: h_of_tau(3), length, df, x, factor
     integer :: i
-    sigma_l = s_l/joint%asperity%s_ec
     k = 0
-    do i = 1, 3
-      call limits(joint, sigma_l, i, lo, hi)
-      if (hi <= lo) cycle
-      p = load_power(i) - 1
-      h = 0
-      if (tau > 0) h = tau*joint%asperity%s_ec/(joint%mu*joint%asperity%f_ec*load(i))
-      if (h > 0) lo = max(lo, h**(1/p))
-      k(i) = slip_integral(joint, lo, hi, h, p)
+    by_tau = 0
+    by_spot = 0
+    if (s%regime == 0 .or. .not. joint%mu > 0) return
+    h_of_tau = joint%asperity%s_ec/(joint%mu*joint%asperity%f_ec*load)
+    do i = joint%first, min(3, s%regime)
+      length = s%length
+      if (i < s%regime) length = log(edge(i)/joint%lo(i))
+      call slip_integral(joint%slip(i), joint%lo(i), length, tau*h_of_tau(i), k(i), df)
+      by_tau = by_tau + df*h_of_tau(i)
     end do
-    k = k*prefactor(joint, sigma_l)*8*joint%asperity%g_prime*sqrt(joint%asperity%s_ec/pi)
-  end function tangential_stiffness
-
-  !> int_lo^hi sigma^(-D/2) (1 - h sigma^-p)^(1/3) dsigma.
-  !>
-  !> Where x = h sigma^-p < 1/2: the binomial series, integrated term by term (2^-n fast, no special case at D = 2).
-  !> Above: v = (1 - x)^(1/3) removes the cusp at the slip edge and a Gauss rule is exact to rounding.
-  pure real(dp) function slip_integral(joint, lo, hi, h, p) result(f)
-    type(joint_t), intent(in) :: joint
-    real(dp), intent(in) :: lo, hi, h, p
-    real(dp) :: middle, c, e, v1, v2, v, x, sigma
-    integer :: n
-    f = 0
-    if (hi <= lo) return
-    e = 1 - joint%d/2
-    middle = lo
-    if (h > 0) middle = max(lo, min(hi, (2*h)**(1/p)))
-    if (hi > middle) then
-      c = 1
-      do n = 0, 60
-        f = f + c*power_integral(middle, hi, e - p*n)
-        if (h <= 0) exit
-        c = c*(n - 1/3._dp)/(n + 1)*h
-        if (abs(c)*middle**(-p*(n + 1)) < 1e-17_dp) exit
-      end do
+    if (s%regime < 4) then
+      x = tau*h_of_tau(s%regime)*s%sigma**(1 - load_power(s%regime))
+      if (x < 1) by_spot = s%sigma**(1 - joint%d/2)*(1 - x)**(1/3._dp)
     end if
-    if (middle <= lo) return
-    v1 = max(0._dp, 1 - h*lo**(-p))**(1/3._dp)
-    v2 = max(0._dp, 1 - h*middle**(-p))**(1/3._dp)
-    do n = 1, points
-      v = v1 + (v2 - v1)*joint%x(n)
-      x = 1 - v**3
-      sigma = (h/x)**(1/p)
-      f = f + (v2 - v1)*joint%w(n)*sigma**e*3*v**3/(p*x)
-    end do
-  end function slip_integral
+    by_spot = by_spot + joint%b*sum(k)
+    factor = joint%unit*s%sigma**joint%b*8*joint%asperity%g_prime*sqrt(joint%asperity%s_ec/acos(-1._dp))
+    k = k*factor
+    by_tau = by_tau*factor
+    by_spot = by_spot*factor
+  end subroutine tangential_stiffness
 
-  !> Largest spot under the nominal pressure P: F_r(s_l) = P A_0, by Newton's method in logarithms inside a bracket.
-  elemental real(dp) function largest_spot(joint, pressure) result(s_l)
-    type(joint_t), intent(in) :: joint     !< joint
-    real(dp), intent(in) :: pressure       !< P [Pa]
-    real(dp) :: target, x, a, b, f, slope, step, s
-    integer :: i
-    s_l = 0
-    if (.not. pressure > 0) return
-    target = pressure*joint%reference_area
-    a = log(joint%s_min)
-    x = max(log(target/(joint%asperity%hardness*joint%area_factor)), a + 0.5_dp)
-    b = huge(b)
-    do i = 1, 200
-      s = exp(x)
-      f = sum(joint_load(joint, s))
-      if (f > target) b = x
-      if (f <= target) a = x
-      slope = (joint%d - 1)/2 + end_load(joint, s)/f
-      step = log(target/f)/slope
-      if (x + step <= a) step = 0.5_dp*(a - x)
-      if (x + step >= b) step = 0.5_dp*(b - x)
-      x = x + step
-      if (abs(step) < 4e-16_dp*max(1._dp, abs(x))) exit
-    end do
-    s_l = exp(x)
-  end function largest_spot
-
-  !> f(s_l) n(s_l) s_l, the end term of d ln F_r / d ln s_l times F_r [N].
-  elemental real(dp) function end_load(joint, s_l) result(f)
-    type(joint_t), intent(in) :: joint
-    real(dp), intent(in) :: s_l
-    real(dp) :: sigma
-    integer :: i
-    sigma = s_l/joint%asperity%s_ec
-    i = 1 + count(sigma > edge)
-    f = joint%plastic_load*sigma
-    if (i < 4) f = load(i)*sigma**load_power(i)
-    f = f*joint%asperity%f_ec*prefactor(joint, sigma)*sigma**(-(joint%d - 1)/2)
-  end function end_load
-
-  !> Largest spot by Eq. 28 as printed, P = F_r / S_r, by bisection; 0 if P is not below 0.99 H.
-  elemental real(dp) function largest_spot_paper(joint, pressure) result(s_l)
-    type(joint_t), intent(in) :: joint     !< joint
-    real(dp), intent(in) :: pressure       !< mean pressure of the real contact [Pa]
-    real(dp) :: a, b, x
-    integer :: i
-    s_l = 0
-    if (.not. pressure > 0 .or. pressure >= 0.99_dp*joint%asperity%hardness) return
-    a = log(joint%s_min)
-    b = log(joint%asperity%s_ec) + 200
-    do i = 1, 200
-      x = 0.5_dp*(a + b)
-      s_l = exp(x)
-      if (sum(joint_load(joint, s_l)) > pressure*real_area(joint, s_l)) then
-        b = x
-      else
-        a = x
-      end if
-      if (b - a < 1e-15_dp*abs(x)) exit
-    end do
-  end function largest_spot_paper
-
-  !> Stiffness of facets [N/m] under their nominal pressure and shear.
+  !> Largest spot under a pressure P.
   !>
-  !> Default closure: F_r(s_l) = P A_0, K_i = K(s_l) A_i / A_0, independent of the number of facets. `paper`: P = F_r / S_r
-  !> and K_i = K(s_l) for every facet whatever its area, so the sum grows with their number.
-  elemental subroutine evaluate_joint(joint, pressure, shear, area, k_n, k_t, s_l)
+  !> Default: F_r(s_l) = P A_0. `paper` (Eq. 28 as printed): F_r(s_l) = P c_S s_l, which has no root unless P < 0.99 H. Newton's
+  !> method on logarithms, ln F over t = ln(s_l / s_min - 1), which is nearly straight from the first spot on; inside a
+  !> bracket, because the slope under `paper` tends to zero at H.
+  pure subroutine find_largest_spot(joint, pressure, s, iterations)
+    type(joint_t), intent(in) :: joint       !< joint
+    real(dp), intent(in) :: pressure         !< P [Pa]
+    type(spots_t), intent(out) :: s          !< spots; none without pressure or root
+    integer, intent(out) :: iterations       !< Newton iterations
+    real(dp) :: goal, t, low, high, r, slope, step, share, area
+    integer :: i
+    iterations = 0
+    if (.not. (pressure > 0 .and. pressure <= huge(pressure))) return
+    area = 0
+    goal = pressure*joint%reference_area/joint%asperity%f_ec
+    if (joint%paper) then
+      if (pressure >= 0.99_dp*joint%asperity%hardness) return
+      area = 1
+      goal = pressure*joint%area_factor*joint%s_min/joint%asperity%f_ec
+    end if
+    t = first_guess(joint, goal, area)
+    low = -745
+    high = 700
+    do i = 1, 200
+      s = spots_at(joint, exp(t))
+      share = s%excess/(1 + s%excess)
+      r = log(s%load/goal) - area*log1p(s%excess)
+      slope = share*(s%load_slope/s%load - area)
+      if (r > 0) high = t
+      if (r <= 0) low = t
+      step = -r/slope
+      iterations = i
+      if (abs(step) < 1e-8_dp .or. abs(r) < 2e-15_dp) exit
+      if (.not. (t + step > low .and. t + step < high)) step = merge(0.5_dp*(low + high) - t, sign(20._dp, -r), &
+        low > -745 .and. high < 700)
+      t = t + step
+    end do
+    if (abs(step) < 1e-8_dp) s = spots_at(joint, exp(t + step))
+  end subroutine find_largest_spot
+
+  !> Start of the inversion: a chord of ln F over t through the ends of the regime that holds the root.
+  pure real(dp) function first_guess(joint, goal, area) result(t)
+    type(joint_t), intent(in) :: joint  !< joint
+    real(dp), intent(in) :: goal        !< load in units of f_ec
+    real(dp), intent(in) :: area        !< 1: goal grows with s_l
+    type(spots_t) :: s
+    real(dp) :: t0, t1, r0, r1
+    integer :: i
+    t0 = -30
+    s = spots_at(joint, exp(t0))
+    r0 = log(s%load/goal) - area*log1p(s%excess)
+    t1 = t0
+    r1 = r0
+    do i = joint%first, 3
+      if (edge(i)*joint%asperity%s_ec <= joint%s_min*(1 + 1e-12_dp)) cycle
+      t1 = log(edge(i)*joint%asperity%s_ec/joint%s_min - 1)
+      s = spots_at(joint, exp(t1))
+      r1 = log(s%load/goal) - area*log1p(s%excess)
+      if (r1 > 0) exit
+      t0 = t1
+      r0 = r1
+    end do
+    t = t0 - r0
+    if (r1 > 0 .and. r0 < 0) t = t0 - r0*(t1 - t0)/(r1 - r0)
+  end function first_guess
+
+  !> Shear stress on the spots from the nominal shear: Q / S_r; `paper`: the nominal shear itself [Pa].
+  elemental real(dp) function spot_shear(joint, s, shear) result(tau)
+    type(joint_t), intent(in) :: joint  !< joint
+    type(spots_t), intent(in) :: s      !< spots
+    real(dp), intent(in) :: shear       !< nominal shear [Pa]
+    tau = shear
+    if (.not. joint%paper) tau = shear*joint%reference_area/real_area(joint, s%sigma*joint%asperity%s_ec)
+  end function spot_shear
+
+  !> Stiffness of facets [N/m] under their nominal pressure and shear, with derivatives.
+  !>
+  !> Default closure: K_i = K(s_l) A_i / A_0, independent of the number of facets. `paper`: K_i = K(s_l) for every facet whatever
+  !> its area, so the sum grows with their number.
+  elemental subroutine evaluate_joint(joint, pressure, shear, area, r)
     type(joint_t), intent(in) :: joint          !< joint
     real(dp), intent(in) :: pressure, shear     !< nominal pressure and shear traction [Pa]
     real(dp), intent(in) :: area                !< area of the facet [m^2]
-    real(dp), intent(out) :: k_n, k_t           !< normal and tangential stiffness [N/m]
-    real(dp), intent(out) :: s_l                !< largest spot [m^2]
-    real(dp) :: tau, share
-    k_n = 0
-    k_t = 0
-    s_l = 0
-    if (.not. pressure > 0) return
-    if (joint%paper) then
-      s_l = largest_spot_paper(joint, pressure)
-      share = 1
-      tau = shear
-    else
-      s_l = largest_spot(joint, pressure)
-      share = area/joint%reference_area
-      tau = shear*joint%reference_area/max(real_area(joint, s_l), tiny(1._dp))
-    end if
-    if (.not. s_l > joint%s_min) return
-    k_n = share*sum(normal_stiffness(joint, s_l))
-    if (shear < joint%mu*pressure) k_t = share*sum(tangential_stiffness(joint, s_l, tau))
+    type(response_t), intent(out) :: r          !< stiffness, largest spot, derivatives
+    type(spots_t) :: s
+    real(dp) :: tau, share, unit, by_tau, by_spot, k(4), spot_by_p
+    call find_largest_spot(joint, pressure, s, r%iterations)
+    if (.not. s%excess > 0) return
+    r%s_l = s%sigma*joint%asperity%s_ec
+    share = merge(1._dp, area/joint%reference_area, joint%paper)
+    unit = share*joint%asperity%f_ec/joint%asperity%eps_ec
+    ! d ln s_l / dP, from ln F = ln P + const (+ ln s_l under `paper`)
+    spot_by_p = 1/(pressure*(s%load_slope/s%load - merge(1._dp, 0._dp, joint%paper)))
+    r%k_n = unit*s%stiff
+    r%dk_n_dp = unit*s%stiff_slope*spot_by_p
+    if (.not. shear < joint%mu*pressure) return
+    tau = spot_shear(joint, s, shear)
+    call tangential_stiffness(joint, s, tau, k, by_tau, by_spot)
+    r%k_t = share*sum(k)
+    r%dk_t_dp = share*by_spot*spot_by_p
+    r%dk_t_dtau = share*by_tau
+    if (joint%paper) return
+    r%dk_t_dp = r%dk_t_dp - share*by_tau*tau*spot_by_p
+    r%dk_t_dtau = r%dk_t_dtau*joint%reference_area/real_area(joint, r%s_l)
   end subroutine evaluate_joint
-
-  !> Gauss-Legendre rule on [0, 1].
-  pure subroutine gauss_rule(x, w)
-    real(dp), intent(out) :: x(:), w(:)  !< points and weights
-    real(dp) :: z, p0, p1, slope
-    integer :: i, j, n
-    n = size(x)
-    do i = 1, n
-      z = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
-      do j = 1, 10
-        call legendre(n, z, p1, p0)
-        slope = n*(z*p1 - p0)/(z*z - 1)
-        z = z - p1/slope
-      end do
-      x(i) = (1 - z)/2
-      w(i) = 1/((1 - z*z)*slope**2)
-    end do
-  end subroutine gauss_rule
-
-  !> Legendre polynomials of degree n and n - 1.
-  pure subroutine legendre(n, z, p, previous)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: z
-    real(dp), intent(out) :: p, previous
-    real(dp) :: next
-    integer :: k
-    p = 1
-    previous = 0
-    do k = 1, n
-      next = ((2*k - 1)*z*p - (k - 1)*previous)/k
-      previous = p
-      p = next
-    end do
-  end subroutine legendre
 end module hd_joint

@@ -7,7 +7,7 @@ module hd_facets
   use hd_body, only: cartesian
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
-  use hd_joint, only: joint_t, new_joint, evaluate_joint
+  use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint
   use hd_mortar, only: facet_mean
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
@@ -68,12 +68,13 @@ contains
     type(joint_t), intent(in) :: joint      !< joint
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(out) :: facets   !< fields
-    real(dp), allocatable :: x(:, :), s_l(:)
+    real(dp), allocatable :: x(:, :)
+    type(response_t), allocatable :: response(:)
     real(dp) :: c(3, 4), d(3), e(3)
     integer :: f, i, n
     n = size(drive%face%nodes, 2)
     allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
-    allocate (facets%k_n(n), facets%k_t(n), s_l(n))
+    allocate (response(n))
     associate (mortar => drive%problem%mortar, ring => drive%problem%bodies(1))
       x = ring%x + cartesian(ring, state%u(:, :ring%nodes()))
       facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
@@ -100,7 +101,9 @@ contains
       end do
     end associate
     call evaluate_joint(joint, facets%traction(1, :), hypot(facets%traction(2, :), facets%traction(3, :)), facets%area, &
-      facets%k_n, facets%k_t, s_l)
+      response)
+    facets%k_n = response%k_n
+    facets%k_t = response%k_t
   end subroutine evaluate_facets
 
   !> Sums over the contact, and the balance of the whole.

@@ -6,7 +6,8 @@ module hd_run
   use hd_drive, only: drive_t, new_drive, drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped, code_memory
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
-  use hd_joint, only: joint_t, largest_spot, real_area
+  use hd_joint, only: joint_t
+  use hd_joint_range, only: range_warnings
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
@@ -16,7 +17,7 @@ module hd_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t, write_summary
   use hd_system, only: stop_requested
-  use hd_text, only: push, to_text
+  use hd_text, only: string_t, push, to_text
   use hd_contact_law, only: slip_state
   implicit none
   private
@@ -303,26 +304,14 @@ contains
   !> Warn where the joint model leaves its range.
   subroutine judge_joint(run)
     type(run_t), intent(inout) :: run  !< run
-    real(dp) :: s_l, pressure
+    type(string_t), allocatable :: lines(:)
     integer :: i
     if (run%record%steps == 0) return
-    pressure = maxval(run%facets%traction(1, :))
-    if (.not. pressure > 0 .or. run%joint%paper) return
-    s_l = largest_spot(run%joint, pressure)
-    associate (warnings => run%record%warnings)
-      if (s_l > acos(-1._dp)*run%joint%r_m**2) call warn('the largest spot, '//to_text(s_l)// &
-        ' m^2, exceeds the base of an asperity, pi r_m^2 = '//to_text(acos(-1._dp)*run%joint%r_m**2)//' m^2')
-      if (real_area(run%joint, s_l) > run%joint%reference_area) call warn('the real contact area exceeds the nominal one')
-      if (run%joint%s_min >= s_l) call warn('s_min is not below the largest spot: the joint has no stiffness')
-      do i = 1, size(warnings)
-        call say('warning: '//warnings(i)%s)
-      end do
-    end associate
-  contains
-    subroutine warn(line)
-      character(len=*), intent(in) :: line
-      call push(run%record%warnings, line)
-    end subroutine warn
+    call range_warnings(run%joint, maxval(run%facets%traction(1, :)), lines)
+    do i = 1, size(lines)
+      call push(run%record%warnings, lines(i)%s)
+      call say('warning: '//lines(i)%s)
+    end do
   end subroutine judge_joint
 
   !> A whole run, for the command line.

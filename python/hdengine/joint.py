@@ -76,7 +76,7 @@ class Joint:
         area = self.reference_area if area is None else area
         p, q, a = np.broadcast_arrays(pressure, shear, area)
         flat = [np.ascontiguousarray(x, dtype=float).ravel() for x in (p, q, a)]
-        k_n, k_t, _ = _engine.call("joint_facets", self._parameters(), *flat)
+        k_n, k_t, *_ = _engine.call("joint_facets", self._parameters(), *flat)
         return k_n.reshape(p.shape), k_t.reshape(p.shape)
 
     def parts(self, s_l, tau=0.0):

@@ -69,7 +69,7 @@ def test_load_inverts_to_pressure():
 
     joint = hdengine.Joint()
     pressure = np.logspace(3, 9, 200)
-    _, _, s_l = _engine.call("joint_facets", joint._parameters(), pressure, 0 * pressure, 0 * pressure + 1e-6)
+    _, _, s_l, *_ = _engine.call("joint_facets", joint._parameters(), pressure, 0 * pressure, 0 * pressure + 1e-6)
     load = [joint.parts(s)["load_n"].sum() for s in s_l]
     np.testing.assert_allclose(load, pressure * joint.reference_area, rtol=1e-12)
 

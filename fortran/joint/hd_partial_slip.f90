@@ -4,13 +4,13 @@
 !> It is an incomplete beta function, I = h^-a / p [B(x)] with a = -e/p. For x < 1/2 the binomial series without its first
 !> term is added to a plain power integral, so nothing cancels as h -> 0 or D -> 2; for x > 1/2 the series runs in 1 - x and
 !> vanishes at the slip edge. Both fall as 2^-n, their coefficients are computed once. Intervals too narrow for differences
-!> use a Gauss rule in v = (1 - x)^(1/3), where the cusp at the slip edge is smooth.
+!> use a Gauss rule, above x = 1/2 in v = (1 - x)^(1/3), where the cusp at the slip edge is smooth.
 module hd_partial_slip
   use hd_kinds, only: dp, pi
   use hd_powers, only: power_partial, expm1
   implicit none
   private
-  public :: slip_series_t, new_slip_series, slip_integral
+  public :: slip_series_t, new_slip_series, slip_integral, gauss_rule
 
   integer, parameter :: terms = 50, points = 12
   real(dp), parameter :: third = 1/3._dp, narrow = 0.05_dp
@@ -150,7 +150,7 @@ contains
     f = f*v**4
   end function high_series
 
-  !> Gauss rule in v over a narrow interval.
+  !> Gauss rule over a narrow interval: in ln sigma where x < 1/2, in v above.
   pure subroutine narrow_integral(s, lo, l, x_lo, h, f, df)
     type(slip_series_t), intent(in) :: s
     real(dp), intent(in) :: lo, l, x_lo, h
@@ -159,6 +159,16 @@ contains
     integer :: n
     f = 0
     df = 0
+    if (x_lo < 0.5_dp) then
+      do n = 1, points
+        x = x_lo*exp(-s%p*l*s%x(n))
+        v = (1 - x)**third
+        g = l*s%w(n)*lo**s%e*exp(s%e*l*s%x(n))
+        f = f + g*v
+        df = df - third*g*x/(h*v**2)
+      end do
+      return
+    end if
     v_lo = (1 - x_lo)**third
     v_hi = (1 - x_lo*exp(-s%p*l))**third
     dv = -x_lo*expm1(-s%p*l)/(v_hi**2 + v_hi*v_lo + v_lo**2)

@@ -117,7 +117,7 @@ contains
     call number(t, 'solver', 'time_limit_s', s%time_limit_s, 's', 0._dp, big, &
       'wall clock after which the run stops in order; 0: none', closed=.true.)
     call number(t, 'joint', 'fractal_dimension', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')
-    call number(t, 'joint', 'roughness', s%roughness, 'm', 0._dp, big, 'fractal roughness G')
+    call number(t, 'joint', 'roughness', s%roughness, 'm', 0._dp, 1e-4_dp, 'fractal roughness G')
     call number(t, 'joint', 'gamma', s%gamma, '', 1._dp, big, 'frequency ratio of the Weierstrass-Mandelbrot function')
     call number(t, 'joint', 'sample_length', s%sample_length, 'm', 0._dp, big, 'L; the nominal reference area is L^2')
     call number(t, 'joint', 'shortest_wavelength', s%shortest_wavelength, 'm', 0._dp, big, 'L_s')

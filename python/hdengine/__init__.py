@@ -12,12 +12,13 @@ from ._engine import (
 )
 from ._engine import version as _version
 from .contact import Run, Step, read_scene, run
-from .joint import Joint
+from .joint import Joint, JointWarning
 from .results import Result, load
 from .study import Study, StudyResult
 
 __version__ = _version()
 __all__ = [
-    "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "LinearSolverError",
-    "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "load", "read_scene", "run",
+    "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
+    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "load",
+    "read_scene", "run",
 ]

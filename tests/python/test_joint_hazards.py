@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each hazard of the joint model: first the formula as printed or as one would write it fails, then ours holds (docs/limits.md)."""
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import hdengine
+from hdengine import Joint, JointWarning, printed, torsion
+
+mpmath = pytest.importorskip("mpmath")
+from oracle import Oracle, mpf  # noqa: E402
+
+quiet = pytest.mark.filterwarnings("ignore::hdengine.JointWarning")
+
+
+def test_power_difference():
+    """(hi^e - lo^e)/e has no digits at e = 1e-14 and is 0/0 at 0; near D = 3, where the plastic exponent vanishes, ours keeps 13."""
+    assert abs(printed.power_integral(1.0, 2.0, 1e-14) / np.log(2) - 1) > 1e-3
+    with pytest.raises(ZeroDivisionError):
+        printed.power_integral(1.0, 2.0, 0.0)
+    joint = Joint(fractal_dimension=3 - 2e-13, asperity_radius=5e-6)
+    oracle = Oracle(joint)
+    s = 1e4 * joint.asperity()[0]["s_ec_m2"]
+    assert joint.parts(s)["load_n"].sum() == pytest.approx(float(oracle.total_load(mpf(s))), rel=1e-13)
+
+
+@pytest.mark.parametrize("edge", [0.5, 3.0, 100.0])
+def test_unclipped_limits(edge):
+    """Below the last regime edge the printed sum of loads is negative; clipped, every part is at least 0 and the sum is positive."""
+    joint = Joint(s_min=1e-20)
+    s = min(edge, 4.0) * joint.asperity()[0]["s_ec_m2"]
+    assert printed.load_parts(joint, s).sum() < 0
+    parts = joint.parts(s)["load_n"]
+    assert np.all(parts >= 0) and parts.sum() > 0
+
+
+def test_divergent_elastic_stiffness():
+    """Eq. 30 as printed is negative; ours is positive and grows without bound as s_min goes to 0."""
+    joint = Joint()
+    s = 1e3 * joint.asperity()[0]["s_ec_m2"]
+    assert printed.stiffness_parts(joint, s)[0] < 0
+    k = [replace(joint, s_min=m).parts(s)["k_n_n_per_m"].sum() for m in (1e-16, 1e-18, 1e-20, 1e-22)]
+    assert np.all(np.diff(k) > 0) and k[-1] / k[0] > 10
+
+
+def test_real_area_is_not_the_sum_of_parts():
+    """Summing spots above s_min misses area; c_S s_l is exact for any s_l."""
+    joint = Joint(s_min=1e-13)
+    s_l, b = 2e-13, (joint.fractal_dimension - 1) / 2
+    psi = joint.parts(s_l)["psi"]
+    parts = b * psi ** (1 - b) * s_l**b * (s_l ** (1 - b) - joint.s_min ** (1 - b)) / (1 - b)
+    exact = joint.parts(s_l)["real_area_m2"]
+    assert parts < 0.5 * exact
+    assert exact == pytest.approx(b / (1 - b) * psi ** (1 - b) * s_l, rel=1e-13)
+
+
+def test_psi_near_three():
+    """The equation of psi as written is 0/0 towards D = 3; ours tends to e - 1, and to the golden ratio squared at D = 2."""
+    def residual(psi, d_s):
+        return (psi ** ((2 - d_s) / 2) - (1 + psi ** (-d_s / 2)) ** (-(2 - d_s) / d_s)) / ((2 - d_s) / d_s) - 1
+
+    assert abs(residual(np.e - 1, 2 - 4e-16)) > 0.1
+    assert Joint(fractal_dimension=3 - 4e-16).parts(1e-12)["psi"] == pytest.approx(np.e - 1, rel=1e-13)
+    assert Joint(fractal_dimension=2 + 4e-16).parts(1e-12)["psi"] == pytest.approx((3 + 5**0.5) / 2, rel=1e-13)
+
+
+def test_single_precision():
+    """s^(-(D+1)/2) overflows in single precision for spots of picometres; ours works in units of s_ec."""
+    with np.errstate(over="ignore"):
+        assert np.isinf(np.float32(1e-22) ** np.float32(-(2.95 + 1) / 2))
+    parts = Joint(fractal_dimension=2.95, s_min=1e-24).parts(1e-22)
+    assert np.isfinite(parts["k_n_n_per_m"]).all() and parts["k_n_n_per_m"].sum() > 0
+
+
+def test_roughness_in_micrometres():
+    """G^(D-2) is a fractional power: G in um instead of m scales it by 1e6^0.53, not 1e6; the namelist refuses such values."""
+    right, wrong = Joint(), Joint(roughness=2.4248e-7 * 1e6)
+    factor = right.asperity()[0]["radius_m"] / wrong.asperity()[0]["radius_m"]
+    assert factor == pytest.approx(1e6**0.5304, rel=1e-9)
+    with pytest.raises(hdengine.InputError, match="roughness"):
+        hdengine.Run(joint={"roughness": 0.24248})
+
+
+def test_cube_root_of_slipping_spots():
+    """With a shear strength for tau the cube root is NaN for every spot; ours takes the branch before the root."""
+    joint = Joint()
+    s = joint.asperity()[0]["s_ec_m2"] * np.array([0.01, 0.1, 0.9])
+    assert np.isnan(printed.tangential_by_strength(joint, s, 480e6)).all()
+    assert all(joint.asperity(area=x, tau=480e6)[2][2] == 0 for x in s)
+    assert joint.asperity(area=s[2], tau=1e6)[2][2] > 0
+
+
+def test_cusp_at_the_slip_edge():
+    """A Gauss rule of 24 points across the slip edge loses K_T at the fourth digit; ours agrees with the oracle to 1e-12."""
+    joint = Joint(s_min=1e-17)
+    s_l = 0.8 * joint.asperity()[0]["s_ec_m2"]
+    oracle = Oracle(joint)
+    tau = float(mpf("0.3") * oracle.mu * oracle.total_load(mpf(s_l)) / mpf(s_l))
+    exact = float(oracle.k_t(mpf(s_l), mpf(tau)))
+    x, w = np.polynomial.legendre.leggauss(24)
+    s = joint.s_min + (s_l - joint.s_min) * (x + 1) / 2
+    p = joint.asperity()[0]
+    stuck = np.maximum(0, 1 - tau * s / (joint.friction * p["f_ec_n"] * (s / p["s_ec_m2"]) ** 1.5)) ** (1 / 3)
+    n = (joint.fractal_dimension - 1) / 2 * joint.parts(s_l)["psi"] ** ((3 - joint.fractal_dimension) / 2) * (
+        s_l ** ((joint.fractal_dimension - 1) / 2) * s ** (-(joint.fractal_dimension + 1) / 2))
+    naive = np.sum(w * 8 * p["g_prime_pa"] * np.sqrt(s / np.pi) * stuck * n) * (s_l - joint.s_min) / 2
+    assert abs(naive / exact - 1) > 1e-4
+    assert joint.parts(s_l, tau)["k_t_n_per_m"].sum() == pytest.approx(exact, rel=1e-12)
+
+
+def test_vanishing_exponent_and_shear():
+    """At D - 2 = 1e-10 the difference of hypergeometric values keeps 7 digits; ours keeps 11, also for a shear of 1e-12 mu P."""
+    joint = Joint(fractal_dimension=2 + 1e-10, s_min=1e-17)
+    oracle = Oracle(joint)
+    s_l = 0.5 * joint.asperity()[0]["s_ec_m2"]
+    for part in (1e-12, 0.2):
+        tau = float(mpf(part) * oracle.mu * oracle.total_load(mpf(s_l)) / oracle.area(mpf(s_l)))
+        exact = float(oracle.k_t(mpf(s_l), mpf(tau)))
+        assert joint.parts(s_l, tau)["k_t_n_per_m"].sum() == pytest.approx(exact, rel=1e-11)
+
+
+def test_eq_28_has_no_root_at_hardness():
+    """Bisection of Eq. 28 above H runs to its bound; ours finds no spot and says so."""
+    joint = Joint(paper=True)
+    parts = [joint.parts(s) for s in np.logspace(-10, 3, 20)]
+    assert max(p["load_n"].sum() / p["real_area_m2"] for p in parts) < 1.05 * joint.hardness
+    with pytest.warns(JointWarning, match="0.99 H"):
+        k_n, k_t = joint.stiffness(1.01 * joint.hardness)
+    assert k_n == 0 and k_t == 0
+
+
+@quiet
+def test_lower_bracket_is_not_strict():
+    """For nu_soft = 0.45 spots carry more than H s, so F / (H c_S) is above the root; ours still converges to 1e-13."""
+    joint = Joint(nu_soft=0.45, s_min=1e-18, asperity_radius=5e-6)
+    p = joint.asperity()[0]
+    found = False
+    for s_l in 205 * p["s_ec_m2"] * np.array([0.6, 0.9, 0.999]):
+        load = joint.parts(s_l)["load_n"].sum()
+        found |= load / (joint.hardness * joint.parts(1.0)["real_area_m2"]) > s_l
+        back, iterations = joint.largest_spot(load / joint.reference_area)
+        assert float(back) == pytest.approx(s_l, rel=1e-13) and iterations.max() <= 12
+    assert joint.asperity(area=0.999 * 205.38 * p["s_ec_m2"])[2][0] > joint.hardness * 0.999 * 205.38 * p["s_ec_m2"] or found
+
+
+def test_load_is_not_monotone_in_area():
+    """f(s) falls where the second branch ends, so two areas carry one load; by depth the branch is unique and s, f, k are defined."""
+    joint = Joint()
+    p = joint.asperity()[0]
+    below, above = (joint.asperity(area=7.119718 * p["s_ec_m2"] * x)[2][0] for x in (0.9999, 1.0001))
+    assert above < below
+    depth = np.array([5.999, 6.001]) * p["eps_ec_m"]
+    states = np.array([joint.asperity(depth=d)[1] for d in depth])
+    assert np.all(states[1, :2] > states[0, :2])
+
+
+def test_smooth_branches():
+    """Blended, area and load are continuous through all three jumps and k is df/deps; outside the blends nothing changes."""
+    joint = Joint()
+    eps = joint.asperity()[0]["eps_ec_m"]
+    for x in (1.0, 6.0, 110.0):
+        jump = np.array([joint.asperity(depth=eps * x * (1 + t))[1][:2] for t in (-1e-9, 1e-9)])
+        assert np.all(abs(jump[1] / jump[0] - 1) > 0.01)
+        for c in (np.exp(-0.1), 0.97, 1.0, 1.04, np.exp(0.1)):
+            s = np.array([joint.asperity(depth=eps * x * c * (1 + t), smooth=True)[1] for t in (-1e-6, 1e-6)])
+            assert np.all(abs(s[1, :2] / s[0, :2] - 1) < 1e-5)
+        middle = np.array([joint.asperity(depth=eps * x * 1.02 * (1 + t), smooth=True)[1] for t in (-1e-5, 0, 1e-5)])
+        slope = (middle[2, 1] - middle[0, 1]) / (2e-5 * eps * x * 1.02)
+        assert middle[1, 2] == pytest.approx(slope, rel=1e-6)
+        np.testing.assert_array_equal(joint.asperity(depth=eps * x * 1.2, smooth=True)[1], joint.asperity(depth=eps * x * 1.2)[1])
+
+
+def test_warnings_outside_the_range():
+    """Spots larger than an asperity, real area above the nominal, plastic s_min: each has its own warning; inside there is none."""
+    assert Joint(asperity_radius=250e-6, s_min=1e-15).warnings(1e6) == []
+    for joint, pressure, word in ((Joint(), 50e6, "base of an asperity"), (Joint(), 5e9, "exceeds the nominal"),
+                                  (Joint(s_min=1e-10), 1e6, "plastic already")):
+        assert any(word in line for line in joint.warnings(pressure)), word
+        with pytest.warns(JointWarning, match=word):
+            joint.stiffness(pressure)
+
+
+def test_separated_facets():
+    """P <= 0 and NaN-free: powers of negative pressures are NaN, an open facet has stiffness 0."""
+    with np.errstate(invalid="ignore"):
+        assert np.isnan(np.float64(-1e6) ** 0.51)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        k_n, k_t = Joint().stiffness([-1e6, 0.0], [0.0, 0.0])
+    assert np.all(k_n == 0) and np.all(k_t == 0)
+
+
+@quiet
+def test_number_of_facets():
+    """Four facets for one: Eq. 28 as printed gives 4 times the sum, the nominal closure the same to 1e-12."""
+    for paper, factor in ((True, 4), (False, 1)):
+        one, four = (np.sum(Joint(paper=paper).stiffness(np.full(n, 50e6), 0.0, 1e-6 / n)[0]) for n in (1, 4))
+        assert four / one == pytest.approx(factor, rel=1e-12)
+
+
+def test_series_with_a_free_part():
+    """Eq. 46 with K = 0 divides by zero; the limit is 0."""
+    with pytest.raises(ZeroDivisionError):
+        1 / (1 / 0.0 + 1 / 5.0)
+    assert torsion.series(0.0, 5.0) == 0.0

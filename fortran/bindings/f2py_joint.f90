@@ -73,7 +73,8 @@ subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   call tell(error, status, message)
 end subroutine joint_parts
 
-!> One asperity: properties (E, G', H, k, eta, R, eps_ec, s_ec, f_ec), by depth (s, f, k; smooth /= 0: blended) and by area (f, k, k_t).
+!> One asperity: properties (E, G', H, k, eta, R, eps_ec, s_ec, f_ec), by depth (s, f, k; smooth /= 0: blended) and by area
+!> (f, k, k_t).
 subroutine asperity(p, eps, s, tau, smooth, properties, by_depth, by_area)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: asperity_t, new_asperity, asperity_by_depth, asperity_by_area

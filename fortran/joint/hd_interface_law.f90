@@ -65,19 +65,19 @@ contains
   pure function panel_ends(joint) result(t)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), allocatable :: t(:)
-    real(dp) :: last, stop, s_edge
+    real(dp) :: last, reached, s_edge
     integer :: i, k, n
     last = log(max(2._dp, joint%reference_area/(joint%area_factor*joint%s_min)))
     t = [first_t]
-    stop = first_t
+    reached = first_t
     do i = joint%first, 4
       s_edge = huge(1._dp)
       if (i < 4) s_edge = edge_excess(joint, i)
       s_edge = min(last, log(max(s_edge, tiny(1._dp))))
-      if (s_edge <= stop) cycle
-      n = ceiling((s_edge - stop)/panel)
-      t = [t, [(stop + (s_edge - stop)*k/n, k=1, n)]]
-      stop = s_edge
+      if (s_edge <= reached) cycle
+      n = ceiling((s_edge - reached)/panel)
+      t = [t, [(reached + (s_edge - reached)*k/n, k=1, n)]]
+      reached = s_edge
     end do
   end function panel_ends
 

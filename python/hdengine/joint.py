@@ -57,7 +57,8 @@ class Joint:
     def __str__(self):
         p = self.asperity()[0]
         return (f"Joint, closure {'of Eq. 28 (paper)' if self.paper else 'nominal, F_r = P A_0'}\n"
-                f"  bodies    E {self.e1 / 1e9:g} and {self.e2 / 1e9:g} GPa, H {self.hardness / 1e9:.4g} GPa, mu {self.friction:g}\n"
+                f"  bodies    E {self.e1 / 1e9:g} and {self.e2 / 1e9:g} GPa, H {self.hardness / 1e9:.4g} GPa, "
+                f"mu {self.friction:g}\n"
                 f"  surface   D {self.fractal_dimension:g}, G {self.roughness:g} m, gamma {self.gamma:g}, "
                 f"A_0 {1e6 * self.reference_area:g} mm^2\n"
                 f"  asperity  r_m {1e6 * self.asperity_radius:g} um, R {1e6 * p['radius_m']:.4g} um, "

@@ -34,7 +34,9 @@ module hd_scene
     real(dp) :: friction = 0.15_dp
     ! load
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'
-    real(dp) :: torque = 5, support_stiffness = 100
+    real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
+    integer :: teeth = 200, tooth_pairs = 40
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0
     integer :: assembly_steps = 3, torque_steps = 5
     ! solver
     character(len=name_length) :: method = 'auto'
@@ -57,7 +59,7 @@ contains
   !> The scene repeats after half a turn, with the mesh.
   elemental logical function repeats(self)
     class(scene_t), intent(in) :: self  !< scene
-    repeats = .not. self%eccentricity > 0 .and. modulo(self%divisions, 2) == 0
+    repeats = .not. self%eccentricity > 0 .and. modulo(self%divisions, 2) == 0 .and. self%support /= 'teeth'
   end function repeats
 
   !> Contact points of the part of the face that condensation solves.

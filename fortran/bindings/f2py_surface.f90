@@ -36,3 +36,127 @@ subroutine surface_periodic(n, length, fractal_dimension, roughness, shortest, s
   call periodic_surface(length, fractal_dimension, roughness, shortest, seed, heights, error)
   call tell(error, status, message)
 end subroutine surface_periodic
+
+!> Choose the evaluator, after everything is checked: (n_max, waves, evaluator, predicted seconds, memory).
+subroutine surface_method(p, ridges, seed, grid, nx, ny, tolerance, bytes, wanted, n_max, waves, evaluator, seconds, memory_mb, &
+  status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t
+  use hd_error, only: error_t
+  use hd_heights, only: method_t, choose_method
+  use hd_status, only: tell
+  use hd_flat_surface, only: read_entry
+  use hd_waves, only: spectrum_t, grid_t
+  implicit none
+  real(c_double), intent(in) :: p(5), grid(4), tolerance
+  integer(c_int), intent(in) :: ridges, nx, ny, bytes, wanted
+  integer(c_int64_t), intent(in) :: seed
+  integer(c_int), intent(out) :: n_max, evaluator, status
+  integer(c_int64_t), intent(out) :: waves
+  real(c_double), intent(out) :: seconds(3), memory_mb
+  character(len=8192), intent(out) :: message
+  type(spectrum_t) :: s
+  type(grid_t) :: g
+  type(method_t) :: method
+  type(error_t), allocatable :: error
+  call read_entry(p, ridges, seed, grid, nx, ny, tolerance, bytes, wanted, s, g, n_max, waves, method, error)
+  evaluator = method%evaluator
+  seconds = method%seconds
+  memory_mb = method%memory_mb
+  call tell(error, status, message)
+end subroutine surface_method
+
+!> Fill heights of Eq. 1 in double precision. p: D, G, gamma, L, L_s; grid: dx, dy, x_0, y_0.
+subroutine surface_heights(p, ridges, seed, grid, tolerance, wanted, nx, ny, heights_out, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t
+  use hd_error, only: error_t
+  use hd_heights, only: method_t, heights
+  use hd_status, only: tell
+  use hd_flat_surface, only: read_entry
+  use hd_waves, only: spectrum_t, grid_t, waves_t, new_waves
+  implicit none
+  integer(c_int), intent(in) :: nx, ny
+  real(c_double), intent(in) :: p(5), grid(4), tolerance
+  integer(c_int), intent(in) :: ridges, wanted
+  integer(c_int64_t), intent(in) :: seed
+  real(c_double), intent(inout) :: heights_out(nx, ny)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
+  !f2py threadsafe
+  type(spectrum_t) :: s
+  type(grid_t) :: g
+  type(method_t) :: method
+  type(waves_t) :: w
+  type(error_t), allocatable :: error
+  integer :: n_max
+  integer(c_int64_t) :: waves
+  call read_entry(p, ridges, seed, grid, nx, ny, tolerance, 8, wanted, s, g, n_max, waves, method, error)
+  if (.not. allocated(error)) call new_waves(s, w, error)
+  if (.not. allocated(error)) call heights(w, g, method, heights_out, error)
+  call tell(error, status, message)
+end subroutine surface_heights
+
+!> The same in single precision.
+subroutine surface_heights_single(p, ridges, seed, grid, tolerance, wanted, nx, ny, heights_out, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t, c_float
+  use hd_error, only: error_t
+  use hd_heights, only: method_t, heights_single
+  use hd_status, only: tell
+  use hd_flat_surface, only: read_entry
+  use hd_waves, only: spectrum_t, grid_t, waves_t, new_waves
+  implicit none
+  integer(c_int), intent(in) :: nx, ny
+  real(c_double), intent(in) :: p(5), grid(4), tolerance
+  integer(c_int), intent(in) :: ridges, wanted
+  integer(c_int64_t), intent(in) :: seed
+  real(c_float), intent(inout) :: heights_out(nx, ny)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
+  !f2py threadsafe
+  type(spectrum_t) :: s
+  type(grid_t) :: g
+  type(method_t) :: method
+  type(waves_t) :: w
+  type(error_t), allocatable :: error
+  integer :: n_max
+  integer(c_int64_t) :: waves
+  call read_entry(p, ridges, seed, grid, nx, ny, tolerance, 4, wanted, s, g, n_max, waves, method, error)
+  if (.not. allocated(error)) call new_waves(s, w, error)
+  if (.not. allocated(error)) call heights_single(w, g, method, heights_out, error)
+  call tell(error, status, message)
+end subroutine surface_heights_single
+
+!> Count of waves, then the waves of Eq. 1: wave numbers [1/m], amplitudes [m], phases [turns].
+subroutine surface_waves(p, ridges, seed, count, fx, fy, amplitude, phase, offset, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t
+  use hd_error, only: error_t
+  use hd_status, only: tell
+  use hd_waves, only: spectrum_t, waves_t, new_waves
+  implicit none
+  integer(c_int), intent(in) :: count
+  real(c_double), intent(in) :: p(5)
+  integer(c_int), intent(in) :: ridges
+  integer(c_int64_t), intent(in) :: seed
+  real(c_double), intent(out) :: fx(count), fy(count), amplitude(count), phase(count), offset
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(waves_t) :: w
+  type(error_t), allocatable :: error
+  fx = 0
+  fy = 0
+  amplitude = 0
+  phase = 0
+  offset = 0
+  call new_waves(spectrum_t(p(1), p(2), p(3), p(4), p(5), ridges, seed), w, error)
+  if (.not. allocated(error)) then
+    fx = real(w%fx, c_double)
+    fy = real(w%fy, c_double)
+    amplitude = w%amplitude
+    phase = w%phase
+    offset = w%offset
+  end if
+  call tell(error, status, message)
+end subroutine surface_waves

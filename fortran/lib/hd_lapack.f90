@@ -6,7 +6,7 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: multiply_dense, solve_dense, factorise_band, solve_band
+  public :: multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band
 
   interface
     subroutine dgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
@@ -47,6 +47,13 @@ contains
     real(dp), intent(out), contiguous :: c(:, :)          !< product (m, n)
     call dgemm('N', 'N', size(a, 1), size(b, 2), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
   end subroutine multiply_dense
+
+  !> C = A B^T.
+  subroutine multiply_transposed(a, b, c)
+    real(dp), intent(in), contiguous :: a(:, :), b(:, :)  !< factors (m, k), (n, k)
+    real(dp), intent(out), contiguous :: c(:, :)          !< product (m, n)
+    call dgemm('N', 'T', size(a, 1), size(b, 1), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
+  end subroutine multiply_transposed
 
   !> Solve A x = b by LU; A is overwritten.
   subroutine solve_dense(a, b, error)

@@ -221,37 +221,53 @@ class Joint:
                                   / (2 * step))
         return dict(sorted(table.items(), key=lambda item: -abs(item[1][0])))
 
-    def band(self, pressure, shear=0.0, *, d_error, ln_g_error, correlation=0.0, samples=400, level=0.95, seed=1):
+    def samples(self, d_error, ln_g_error, correlation=0.0, count=400, seed=1):
+        """Joints whose D and ln G scatter with the standard errors of a surface fit.
+
+        Parameters
+        ----------
+        d_error, ln_g_error : float
+            Standard errors of D and of ln G.
+        correlation : float
+            Of both errors; a fit gives values near +1.
+        count, seed : int
+            Number of joints, seed.
+
+        Yields
+        ------
+        Joint
+            Draws outside 2 < D < 3 are repeated.
+        """
+        rng = np.random.default_rng(seed)
+        cross = correlation * d_error * ln_g_error
+        covariance = [[d_error**2, cross], [cross, ln_g_error**2]]
+        while count > 0:
+            d, ln_g = rng.multivariate_normal([self.fractal_dimension, np.log(self.roughness)], covariance)
+            if 2 < d < 3:
+                count -= 1
+                yield replace(self, fractal_dimension=d, roughness=np.exp(ln_g))
+
+    def band(self, pressure, shear=0.0, *, level=0.95, **errors):
         """K_N and K_T with a band from the standard errors of D and G.
 
         Parameters
         ----------
         pressure, shear : array_like
             [Pa].
-        d_error, ln_g_error : float
-            Standard errors of D and of ln G, as a surface fit gives them.
-        correlation : float
-            Of both errors; a fit gives values near +1.
-        samples, level, seed
-            Number of samples, probability inside the band, seed.
+        level : float
+            Probability inside the band.
+        **errors
+            As in `samples`.
 
         Returns
         -------
         dict
-            "k_n" and "k_t": each (low, median, high) arrays [N/m] over the pressures. Samples outside 2 < D < 3 are drawn again.
+            "k_n" and "k_t": each (low, median, high) [N/m] over the pressures.
         """
-        rng = np.random.default_rng(seed)
-        covariance = np.array([[d_error**2, correlation * d_error * ln_g_error],
-                               [correlation * d_error * ln_g_error, ln_g_error**2]])
-        values = []
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)
-            while len(values) < samples:
-                d, ln_g = rng.multivariate_normal([self.fractal_dimension, np.log(self.roughness)], covariance)
-                if 2 < d < 3:
-                    values.append(replace(self, fractal_dimension=d, roughness=np.exp(ln_g)).stiffness(pressure, shear))
-        edges = [(1 - level) / 2, 0.5, (1 + level) / 2]
-        quantiles = np.quantile(np.array(values), edges, axis=0)
+            values = np.array([joint.stiffness(pressure, shear) for joint in self.samples(**errors)])
+        quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
         return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
     def plot(self, pressure=None, axis=None):

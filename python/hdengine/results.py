@@ -2,12 +2,14 @@
 """Results of a run, read from its folder."""
 import json
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from . import torsion
 from ._engine import FileError
+from .joint import Joint, JointWarning
 
 
 def read_csv(path):
@@ -79,6 +81,41 @@ class Result:
         paper = torsion.torsional_stiffness_paper(c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0],
                                                   s["geometry.bore_radius"], s["wave_generator.w"])
         return k, paper
+
+    @property
+    def joint(self):
+        """The Joint that the run computed its stiffness with."""
+        s, j = self.scene, self.summary["joint"]
+        return Joint(
+            e1=s["material.flexspline_e"], nu1=s["material.flexspline_nu"], e2=s["material.ring_e"], nu2=s["material.ring_nu"],
+            nu_soft=s["material.flexspline_nu"], hardness=j["hardness_pa"], fractal_dimension=s["joint.fractal_dimension"],
+            roughness=s["joint.roughness"], gamma=s["joint.gamma"], asperity_radius=j["asperity_radius_m"],
+            friction=s["contact.friction"], s_min=j["s_min_m2"], reference_area=j["reference_area_m2"],
+            paper=j["closure"] == "paper")
+
+    def torsional_band(self, *, level=0.95, **errors):
+        """K_TS of each step (Eq. 45) with a band from the standard errors of D and G.
+
+        Parameters
+        ----------
+        level : float
+            Probability inside the band.
+        **errors
+            d_error, ln_g_error and the rest of `Joint.samples`.
+
+        Returns
+        -------
+        ndarray (3, steps)
+            Low, median, high [N m/rad].
+        """
+        c = self.contact
+        shear = np.hypot(c["traction_theta_pa"], c["traction_z_pa"])
+        place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("n_x", "n_y", "n_z")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", JointWarning)
+            values = [torsion.torsional_stiffness(*joint.stiffness(c["pressure_pa"], shear, c["area_m2"]), place, normal)
+                      for joint in self.joint.samples(**errors)]
+        return np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
 
     def write_torsion(self):
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""

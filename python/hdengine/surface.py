@@ -1,10 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fractal rough surfaces: Weierstrass-Mandelbrot heights (Eq. 1-2) and the periodic surface of the same spectrum."""
 import operator
+from dataclasses import dataclass
 
 import numpy as np
 
 from . import _engine
+
+METHODS = ("auto", "direct", "product", "nufft")
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a sum of waves is done, as `choose` reports it.
+
+    Parameters
+    ----------
+    method : str
+        'direct', 'product' or 'nufft'.
+    n_max, waves : int
+        Largest exponent of Eq. 1 and number of waves M (n_max + 1).
+    predicted_s : dict
+        Predicted time of each method on the machine of docs/verification.md [s].
+    memory_mb : float
+        Memory needed beside the heights [MB].
+    """
+
+    method: str
+    n_max: int
+    waves: int
+    predicted_s: dict
+    memory_mb: float
 
 
 def _seed(seed):
@@ -15,6 +41,143 @@ def _seed(seed):
     if not 0 <= seed < 2**63:
         raise _engine.InputError("seed: must be an integer from 0 to 2^63 - 1")
     return seed
+
+
+def _pair(value, name, kind=float):
+    try:
+        values = [kind(v) for v in np.broadcast_to(value, 2)]
+    except (TypeError, ValueError):
+        raise _engine.InputError(f"{name} = {value!r}: give one number or two, (y, x)") from None
+    return values[0], values[1]
+
+
+def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
+    ny, nx = _pair(shape, "shape", operator.index)
+    dy, dx = _pair(spacing, "spacing")
+    y_0, x_0 = _pair(origin, "origin")
+    if method not in METHODS:
+        raise _engine.InputError(f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    dtype = np.dtype(dtype)
+    if dtype not in (np.dtype(np.float64), np.dtype(np.float32)):
+        raise _engine.InputError(f"dtype = {dtype}: must be float64 or float32")
+    if max(abs(nx), abs(ny), abs(ridges)) >= 2**31:
+        raise _engine.InputError(f"shape = {ny, nx}, ridges = {ridges}: must be below 2^31")
+    head = (np.array(spectrum, dtype=float), ridges, _seed(seed), np.array([dx, dy, x_0, y_0]))
+    wanted = METHODS.index(method)
+    found = _engine.call("surface_method", *head, nx, ny, tolerance, dtype.itemsize, wanted)
+    n_max, waves, evaluator, seconds, memory = found
+    chosen = Method(METHODS[evaluator], int(n_max), int(waves), dict(zip(METHODS[1:], seconds.tolist())), float(memory))
+    return head, (nx, ny), dtype, wanted, chosen
+
+
+def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
+           origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+    """What `generate` would do with the same arguments: evaluator, waves, predicted times, memory.
+
+    Returns
+    -------
+    Method
+
+    Raises
+    ------
+    InputError, EngineMemoryError
+        As `generate`.
+    """
+    spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
+    return _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)[-1]
+
+
+def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
+             origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+    """Weierstrass-Mandelbrot surface (Eq. 1) on a rectangular grid.
+
+    Parameters
+    ----------
+    shape : int or (int, int)
+        Points (ny, nx).
+    spacing : float or (float, float)
+        Spacing (dy, dx) [m].
+    fractal_dimension : float
+        D in (2, 3).
+    roughness : float
+        G [m].
+    gamma : float
+        Frequency ratio, above 1.
+    length : float
+        L, the longest wavelength [m].
+    shortest_wavelength : float
+        L_s [m]: n_max = floor(ln(L / L_s) / ln gamma). Waves below two spacings are aliased, as in any sampling.
+    ridges : int
+        M, the number of directions.
+    seed : int
+        Seed of the phases, the same on every platform and for any number of threads.
+    origin : float or (float, float)
+        First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
+    tolerance : float
+        Root mean square error that the non-uniform FFT may have, relative to that of the waves, 1e-13 to 0.1. The other two
+        methods are exact to rounding.
+    method : str
+        'auto' takes the one predicted to be the fastest; 'direct', 'product' (matrix products), 'nufft'.
+    dtype : dtype
+        float64 or float32.
+
+    Returns
+    -------
+    ndarray (ny, nx)
+        Heights [m], ``[row, column]`` is ``[y, x]``.
+
+    Raises
+    ------
+    InputError
+        A parameter is out of range.
+    EngineMemoryError
+        The machine's memory does not hold it; the message says how much is needed.
+    """
+    spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
+    head, size, dtype, wanted, _ = _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)
+    heights = np.empty(size, dtype=dtype, order="F")
+    entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
+    _engine.call(entry, *head, tolerance, wanted, heights)
+    return heights.T
+
+
+def profile(n, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, seed=0, *,
+            origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+    """Weierstrass-Mandelbrot profile (Eq. 2): n heights [m] along x, with D_s = fractal_dimension - 1.
+
+    Parameters as in `generate`; Eq. 2 is its row y = 0 with one ridge.
+
+    Returns
+    -------
+    ndarray (n,)
+        Heights [m] at ``origin + i * spacing``.
+
+    Raises
+    ------
+    InputError, EngineMemoryError
+        As `generate`.
+    """
+    return generate((1, n), spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, 1, seed,
+                    origin=(0.0, origin), tolerance=tolerance, method=method, dtype=dtype)[0]
+
+
+def waves(fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0):
+    """The plane waves of Eq. 1: height = offset - sum of amplitude cos(2 pi (fx x + fy y + phase)).
+
+    Returns
+    -------
+    dict
+        fx_per_m, fy_per_m, amplitude_m, phase_turns (arrays, exponent outer, ridge inner) and offset_m.
+
+    Raises
+    ------
+    InputError
+        A parameter is out of range.
+    """
+    spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
+    count = _arguments(1, 1.0, spectrum, ridges, seed, 0.0, 1e-12, "direct", float)[-1].waves
+    keys = ("fx_per_m", "fy_per_m", "amplitude_m", "phase_turns", "offset_m")
+    return dict(zip(keys, _engine.call("surface_waves", np.array(spectrum, dtype=float), ridges, _seed(seed), count)))
 
 
 def periodic(n, length, fractal_dimension, roughness, shortest_wavelength, seed):

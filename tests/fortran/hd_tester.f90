@@ -4,12 +4,14 @@ program hd_tester
   use test_contact, only: run_contact
   use test_element, only: run_element
   use test_fft, only: run_fft
+  use test_heights, only: run_heights
   use test_random, only: run_random
   use test_interface, only: run_interface
   use test_text, only: run_text
   implicit none
   call run_text()
   call run_fft()
+  call run_heights()
   call run_random()
   call run_element()
   call run_contact()

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT  # noqa: F401
+from conftest import ROOT, SMALL, call
 
 import hdengine
 from hdengine import Joint, _engine
@@ -171,6 +171,21 @@ def test_sensitivity_and_band():
     assert table["roughness"][0] == pytest.approx(np.log(up / down) / (2 * np.log(1.01)), rel=1e-2)
     narrow, wide = (joint.band(50e6, d_error=e, ln_g_error=5 * e)["k_n"] for e in (0.002, 0.006))
     assert narrow[0] < joint.stiffness(50e6)[0] < narrow[2] and wide[2] - wide[0] > 2 * (narrow[2] - narrow[0])
+
+
+def test_torsional_band(exe, tmp_path):
+    """The run's joint repeats its contact table to 1e-12; the band of K_TS holds the value and closes with the errors."""
+    assert call(exe, ROOT / "data/cd14.nml", *SMALL, "--out", tmp_path / "b.out", "-q").returncode == 0
+    result = hdengine.load(tmp_path / "b.out")
+    c = result.contact
+    k_n, k_t = result.joint.stiffness(c["pressure_pa"], np.hypot(c["traction_theta_pa"], c["traction_z_pa"]), c["area_m2"])
+    np.testing.assert_allclose(k_n, c["k_n_n_per_m"], rtol=1e-12)
+    np.testing.assert_allclose(k_t, c["k_t_n_per_m"], rtol=1e-9, atol=1e-9 * k_t.max())
+    low, middle, high = result.torsional_band(d_error=0.006, ln_g_error=0.04, correlation=0.9, count=40)
+    k = result.torsional_stiffness()[0]
+    assert np.all(low < k) and np.all(k < high)
+    closed = result.torsional_band(d_error=1e-9, ln_g_error=1e-9, count=3)
+    np.testing.assert_allclose(closed, np.broadcast_to(k, closed.shape), rtol=1e-6)
 
 
 def test_plot(tmp_path):

@@ -80,3 +80,111 @@ def test_periodic_refuses_bad_input(change, says):
     good = dict(n=64, length=1e-3, fractal_dimension=D, roughness=G, shortest_wavelength=1e-4, seed=1)
     with pytest.raises(hdengine.HdengineError, match=says):
         surface.periodic(**good | change)
+
+
+SURFACE = dict(fractal_dimension=D, roughness=G, gamma=1.5, length=0.5e-3, shortest_wavelength=2e-6, ridges=10, seed=1)
+
+
+def exact_structure(tau, azimuth):
+    """S of Eq. 1 for random phases: the sum over its waves, along one direction."""
+    w = surface.waves(**SURFACE)
+    turns = tau * (w["fx_per_m"] * np.cos(azimuth) + w["fy_per_m"] * np.sin(azimuth))
+    return np.sum(w["amplitude_m"] ** 2 * (1 - np.cos(2 * pi * turns)))
+
+
+def test_waves_are_those_of_eq_1():
+    """Amplitudes, wave numbers, count and the zero at the origin follow the printed formula."""
+    w = surface.waves(**SURFACE)
+    n_max = int(np.log(250) / np.log(1.5) + 1e-9)
+    n, m = (k.ravel() for k in np.meshgrid(np.arange(n_max + 1), np.arange(1, 11), indexing="ij"))
+    amplitude = 0.5e-3 * (G / 0.5e-3) ** (D - 2) * np.sqrt(np.log(1.5) / 10) * 1.5 ** ((D - 3) * n)
+    assert w["amplitude_m"] == pytest.approx(amplitude, rel=1e-13)
+    assert w["fx_per_m"] == pytest.approx(1.5**n / 0.5e-3 * np.cos(pi * m / 10), rel=1e-13, abs=1e-8)
+    assert w["fy_per_m"] == pytest.approx(1.5**n / 0.5e-3 * np.sin(pi * m / 10), rel=1e-13, abs=1e-8)
+    assert abs(surface.generate(3, 1e-6, **SURFACE)[0, 0]) < 1e-20
+
+
+@pytest.mark.parametrize("method", ["direct", "product", "nufft"])
+def test_seed_fixes_heights(method):
+    """Every evaluator gives the stored heights of a seed; a shorter L_s keeps the phases of the longer waves."""
+    z = surface.generate((5, 7), 50e-6, **SURFACE, method=method)
+    assert z.shape == (5, 7) and z.flags.c_contiguous
+    assert np.diag(z)[1:4] == pytest.approx(STORED_SURFACE, abs=1e-11 * 7e-6)
+    short = surface.waves(**SURFACE | dict(shortest_wavelength=1e-6))["phase_turns"]
+    assert np.array_equal(short[: surface.waves(**SURFACE)["phase_turns"].size], surface.waves(**SURFACE)["phase_turns"])
+
+
+def test_rows_and_columns_are_y_and_x():
+    """A part of the grid, its origin moved, is the part of the whole; z[j, i] belongs to y_j, x_i."""
+    whole = surface.generate((40, 30), (2e-6, 3e-6), **SURFACE)
+    part = surface.generate((10, 12), (2e-6, 3e-6), **SURFACE, origin=(30 * 2e-6, 5 * 3e-6))
+    assert np.allclose(whole[30:, 5:17], part, rtol=0, atol=1e-13 * whole.std())
+    assert np.allclose(surface.profile(30, 3e-6, **{k: v for k, v in SURFACE.items() if k != "ridges"}),
+                       surface.generate((4, 30), (2e-6, 3e-6), **SURFACE | dict(ridges=1))[2], rtol=0, atol=1e-18)
+
+
+@pytest.mark.parametrize("method", ["product", "nufft"])
+def test_single_precision_rounds_the_double_heights(method):
+    """float32 heights are the float64 heights, rounded."""
+    options = dict(shape=(300, 200), spacing=1e-6, method=method, **SURFACE)
+    assert np.allclose(surface.generate(**options, dtype="float32"), surface.generate(**options).astype("float32"),
+                       rtol=2e-7, atol=1e-18)
+
+
+def test_automatic_choice_is_reported():
+    """Few waves go by products, many by the NUFFT; the report says so before anything is computed."""
+    few = surface.choose(1024, 5e-7, **SURFACE)
+    many = surface.choose(1024, 5e-7, **SURFACE | dict(ridges=2000))
+    assert (few.method, few.waves, few.n_max) == ("product", 140, 13)
+    assert (many.method, many.waves) == ("nufft", 28000)
+    assert surface.choose(1024, 5e-7, **SURFACE, method="direct").method == "direct"
+
+
+@pytest.mark.full
+def test_ensemble_has_the_exact_structure_function():
+    """S over 200 seeds, rows, columns and a diagonal, meets the exact sum within four standard errors."""
+    lags = (1, 4, 16, 64)
+    seen = {(lag, k): [] for lag in lags for k in range(3)}
+    for seed in range(200):
+        z = surface.generate(501, 1e-6, **SURFACE | dict(seed=seed))
+        for lag in lags:
+            seen[lag, 0].append(np.mean((z[:, lag:] - z[:, :-lag]) ** 2))
+            seen[lag, 1].append(np.mean((z[lag:] - z[:-lag]) ** 2))
+            seen[lag, 2].append(np.mean((z[lag:, lag:] - z[:-lag, :-lag]) ** 2))
+    for (lag, k), s in seen.items():
+        tau, azimuth = [(lag * 1e-6, 0.0), (lag * 1e-6, pi / 2), (lag * 1e-6 * 2**0.5, pi / 4)][k]
+        assert abs(np.mean(s) - exact_structure(tau, azimuth)) < 4 * np.std(s) / 200**0.5
+
+
+STORED_SURFACE = [-1.613431460998831e-06, -7.860581894077467e-06, -3.413067265842631e-06]
+
+BAD = {
+    "spacing": (dict(spacing=0.0), "spacing = 0.0, 0.0 m"),
+    "spacing nan": (dict(spacing=(1e-6, float("nan"))), "spacing = NaN, "),
+    "no points": (dict(shape=(0, 4)), "at least one point"),
+    "shape": (dict(shape="a"), "shape = 'a'"),
+    "cut-offs": (dict(shortest_wavelength=1e-3), "must not exceed the length"),
+    "zero wavelength": (dict(shortest_wavelength=0.0), "must be positive"),
+    "gamma": (dict(gamma=1.0), "gamma = 1.0"),
+    "dimension 2": (dict(fractal_dimension=2.0), "fractal_dimension = 2.0"),
+    "dimension 3": (dict(fractal_dimension=3.0), "fractal_dimension = 3.0"),
+    "dimension nan": (dict(fractal_dimension=float("nan")), "fractal_dimension = NaN"),
+    "roughness": (dict(roughness=0.0), "roughness = 0.0 m"),
+    "length": (dict(length=float("inf")), "length = "),
+    "ridges": (dict(ridges=0), "ridges = 0"),
+    "n_max": (dict(gamma=1 + 1e-14), "more than 100000000 waves"),
+    "tolerance": (dict(tolerance=0.0), "tolerance = 0.0"),
+    "method": (dict(method="fast"), "method = 'fast'"),
+    "dtype": (dict(dtype="int32"), "dtype = int32"),
+    "seed": (dict(seed=1.5), "seed"),
+    "origin": (dict(origin=float("inf")), "origin"),
+    "memory": (dict(shape=1_000_000), "need [0-9]+ MB"),
+    "too many points": (dict(shape=(2**31, 4)), "below 2"),
+}
+
+
+@pytest.mark.parametrize("change, says", BAD.values(), ids=BAD)
+def test_generate_refuses_bad_input(change, says):
+    """Each bad value is one clear error, before any memory is taken."""
+    with pytest.raises(hdengine.HdengineError, match=says):
+        surface.generate(**dict(shape=8, spacing=1e-6) | SURFACE | change)

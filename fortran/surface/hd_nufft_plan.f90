@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Fine points, window widths and tiles of the non-uniform FFT, chosen for the lowest predicted time at a tolerance.
+module hd_nufft_plan
+  use hd_kinds, only: dp
+  use hd_fft, only: smooth_size
+  use hd_window, only: window_width, widest
+  implicit none
+  private
+  public :: nufft_plan_t, plan_nufft
+
+  !> The choice.
+  type :: nufft_plan_t
+    integer :: fine_x = 0, fine_y = 0      !< fine points
+    integer :: width_x = 0, width_y = 0    !< widths of the windows; 0: no window reaches the tolerance
+    integer :: rows = 0                    !< rows of a tile
+    real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/verification.md
+  end type nufft_plan_t
+
+  real(dp), parameter :: ratios(*) = [1.2_dp, 1.25_dp, 1.33_dp, 1.4_dp, 1.5_dp, 1.67_dp, 1.8_dp, 2._dp, 2.5_dp]
+  real(dp), parameter :: second_per_flop = 0.35e-9_dp        !< FFT
+  real(dp), parameter :: second_per_move = 1.0e-9_dp         !< fine point copied, corrected
+  real(dp), parameter :: second_per_weight = 0.7e-9_dp       !< one fine point of a wave
+  real(dp), parameter :: second_per_wave = 100e-9_dp         !< phase of a wave in a tile
+  real(dp), parameter :: second_per_setup = 1000e-9_dp       !< wave numbers and weights of a wave
+
+contains
+
+  !> Choose. The error of each direction gets its share of the tolerance.
+  pure function plan_nufft(nx, ny, waves, tolerance) result(best)
+    integer, intent(in) :: nx, ny              !< points
+    integer, intent(in) :: waves               !< number of waves
+    real(dp), intent(in) :: tolerance          !< root mean square error, relative to that of the heights
+    type(nufft_plan_t) :: best                 !< choice
+    type(nufft_plan_t) :: x(size(ratios)), y(size(ratios)), here
+    integer :: i, j, tiles, rows
+    do i = 1, size(ratios)
+      x(i) = direction(nx, ratios(i), 0.6_dp * tolerance)
+    end do
+    tiles = 1
+    do
+      rows = (ny + tiles - 1) / tiles
+      do j = 1, size(ratios)
+        y(j) = direction(rows, ratios(j), 0.6_dp * tolerance)
+      end do
+      do j = 1, size(ratios)
+        if (y(j)%width_x == 0) cycle
+        do i = 1, size(ratios)
+          if (x(i)%width_x == 0) cycle
+          here = nufft_plan_t(x(i)%fine_x, y(j)%fine_x, x(i)%width_x, y(j)%width_x, rows)
+          here%seconds = predicted(here, ny, tiles, waves)
+          if (here%seconds < best%seconds) best = here
+        end do
+      end do
+      if (rows <= 32) exit
+      tiles = 2 * tiles
+    end do
+  end function plan_nufft
+
+  !> Fine points and width of one direction.
+  pure function direction(n, ratio, tolerance) result(d)
+    integer, intent(in) :: n                   !< points
+    real(dp), intent(in) :: ratio              !< fine points per point, at least
+    real(dp), intent(in) :: tolerance          !< error
+    type(nufft_plan_t) :: d                    !< fine_x and width_x
+    d%fine_x = smooth_size(max(ceiling(n * ratio), 4 * widest), .true.)
+    d%width_x = window_width(n, d%fine_x, tolerance)
+  end function direction
+
+  !> Predicted time on one thread [s].
+  pure real(dp) function predicted(p, ny, tiles, waves) result(seconds)
+    type(nufft_plan_t), intent(in) :: p        !< choice
+    integer, intent(in) :: ny, tiles, waves    !< rows, tiles, waves
+    real(dp) :: columns
+    columns = min(0.5_dp * p%fine_x + p%width_x, real(waves, dp) * (p%width_x + 8))
+    seconds = ny * (2.5_dp * p%fine_x * log(real(p%fine_x, dp)) / log(2._dp) * second_per_flop + p%fine_x * second_per_move) &
+      + tiles * columns * p%fine_y * (5 * log(real(p%fine_y, dp)) / log(2._dp) * second_per_flop + second_per_move) &
+      + real(tiles, dp) * waves * (p%width_x * p%width_y * second_per_weight + second_per_wave) + waves * second_per_setup
+  end function predicted
+end module hd_nufft_plan

@@ -1,0 +1,146 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The sum of waves as matrix products. cos(kx x + ky y + p) is cos(kx x) cos(ky y + p) - sin(kx x) sin(ky y + p): rank two.
+!>
+!> Two symmetries cut the work of the plain product (N x 2J x N) to a quarter. Waves of one |kx| (ridges m and M - m) share their
+!> factors in x. And with x counted from the middle of the grid cos is even, sin odd: each half of a row is the sum or the
+!> difference of two products of half the width.
+module hd_product
+  use hd_kinds, only: dp, qp, pi
+  use hd_direct, only: split_turns, turns_at
+  use hd_lapack, only: multiply_transposed
+  use hd_waves, only: waves_t, grid_t, turns_on_grid
+  implicit none
+  private
+  public :: product_t, new_product, product_sum
+
+  integer, parameter :: block = 32    !< points between exact cosines; the rest by rotation
+  integer, parameter :: tile_points = 524288    !< heights of a tile
+
+  !> Factors in x, and what the factors in y are made of.
+  type :: product_t
+    real(dp), allocatable :: even(:, :), odd(:, :)    !< cos and sin of kx x (half of nx, groups)
+    real(dp), allocatable :: high(:), low(:)          !< turns per half step in y (waves)
+    real(dp), allocatable :: phase(:)                 !< phase at the middle of the grid [turns] (waves)
+    real(dp), allocatable :: amplitude(:)             !< amplitude [m], negative (waves)
+    real(dp), allocatable :: mirror(:)                !< amplitude times the sign of kx (waves)
+    integer, allocatable :: first(:), order(:)        !< waves of group k: order(first(k) .. first(k + 1) - 1)
+    integer :: ny = 0                                 !< rows of the whole grid
+    real(dp) :: offset = 0                            !< constant height [m]
+  end type product_t
+
+contains
+
+  !> Factors for a grid.
+  subroutine new_product(w, g, p)
+    type(waves_t), intent(in) :: w       !< waves
+    type(grid_t), intent(in) :: g        !< grid
+    type(product_t), intent(out) :: p    !< factors
+    real(qp), allocatable :: ux(:), uy(:)
+    real(dp), allocatable :: xh(:), xl(:)
+    integer, allocatable :: next(:)
+    integer :: n, j, k
+    n = size(w%amplitude)
+    allocate (ux(n), uy(n), p%phase(n), xh(w%groups), xl(w%groups), p%high(n), p%low(n), p%mirror(n))
+    call turns_on_grid(w, g, 0.5_dp * (g%nx - 1), 0.5_dp * (g%ny - 1), ux, uy, p%phase)
+    call split_turns(uy / 2, p%high, p%low)
+    p%amplitude = -w%amplitude
+    allocate (p%first(w%groups + 1), source=0)
+    do j = 1, n
+      k = w%group(j)
+      p%first(k + 1) = p%first(k + 1) + 1
+      call split_turns(abs(ux(j)) / 2, xh(k), xl(k))
+      p%mirror(j) = merge(p%amplitude(j), -p%amplitude(j), ux(j) < 0)
+    end do
+    p%first(1) = 1
+    do k = 1, w%groups
+      p%first(k + 1) = p%first(k) + p%first(k + 1)
+    end do
+    next = p%first
+    allocate (p%order(n))
+    do j = 1, n
+      p%order(next(w%group(j))) = j
+      next(w%group(j)) = next(w%group(j)) + 1
+    end do
+    p%ny = g%ny
+    p%offset = w%offset
+    allocate (p%even((g%nx + 1) / 2, w%groups), p%odd((g%nx + 1) / 2, w%groups))
+    !$omp parallel do schedule(static) if (size(p%even) > 20000)
+    do j = 1, w%groups
+      call half_row(xh(j), xl(j), 0._dp, mod(g%nx + 1, 2), p%even(:, j), p%odd(:, j))
+    end do
+  end subroutine new_product
+
+  !> cos and sin at half steps first, first + 2, first + 4, ...
+  pure subroutine half_row(high, low, phase, first, c, s)
+    real(dp), intent(in) :: high, low            !< turns per half step
+    real(dp), intent(in) :: phase                !< phase [turns]
+    integer, intent(in) :: first                 !< first half step
+    real(dp), intent(out) :: c(:), s(:)          !< cosines and sines
+    real(dp) :: cr(0:block - 1), sr(0:block - 1), a, ca, sa
+    integer :: i, r, last
+    do r = 0, min(block, size(c)) - 1
+      a = 2 * pi * turns_at(high, low, 2 * r)
+      cr(r) = cos(a)
+      sr(r) = sin(a)
+    end do
+    do i = 1, size(c), block
+      a = 2 * pi * (phase + turns_at(high, low, first + 2 * (i - 1)))
+      ca = cos(a)
+      sa = sin(a)
+      last = min(block, size(c) - i + 1) - 1
+      do r = 0, last
+        c(i + r) = ca * cr(r) - sa * sr(r)
+        s(i + r) = sa * cr(r) + ca * sr(r)
+      end do
+    end do
+  end subroutine half_row
+
+  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache.
+  subroutine product_sum(p, j_1, z)
+    type(product_t), intent(in) :: p                  !< factors
+    integer, intent(in) :: j_1                        !< first row
+    real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
+    integer :: j, rows
+    rows = max(64, min(size(z, 2), tile_points / size(z, 1)))
+    do j = 1, size(z, 2), rows
+      call product_tile(p, j_1 + j - 1, z(:, j:min(j + rows - 1, size(z, 2))))
+    end do
+  end subroutine product_sum
+
+  !> Heights of a tile.
+  subroutine product_tile(p, j_1, z)
+    type(product_t), intent(in) :: p                  !< factors
+    integer, intent(in) :: j_1                        !< first row
+    real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
+    real(dp), allocatable :: a(:, :), b(:, :), e(:, :), o(:, :)
+    real(dp) :: c(size(z, 2)), s(size(z, 2))
+    integer :: rows, groups, half, nx, i, j, k, l
+    rows = size(z, 2)
+    nx = size(z, 1)
+    half = size(p%even, 1)
+    groups = size(p%even, 2)
+    allocate (a(rows, groups), b(rows, groups), e(half, rows), o(half, rows))
+    !$omp parallel do private(l, j, c, s) schedule(static) if (size(a) > 20000)
+    do k = 1, groups
+      a(:, k) = 0
+      b(:, k) = 0
+      do l = p%first(k), p%first(k + 1) - 1
+        j = p%order(l)
+        call half_row(p%high(j), p%low(j), p%phase(j), 2 * (j_1 - 1) - (p%ny - 1), c, s)
+        a(:, k) = a(:, k) + p%amplitude(j) * c
+        b(:, k) = b(:, k) + p%mirror(j) * s
+      end do
+    end do
+    call multiply_transposed(p%even, a, e)
+    call multiply_transposed(p%odd, b, o)
+    !$omp parallel do private(i) schedule(static)
+    do j = 1, rows
+      do i = 1, nx / 2
+        z(i, j) = p%offset + e(half + 1 - i, j) - o(half + 1 - i, j)
+      end do
+      do i = 1, half
+        z(nx - half + i, j) = p%offset + e(i, j) + o(i, j)
+      end do
+    end do
+  end subroutine product_tile
+end module hd_product

@@ -1,0 +1,157 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Kaiser-Bessel window of the non-uniform FFT: psi(t) = I0(b sqrt(1 - (2t/w)^2)) / I0(b), |t| <= w/2 in fine points.
+!>
+!> Its transform w sinh(r) / (r I0(b)), r^2 = b^2 - (pi w x)^2, is closed. With b = pi w (1 - 1/(2s)), s the ratio of fine to
+!> wanted points, the first alias starts where the transform of the window has just become small: Error ~ exp(-pi w sqrt(1 - 1/s)).
+module hd_window
+  use hd_kinds, only: dp, pi
+  implicit none
+  private
+  public :: window_t, new_window, window_weights, window_error, window_width, widest
+
+  integer, parameter :: widest = 28    !< largest width
+  integer, parameter :: nodes = 24     !< Chebyshev nodes of the fit
+
+  !> Window for n wanted of `fine` points.
+  type :: window_t
+    integer :: n = 0, fine = 0                       !< wanted points, fine points
+    integer :: width = 0                             !< w
+    integer :: degree = 0                            !< degree of the pieces
+    real(dp), allocatable :: piece(:, :)             !< coefficients (w, 0:degree) of s in [-1, 1] across each unit interval
+    real(dp), allocatable :: correction(:)           !< 1 / transform at 0 .. (n + 1)/2 points from the middle
+  end type window_t
+
+contains
+
+  !> Pieces and correction of a window.
+  subroutine new_window(n, fine, width, win)
+    integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    type(window_t), intent(out) :: win        !< window
+    real(dp) :: b, value(nodes), c(0:nodes - 1), t(0:nodes - 1), older(0:nodes - 1), newer(0:nodes - 1), s
+    real(dp) :: all_c(width, 0:nodes - 1)
+    integer :: i, k, l
+    win%n = n
+    win%fine = fine
+    win%width = width
+    b = shape_of(n, fine, width)
+    do i = 1, width
+      do k = 1, nodes
+        s = cos(pi * (k - 0.5_dp) / nodes)
+        s = (i - 1 + (s + 1) / 2) * 2 / width - 1
+        value(k) = bessel_i0(b * sqrt(max(0._dp, (1 - s) * (1 + s)))) / bessel_i0(b)
+      end do
+      do l = 0, nodes - 1
+        c(l) = merge(1, 2, l == 0) * sum(value * cos(l * pi * ([(k, k=1, nodes)] - 0.5_dp) / nodes)) / nodes
+      end do
+      all_c(i, :) = c
+    end do
+    win%degree = nodes - 1
+    do while (win%degree > 1 .and. maxval(abs(all_c(:, win%degree))) < 1e-17_dp)
+      win%degree = win%degree - 1
+    end do
+    allocate (win%piece(width, 0:win%degree), source=0._dp)
+    older = 0                                             ! T_-1 is not used: T_0 = 1, T_1 = s
+    t = 0
+    t(0) = 1
+    do l = 0, win%degree
+      do k = 0, l
+        win%piece(:, k) = win%piece(:, k) + all_c(:, l) * t(k)
+      end do
+      newer = merge(1, 2, l == 0) * eoshift(t, -1) - older
+      older = t
+      t = newer
+    end do
+    allocate (win%correction(0:(n + 1) / 2))
+    do i = 0, (n + 1) / 2
+      win%correction(i) = bessel_i0(b) / (width * sinhc2(b**2 - (pi * width * real(i, dp) / fine)**2))
+    end do
+  end subroutine new_window
+
+  !> Weights psi(k - p), k = first .. first + w - 1, of the fine points around p.
+  pure subroutine window_weights(win, p, first, weight)
+    type(window_t), intent(in) :: win       !< window
+    real(dp), intent(in) :: p               !< position [fine points]
+    integer, intent(out) :: first           !< first fine point
+    real(dp), intent(out) :: weight(:)      !< weights (w)
+    real(dp) :: s
+    integer :: l
+    first = ceiling(p - 0.5_dp * win%width)
+    s = 2 * (first - p + 0.5_dp * win%width) - 1
+    weight = win%piece(:, win%degree)
+    do l = win%degree - 1, 0, -1
+      weight = weight * s + win%piece(:, l)
+    end do
+  end subroutine window_weights
+
+  !> Smallest width whose error stays below the tolerance; 0 if there is none.
+  pure integer function window_width(n, fine, tolerance) result(width)
+    integer, intent(in) :: n, fine            !< wanted points, fine points
+    real(dp), intent(in) :: tolerance         !< error wanted
+    integer :: guess
+    guess = floor(-log(tolerance) / (pi * sqrt(1 - real(n, dp) / fine))) - 1
+    do width = max(2, guess), widest
+      if (window_error(n, fine, width) <= tolerance) return
+    end do
+    width = 0
+  end function window_width
+
+  !> Root mean square over the wanted points of the relative error: aliases and rounding. The error grows steeply towards the
+  !> ends, so the points are x = end (1 - t^2), and the end itself counts as the one point it is.
+  pure real(dp) function window_error(n, fine, width) result(error)
+    integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    integer, parameter :: samples = 16
+    real(dp) :: t, total
+    integer :: i
+    total = point_error(n, fine, width, 1._dp) / n
+    do i = 1, samples
+      t = (i - 0.5_dp) / samples
+      total = total + 2 * t / samples * point_error(n, fine, width, 1 - t**2)
+    end do
+    error = sqrt(total)
+  end function window_error
+
+  !> Squared relative error at a part x of the way from the middle to the end. The further aliases add a fifth of the near ones.
+  pure real(dp) function point_error(n, fine, width, part) result(square)
+    integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    real(dp), intent(in) :: part              !< 0 middle .. 1 end
+    real(dp) :: b2, x
+    b2 = shape_of(n, fine, width)**2
+    x = part * 0.5_dp * n / fine
+    square = (1.2_dp * (sinhc2(b2 - (pi * width * (1 - x))**2)**2 + sinhc2(b2 - (pi * width * (1 + x))**2)**2) + &
+      (1e-16_dp * log(real(fine, dp)) * sinhc2(b2))**2) / sinhc2(b2 - (pi * width * x)**2)**2
+  end function point_error
+
+  !> b of the window.
+  pure real(dp) function shape_of(n, fine, width) result(b)
+    integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    b = pi * width * (1 - 0.5_dp * n / fine)
+  end function shape_of
+
+  !> sinh(r) / r for r^2 given, also negative.
+  pure real(dp) function sinhc2(r2) result(y)
+    real(dp), intent(in) :: r2    !< r^2
+    real(dp) :: r
+    r = sqrt(abs(r2))
+    if (r < 1e-4_dp) then
+      y = 1 + r2 / 6
+    else if (r2 > 0) then
+      y = sinh(r) / r
+    else
+      y = sin(r) / r
+    end if
+  end function sinhc2
+
+  !> Modified Bessel function I0 by its power series; all terms are positive.
+  pure real(dp) function bessel_i0(x) result(y)
+    real(dp), intent(in) :: x    !< argument
+    real(dp) :: term
+    integer :: k
+    y = 1
+    term = 1
+    do k = 1, 500
+      term = term * (0.5_dp * x / k)**2
+      y = y + term
+      if (term < 1e-18_dp * y) return
+    end do
+  end function bessel_i0
+end module hd_window

@@ -59,7 +59,7 @@ contains
     integer, allocatable :: face(:)
     integer :: b, j, k, n, rows
     if (.not. can_condense(problem)) then
-      call raise(error, code_input, "solver.method = 'condensed' needs matching meshes of ring and cup; valid: auto, newton")
+      call raise(error, code_input, "solver.method = 'condensed' needs round bodies with matching meshes; valid: auto, newton")
       return
     end if
     n = problem%bodies(1)%sectors

@@ -30,6 +30,7 @@ module hd_contact_law
     real(dp) :: friction = 0          !< Coulomb coefficient
     real(dp) :: scale = 0             !< c [Pa/m]
     type(closure_table_t), allocatable :: joint   !< compliance of a rough joint; absent: hard
+    real(dp) :: softness = 0          !< elastic slip of the hard law from an outer iterate, see hd_newton [m/Pa]
   end type contact_law_t
 
 contains
@@ -50,101 +51,75 @@ contains
   end subroutine contact_mode
 
   !> Residual, derivatives and state of one multiplier.
-  pure subroutine evaluate_law(law, t, w, before, r, dw, dt, state)
+  pure subroutine evaluate_law(law, t, w, anchor, r, dw, dt, state)
     type(contact_law_t), intent(in) :: law  !< law
     real(dp), intent(in) :: t(3)            !< traction [Pa]
     real(dp), intent(in) :: w(3)            !< gap and slip [m]
-    real(dp), intent(in) :: before(2)       !< shear at the end of the last step, for a rough joint [Pa]
+    real(dp), intent(in) :: anchor(3)       !< traction of the last step (rough joint), or of the outer iterate (softened) [Pa]
     real(dp), intent(out) :: r(3)           !< residual [Pa]
     real(dp), intent(out) :: dw(3, 3)       !< dR/dw [Pa/m]
     real(dp), intent(out) :: dt(3, 3)       !< dR/dt
     integer, intent(out) :: state           !< open, stick or slip
-    real(dp) :: trial, shear(2), size, bound, e(2), tangent(2, 2)
+    real(dp) :: p, k, lean, flex, flex_slope
     integer :: i
     dw = 0
     dt = 0
+    do i = 1, 3
+      dt(i, i) = 1
+    end do
     if (law%mode == bonded) then
       r = law%scale*w
-      do i = 1, 3
-        dw(i, i) = law%scale
-      end do
+      dw = law%scale*dt
+      dt = 0
       state = stick_state
       return
     end if
-    if (allocated(law%joint)) then
-      call evaluate_joint_law(law, t, w, before, r, dw, dt, state)
-      return
-    end if
-    trial = t(1) - law%scale*w(1)
-    if (trial < 0) then
-      r = t
-      do i = 1, 3
-        dt(i, i) = 1
-      end do
-      state = open_state
-      return
-    end if
-    r(1) = law%scale*w(1)
-    dw(1, 1) = law%scale
-    bound = 0
-    if (law%mode == frictional) bound = law%friction*trial
-    shear = t(2:) - law%scale*w(2:)
-    size = norm2(shear)
-    if (size <= bound .and. law%mode == frictional) then
-      r(2:) = law%scale*w(2:)
-      dw(2, 2) = law%scale
-      dw(3, 3) = law%scale
-      state = stick_state
-      return
-    end if
-    state = slip_state
-    e = 0
-    if (size > 0) e = shear/size
-    r(2:) = t(2:) - bound*e
-    tangent = 0
-    if (size > 0) tangent = bound/size*(reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2]) - spread(e, 2, 2)*spread(e, 1, 2))
-    dt(2:, 2:) = -tangent
-    dt(2, 2) = dt(2, 2) + 1
-    dt(3, 3) = dt(3, 3) + 1
-    dw(2:, 2:) = law%scale*tangent
-    if (law%mode == frictional) then
-      dt(2:, 1) = -law%friction*e
-      dw(2:, 1) = law%scale*law%friction*e
-    end if
-  end subroutine evaluate_law
-
-  !> The same for a rough joint; arguments as in evaluate_law, `dw` and `dt` enter as zero.
-  pure subroutine evaluate_joint_law(law, t, w, before, r, dw, dt, state)
-    type(contact_law_t), intent(in) :: law
-    real(dp), intent(in) :: t(3), w(3), before(2)
-    real(dp), intent(out) :: r(3)
-    real(dp), intent(inout) :: dw(3, 3), dt(3, 3)
-    integer, intent(out) :: state
-    real(dp) :: p, k, kt, kt_slope, share, lean, shear(2), stick(2), by_p(2), tangent(2, 2), e(2), size, bound
-    integer :: i
-    call resolve_pressure(law%joint, law%scale, t(1) - law%scale*w(1), p, k)
     r = t
-    r(1) = t(1) - p
-    lean = k/(k + law%scale)
+    state = open_state
+    flex = law%softness
+    flex_slope = 0
+    if (allocated(law%joint)) then
+      call resolve_pressure(law%joint, law%scale, t(1) - law%scale*w(1), p, k)
+      lean = k/(k + law%scale)
+      r(1) = t(1) - p
+      if (.not. p > 0) return
+      if (law%mode == frictional) then
+        call stiffness_at_pressure(law%joint, p, k, flex_slope)
+        flex = 1/k
+        flex_slope = -flex_slope/k**2
+      end if
+    else
+      p = t(1) - law%scale*w(1)
+      if (p < 0) return
+      lean = 1
+      r(1) = law%scale*w(1)
+    end if
     dw(1, 1) = law%scale*lean
     dt(1, 1) = 1 - lean
-    dt(2, 2) = 1
-    dt(3, 3) = 1
-    state = open_state
-    if (.not. p > 0) return
     state = slip_state
-    if (law%mode == frictionless) return
-    call stiffness_at_pressure(law%joint, p, kt, kt_slope)
-    share = kt/(kt + law%scale)
-    shear = t(2:) - law%scale*w(2:)
-    stick = share*shear + (1 - share)*before
-    by_p = law%scale*kt_slope/(kt + law%scale)**2*(shear - before)
+    if (law%mode == frictional) call add_friction(law, t, w, anchor, p, lean, flex, flex_slope, r, dw, dt, state)
+  end subroutine evaluate_law
+
+  !> Coulomb friction of a closed point, elastic by `flex` before it slips; arguments as in evaluate_law.
+  pure subroutine add_friction(law, t, w, anchor, p, lean, flex, flex_slope, r, dw, dt, state)
+    type(contact_law_t), intent(in) :: law
+    real(dp), intent(in) :: t(3), w(3), anchor(3)
+    real(dp), intent(in) :: p                  !< pressure by the law [Pa]
+    real(dp), intent(in) :: lean               !< its derivative by the trial pressure
+    real(dp), intent(in) :: flex, flex_slope   !< tangential flexibility [m/Pa] and its derivative by p [m/Pa^2]
+    real(dp), intent(inout) :: r(3), dw(3, 3), dt(3, 3)
+    integer, intent(inout) :: state
+    real(dp) :: share, stick(2), by_p(2), tangent(2, 2), e(2), size, bound
+    integer :: i
+    share = 1/(1 + law%scale*flex)
+    stick = share*(t(2:) - law%scale*(w(2:) - flex*anchor(2:)))
+    by_p = law%scale*flex_slope*share*(anchor(2:) - stick)
     size = norm2(stick)
     bound = law%friction*p
     tangent = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
     if (size <= bound) then
       state = stick_state
-      r(2:) = t(2:) - stick
+      r(2:) = share*law%scale*(w(2:) + flex*(t(2:) - anchor(2:)))
     else
       e = stick/size
       r(2:) = t(2:) - bound*e
@@ -157,5 +132,5 @@ contains
     end do
     dt(2:, 1) = -by_p*lean
     dw(2:, 1) = by_p*lean*law%scale
-  end subroutine evaluate_joint_law
+  end subroutine add_friction
 end module hd_contact_law

@@ -1,16 +1,20 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Semi-smooth Newton iteration of one load step: equilibrium and contact law together (Hueeber, Stadler, Wohlmuth 2008).
+!>
+!> Where the contact states run in a cycle, or the residual stalls, friction is softened: shear follows the slip elastically
+!> from an anchor, the outer iterate (proximal point method). Each outer step moves the anchor to the solution and stiffens;
+!> where the anchor is the solution the softened law is Coulomb's. Once the residual is small, Newton's method finishes.
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state
-  use hd_contact_law, only: evaluate_law, open_state, stick_state, slip_state
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip
+  use hd_contact_law, only: contact_law_t, evaluate_law, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   implicit none
   private
-  public :: newton_options_t, iteration_t, iterate, respond
+  public :: newton_options_t, iteration_t, iterate
 
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
@@ -34,8 +38,28 @@ module hd_newton
     real(dp), allocatable :: r_u(:, :), r_c(:, :), dw(:, :, :), dt(:, :, :)
     integer, allocatable :: contact(:)
     logical, allocatable :: idle(:, :)   !< components whose dofs are all prescribed: their traction stays 0
-    real(dp) :: merit = 0
+    real(dp) :: merit = 0                !< relative residual
+    real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
+    type(contact_law_t) :: law           !< the law, softened or not
+    real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
   end type linearisation_t
+
+  !> Memory of the globalisation.
+  type :: globalisation_t
+    integer, allocatable :: seen(:, :)     !< contact states of the series of iterates (multipliers, iterates)
+    real(dp), allocatable :: merits(:)     !< their residuals
+    type(state_t), allocatable :: saved    !< iterate to which the softened iteration returns
+    real(dp) :: lowest = huge(1._dp)       !< lowest residual of the series
+    real(dp) :: harden = 1e-2_dp           !< residual of the hard law at which Newton's method takes over again
+    real(dp) :: softness = 0               !< of the outer step [m/Pa]
+    integer :: best = 0                    !< its iteration
+    integer :: since = 0                   !< iteration at which the series began
+    integer :: outer = 0                   !< softened outer steps
+  end type globalisation_t
+
+  integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
+  real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
+  real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
 
 contains
 
@@ -52,6 +76,7 @@ contains
     logical, intent(out) :: sliding                              !< in balance, but displaced beyond `runaway`
     type(error_t), allocatable, intent(out) :: error             !< linear solver
     type(linearisation_t) :: here
+    type(globalisation_t) :: global
     type(iteration_t) :: row
     real(dp), allocatable :: du(:, :), dt(:, :)
     integer(int64) :: start, now, rate
@@ -62,6 +87,8 @@ contains
     where (problem%fixed) state%u = load%displacement
     du = state%u
     dt = state%traction
+    here%law = problem%law
+    here%anchor = previous%traction
     call linearise(problem, load, previous, state, here)
     do
       call system_clock(now)
@@ -75,43 +102,87 @@ contains
       state%contact = here%contact
       sliding = here%merit < 1e-6_dp .and. maxval(abs(state%u)) > options%runaway
       if (sliding) return
-      converged = here%merit <= options%tolerance
+      converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
+      call globalise(problem, load, previous, row%iteration, state, here, global)
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solver%solve(problem, here%r_u, here%r_c, du, dt, error)
       if (allocated(error)) return
       row%iteration = row%iteration + 1
-      call advance(problem, load, previous, du, dt, row%iteration > options%full_steps, state, here, row%damping)
+      call advance(problem, load, previous, du, dt, row%iteration - global%since > options%full_steps .or. &
+        here%law%softness > 0, state, here, row%damping)
     end do
   end subroutine iterate
 
-  !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
-  subroutine respond(problem, solver, load, factorise, state, error)
-    type(problem_t), intent(in) :: problem               !< problem
-    class(linear_solver_t), intent(inout) :: solver      !< its linear solver
-    type(load_t), intent(in) :: load                     !< load
-    logical, intent(in) :: factorise                     !< the solver has not met this problem's law yet
-    type(state_t), intent(out) :: state                  !< answer
-    type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(linearisation_t) :: here
-    type(state_t) :: rest
-    real(dp), allocatable :: du(:, :), dt(:, :)
-    call new_state(problem, rest)
-    state = rest
-    where (problem%fixed) state%u = load%displacement
-    du = state%u
-    dt = state%traction
-    call linearise(problem, load, rest, state, here)
-    if (factorise) call solver%update(problem, here%dw, here%dt, error)
-    if (allocated(error)) return
-    call solver%solve(problem, here%r_u, here%r_c, du, dt, error)
-    if (allocated(error)) return
-    state%u = state%u + du
-    state%traction = state%traction + dt
-    state%contact = here%contact
-  end subroutine respond
+  !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
+  subroutine globalise(problem, load, previous, iteration, state, here, global)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load
+    type(state_t), intent(in) :: previous             !< beginning of the load step
+    integer, intent(in) :: iteration                  !< iterations so far
+    type(state_t), intent(inout) :: state             !< iterate
+    type(linearisation_t), intent(inout) :: here      !< its linearisation
+    type(globalisation_t), intent(inout) :: global    !< memory
+    if (allocated(problem%law%joint)) return
+    if (here%law%softness > 0) then
+      if (here%merit > inner_tolerance) return
+      global%outer = global%outer + 1
+      global%softness = max(0.1_dp*global%softness, 1/here%law%scale)
+      here%anchor = state%traction
+      here%law%softness = 0
+      call linearise(problem, load, previous, state, here)
+      if (here%merit < global%harden) then
+        global%harden = 0.1_dp*global%harden
+        global%saved = state
+        call forget(iteration, global)
+      else
+        here%law%softness = global%softness
+        call linearise(problem, load, previous, state, here)
+      end if
+      return
+    end if
+    if (.not. cycles(here, state, iteration, global)) return
+    if (allocated(global%saved)) state = global%saved
+    here%anchor = state%traction
+    if (global%outer == 0) global%softness = softest/here%law%scale
+    here%law%softness = global%softness
+    call linearise(problem, load, previous, state, here)
+  end subroutine globalise
+
+  !> The contact states repeat an earlier iterate's without a lower residual, or no lower residual comes for long.
+  logical function cycles(here, state, iteration, global)
+    type(linearisation_t), intent(in) :: here         !< linearisation
+    type(state_t), intent(in) :: state                !< iterate
+    integer, intent(in) :: iteration                  !< iterations so far
+    type(globalisation_t), intent(inout) :: global    !< memory, gets this iterate
+    integer :: k
+    cycles = .false.
+    if (.not. allocated(global%seen)) allocate (global%seen(size(here%contact), 0), global%merits(0))
+    do k = 1, size(global%seen, 2) - 1
+      if (.not. all(global%seen(:, k) == here%contact)) cycle
+      cycles = cycles .or. here%merit > 0.5_dp*global%merits(k)
+    end do
+    if (here%merit < global%lowest) then
+      global%lowest = here%merit
+      global%best = iteration
+      if (global%outer == 0) global%saved = state
+    end if
+    cycles = cycles .or. iteration - global%best >= patience
+    global%merits = [global%merits, here%merit]
+    global%seen = reshape([global%seen, here%contact], [size(here%contact), size(global%merits)])
+  end function cycles
+
+  !> Start a new series of iterates.
+  subroutine forget(iteration, global)
+    integer, intent(in) :: iteration                  !< iterations so far
+    type(globalisation_t), intent(inout) :: global    !< memory
+    global%lowest = huge(1._dp)
+    global%best = iteration
+    global%since = iteration
+    if (allocated(global%seen)) deallocate (global%seen, global%merits)
+  end subroutine forget
 
   !> Take the Newton step, shortened where that lowers the residual if `search` is set.
   subroutine advance(problem, load, previous, du, dt, search, state, here, damping)
@@ -127,7 +198,7 @@ contains
     real(dp) :: merit, best, best_damping
     integer :: k
     old = state
-    merit = here%merit
+    merit = here%distance
     best = huge(best)
     best_damping = 1
     damping = 1
@@ -136,11 +207,11 @@ contains
       state%u = old%u + damping*du
       state%traction = old%traction + damping*dt
       call linearise(problem, load, previous, state, here)
-      if (here%merit < best) then
-        best = here%merit
+      if (here%distance < best) then
+        best = here%distance
         best_damping = damping
       end if
-      if (here%merit < (1 - 0.1_dp*damping)*merit) return
+      if (here%distance < (1 - 0.1_dp*damping)*merit) return
     end do
     if (damping == best_damping) return
     damping = best_damping
@@ -166,8 +237,8 @@ contains
     end if
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n
-      call evaluate_law(problem%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
-        previous%traction(2:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
+        here%anchor(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
       do c = 1, 3
         if (.not. here%idle(c, j)) cycle
         here%r_c(c, j) = state%traction(c, j)
@@ -180,7 +251,8 @@ contains
     call add_nodal_forces(problem%mortar, state%traction, force)
     law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
     scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
-    here%merit = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)/scale
+    here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
+    here%merit = here%distance/scale
   end subroutine linearise
 
   !> Traction components that act on prescribed dofs only, or on no facet opposite.

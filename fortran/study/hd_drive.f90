@@ -4,14 +4,16 @@
 !> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 is the ring (slave), body 2 the cup (master).
 module hd_drive
   use hd_kinds, only: dp, pi
+  use hd_cam, only: cam_deformation, cam_displacement, form_body
   use hd_error, only: error_t
   use hd_scene, only: scene_t
   use hd_body, only: body_t
-  use hd_face, only: face_t, facet_weights
+  use hd_face, only: face_t
   use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: new_mortar
   use hd_problem, only: problem_t, load_t, new_problem, add_springs
+  use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
   implicit none
   private
@@ -24,12 +26,14 @@ module hd_drive
     integer :: axial_facets = 0              !< facets of that face along the axis
     real(dp) :: radius = 0                   !< contact radius [m]
     real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
+    real(dp), allocatable :: reference(:, :) !< r, theta, z of the nodes before any forming (3, n) [m, rad, m]
     real(dp), allocatable :: torque(:, :)    !< nodal forces of a unit torque (3, n) [1/m]
+    real(dp), allocatable :: squeeze(:, :)   !< radial forces that come with a unit torque of either sense (3, n) [1/m]
+    real(dp), allocatable :: gauge(:, :)     !< even shear of a unit torque: weights of the rotation of the rim (3, n) [1/m]
     real(dp) :: interference = 0             !< radial interference [m]
     integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
     real(dp) :: spring_rate = 0              !< stiffness at each of them, radial and tangential [N/m]
     real(dp) :: hub_radius = 0               !< [m]
-    integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
   end type drive_t
 
 contains
@@ -40,7 +44,7 @@ contains
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
     type(body_t) :: bodies(2)
-    type(face_t) :: master
+    type(face_t) :: master, rim
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -53,12 +57,18 @@ contains
     call revolve(drive%cup, scene%divisions, kind, bodies(2))
     bodies%young = [scene%ring_e, scene%flexspline_e]
     bodies%poisson = [scene%ring_nu, scene%flexspline_nu]
-    call new_problem(bodies, drive%problem, error)
-    if (allocated(error)) return
+    drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
     drive%axial_facets = size(drive%ring%inner, 2) - 1
     call strip_face(drive%ring, bodies(1), drive%ring%layers + 1, 1, drive%axial_facets + 1, drive%radius, drive%face)
     call strip_face(drive%cup, bodies(2), 1, first, last, drive%radius, master)
-    master%nodes = master%nodes + drive%problem%first(2)
+    master%nodes = master%nodes + bodies(1)%nodes()
+    call strip_face(drive%cup, bodies(2), drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, rim)
+    if (scene%shape == 'as_formed') then
+      call form_body(scene, bodies(1))
+      call form_body(scene, bodies(2))
+    end if
+    call new_problem(bodies, drive%problem, error)
+    if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
     call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
     if (allocated(error)) return
@@ -66,8 +76,24 @@ contains
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
     call turn_cam(scene, drive)
-    call load_rim(scene, drive)
+    call load_rim(scene, rim, drive)
   end subroutine new_drive
+
+  !> r, theta, z of the nodes of a revolved body.
+  pure function cylindrical(body) result(c)
+    type(body_t), intent(in) :: body  !< body
+    real(dp) :: c(3, size(body%x, 2))
+    c(1, :) = hypot(body%x(1, :), body%x(2, :))
+    c(2, :) = body%angle
+    c(3, :) = body%x(3, :)
+  end function cylindrical
+
+  !> Last station of the cup that belongs to the rim.
+  pure integer function rim_end(scene, cup)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(strip_t), intent(in) :: cup    !< section
+    rim_end = max(2, count(cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. cup%outer(1, :) >= scene%bore_radius))
+  end function rim_end
 
   !> Meridian section of the ring.
   pure subroutine ring_strip(scene, strip)
@@ -138,12 +164,16 @@ contains
   subroutine hold(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
-    integer, allocatable :: hub(:)
+    integer, allocatable :: hub(:), inner(:)
     real(dp) :: z, corner
     associate (problem => drive%problem)
-      problem%fixed(1, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)) = .true.
-      if (scene%ring_tangent == 'follow') &
-        problem%fixed(2, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)) = .true.
+      inner = nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)
+      problem%fixed(1, inner) = .true.
+      if (scene%ring_tangent == 'follow') then
+        problem%fixed(2, inner) = .true.
+      else
+        call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
+      end if
       z = drive%ring%inner(2, (drive%axial_facets + 2)/2)
       problem%fixed(3, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
       corner = scene%cup_length - scene%bottom_thickness
@@ -151,8 +181,7 @@ contains
       allocate (drive%sprung(0))
       hub = nodes_at(drive, 2, scene%hub_radius, corner, scene%cup_length)
       problem%fixed(3, hub) = .true.
-      drive%hub = hub
-      if (scene%support /= 'bearing') then
+      if (scene%support == 'hub') then
         problem%fixed(:, hub) = .true.
       else
         drive%sprung = hub
@@ -175,9 +204,9 @@ contains
     tol = 1e-7_dp*drive%radius
     range = [-1, 1]*huge(tol)
     if (present(z_low)) range = [z_low - tol, z_high + tol]
-    associate (x => drive%problem%bodies(b)%x)
-      list = pack([(i, i=1, size(x, 2))], abs(hypot(x(1, :), x(2, :)) - r) < tol .and. &
-        x(3, :) > range(1) .and. x(3, :) < range(2)) + drive%problem%first(b)
+    associate (first => drive%problem%first(b), n => drive%problem%bodies(b)%nodes())
+      list = pack([(i, i=first + 1, first + n)], abs(drive%reference(1, first + 1:first + n) - r) < tol .and. &
+        drive%reference(3, first + 1:first + n) > range(1) .and. drive%reference(3, first + 1:first + n) < range(2))
     end associate
   end function nodes_at
 
@@ -185,7 +214,7 @@ contains
   subroutine turn_cam(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets assembly
-    real(dp), allocatable :: t(:), radial(:)
+    real(dp), allocatable :: t(:), u(:), v(:), du(:), dv(:)
     real(dp) :: r, angle
     integer, allocatable :: inner(:)
     angle = scene%eccentricity_angle_deg*pi/180
@@ -193,35 +222,29 @@ contains
     allocate (drive%assembly(3, drive%problem%n), source=0._dp)
     inner = nodes_at(drive, 1, r)
     t = drive%problem%bodies(1)%angle(inner)
-    radial = scene%w*cos(2*t)
-    if (scene%cam == 'ellipse') radial = (r + scene%w)*(r - scene%w)/ &
-      sqrt(((r - scene%w)*cos(t))**2 + ((r + scene%w)*sin(t))**2) - r
-    drive%assembly(1, inner) = radial + scene%eccentricity*cos(t - angle)
-    drive%assembly(2, inner) = -scene%w/2*sin(2*t) - scene%eccentricity*sin(t - angle)
+    drive%assembly(1, inner) = scene%eccentricity*cos(t - angle)
+    drive%assembly(2, inner) = -scene%eccentricity*sin(t - angle)
+    if (scene%shape == 'as_formed') return
+    allocate (u, v, du, dv, mold=t)
+    call cam_displacement(scene%cam, r, cam_deformation(scene, drive%reference(3, inner)), t, u, v, du, dv)
+    drive%assembly(1, inner) = drive%assembly(1, inner) + u
+    drive%assembly(2, inner) = drive%assembly(2, inner) + v
   end subroutine turn_cam
 
-  !> Unit torque as an even shear on the rim's outer face.
-  subroutine load_rim(scene, drive)
+  !> Unit torque on the rim's outer face.
+  subroutine load_rim(scene, rim, drive)
     type(scene_t), intent(in) :: scene     !< scene
-    type(drive_t), intent(inout) :: drive  !< gets torque
-    type(face_t) :: face
-    real(dp), allocatable :: w(:), r(:)
-    real(dp) :: area
-    integer :: f, last
+    type(face_t), intent(in) :: rim        !< outside of the rim
+    type(drive_t), intent(inout) :: drive  !< gets torque, squeeze, gauge
+    integer :: first
+    first = drive%problem%first(2)
+    allocate (drive%gauge(3, drive%problem%n), source=0._dp)
+    drive%squeeze = drive%gauge
     associate (body => drive%problem%bodies(2))
-      last = max(2, count(drive%cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. &
-        drive%cup%outer(1, :) >= scene%bore_radius))
-      call strip_face(drive%cup, body, drive%cup%layers + 1, 1, last, drive%radius, face)
-      allocate (drive%torque(3, drive%problem%n), source=0._dp)
-      w = facet_weights(size(face%nodes, 1))
-      do f = 1, size(face%nodes, 2)
-        area = (face%chart(1, 2, f) - face%chart(1, 1, f))*(face%chart(2, 4, f) - face%chart(2, 1, f))
-        associate (list => drive%problem%first(2) + face%nodes(:, f))
-          drive%torque(2, list) = drive%torque(2, list) + w*area
-        end associate
-      end do
-      r = hypot(body%x(1, :), body%x(2, :))
-      drive%torque = drive%torque/sum(drive%torque(2, drive%problem%first(2) + 1:)*r)
+      drive%gauge(:, first + 1:) = even_shear(body, rim)
+      drive%torque = drive%gauge
+      if (scene%torque_load == 'teeth') &
+        call tooth_forces(scene, body, rim, drive%torque(:, first + 1:), drive%squeeze(:, first + 1:))
     end associate
   end subroutine load_rim
 
@@ -232,7 +255,7 @@ contains
     real(dp), intent(in) :: torque        !< torque on the rim [N m]
     type(load_t), intent(out) :: load     !< load
     load%displacement = assembly*drive%assembly
-    load%force = torque*drive%torque
+    load%force = torque*drive%torque + abs(torque)*drive%squeeze
     load%gap = spread(-assembly*drive%interference, 1, drive%problem%mortar%n)
   end subroutine drive_load
 end module hd_drive

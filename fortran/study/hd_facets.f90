@@ -4,11 +4,11 @@ module hd_facets
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t
   use hd_asperity, only: asperity_t, new_asperity
-  use hd_body, only: cartesian
+  use hd_body, only: cartesian, axial_moment
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint
-  use hd_mortar, only: facet_mean
+  use hd_mortar, only: facet_mean, add_nodal_forces
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   implicit none
@@ -30,7 +30,7 @@ module hd_facets
 
   !> Sums over the contact and the supports.
   type :: sums_t
-    real(dp) :: rotation = 0           !< mean rotation of the loaded rim, work-conjugate to the torque [rad]
+    real(dp) :: rotation = 0           !< mean rotation of the rim, work-conjugate to an even torque [rad]
     real(dp) :: normal_force = 0       !< int p dA [N]
     real(dp) :: reaction_force = 0     !< the same from the nodal forces of the flexspline [N]
     real(dp) :: facet_force = 0        !< the same from the table of facets [N]
@@ -38,7 +38,7 @@ module hd_facets
     real(dp) :: contact_area = 0       !< [m^2]
     real(dp) :: pressure_max = 0       !< at a node [Pa]
     real(dp) :: pressure_middle = 0    !< mean over the middle of the band [Pa]
-    real(dp) :: friction_torque = 0    !< of the ring on the flexspline [N m]
+    real(dp) :: friction_torque = 0    !< of the ring on the flexspline, pressure on a formed bore included [N m]
     real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
     real(dp) :: torque_balance = 0     !< sum of all moments about the axis [N m]
     real(dp) :: axial_balance = 0      !< sum of all axial forces [N]
@@ -113,12 +113,12 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
-    real(dp), allocatable :: r(:, :), theta(:), radius(:)
+    real(dp), allocatable :: r(:, :), theta(:)
     type(state_t) :: free
-    integer :: b, row, rows
+    integer :: row, rows
     associate (problem => drive%problem, a => drive%problem%mortar%area, p => state%traction(1, :))
       theta = problem%bodies(1)%angle(problem%mortar%node)
-      sums%rotation = sum(drive%torque*state%u)
+      sums%rotation = sum(drive%gauge*state%u)
       sums%normal_force = sum(a*p)
       sums%facet_force = sum(facets%area*facets%traction(1, :))
       sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
@@ -128,18 +128,14 @@ contains
       row = (rows + 1)/2
       sums%pressure_middle = sum(facets%traction(1, row::rows) + facets%traction(1, rows + 1 - row::rows))/ &
         (2*(size(facets%area)/rows))
-      sums%friction_torque = sum(a*state%traction(2, :))*drive%radius
+      allocate (r(3, problem%n), source=0._dp)
+      call add_nodal_forces(problem%mortar, state%traction, r)
+      sums%friction_torque = moment(drive, r, 2)
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact == stick_state)
       r = internal_residual(problem, load, state)
-      allocate (radius(problem%n))
-      do b = 1, 2
-        associate (body => problem%bodies(b))
-          radius(problem%first(b) + 1:problem%first(b) + body%nodes()) = hypot(body%x(1, :), body%x(2, :))
-        end associate
-      end do
       where (.not. problem%fixed) r = 0
-      sums%torque_balance = sum(r(2, :)*radius) + sum(load%force(2, :)*radius) - spring_torque(drive, state)
+      sums%torque_balance = moment(drive, r + load%force, 1) + moment(drive, r + load%force, 2) - spring_torque(drive, state)
       sums%axial_balance = sum(r(3, :))
       free = state
       free%traction = 0
@@ -148,6 +144,16 @@ contains
       sums%reaction_force = sum(r(1, problem%first(2) + 1:))
     end associate
   end subroutine sum_up
+
+  !> Moment about the axis of the nodal forces on one body [N m].
+  pure real(dp) function moment(drive, force, b) result(m)
+    type(drive_t), intent(in) :: drive     !< drive
+    real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
+    integer, intent(in) :: b               !< body
+    associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
+      m = axial_moment(body, force(:, first + 1:first + body%nodes()))
+    end associate
+  end function moment
 
   !> Moment of the support springs about the axis [N m].
   pure real(dp) function spring_torque(drive, state) result(m)

@@ -28,7 +28,7 @@ module hd_scene
     ! wave generator
     real(dp) :: w = 0.2e-3_dp
     character(len=name_length) :: cam = 'ellipse', ring_tangent = 'follow', shape = 'pressed'
-    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp
+    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
     ! contact
     character(len=name_length) :: contact_mode = 'frictional'
     real(dp) :: friction = 0.15_dp
@@ -36,7 +36,6 @@ module hd_scene
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0
     integer :: assembly_steps = 3, torque_steps = 5
     ! solver
     character(len=name_length) :: method = 'auto'
@@ -59,7 +58,7 @@ contains
   !> The scene repeats after half a turn, with the mesh.
   elemental logical function repeats(self)
     class(scene_t), intent(in) :: self  !< scene
-    repeats = .not. self%eccentricity > 0 .and. modulo(self%divisions, 2) == 0 .and. self%support /= 'teeth'
+    repeats = .not. self%eccentricity > 0 .and. modulo(self%divisions, 2) == 0
   end function repeats
 
   !> Contact points of the part of the face that condensation solves.

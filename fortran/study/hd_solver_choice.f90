@@ -22,7 +22,7 @@ contains
     type(condensed_t), allocatable :: condensed
     type(newton_matrix_t), allocatable :: matrix
     logical :: condense
-    condense = can_condense(drive%problem) .and. scene%solved_points() <= largest_face .and. scene%support /= 'teeth'
+    condense = can_condense(drive%problem) .and. scene%solved_points() <= largest_face
     if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. condense)) then
       allocate (condensed)
       call new_condensed(drive%problem, scene%repeats(), condensed, error)

@@ -43,16 +43,16 @@ contains
     do k = 1, 4
       t = cases(:3, k)
       w = cases(4:, k)
-      call evaluate_law(law, t, w, [0._dp, 0._dp], r, dw, dt, state)
+      call evaluate_law(law, t, w, [0._dp, 0._dp, 0._dp], r, dw, dt, state)
       seen(state) = seen(state) + 1
       do i = 1, 3
         step = 0
         step(i) = 1e-6_dp
-        call evaluate_law(law, t + step, w, [0._dp, 0._dp], plus, skip, skip, state)
-        call evaluate_law(law, t - step, w, [0._dp, 0._dp], minus, skip, skip, state)
+        call evaluate_law(law, t + step, w, [0._dp, 0._dp, 0._dp], plus, skip, skip, state)
+        call evaluate_law(law, t - step, w, [0._dp, 0._dp, 0._dp], minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dt(:, i))))
-        call evaluate_law(law, t, w + step, [0._dp, 0._dp], plus, skip, skip, state)
-        call evaluate_law(law, t, w - step, [0._dp, 0._dp], minus, skip, skip, state)
+        call evaluate_law(law, t, w + step, [0._dp, 0._dp, 0._dp], plus, skip, skip, state)
+        call evaluate_law(law, t, w - step, [0._dp, 0._dp, 0._dp], minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dw(:, i))))
       end do
     end do

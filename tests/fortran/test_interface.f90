@@ -67,7 +67,7 @@ contains
   !> The derivatives of the joint law agree with central differences in every state.
   subroutine law_tangent()
     type(contact_law_t) :: law
-    real(dp) :: t(3), w(3), before(2), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 4), c
+    real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 4), c
     integer :: i, k, state, seen(0:2)
     c = 1e13_dp
     law = contact_law_t(frictional, 0.3_dp, c, exponential())
@@ -80,7 +80,7 @@ contains
     do k = 1, 4
       t = cases(:3, k)
       w = cases(4:6, k)
-      before = cases(7:, k)
+      before = [0._dp, cases(7:, k)]
       call evaluate_law(law, t, w, before, r, dw, dt, state)
       seen(state) = seen(state) + 1
       do i = 1, 3
@@ -129,9 +129,9 @@ contains
       real(dp), intent(in) :: w(3)
       real(dp), intent(inout) :: t(3)
       integer, intent(out) :: state
-      real(dp) :: before(2)
+      real(dp) :: before(3)
       integer :: k
-      before = t(2:)
+      before = t
       do k = 1, 2000
         call evaluate_law(law, t, w, before, r, dw, dt, state)
         t = t - r

@@ -1,31 +1,44 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Newton's linear system condensed to the contact face: the bodies are solved by harmonics once, only tractions of closed
-!> contact points remain, in a dense system solved by LU.
+!> Newton's linear system condensed to the contact face: the bodies are solved once, only tractions of closed contact points
+!> remain. They come from a dense LU of the part of the face that symmetry leaves, or from GMRES on the whole face,
+!> whichever costs less.
 !>
 !>   [ R_w F a + R_t ] dt = -r_c - R_w B v,   F = B K^-1 B^T,   v = -K^-1 r_u,   du = v + K^-1 B^T a dt
-!> F is a circulant: its entries depend on the difference of the sectors. Where the scene repeats after half a turn, so do
-!> all iterates, and half of the face is enough.
 module hd_condensed
-  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
+  use hd_circulant, only: circulant_t, new_circulant
+  use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
-  use hd_harmonics, only: harmonics_t, new_harmonics, solve_body, face_compliance
-  use hd_lapack, only: solve_dense
+  use hd_face_system, only: face_system_t, new_face_system
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, load_t, state_t
+  use hd_symmetry, only: symmetry_t, find_symmetry, limit_symmetry, symmetry_name, image_sector, node_images, &
+    mirror_sign
   implicit none
   private
-  public :: condensed_t, new_condensed, can_condense
+  public :: condensed_t, new_condensed
+
+  integer, parameter :: most_steps = 250             !< of GMRES
+  integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
+  real(dp), parameter :: krylov_tolerance = 1e-7_dp  !< residual of a Newton correction, relative
+  real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
+  real(dp), parameter :: pair_time = 5e-9_dp         !< seconds per entry to form the matrix
+  real(dp), parameter :: apply_rate = 1e9_dp         !< operations per second of F
 
   type, extends(linear_solver_t) :: condensed_t
-    type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
-    real(dp), allocatable :: kernel(:, :, :)        !< relative compliance (3 rows, 3 rows, sector difference) [m/N]
-    integer, allocatable :: sector(:), row(:)       !< place of each multiplier: sector from 0, axial row
-    integer, allocatable :: at(:, :)                !< multiplier at (row, sector)
-    integer :: part = 0                             !< sectors that are solved: all, or half of them
+    class(compliance_t), pointer :: compliance => null()  !< of the bodies at the face
+    type(symmetry_t) :: symmetry                    !< used in this load step
+    logical :: begun = .false.                      !< compliance is prepared
+    integer :: images = 4                           !< images allowed: 1, 2 or 4
+    logical :: demanded = .false.                   !< fewer images than allowed are an error in the first step
+    integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
+    integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
+    integer, allocatable :: image(:)                !< of every node behind the mirror plane
+    integer :: steps = 30                           !< of GMRES, last time
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)
   contains
+    procedure :: begin => begin_condensed
     procedure :: update => update_condensed
     procedure :: solve => solve_condensed
     procedure :: release => release_condensed
@@ -33,113 +46,75 @@ module hd_condensed
 
 contains
 
-  !> Condensation by harmonics needs two revolved bodies of linear elements with as many sectors and matching faces.
-  pure logical function can_condense(problem) result(yes)
-    type(problem_t), intent(in) :: problem  !< problem
-    integer :: j
-    yes = size(problem%bodies) == 2
-    if (.not. yes) return
-    yes = all(problem%bodies%revolved) .and. problem%bodies(1)%sectors == problem%bodies(2)%sectors .and. &
-      all(problem%bodies%nodes_per_sector*problem%bodies%sectors > 0)
-    if (.not. yes) return
-    yes = all(problem%mortar%ptr(2:) - problem%mortar%ptr(:problem%mortar%n) == 2)
-    do j = 1, problem%mortar%n
-      if (.not. yes) return
-      yes = all(abs(abs(problem%mortar%val(problem%mortar%ptr(j):problem%mortar%ptr(j) + 1)) - 1) < 1e-10_dp)
-    end do
-  end function can_condense
-
-  !> Factorise both bodies and form the compliance of the face.
-  subroutine new_condensed(problem, half_turn, condensed, error)
-    type(problem_t), intent(in) :: problem            !< problem that can_condense
-    logical, intent(in) :: half_turn                  !< the scene repeats after half a turn
-    type(condensed_t), intent(out) :: condensed       !< solver
-    type(error_t), allocatable, intent(out) :: error  !< cannot be condensed, body not held
-    real(dp), allocatable :: kernel(:, :, :)
-    integer, allocatable :: face(:)
-    integer :: b, j, k, n, rows
-    if (.not. can_condense(problem)) then
-      call raise(error, code_input, "solver.method = 'condensed' needs round bodies with matching meshes; valid: auto, newton")
-      return
-    end if
-    n = problem%bodies(1)%sectors
-    condensed%name = 'condensed to the face by harmonics'
-    condensed%part = merge(n/2, n, half_turn .and. modulo(n, 2) == 0)
-    if (condensed%part < n) condensed%name = trim(condensed%name)//', half'
-    call place_multipliers(problem, condensed, rows)
-    allocate (condensed%bodies(2))
-    do b = 1, 2
-      call new_harmonics(problem%bodies(b), condensed%part, problem%fixed(:, problem%first(b) + 1:problem%first(b) + &
-        problem%bodies(b)%nodes_per_sector), sector_springs(problem, b), condensed%bodies(b), error)
-      if (allocated(error)) return
-      allocate (face(rows))
-      do k = 1, rows
-        j = condensed%at(k, 0)
-        face(k) = problem%mortar%node(j)
-        if (b == 2) face(k) = partner(problem, j) - problem%first(2)
-      end do
-      call face_compliance(condensed%bodies(b), face, kernel)
-      deallocate (face)
-      if (b == 1) condensed%kernel = kernel
-      if (b == 2) condensed%kernel = condensed%kernel + kernel
-      condensed%factor_entries = condensed%factor_entries + size(condensed%bodies(b)%band, kind=int64)
-    end do
-    condensed%unknowns = 3*rows*condensed%part
-  end subroutine new_condensed
-
-  !> Master node opposite a multiplier.
-  pure integer function partner(problem, j)
-    type(problem_t), intent(in) :: problem  !< problem with matching faces
-    integer, intent(in) :: j                !< multiplier
-    associate (col => problem%mortar%col(problem%mortar%ptr(j):problem%mortar%ptr(j) + 1))
-      partner = maxval(col)
-    end associate
-  end function partner
-
-  !> Sector and axial row of every multiplier.
-  subroutine place_multipliers(problem, condensed, rows)
-    type(problem_t), intent(in) :: problem           !< problem
-    type(condensed_t), intent(inout) :: condensed    !< gets sector, row, at
-    integer, intent(out) :: rows                     !< multipliers along the axis
+  !> Take over a compliance. Revolved bodies may use symmetry, others may not.
+  subroutine new_condensed(problem, compliance, condensed)
+    type(problem_t), intent(in) :: problem                  !< problem
+    class(compliance_t), pointer, intent(in) :: compliance  !< allocated; the solver frees it
+    type(condensed_t), intent(out) :: condensed             !< solver
+    integer :: j, m, rows
     integer, allocatable :: number(:)
-    integer :: j, local, m
+    condensed%compliance => compliance
+    condensed%name = condensed%compliance%name
+    condensed%unknowns = 3*problem%mortar%n
+    allocate (condensed%sector(problem%mortar%n), source=0)
+    allocate (condensed%row(problem%mortar%n), source=0)
+    if (.not. condensed%compliance%fast) return
     m = problem%bodies(1)%nodes_per_sector
+    condensed%sectors = problem%bodies(1)%sectors
     allocate (number(m), source=0)
-    condensed%sector = (problem%mortar%node - 1)/m
+    number(modulo(problem%mortar%node - 1, m) + 1) = 1
     rows = 0
-    do local = 1, m
-      if (.not. any(problem%mortar%node == local)) cycle
-      rows = rows + 1
-      number(local) = rows
+    do j = 1, m
+      rows = rows + number(j)
+      number(j) = rows
     end do
+    condensed%sector = (problem%mortar%node - 1)/m
     condensed%row = number(modulo(problem%mortar%node - 1, m) + 1)
-    allocate (condensed%at(rows, 0:problem%bodies(1)%sectors - 1))
+    allocate (condensed%at(rows, 0:condensed%sectors - 1), source=0)
     do j = 1, problem%mortar%n
       condensed%at(condensed%row(j), condensed%sector(j)) = j
     end do
-  end subroutine place_multipliers
+  end subroutine new_condensed
 
-  !> Springs to the ground in the first sector of a body.
-  pure function sector_springs(problem, b) result(rate)
-    type(problem_t), intent(in) :: problem  !< problem
-    integer, intent(in) :: b                !< body
-    real(dp) :: rate(3, problem%bodies(b)%nodes_per_sector)
-    rate = problem%spring(:, problem%first(b) + 1:problem%first(b) + problem%bodies(b)%nodes_per_sector)
-  end function sector_springs
+  !> Find the symmetry of a load step and factorise for it.
+  subroutine begin_condensed(self, problem, load, state, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load at the end of the step
+    type(state_t), intent(in) :: state                !< state at its beginning
+    type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, body not held
+    if (self%compliance%fast) self%symmetry = limit_symmetry(find_symmetry(problem, load, state), self%images)
+    if (self%demanded .and. self%symmetry%order() < self%images) then
+      call raise(error, code_input, 'solver.symmetry asks for more than the scene has in its assembly: '// &
+        trim(symmetry_name(self%symmetry))//"; valid: 'auto'")
+      return
+    end if
+    self%demanded = .false.
+    if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
+    self%symmetry_used = symmetry_name(self%symmetry)
+    call self%compliance%prepare(problem, self%symmetry, error)
+    self%begun = .true.
+    self%factor_entries = self%compliance%factor_entries
+    self%ordering_asked = self%compliance%ordering_asked
+    self%ordering_used = self%compliance%ordering_used
+    self%library = self%compliance%library
+  end subroutine begin_condensed
 
-  !> Keep the derivatives; the dense matrix is formed in solve.
+  !> Keep the derivatives; the face system is formed in solve.
   subroutine update_condensed(self, problem, dw, dt, error)
     class(condensed_t), intent(inout) :: self         !< solver
     type(problem_t), intent(in) :: problem            !< problem
     real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
-    type(error_t), allocatable, intent(out) :: error  !< never set
-    if (allocated(error) .or. problem%n == 0) return
+    type(error_t), allocatable, intent(out) :: error  !< body not held
+    if (.not. self%begun) call self%compliance%prepare(problem, self%symmetry, error)
+    if (allocated(error)) return
+    self%begun = .true.
     self%dw = dw
     self%dt = dt
   end subroutine update_condensed
 
-  !> Newton correction: dense system over the closed points, then the bodies.
+  !> Newton correction: tractions on the face, then the bodies.
   subroutine solve_condensed(self, problem, r_u, r_c, du, dtraction, error)
     class(condensed_t), intent(inout) :: self         !< solver
     type(problem_t), intent(in) :: problem            !< problem
@@ -148,92 +123,127 @@ contains
     real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
     real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
-    real(dp), allocatable :: f(:, :)
-    allocate (f(3, problem%n))
-    call open_corrections(self, r_c, dtraction)
+    type(face_system_t) :: system
+    real(dp), allocatable :: f(:, :), w(:, :)
+    integer, allocatable :: list(:), mirrored(:)
+    integer :: j
+    f = r_c
+    if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
+    call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
+    system%compliance => self%compliance
+    dtraction = system%q
     f = -r_u
     call add_nodal_forces(problem%mortar, dtraction, f)
-    call solve_bodies(self, problem, f, du)
-    call solve_closed(self, problem, r_c, relative_displacement(problem%mortar, du), dtraction, error)
+    call balance(self, f)
+    call self%compliance%solve(problem, f, du, error)
+    call balance(self, du)
+    if (allocated(error)) return
+    w = relative_displacement(problem%mortar, du)
+    list = pack([(j, j=1, problem%mortar%n)], system%rank > 0)
+    if (self%symmetry%half_turn) list = pack(list, self%sector(list) < self%sectors/2)
+    mirrored = list
+    if (self%symmetry%mirror > 0) mirrored = images(self, list, self%symmetry%mirror)
+    call solve_face(self, system, list, mirrored, w, dtraction, error)
     if (allocated(error)) return
     f = -r_u
     call add_nodal_forces(problem%mortar, dtraction, f)
-    call solve_bodies(self, problem, f, du)
+    call balance(self, f)
+    call self%compliance%solve(problem, f, du, error)
+    call balance(self, du)
   end subroutine solve_condensed
 
-  !> Where the law does not see the displacements (open points), the correction follows from the traction alone.
-  subroutine open_corrections(self, r_c, dtraction)
-    class(condensed_t), intent(in) :: self      !< solver with derivatives
-    real(dp), intent(in) :: r_c(:, :)           !< residuals of the law
-    real(dp), intent(out) :: dtraction(:, :)    !< corrections there, 0 elsewhere [Pa]
-    integer :: j
-    dtraction = 0
+  !> Forces or displacements without the rounding that breaks the mirror plane: a body that turns freely would turn far by it.
+  pure subroutine balance(self, f)
+    class(condensed_t), intent(in) :: self  !< solver
+    real(dp), intent(inout) :: f(:, :)      !< nodal vectors (3, n)
+    if (self%symmetry%mirror > 0) f = (f + spread(mirror_sign, 2, size(f, 2))*f(:, self%image))/2
+  end subroutine balance
+
+  !> Points on the mirror plane get no circumferential shear, for the same reason.
+  subroutine hold_on_plane(self, r_c)
+    class(condensed_t), intent(inout) :: self  !< gets the law of these points
+    real(dp), intent(inout) :: r_c(:, :)       !< residuals of the law
+    integer :: j, part
+    part = merge(self%sectors/2, self%sectors, self%symmetry%half_turn)
     do j = 1, size(r_c, 2)
-      if (is_open(self, j)) dtraction(:, j) = -r_c(:, j)
+      if (modulo(image_sector(self%sectors, self%sector(j), 0, self%symmetry%mirror) - self%sector(j), part) /= 0) cycle
+      self%dw(2, :, j) = 0
+      self%dw(:, 2, j) = 0
+      self%dt(:, 2, j) = 0
+      self%dt(2, :, j) = [0, 1, 0]
+      r_c(2, j) = 0
     end do
-  end subroutine open_corrections
+  end subroutine hold_on_plane
 
-  !> The law at j does not see the displacements.
-  pure logical function is_open(self, j)
-    class(condensed_t), intent(in) :: self  !< solver with derivatives
-    integer, intent(in) :: j                !< multiplier
-    is_open = .not. any(abs(self%dw(:, :, j)) > 0)
-  end function is_open
-
-  !> Dense system over the closed points of the part that is solved.
-  subroutine solve_closed(self, problem, r_c, w, dtraction, error)
-    class(condensed_t), intent(inout) :: self         !< solver with derivatives
-    type(problem_t), intent(in) :: problem            !< problem
-    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
-    real(dp), intent(in) :: w(:, :)                   !< relative displacement without these tractions [m]
+  !> The cheaper of dense LU and GMRES, then the images.
+  subroutine solve_face(self, system, list, mirrored, w, dtraction, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(face_system_t), intent(inout) :: system      !< face system
+    integer, intent(in) :: list(:)                    !< closed points, one of each pair that half a turn joins
+    integer, intent(in) :: mirrored(:)                !< their images behind the mirror plane
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without these tractions [m]
     real(dp), intent(inout) :: dtraction(:, :)        !< gets the closed points [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
-    real(dp), allocatable :: a(:, :), b(:, :)
-    integer, allocatable :: list(:)
-    integer :: i, j, k, p, q, d, n
-    list = pack([(j, j=1, problem%mortar%n)], [(self%sector(j) < self%part .and. .not. is_open(self, j), &
-      j=1, problem%mortar%n)])
-    n = size(list)
-    allocate (a(3*n, 3*n), b(3*n, 1))
-    do q = 1, n
-      j = list(q)
-      do p = 1, n
-        i = list(p)
-        d = modulo(self%sector(i) - self%sector(j), self%part) + 1
-        a(3*p - 2:3*p, 3*q - 2:3*q) = problem%mortar%area(j)*matmul(self%dw(:, :, i), &
-          self%kernel(3*self%row(i) - 2:3*self%row(i), 3*self%row(j) - 2:3*self%row(j), d))
-      end do
-      a(3*q - 2:3*q, 3*q - 2:3*q) = a(3*q - 2:3*q, 3*q - 2:3*q) + self%dt(:, :, j)
-      b(3*q - 2:3*q, 1) = -r_c(:, j) - matmul(self%dw(:, :, j), w(:, j))
-    end do
-    self%flops = 2*(3._dp*n)**3/3
-    call solve_dense(a, b, error)
-    if (allocated(error)) return
-    do q = 1, n
-      do k = 0, size(self%at, 2)/self%part - 1
-        i = self%at(self%row(list(q)), self%sector(list(q)) + k*self%part)
-        dtraction(:, i) = b(3*q - 2:3*q, 1)
-      end do
-    end do
-  end subroutine solve_closed
+    type(face_system_t) :: reduced
+    real(dp) :: n, residual
+    integer, allocatable :: part(:)
+    integer :: steps
+    logical :: krylov
+    part = pack(list, list <= mirrored)
+    n = sum(system%rank(part))
+    krylov = .false.
+    if (self%compliance%fast) krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
+      2*n**3/3/dense_rate + n**2*pair_time .or. n > largest_dense
+    if (krylov) then
+      reduced = system
+      call reduced%solve_krylov(list, w, krylov_tolerance, most_steps, dtraction, steps, residual, error)
+      if (allocated(error)) return
+      self%steps = steps
+      self%flops = steps*2*self%compliance%apply_flops
+      self%inner = self%inner + steps
+      krylov = residual <= 1e-3_dp .or. n > largest_dense
+    end if
+    if (.not. krylov) then
+      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)
+      if (allocated(error)) return
+    end if
+    if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), dtraction)
+    if (self%symmetry%half_turn) then
+      part = images(self, list, 0)
+      dtraction(:, part) = dtraction(:, list)
+    end if
+  end subroutine solve_face
 
-  !> u = K^-1 f for both bodies.
-  subroutine solve_bodies(self, problem, f, u)
-    class(condensed_t), intent(in) :: self     !< factors
-    type(problem_t), intent(in) :: problem     !< problem
-    real(dp), intent(in) :: f(:, :)            !< nodal forces (3, n) [N]
-    real(dp), intent(out) :: u(:, :)           !< displacements (3, n) [m]
-    integer :: b
-    do b = 1, 2
-      associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
-        call solve_body(self%bodies(b), f(:, low:high), u(:, low:high))
-      end associate
+  !> Copy tractions behind the mirror plane.
+  pure subroutine spread_mirror(list, mirrored, traction)
+    integer, intent(in) :: list(:), mirrored(:)     !< points and their images
+    real(dp), intent(inout) :: traction(:, :)       !< (3, multipliers) [Pa]
+    integer :: i
+    do i = 1, size(list)
+      if (mirrored(i) /= list(i)) traction(:, mirrored(i)) = mirror_sign*traction(:, list(i))
     end do
-  end subroutine solve_bodies
+  end subroutine spread_mirror
+
+  !> Images of multipliers: behind a mirror plane within the part that half a turn leaves, or after half a turn (mirror 0).
+  pure function images(self, list, mirror) result(image)
+    class(condensed_t), intent(in) :: self  !< solver
+    integer, intent(in) :: list(:)          !< multipliers
+    integer, intent(in) :: mirror           !< 0 half a turn; else the plane
+    integer :: image(size(list)), i, s
+    image = list
+    if (self%sectors == 0 .or. (mirror == 0 .and. .not. self%symmetry%half_turn)) return
+    do i = 1, size(list)
+      s = image_sector(self%sectors, self%sector(list(i)), 0, mirror)
+      if (mirror > 0 .and. self%symmetry%half_turn) s = modulo(s, self%sectors/2)
+      image(i) = self%at(self%row(list(i)), s)
+    end do
+  end function images
 
   !> Give back all memory.
   subroutine release_condensed(self)
     class(condensed_t), intent(inout) :: self  !< solver
-    if (allocated(self%bodies)) deallocate (self%bodies, self%kernel)
+    if (.not. associated(self%compliance)) return
+    call self%compliance%release()
+    deallocate (self%compliance)
   end subroutine release_condensed
 end module hd_condensed

@@ -1,98 +1,65 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Direct solution of a revolved body by Fourier transform over its sectors.
 !>
-!> The stiffness of equal sectors is a block circulant: for u_s = sum_k c_k exp(2 pi i k s / n) it splits into one Hermitian
-!> band matrix of a meridian section per harmonic k = 0..n/2, each factorised by Cholesky. Exact to rounding. Fields that
-!> repeat after half a turn need the even harmonics only: n is then half the number of sectors.
+!> The stiffness of equal sectors is a block circulant: it splits into one band matrix of a meridian section per harmonic
+!> k = 0..n/2, each factorised by Cholesky when it is first needed. A sector is its own mirror image, so the amplitudes
+!> (c_r, i c_theta, c_z) exp(i k theta) make these matrices real. Exact to rounding. Fields that repeat after half a turn
+!> (stride 2) need the even harmonics only.
 module hd_harmonics
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
-  use hd_lapack, only: factorise_band, multiply_dense, solve_band
+  use hd_fft, only: backward_real, forward_real
+  use hd_lapack, only: factorise_band, solve_band
   implicit none
   private
-  public :: harmonics_t, new_harmonics, solve_body, face_compliance
+  public :: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
+
+  type :: band_t
+    real(dp), allocatable :: a(:, :)              !< factor (kd + 1, dofs)
+  end type band_t
 
   type :: harmonics_t
-    integer :: sectors = 0                        !< n: all sectors, or half of them
+    integer :: sectors = 0                        !< n
     integer :: dofs = 0                           !< free dofs of a sector
+    integer :: width = 0                          !< half band width
     integer, allocatable :: equation(:, :)        !< number of each dof of a sector, 0 where fixed (3, nodes per sector)
-    complex(dp), allocatable :: band(:, :, :)     !< factors (kd + 1, dofs, 0:n/2)
-    real(dp), allocatable :: forward(:, :)        !< n x (n/2 + 1) cosines, then as many sines
+    real(dp), allocatable :: angle(:)             !< of the nodes of the first sector (nodes per sector) [rad]
+    integer, allocatable :: cells(:, :)           !< cells of the first sector
+    real(dp), allocatable :: ke(:, :, :)          !< their stiffness [N/m]
+    real(dp), allocatable :: spring(:, :)         !< springs to the ground of a sector (3, nodes per sector) [N/m]
+    type(band_t), allocatable :: factor(:)        !< by harmonic, 0:n/2
   end type harmonics_t
 
 contains
 
-  !> Factorise a body. `fixed` and `spring` must be the same in every sector.
-  subroutine new_harmonics(body, n, fixed, spring, harmonics, error)
+  !> Describe a body. `fixed` and `spring` must be the same in every sector.
+  subroutine new_harmonics(body, fixed, spring, harmonics, error)
     type(body_t), intent(in) :: body                  !< revolved body
-    integer, intent(in) :: n                          !< sectors after which all fields repeat
     logical, intent(in) :: fixed(:, :)                !< prescribed dofs of the first sector (3, nodes per sector)
     real(dp), intent(in) :: spring(:, :)              !< springs to the ground there (3, nodes per sector) [N/m]
-    type(harmonics_t), intent(out) :: harmonics       !< factors
-    type(error_t), allocatable, intent(out) :: error  !< inverted element, body not held
-    real(dp), allocatable :: ke(:, :, :)
-    complex(dp) :: phase
-    integer :: a, b, c, i, j, k, m, width
+    type(harmonics_t), intent(out) :: harmonics       !< nothing factorised yet
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: a, c, d, i, m
     m = body%nodes_per_sector
-    harmonics%sectors = n
+    harmonics%sectors = body%sectors
+    harmonics%cells = body%cells
+    harmonics%spring = spring
+    harmonics%angle = body%angle(:m)
     allocate (harmonics%equation(3, m), source=0)
-    do a = 1, m
-      do c = 1, 3
-        if (fixed(c, a)) cycle
-        harmonics%dofs = harmonics%dofs + 1
-        harmonics%equation(c, a) = harmonics%dofs
-      end do
-    end do
-    call sector_stiffness(body, ke, error)
-    if (allocated(error)) return
-    width = band_width(body, harmonics%equation)
-    allocate (harmonics%band(width + 1, harmonics%dofs, 0:n/2), source=(0._dp, 0._dp))
-    do k = 0, n/2
-      phase = exp(cmplx(0, 2*pi*k/n, dp))
-      do c = 1, size(body%cells, 2)
-        do b = 1, size(body%cells, 1)
-          do a = 1, size(body%cells, 1)
-            call add_block(body%cells(a, c), body%cells(b, c), ke(3*a - 2:3*a, 3*b - 2:3*b, c))
-          end do
+    do c = 1, size(body%cells, 2)
+      do i = 1, size(body%cells, 1)
+        a = modulo(body%cells(i, c) - 1, m) + 1
+        do d = 1, 3
+          if (fixed(d, a) .or. harmonics%equation(d, a) > 0) cycle
+          harmonics%dofs = harmonics%dofs + 1
+          harmonics%equation(d, a) = harmonics%dofs
         end do
       end do
-      do a = 1, m
-        do c = 1, 3
-          i = harmonics%equation(c, a)
-          if (i > 0) harmonics%band(width + 1, i, k) = harmonics%band(width + 1, i, k) + spring(c, a)
-        end do
-      end do
-      call factorise_band(harmonics%band(:, :, k), error)
-      if (allocated(error)) return
     end do
-    allocate (harmonics%forward(n, 2*(n/2 + 1)))
-    do k = 0, n/2
-      do i = 1, n
-        j = modulo(k*(i - 1), n)
-        harmonics%forward(i, k + 1) = cos(2*pi*j/n)
-        harmonics%forward(i, n/2 + 2 + k) = sin(2*pi*j/n)
-      end do
-    end do
-  contains
-    !> Add a 3 x 3 block of a cell, folded into the first sector.
-    subroutine add_block(row, column, block)
-      integer, intent(in) :: row, column
-      real(dp), intent(in) :: block(3, 3)
-      complex(dp) :: factor
-      integer :: p, q, r, s
-      factor = 1
-      if (row > m) factor = factor*conjg(phase)
-      if (column > m) factor = factor*phase
-      do s = 1, 3
-        q = harmonics%equation(s, modulo(column - 1, m) + 1)
-        do r = 1, 3
-          p = harmonics%equation(r, modulo(row - 1, m) + 1)
-          if (p == 0 .or. q < p) cycle
-          harmonics%band(width + 1 + p - q, q, k) = harmonics%band(width + 1 + p - q, q, k) + factor*block(r, s)
-        end do
-      end do
-    end subroutine add_block
+    harmonics%width = band_width(body, harmonics%equation)
+    allocate (harmonics%factor(0:body%sectors/2))
+    call sector_stiffness(body, harmonics%ke, error)
   end subroutine new_harmonics
 
   !> Half band width of the folded sector matrix.
@@ -108,78 +75,151 @@ contains
     end do
   end function band_width
 
-  !> Displacements under nodal forces; fixed dofs get 0.
-  subroutine solve_body(harmonics, f, u)
-    type(harmonics_t), intent(in) :: harmonics        !< factors
-    real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
-    real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
-    real(dp), allocatable :: field(:, :), wave(:, :)
-    complex(dp), allocatable :: c(:, :)
-    integer :: a, d, k, m, n, half, s
-    n = harmonics%sectors
+  !> Factorise harmonics 0, stride, 2 stride, ... that are not yet.
+  subroutine factorise_harmonics(harmonics, stride, error)
+    type(harmonics_t), intent(inout) :: harmonics     !< body
+    integer, intent(in) :: stride                     !< 1: all, 2: fields that repeat after half a turn
+    type(error_t), allocatable, intent(out) :: error  !< body not held
+    integer :: k
+    do k = 0, harmonics%sectors/2, stride
+      if (allocated(harmonics%factor(k)%a)) cycle
+      call assemble_harmonic(harmonics, k, harmonics%factor(k)%a)
+      call factorise_band(harmonics%factor(k)%a, error)
+      if (allocated(error)) return
+    end do
+  end subroutine factorise_harmonics
+
+  !> Factor between a dof of the first sector and its real amplitude in a harmonic.
+  elemental complex(dp) function amplitude(k, angle, component) result(d)
+    integer, intent(in) :: k          !< harmonic
+    real(dp), intent(in) :: angle     !< of the node [rad]
+    integer, intent(in) :: component  !< 1 to 3
+    d = exp(cmplx(0, k*angle, dp))
+    if (component == 2) d = d*(0._dp, 1._dp)
+  end function amplitude
+
+  !> Band matrix of one harmonic.
+  subroutine assemble_harmonic(harmonics, k, band)
+    type(harmonics_t), intent(in) :: harmonics        !< body
+    integer, intent(in) :: k                          !< harmonic
+    real(dp), allocatable, intent(out) :: band(:, :)  !< upper band storage (width + 1, dofs)
+    real(dp) :: alpha(size(harmonics%cells, 1)), delta
+    integer :: list(size(harmonics%cells, 1)), a, b, c, i, m
     m = size(harmonics%equation, 2)
-    half = n/2 + 1
-    allocate (field(harmonics%dofs, n), wave(harmonics%dofs, 2*half), c(harmonics%dofs, 1))
-    do s = 1, n
-      do a = 1, m
-        do d = 1, 3
-          if (harmonics%equation(d, a) > 0) field(harmonics%equation(d, a), s) = f(d, (s - 1)*m + a)
+    allocate (band(harmonics%width + 1, harmonics%dofs), source=0._dp)
+    do c = 1, size(harmonics%cells, 2)
+      list = modulo(harmonics%cells(:, c) - 1, m) + 1
+      alpha = harmonics%angle(list) + merge(2*pi/harmonics%sectors, 0._dp, harmonics%cells(:, c) > m)
+      do b = 1, size(list)
+        do a = 1, size(list)
+          delta = k*(alpha(b) - alpha(a))
+          call add_block(list(a), list(b), cos(delta), sin(delta), harmonics%ke(3*a - 2:3*a, 3*b - 2:3*b, c))
         end do
       end do
     end do
-    call multiply_dense(field, harmonics%forward, wave)
-    do k = 1, half
-      c(:, 1) = cmplx(wave(:, k), -wave(:, half + k), dp)
-      call solve_band(harmonics%band(:, :, k - 1), c)
-      wave(:, k) = real(c(:, 1))*weight(n, k - 1)
-      wave(:, half + k) = -aimag(c(:, 1))*weight(n, k - 1)
+    do a = 1, m
+      do c = 1, 3
+        i = harmonics%equation(c, a)
+        if (i > 0) band(harmonics%width + 1, i) = band(harmonics%width + 1, i) + harmonics%spring(c, a)
+      end do
     end do
-    call multiply_dense(wave, transpose(harmonics%forward), field)
-    u = 0
-    do s = 1, size(u, 2)/m
+  contains
+    !> Add a 3 x 3 block of a cell, folded into the first sector.
+    subroutine add_block(row, column, even, odd, block)
+      integer, intent(in) :: row, column
+      real(dp), intent(in) :: even, odd, block(3, 3)
+      real(dp) :: factor
+      integer :: p, q, r, s
+      do s = 1, 3
+        q = harmonics%equation(s, column)
+        do r = 1, 3
+          p = harmonics%equation(r, row)
+          if (p == 0 .or. q < p) cycle
+          factor = even
+          if (r == 2 .and. s /= 2) factor = odd
+          if (r /= 2 .and. s == 2) factor = -odd
+          band(harmonics%width + 1 + p - q, q) = band(harmonics%width + 1 + p - q, q) + factor*block(r, s)
+        end do
+      end do
+    end subroutine add_block
+  end subroutine assemble_harmonic
+
+  !> Entries of the factors that harmonics 0, stride, ... have or will have.
+  pure real(dp) function harmonic_entries(harmonics, stride) result(entries)
+    type(harmonics_t), intent(in) :: harmonics  !< body
+    integer, intent(in) :: stride               !< 1 or 2
+    entries = real(harmonics%width + 1, dp)*harmonics%dofs*(harmonics%sectors/2/stride + 1)
+  end function harmonic_entries
+
+  !> Displacements under nodal forces; fixed dofs get 0.
+  subroutine solve_body(harmonics, stride, f, u, error)
+    type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
+    integer, intent(in) :: stride                     !< 2: the forces repeat after half a turn
+    real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
+    real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: field(:, :)
+    real(dp), allocatable :: c(:, :)
+    complex(dp), allocatable :: wave(:, :), factor(:)
+    integer :: a, d, e, k, m, n, s
+    n = harmonics%sectors/stride
+    m = size(harmonics%equation, 2)
+    allocate (field(n, harmonics%dofs), wave(n/2 + 1, harmonics%dofs), c(harmonics%dofs, 2), factor(harmonics%dofs))
+    do a = 1, m
+      do d = 1, 3
+        e = harmonics%equation(d, a)
+        if (e == 0) cycle
+        do s = 1, n
+          field(s, e) = f(d, (s - 1)*m + a)
+        end do
+      end do
+    end do
+    call forward_real(field, wave, error)
+    if (allocated(error)) return
+    do k = 0, n/2
       do a = 1, m
         do d = 1, 3
-          if (harmonics%equation(d, a) > 0) u(d, (s - 1)*m + a) = field(harmonics%equation(d, a), modulo(s - 1, n) + 1)
+          e = harmonics%equation(d, a)
+          if (e > 0) factor(e) = amplitude(k*stride, harmonics%angle(a), d)
+        end do
+      end do
+      wave(k + 1, :) = conjg(factor)*wave(k + 1, :)
+      c(:, 1) = real(wave(k + 1, :))
+      c(:, 2) = aimag(wave(k + 1, :))
+      call solve_band(harmonics%factor(k*stride)%a, c)
+      wave(k + 1, :) = factor*cmplx(c(:, 1), c(:, 2), dp)/n
+    end do
+    call backward_real(wave, field, error)
+    if (allocated(error)) return
+    u = 0
+    do a = 1, m
+      do d = 1, 3
+        e = harmonics%equation(d, a)
+        if (e == 0) cycle
+        do s = 1, harmonics%sectors
+          u(d, (s - 1)*m + a) = field(modulo(s - 1, n) + 1, e)
         end do
       end do
     end do
   end subroutine solve_body
 
-  !> Weight of harmonic k in the inverse transform: pairs k, n - k count twice.
-  elemental real(dp) function weight(n, k)
-    integer, intent(in) :: n, k  !< sectors, harmonic
-    weight = 2._dp/n
-    if (k == 0 .or. 2*k == n) weight = 1._dp/n
-  end function weight
-
-  !> Displacement of face node a in sector s under a unit force on face node b in sector 0.
-  subroutine face_compliance(harmonics, nodes, kernel)
-    type(harmonics_t), intent(in) :: harmonics            !< factors
-    integer, intent(in) :: nodes(:)                       !< face nodes of the first sector
-    real(dp), allocatable, intent(out) :: kernel(:, :, :) !< (3 nodes, 3 nodes, sectors) [m/N]
-    complex(dp), allocatable :: c(:, :)
-    real(dp), allocatable :: wave(:, :), flat(:, :)
-    integer, allocatable :: eq(:)
-    integer :: i, j, k, half, n
-    n = harmonics%sectors
-    half = n/2 + 1
+  !> Compliance of face nodes for one harmonic, between real amplitudes.
+  subroutine face_compliance(harmonics, nodes, k, hat)
+    type(harmonics_t), intent(in) :: harmonics  !< factorised for this harmonic
+    integer, intent(in) :: nodes(:)             !< face nodes of the first sector
+    integer, intent(in) :: k                    !< harmonic
+    real(dp), intent(out) :: hat(:, :)          !< (3 nodes, 3 nodes) [m/N]
+    real(dp), allocatable :: c(:, :)
+    integer :: eq(3*size(nodes)), i
     eq = reshape(harmonics%equation(:, nodes), [3*size(nodes)])
-    allocate (c(harmonics%dofs, size(eq)), wave(size(eq)**2, 2*half), flat(size(eq)**2, n))
-    do k = 1, half
-      c = 0
-      do i = 1, size(eq)
-        if (eq(i) > 0) c(eq(i), i) = 1
-      end do
-      call solve_band(harmonics%band(:, :, k - 1), c)
-      do j = 1, size(eq)
-        do i = 1, size(eq)
-          wave((j - 1)*size(eq) + i, [k, half + k]) = 0
-          if (eq(i) > 0) wave((j - 1)*size(eq) + i, [k, half + k]) = &
-            weight(n, k - 1)*[real(c(eq(i), j)), -aimag(c(eq(i), j))]
-        end do
-      end do
+    allocate (c(harmonics%dofs, size(eq)), source=0._dp)
+    do i = 1, size(eq)
+      if (eq(i) > 0) c(eq(i), i) = 1
     end do
-    call multiply_dense(wave, transpose(harmonics%forward), flat)
-    kernel = reshape(flat, [size(eq), size(eq), n])
+    call solve_band(harmonics%factor(k)%a, c)
+    hat = 0
+    do i = 1, size(eq)
+      if (eq(i) > 0) hat(i, :) = c(eq(i), :)
+    end do
   end subroutine face_compliance
 end module hd_harmonics

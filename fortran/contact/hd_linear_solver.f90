@@ -4,7 +4,7 @@ module hd_linear_solver
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
   public :: linear_solver_t
@@ -14,9 +14,12 @@ module hd_linear_solver
     integer :: unknowns = 0                    !< size of the system that is factorised
     integer(int64) :: factor_entries = 0       !< entries of its factors
     real(dp) :: flops = 0                      !< operations of the last factorisation
+    integer :: inner = 0                       !< steps of an inner iteration so far
+    character(len=8) :: symmetry_used = 'full' !< full, half or quarter, in the present load step
     character(len=40) :: ordering_asked = 'none', ordering_used = 'none'
     character(len=16) :: library = ''          !< version of the library behind it
   contains
+    procedure :: begin => begin_linear
     procedure(update_linear), deferred :: update
     procedure(solve_linear), deferred :: solve
     procedure(release_linear), deferred :: release
@@ -51,4 +54,17 @@ module hd_linear_solver
       class(linear_solver_t), intent(inout) :: self     !< solver
     end subroutine release_linear
   end interface
+
+contains
+
+  !> A load step begins; solvers that use its symmetry look at it.
+  subroutine begin_linear(self, problem, load, state, error)
+    class(linear_solver_t), intent(inout) :: self     !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load at the end of the step
+    type(state_t), intent(in) :: state                !< state at its beginning
+    type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there
+    if (allocated(error) .or. problem%n + size(load%gap) + size(state%gap) == 0) return
+    self%symmetry_used = 'full'
+  end subroutine begin_linear
 end module hd_linear_solver

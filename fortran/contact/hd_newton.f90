@@ -84,6 +84,8 @@ contains
     allocate (history(0))
     converged = .false.
     sliding = .false.
+    call solver%begin(problem, load, previous, error)
+    if (allocated(error)) return
     where (problem%fixed) state%u = load%displacement
     du = state%u
     dt = state%traction

@@ -12,7 +12,8 @@ module hd_fft
   implicit none
   private
   public :: forward_real, backward_real, forward_real_2d, backward_real_2d, transform_complex, transform_complex_2d
-  public :: fft_plan_t, plan_complex, plan_backward_real, execute_complex, execute_backward_real, free_plan, smooth_size
+  public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, execute_complex, execute_forward_real, &
+    execute_backward_real, free_plan, smooth_size
 
   include 'fftw3.f03'
 
@@ -152,6 +153,19 @@ contains
     call check_plan(p, n, error)
   end subroutine plan_complex
 
+  !> Plan `count` transforms of contiguous real columns (n) to contiguous half spectra (n/2 + 1).
+  subroutine plan_forward_real(n, count, a, s, p, error)
+    integer, intent(in) :: n, count                     !< size, number
+    real(dp), intent(inout) :: a(*)                     !< columns; kept
+    complex(dp), intent(inout) :: s(*)                  !< half spectra; kept
+    type(fft_plan_t), intent(out) :: p                  !< plan
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    p%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], 1, n / 2 + 1, FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(p, n, error)
+  end subroutine plan_forward_real
+
   !> Plan `count` transforms of contiguous half spectra (n/2 + 1) to contiguous real columns (n).
   subroutine plan_backward_real(n, count, s, a, p, error)
     integer, intent(in) :: n, count                     !< size, number
@@ -171,6 +185,14 @@ contains
     complex(dp), intent(inout) :: a(*)      !< transformed in place
     call fftw_execute_dft(p%plan, a, a)
   end subroutine execute_complex
+
+  !> Run a plan of `plan_forward_real`.
+  subroutine execute_forward_real(p, a, s)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    real(dp), intent(inout) :: a(*)         !< real columns; kept
+    complex(dp), intent(inout) :: s(*)      !< half spectra
+    call fftw_execute_dft_r2c(p%plan, a, s)
+  end subroutine execute_forward_real
 
   !> Run a plan of `plan_backward_real`.
   subroutine execute_backward_real(p, s, a)

@@ -6,7 +6,7 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band
+  public :: multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band, invert_symmetric, multiply_symmetric
 
   interface
     subroutine dgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
@@ -22,21 +22,42 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: pivot(*), info
     end subroutine dgesv
-    subroutine zpbtrf(uplo, n, kd, ab, ldab, info)
+    subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
       import :: dp
       character(len=1), intent(in) :: uplo
       integer, intent(in) :: n, kd, ldab
-      complex(dp), intent(inout) :: ab(ldab, *)
+      real(dp), intent(inout) :: ab(ldab, *)
       integer, intent(out) :: info
-    end subroutine zpbtrf
-    subroutine zpbtrs(uplo, n, kd, nrhs, ab, ldab, b, ldb, info)
+    end subroutine dpbtrf
+    subroutine dpbtrs(uplo, n, kd, nrhs, ab, ldab, b, ldb, info)
       import :: dp
       character(len=1), intent(in) :: uplo
       integer, intent(in) :: n, kd, nrhs, ldab, ldb
-      complex(dp), intent(in) :: ab(ldab, *)
-      complex(dp), intent(inout) :: b(ldb, *)
+      real(dp), intent(in) :: ab(ldab, *)
+      real(dp), intent(inout) :: b(ldb, *)
       integer, intent(out) :: info
-    end subroutine zpbtrs
+    end subroutine dpbtrs
+    subroutine dpotrf(uplo, n, a, lda, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotrf
+    subroutine dpotri(uplo, n, a, lda, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotri
+    subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, lda, incx, incy
+      real(dp), intent(in) :: alpha, a(lda, *), x(*), beta
+      real(dp), intent(inout) :: y(*)
+    end subroutine dsymv
   end interface
 
 contains
@@ -55,6 +76,33 @@ contains
     call dgemm('N', 'T', size(a, 1), size(b, 1), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
   end subroutine multiply_transposed
 
+  !> y = A x for a symmetric matrix.
+  function multiply_symmetric(a, x) result(y)
+    real(dp), intent(in), contiguous :: a(:, :)  !< matrix (n, n)
+    real(dp), intent(in), contiguous :: x(:)     !< vector (n)
+    real(dp) :: y(size(x))
+    y = 0
+    call dsymv('U', size(x), 1._dp, a, size(a, 1), x, 1, 0._dp, y, 1)
+  end function multiply_symmetric
+
+  !> Inverse of a symmetric positive definite matrix of which the upper triangle is given.
+  subroutine invert_symmetric(a, error)
+    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix, then whole inverse (n, n)
+    type(error_t), allocatable, intent(out) :: error  !< not positive definite
+    integer :: i, j, info
+    call dpotrf('U', size(a, 1), a, size(a, 1), info)
+    if (info > 0) then
+      call raise(error, code_linear_solver, 'the stiffness condensed to the contact is singular: a body is not held')
+      return
+    end if
+    call dpotri('U', size(a, 1), a, size(a, 1), info)
+    do j = 1, size(a, 2)
+      do i = j + 1, size(a, 1)
+        a(i, j) = a(j, i)
+      end do
+    end do
+  end subroutine invert_symmetric
+
   !> Solve A x = b by LU; A is overwritten.
   subroutine solve_dense(a, b, error)
     real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n)
@@ -67,20 +115,20 @@ contains
       to_text(info)//': a body is not held')
   end subroutine solve_dense
 
-  !> Cholesky factor of a Hermitian positive definite band matrix, upper storage: ab(kd + 1 + i - j, j) = a(i, j).
+  !> Cholesky factor of a symmetric positive definite band matrix, upper storage: ab(kd + 1 + i - j, j) = a(i, j).
   subroutine factorise_band(ab, error)
-    complex(dp), intent(inout), contiguous :: ab(:, :)  !< band (kd + 1, n)
+    real(dp), intent(inout), contiguous :: ab(:, :)     !< band (kd + 1, n)
     type(error_t), allocatable, intent(out) :: error    !< not positive definite
     integer :: info
-    call zpbtrf('U', size(ab, 2), size(ab, 1) - 1, ab, size(ab, 1), info)
+    call dpbtrf('U', size(ab, 2), size(ab, 1) - 1, ab, size(ab, 1), info)
     if (info > 0) call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held')
   end subroutine factorise_band
 
   !> Solve with a band factor in place.
   subroutine solve_band(ab, b)
-    complex(dp), intent(in), contiguous :: ab(:, :)     !< factor (kd + 1, n)
-    complex(dp), intent(inout), contiguous :: b(:, :)   !< right-hand sides, then solutions (n, count)
+    real(dp), intent(in), contiguous :: ab(:, :)     !< factor (kd + 1, n)
+    real(dp), intent(inout), contiguous :: b(:, :)   !< right-hand sides, then solutions (n, count)
     integer :: info
-    call zpbtrs('U', size(ab, 2), size(ab, 1) - 1, size(b, 2), ab, size(ab, 1), b, size(b, 1), info)
+    call dpbtrs('U', size(ab, 2), size(ab, 1) - 1, size(b, 2), ab, size(ab, 1), b, size(b, 1), info)
   end subroutine solve_band
 end module hd_lapack

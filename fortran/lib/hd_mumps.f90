@@ -28,13 +28,15 @@ module hd_mumps
     procedure :: analyse
     procedure :: factorise
     procedure :: solve
+    procedure :: condense
+    procedure :: expand
     procedure :: release
   end type mumps_t
 
 contains
 
   !> Analyse a pattern; keep `row`, `col` and `value` alive: MUMPS reads the values at every factorisation.
-  subroutine analyse(self, symmetry, n, row, col, value, position, error)
+  subroutine analyse(self, symmetry, n, row, col, value, position, error, schur)
     class(mumps_t), intent(inout) :: self             !< solver
     integer, intent(in) :: symmetry                   !< unsymmetric, positive_definite or symmetric (one triangle given)
     integer, intent(in) :: n                          !< unknowns
@@ -42,6 +44,7 @@ contains
     real(dp), intent(in), target :: value(:)          !< values
     integer, intent(in) :: position(:)                !< place of each unknown in the elimination order
     type(error_t), allocatable, intent(out) :: error  !< out of memory, wrong pattern
+    integer, intent(in), optional :: schur(:)         !< unknowns that are not eliminated; they stand last in the order
     call self%release()
     allocate (self%id)
     associate (id => self%id)
@@ -63,6 +66,12 @@ contains
       id%a => value
       allocate (id%perm_in(n))
       id%perm_in = position
+      if (present(schur)) then
+        id%icntl(19) = 1
+        id%size_schur = size(schur)
+        allocate (id%listvar_schur(size(schur)))
+        id%listvar_schur = schur
+      end if
       id%job = 1
       call dmumps(id)
       call check(id, error)
@@ -72,10 +81,12 @@ contains
   end subroutine analyse
 
   !> Factorise the present values; the working space grows and the step is repeated where MUMPS asks for it.
-  subroutine factorise(self, error)
+  subroutine factorise(self, error, schur)
     class(mumps_t), intent(inout) :: self             !< analysed solver
     type(error_t), allocatable, intent(out) :: error  !< singular (a body is not held), out of memory
+    real(dp), intent(inout), target, contiguous, optional :: schur(:, :)  !< gets the upper triangle of the Schur complement
     integer :: attempt
+    if (present(schur)) self%id%schur(1:size(schur)) => schur
     do attempt = 1, 5
       self%id%job = 2
       call dmumps(self%id)
@@ -109,13 +120,44 @@ contains
     call check(self%id, error)
   end subroutine solve
 
+  !> Right-hand side that is left for the unknowns of the Schur complement.
+  subroutine condense(self, b, reduced, error)
+    class(mumps_t), intent(inout) :: self                     !< factorised solver
+    real(dp), intent(inout), target, contiguous :: b(:, :)    !< right-hand side (n, 1); changed
+    real(dp), intent(out), target, contiguous :: reduced(:)   !< (Schur unknowns)
+    type(error_t), allocatable, intent(out) :: error          !< MUMPS failure
+    self%id%icntl(26) = 1
+    self%id%lredrhs = size(reduced)
+    self%id%redrhs => reduced
+    call self%solve(b, error)
+    nullify (self%id%redrhs)
+  end subroutine condense
+
+  !> Whole solution from that of the Schur complement, right behind condense.
+  subroutine expand(self, reduced, b, error)
+    class(mumps_t), intent(inout) :: self                     !< factorised solver
+    real(dp), intent(in) :: reduced(:)                        !< solution (Schur unknowns)
+    real(dp), intent(inout), target, contiguous :: b(:, :)    !< solution (n, 1)
+    type(error_t), allocatable, intent(out) :: error          !< MUMPS failure
+    real(dp), target :: copy(size(reduced))
+    copy = reduced
+    self%id%icntl(26) = 2
+    self%id%lredrhs = size(reduced)
+    self%id%redrhs => copy
+    call self%solve(b, error)
+    nullify (self%id%redrhs)
+    self%id%icntl(26) = 0
+  end subroutine expand
+
   !> Give back all memory.
   subroutine release(self)
     class(mumps_t), intent(inout) :: self  !< solver
     if (.not. associated(self%id)) return
     nullify (self%id%irn, self%id%jcn, self%id%a)
     if (associated(self%id%perm_in)) deallocate (self%id%perm_in)
-    nullify (self%id%perm_in)
+    nullify (self%id%perm_in, self%id%schur)
+    if (associated(self%id%listvar_schur)) deallocate (self%id%listvar_schur)
+    nullify (self%id%listvar_schur)
     self%id%job = -2
     call dmumps(self%id)
     deallocate (self%id)

@@ -6,7 +6,7 @@ module hd_input
   use hd_clock, only: machine_memory_mb
   use hd_namelist, only: namelist_t, read_namelist, report
   use hd_parameters, only: table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
-  use hd_scene, only: scene_t, largest_face
+  use hd_scene, only: scene_t
   use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
@@ -193,20 +193,31 @@ contains
   end subroutine check_scene
 
   !> Memory that a run of the scene will need, from the size of its mesh [MB].
-  !> A face that is condensed needs a dense matrix, at most over all of its points.
-  !> Factor entries grow as n^1.15 for meshes one cell thick and n^1.35 for solid ones (measured on the reference scenes).
+  !> Factor entries of the sparse matrix grow as n^1.15 for meshes one cell thick and n^1.35 for solid ones (measured on the
+  !> reference scenes); condensation by harmonics keeps the stiffness, one band per harmonic and the compliance of the face.
   pure real(dp) function estimate_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
-    real(dp) :: h, stations, nodes, thick, points
+    real(dp) :: h, stations, nodes, section, thick, rows
     h = s%band_length/s%band_facets
     stations = (s%cup_length + s%bore_radius - s%hub_radius)/h
-    nodes = real(s%divisions, dp)*(stations*(s%through_wall + 1) + (s%band_facets + 1)*(s%through_ring + 1))
-    if (s%element == 'hex20r') nodes = 3.5_dp*nodes
+    section = stations*(s%through_wall + 1) + (s%band_facets + 1)*(s%through_ring + 1)
+    rows = 3*(s%band_facets + 1)
     thick = max(s%through_wall, s%through_ring)
-    mb = 60 + 196*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes
-    points = s%solved_points()
-    if (s%method == 'auto' .and. points > largest_face) return
-    if (s%method /= 'newton') mb = max(mb, 60 + 8e-6_dp*(3*points)**2)
+    if (s%element == 'hex20r') then
+      section = 3.5_dp*section
+      rows = 3*rows
+    end if
+    nodes = real(s%divisions, dp)*section
+    select case (s%method)
+    case ('newton')
+      mb = 60 + 196*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes
+    case ('schur')
+      mb = 60 + 100*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes + &
+        24e-6_dp*(rows*s%divisions)**2
+    case default
+      mb = 40 + 1e-6_dp*nodes*(9*27*8*merge(3, 1, s%element == 'hex20r') + 600) + 4e-6_dp*s%divisions*(6*rows**2 + &
+        30*section*(thick + 2)*merge(3, 1, s%element == 'hex20r')) + 8e-6_dp*min(rows*s%divisions, 4000._dp)**2
+    end select
   end function estimate_memory_mb
 
   !> Refuse a mesh that does not fit before it is tried.

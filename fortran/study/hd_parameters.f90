@@ -116,8 +116,10 @@ contains
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
     call whole(t, 'load', 'assembly_steps', s%assembly_steps, 1, 100000, 'load steps of the assembly')
     call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
-    call text(t, 'solver', 'method', s%method, 'auto condensed newton', &
-      'condensation to the contact face by harmonics, sparse Newton matrix by MUMPS, or the cheaper one that applies')
+    call text(t, 'solver', 'method', s%method, 'auto condensed schur newton', 'condensation to the contact face by '// &
+      'harmonics, or by Schur complement (any mesh), sparse Newton matrix by MUMPS, or the cheaper one that applies')
+    call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
+      'what the scene allows in each load step, the whole, or as much as is named in the assembly (condensed only)')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &
       'relative residual of forces and contact law', closed=.true.)
     call whole(t, 'solver', 'max_iterations', s%max_iterations, 1, 10000, 'Newton iterations per load step')

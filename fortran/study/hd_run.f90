@@ -202,6 +202,7 @@ contains
       run%state = trial
       run%position_before = run%position
       run%position = position
+      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
       call place(run, position, run%step)
     else if (sliding) then
       sums%friction_torque = sum(run%drive%problem%mortar%area*trial%traction(2, :))*run%drive%radius

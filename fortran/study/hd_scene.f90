@@ -4,10 +4,9 @@ module hd_scene
   use hd_kinds, only: dp
   implicit none
   private
-  public :: scene_t, name_length, largest_face
+  public :: scene_t, name_length
 
   integer, parameter :: name_length = 32   !< longest choice
-  integer, parameter :: largest_face = 4000 !< contact points up to which `method = 'auto'` condenses
   integer, parameter :: title_length = 120 !< longest title
 
   type :: scene_t
@@ -38,7 +37,7 @@ module hd_scene
     integer :: teeth = 200, tooth_pairs = 40
     integer :: assembly_steps = 3, torque_steps = 5
     ! solver
-    character(len=name_length) :: method = 'auto'
+    character(len=name_length) :: method = 'auto', symmetry = 'auto'
     real(dp) :: tolerance = 1e-8_dp
     integer :: max_iterations = 60, max_cuts = 8
     real(dp) :: time_limit_s = 0
@@ -49,21 +48,6 @@ module hd_scene
     ! output
     character(len=name_length) :: vtu = 'last'
     real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]
-  contains
-    procedure :: repeats, solved_points
   end type scene_t
 
-contains
-
-  !> The scene repeats after half a turn, with the mesh.
-  elemental logical function repeats(self)
-    class(scene_t), intent(in) :: self  !< scene
-    repeats = .not. self%eccentricity > 0 .and. modulo(self%divisions, 2) == 0
-  end function repeats
-
-  !> Contact points of the part of the face that condensation solves.
-  elemental integer function solved_points(self)
-    class(scene_t), intent(in) :: self  !< scene
-    solved_points = self%divisions*(self%band_facets + 1)/merge(2, 1, self%repeats())
-  end function solved_points
 end module hd_scene

@@ -1,15 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Which linear solver a scene gets: condensation to the face where it applies, the sparse Newton matrix elsewhere.
 module hd_solver_choice
-  use hd_condensed, only: condensed_t, new_condensed, can_condense
+  use hd_circulant, only: circulant_t, new_circulant, has_circulant
+  use hd_compliance, only: compliance_t
+  use hd_condensed, only: condensed_t, new_condensed
   use hd_drive, only: drive_t
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_newton_matrix, only: newton_matrix_t, new_newton_matrix
-  use hd_scene, only: scene_t, largest_face
+  use hd_schur, only: schur_t, new_schur
+  use hd_scene, only: scene_t
   implicit none
   private
-  public :: choose_solver
+  public :: choose_solver, set_symmetry
 
 contains
 
@@ -19,18 +22,44 @@ contains
     type(drive_t), intent(in) :: drive                            !< its problem
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
+    class(compliance_t), pointer :: compliance
+    type(circulant_t), pointer :: circulant
+    type(schur_t), pointer :: schur
     type(condensed_t), allocatable :: condensed
     type(newton_matrix_t), allocatable :: matrix
-    logical :: condense
-    condense = can_condense(drive%problem) .and. scene%solved_points() <= largest_face
-    if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. condense)) then
+    nullify (compliance)
+    if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. has_circulant(drive%problem))) then
+      allocate (circulant)
+      call new_circulant(drive%problem, circulant, error)
+      if (allocated(error)) return
+      compliance => circulant
+    else if (scene%method == 'schur') then
+      allocate (schur)
+      call new_schur(drive%problem, schur)
+      compliance => schur
+    end if
+    if (associated(compliance)) then
       allocate (condensed)
-      call new_condensed(drive%problem, scene%repeats(), condensed, error)
+      call new_condensed(drive%problem, compliance, condensed)
       call move_alloc(condensed, solver)
     else
       allocate (matrix)
       call new_newton_matrix(drive%problem, matrix, error)
       call move_alloc(matrix, solver)
     end if
+    call set_symmetry(scene, solver)
   end subroutine choose_solver
+
+  !> Enter what `solver.symmetry` allows or asks for.
+  subroutine set_symmetry(scene, solver)
+    type(scene_t), intent(in) :: scene                !< scene
+    class(linear_solver_t), intent(inout) :: solver   !< solver
+    select type (solver)
+    type is (condensed_t)
+      solver%images = 4
+      if (scene%symmetry == 'half') solver%images = 2
+      if (scene%symmetry == 'full') solver%images = 1
+      solver%demanded = scene%symmetry == 'half' .or. scene%symmetry == 'quarter'
+    end select
+  end subroutine set_symmetry
 end module hd_solver_choice

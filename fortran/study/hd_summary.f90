@@ -27,6 +27,7 @@ module hd_summary
     character(len=25) :: started = ''
     character(len=:), allocatable :: input
     integer :: steps = 0, iterations = 0, cuts = 0
+    character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
@@ -68,6 +69,9 @@ contains
     call json%add('factor_entries', solver%factor_entries)
     call json%add('factor_flops', solver%flops)
     call json%add('solver', trim(solver%name))
+    call json%add('symmetry_assembly', trim(record%symmetry(1)))
+    call json%add('symmetry_torque', trim(record%symmetry(2)))
+    call json%add('inner_iterations', solver%inner)
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()

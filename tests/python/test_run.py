@@ -107,35 +107,66 @@ def test_vtu_reads_back(small_run):
     ["contact.mode=bonded"],
     ["mesh.divisions=25"],
     ["mesh.through_wall=2", "mesh.through_ring=2"],
-], ids=lambda k: k[0])
+    ["mesh.ring_divisions=20"],
+    ["mesh.ring_divisions=26", "mesh.ring_facets=5"],
+    ["mesh.element=hex20r", "mesh.divisions=16", "mesh.band_facets=2", "load.torque_steps=0"],
+    ["solver.method=schur"],
+    ["solver.method=schur", "mesh.ring_divisions=20", "mesh.ring_facets=3"],
+], ids=lambda k: "-".join(k))
 def test_condensation_changes_nothing(exe, tmp_path, keys):
-    """Condensation to the face (half or whole) and the sparse Newton matrix agree to 1e-8 on every facet."""
+    """Condensation to the face (by harmonics or Schur complement) and the sparse matrix agree to 1e-9 on every facet."""
     results = []
     for method in ("condensed", "newton"):
-        done = call(exe, CD14, *SMALL, *keys, f"solver.method={method}", "solver.tolerance=1e-10", "--out",
+        order = [f"solver.method={method}", *keys] if method == "condensed" else [*keys, "solver.method=newton"]
+        done = call(exe, CD14, *SMALL, *order, "solver.tolerance=3e-11", "--out",
                     tmp_path / method, "-q")
         assert done.returncode == 0, done.stderr
         results.append(hdengine.load(tmp_path / method))
     a, b = (r.contact for r in results)
     for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
-        np.testing.assert_allclose(a[name], b[name], atol=1e-8 * b["pressure_pa"].max())
+        np.testing.assert_allclose(a[name], b[name], rtol=0, atol=1e-9 * b["pressure_pa"].max())
     assert results[0].steps["rotation_rad"][-1] == pytest.approx(results[1].steps["rotation_rad"][-1], rel=1e-7, abs=1e-15)
     assert "condensed" in results[0].summary["model"]["solver"]
 
 
-def test_half_is_only_used_where_the_scene_repeats(exe, tmp_path):
-    """The solver halves the face without eccentricity and with an even number of divisions, never otherwise."""
-    for keys, half in ((["mesh.divisions=24"], True), (["mesh.divisions=25"], False),
-                       (["wave_generator.eccentricity=1e-9"], False)):
-        done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "h", "--force", "-q")
+def test_symmetry_changes_nothing(exe, tmp_path):
+    """Quarter, half and whole face give the same tractions to 1e-9 of the peak, in assembly and torque steps."""
+    results = {}
+    for symmetry in ("full", "half", "quarter"):
+        done = call(exe, CD14, *SMALL, f"solver.symmetry={symmetry}", "solver.tolerance=3e-11", "--out",
+                    tmp_path / symmetry, "-q")
         assert done.returncode == 0, done.stderr
-        assert summary(tmp_path / "h")["model"]["solver"].endswith("half") == half
+        results[symmetry] = hdengine.load(tmp_path / symmetry)
+        assert results[symmetry].summary["model"]["symmetry_assembly"] == symmetry
+    for symmetry in ("half", "quarter"):
+        for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
+            np.testing.assert_allclose(results[symmetry].contact[name], results["full"].contact[name], rtol=0,
+                                       atol=1e-9 * results["full"].contact["pressure_pa"].max())
 
 
-def test_condensation_is_refused_where_it_does_not_apply(exe, tmp_path):
-    """Meshes that do not match cannot be condensed; `auto` takes the sparse matrix."""
-    done = call(exe, CD14, *SMALL, "mesh.ring_divisions=20", "solver.method=condensed", "--out", tmp_path / "c", "-q")
-    assert done.returncode == 2 and "valid: auto, newton" in done.stderr
+@pytest.mark.parametrize("keys, assembly, torque", [
+    ([], "quarter", "half"),
+    (["mesh.divisions=25"], "half", "full"),                      # half a turn does not map the mesh onto itself
+    (["mesh.ring_divisions=25"], "half", "full"),
+    (["wave_generator.eccentricity=1e-9"], "half", "full"),       # along the long axis: one mirror plane is left
+    (["wave_generator.eccentricity=1e-9", "wave_generator.eccentricity_angle_deg=90"], "half", "full"),
+    (["wave_generator.eccentricity=1e-9", "wave_generator.eccentricity_angle_deg=30"], "full", "full"),
+    (["load.torque=1e-6"], "quarter", "half"),
+    (["solver.symmetry=half"], "half", "half"),
+    (["solver.symmetry=full"], "full", "full"),
+], ids=lambda k: "-".join(k) if isinstance(k, list) else k)
+def test_no_symmetry_is_used_that_the_scene_lacks(exe, tmp_path, keys, assembly, torque):
+    """A perturbation of 1 nm or one cell more takes away exactly the symmetry that it breaks; torque takes the mirrors."""
+    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", "--out", tmp_path / "s", "-q")
+    assert done.returncode == 0, done.stderr
+    model = summary(tmp_path / "s")["model"]
+    assert (model["symmetry_assembly"], model["symmetry_torque"]) == (assembly, torque)
+
+
+def test_symmetry_that_is_not_there_is_refused(exe, tmp_path):
+    """`solver.symmetry = quarter` in an eccentric scene: code 2 and what the scene has."""
+    done = call(exe, CD14, *SMALL, "wave_generator.eccentricity=1e-9", "solver.symmetry=quarter", "--out", tmp_path / "c", "-q")
+    assert done.returncode == 2 and "half" in done.stderr and "'auto'" in done.stderr
 
 
 def test_summary_tells_what_was_used(small_run):
@@ -226,7 +257,7 @@ def test_quadratic_elements_agree_with_refined_linear_ones(exe, tmp_path):
 
 def test_meshes_that_do_not_match(exe, small_run, tmp_path):
     """A ring of 20 divisions in a cup of 24: converged, pressure integrates to the reaction to 0.1 %."""
-    done = call(exe, CD14, *SMALL, "mesh.ring_divisions=20", "--out", tmp_path / "n.out", "-q")
+    done = call(exe, CD14, *SMALL, "mesh.ring_divisions=20", "solver.method=newton", "--out", tmp_path / "n.out", "-q")
     assert done.returncode == 0, done.stderr
     s = summary(tmp_path / "n.out")
     assert s["model"]["ordering_used"] == s["model"]["ordering_asked"] == "METIS (PERM_IN)"

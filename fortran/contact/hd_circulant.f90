@@ -1,0 +1,428 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Compliance of two revolved bodies at their contact, by harmonics: F = sum_b W_b C_b W_b^T, with C_b the block-circulant
+!> compliance of the face nodes of body b and W_b its mortar weights. Numbers of sectors may differ; where all weights are
+!> one (matching meshes of linear elements), both bodies merge into one circulant.
+module hd_circulant
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_kinds, only: dp, pi
+  use hd_compliance, only: compliance_t
+  use hd_error, only: error_t, raise, code_input
+  use hd_fft, only: backward_real, fft_plan_t, forward_real, free_plan, execute_backward_real, execute_forward_real, &
+    plan_backward_real, plan_forward_real
+  use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, &
+    amplitude
+  use hd_lapack, only: invert_symmetric, multiply_dense
+  use hd_problem, only: problem_t
+  use hd_symmetry, only: symmetry_t
+  implicit none
+  private
+  public :: circulant_t, new_circulant, has_circulant
+
+  !> Face of one body (or of both, merged).
+  type :: side_t
+    integer :: sectors = 0                          !< of the body
+    integer, allocatable :: nodes(:)                !< face nodes of the first sector
+    integer, allocatable :: ptr(:), row(:), sector(:)  !< weights by multiplier: face node, sector from 0
+    real(dp), allocatable :: val(:)
+    real(dp), allocatable :: angle(:)               !< their angles [rad]
+    real(dp), allocatable :: hat(:, :, :)           !< compliance by harmonic (3 nodes, 3 nodes, 0:n/2) [m/N]
+    real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
+    real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
+    complex(dp), allocatable :: wave(:, :)          !< (n/stride/2 + 1, 3 nodes)
+    type(fft_plan_t) :: forward, backward
+  end type side_t
+
+  type, extends(compliance_t) :: circulant_t
+    type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
+    type(side_t), allocatable :: sides(:)           !< one for each body
+    type(side_t), allocatable :: parts(:)           !< what is applied: both sides, or one merged
+    integer :: stride = 0                           !< 2: fields repeat after half a turn
+    integer :: known = 0                            !< stride for which hat is complete, 0: none
+    integer :: rows = 0                             !< multipliers along the axis
+    integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
+    real(dp), allocatable :: inverse(:, :, :)       !< F^-1 by harmonic, mean over the sectors (3 rows, 3 rows, 0:n/2)
+    type(side_t) :: ring                            !< workspace of the preconditioner
+  contains
+    procedure :: prepare => prepare_circulant
+    procedure :: solve => solve_circulant
+    procedure :: apply => apply_circulant
+    procedure :: precondition => precondition_circulant
+    procedure :: add_column => add_circulant_column
+    procedure :: release => release_circulant
+  end type circulant_t
+
+contains
+
+  !> Two revolved bodies, multipliers on the first, every row of them complete round the axis.
+  pure logical function has_circulant(problem) result(yes)
+    type(problem_t), intent(in) :: problem  !< problem
+    yes = size(problem%bodies) == 2
+    if (yes) yes = all(problem%bodies%revolved) .and. modulo(problem%mortar%n, problem%bodies(1)%sectors) == 0
+  end function has_circulant
+
+  !> Number the faces; factors are made by prepare.
+  subroutine new_circulant(problem, circulant, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(circulant_t), intent(out) :: circulant       !< compliance
+    type(error_t), allocatable, intent(out) :: error  !< not revolved, inverted element
+    integer :: b, first, m
+    if (.not. has_circulant(problem)) then
+      call raise(error, code_input, "solver.method = 'condensed' needs two bodies of revolution; valid: auto, schur, newton")
+      return
+    end if
+    circulant%name = 'condensed by harmonics'
+    circulant%fast = .true.
+    allocate (circulant%bodies(2), circulant%sides(2))
+    do b = 1, 2
+      m = problem%bodies(b)%nodes_per_sector
+      first = problem%first(b)
+      call new_harmonics(problem%bodies(b), problem%fixed(:, first + 1:first + m), problem%spring(:, first + 1:first + m), &
+        circulant%bodies(b), error)
+      if (allocated(error)) return
+      call collect_side(problem, b, circulant%sides(b))
+    end do
+    call place_multipliers(problem, circulant)
+  end subroutine new_circulant
+
+  !> Face nodes of a body and the weights of the multipliers on them.
+  subroutine collect_side(problem, b, side)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: b                !< body
+    type(side_t), intent(out) :: side       !< its face
+    integer :: number(problem%bodies(b)%nodes_per_sector), first, i, j, k, m, n
+    first = problem%first(b)
+    m = problem%bodies(b)%nodes_per_sector
+    side%sectors = problem%bodies(b)%sectors
+    associate (mortar => problem%mortar)
+      number = 0
+      do k = 1, size(mortar%col)
+        i = mortar%col(k) - first
+        if (i > 0 .and. i <= m*side%sectors) number(modulo(i - 1, m) + 1) = 1
+      end do
+      side%nodes = pack([(i, i=1, m)], number > 0)
+      side%angle = problem%bodies(b)%angle(side%nodes)
+      number(side%nodes) = [(i, i=1, size(side%nodes))]
+      allocate (side%ptr(mortar%n + 1), side%row(size(mortar%col)), side%sector(size(mortar%col)), side%val(size(mortar%col)))
+      n = 0
+      do j = 1, mortar%n
+        side%ptr(j) = n + 1
+        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+          i = mortar%col(k) - first
+          if (i <= 0 .or. i > m*side%sectors) cycle
+          n = n + 1
+          side%row(n) = number(modulo(i - 1, m) + 1)
+          side%sector(n) = (i - 1)/m
+          side%val(n) = mortar%val(k)
+        end do
+      end do
+      side%ptr(mortar%n + 1) = n + 1
+    end associate
+    allocate (side%hat(3*size(side%nodes), 3*size(side%nodes), 0:side%sectors/2))
+  end subroutine collect_side
+
+  !> Sector and axial row of every multiplier.
+  subroutine place_multipliers(problem, circulant)
+    type(problem_t), intent(in) :: problem           !< problem
+    type(circulant_t), intent(inout) :: circulant    !< gets rows, row, sector
+    integer :: number(problem%bodies(1)%nodes_per_sector), i, m
+    m = problem%bodies(1)%nodes_per_sector
+    number = 0
+    number(modulo(problem%mortar%node - 1, m) + 1) = 1
+    circulant%rows = count(number > 0)
+    number = [(count(number(:i) > 0), i=1, m)]
+    circulant%sector = (problem%mortar%node - 1)/m
+    circulant%row = number(modulo(problem%mortar%node - 1, m) + 1)
+  end subroutine place_multipliers
+
+  !> Factorise and transform what a stride needs.
+  subroutine prepare_circulant(self, problem, symmetry, error)
+    class(circulant_t), intent(inout) :: self         !< compliance
+    type(problem_t), intent(in) :: problem            !< problem
+    type(symmetry_t), intent(in) :: symmetry          !< of the load step
+    type(error_t), allocatable, intent(out) :: error  !< body not held, memory
+    integer :: b, k, stride
+    stride = merge(2, 1, symmetry%half_turn)
+    if (stride == self%stride .or. problem%n == 0) return
+    self%factor_entries = 0
+    do b = 1, 2
+      call factorise_harmonics(self%bodies(b), stride, error)
+      if (allocated(error)) return
+      do k = 0, self%sides(b)%sectors/2, stride
+        if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0)) cycle
+        call face_compliance(self%bodies(b), self%sides(b)%nodes, k, self%sides(b)%hat(:, :, k))
+      end do
+      self%factor_entries = self%factor_entries + int(harmonic_entries(self%bodies(b), stride), int64)
+    end do
+    self%known = merge(stride, min(stride, self%known), self%known == 0)
+    self%stride = stride
+    if (allocated(self%inverse)) deallocate (self%inverse)
+    call release_parts(self)
+    call merge_sides(self)
+    self%apply_flops = 0
+    do b = 1, size(self%parts)
+      call plan_side(self%parts(b), stride, error)
+      if (allocated(error)) return
+      self%apply_flops = self%apply_flops + 8*real(size(self%parts(b)%hat, 1), dp)**2*size(self%parts(b)%wave, 1) + &
+        10*size(self%parts(b)%field)*log(real(size(self%parts(b)%field, 1), dp))
+    end do
+  end subroutine prepare_circulant
+
+  !> Both sides, or one where every multiplier meets exactly one node of either.
+  subroutine merge_sides(self)
+    type(circulant_t), intent(inout) :: self  !< gets parts
+    integer :: at(self%rows), j
+    logical :: single
+    single = self%sides(1)%sectors == self%sides(2)%sectors .and. size(self%sides(1)%nodes) == self%rows .and. &
+      size(self%sides(2)%nodes) == self%rows .and. size(self%row) == size(self%sides(1)%ptr) - 1
+    if (single) single = all(self%sides(1)%ptr(2:) - self%sides(1)%ptr(:size(self%row)) == 1) .and. &
+      all(self%sides(2)%ptr(2:) - self%sides(2)%ptr(:size(self%row)) == 1)
+    if (single) then
+      at = 0
+      do j = 1, size(self%row)
+        if (at(self%sides(1)%row(j)) == 0) at(self%sides(1)%row(j)) = self%sides(2)%row(j)
+        single = single .and. at(self%sides(1)%row(j)) == self%sides(2)%row(j) .and. &
+          self%sides(1)%sector(j) == self%sides(2)%sector(j) .and. &
+          abs(abs(self%sides(1)%val(j)) - 1) < 1e-10_dp .and. abs(abs(self%sides(2)%val(j)) - 1) < 1e-10_dp
+      end do
+    end if
+    if (.not. single) then
+      self%parts = self%sides
+      return
+    end if
+    allocate (self%parts(1))
+    self%parts(1) = self%sides(1)
+    self%parts(1)%val = 1
+    associate (to => [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)])
+      self%parts(1)%hat = self%sides(1)%hat + self%sides(2)%hat(to, to, :)
+    end associate
+  end subroutine merge_sides
+
+  !> Kernel by difference of sectors, workspace and plans.
+  subroutine plan_side(side, stride, error)
+    type(side_t), intent(inout) :: side               !< face
+    integer, intent(in) :: stride                     !< 1 or 2
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    complex(dp), allocatable :: wave(:, :)
+    real(dp), allocatable :: column(:, :)
+    integer :: j, k, m, n
+    n = side%sectors/stride
+    m = size(side%hat, 1)
+    allocate (side%kernel(m, m, n), side%field(n, m), side%wave(n/2 + 1, m), wave(n/2 + 1, m), column(n, m))
+    do j = 1, m
+      do k = 0, n/2
+        wave(k + 1, :) = side%hat(:, j, k*stride)/n*factors(side%angle, k*stride)
+        wave(k + 1, :) = wave(k + 1, :)*conjg(amplitude(k*stride, side%angle((j + 2)/3), modulo(j - 1, 3) + 1))
+      end do
+      call backward_real(wave, column, error)
+      if (allocated(error)) return
+      side%kernel(:, j, :) = transpose(column)
+    end do
+    call plan_forward_real(n, m, side%field, side%wave, side%forward, error)
+    if (.not. allocated(error)) call plan_backward_real(n, m, side%wave, side%field, side%backward, error)
+  end subroutine plan_side
+
+  !> u = K^-1 f.
+  subroutine solve_circulant(self, problem, f, u, error)
+    class(circulant_t), intent(inout) :: self         !< prepared
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: f(:, :)                   !< nodal forces (3, n) [N]
+    real(dp), intent(out) :: u(:, :)                  !< displacements (3, n) [m]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: b
+    do b = 1, 2
+      associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
+        call solve_body(self%bodies(b), self%stride, f(:, low:high), u(:, low:high), error)
+      end associate
+      if (allocated(error)) return
+    end do
+  end subroutine solve_circulant
+
+  !> w = F f.
+  subroutine apply_circulant(self, f, w)
+    class(circulant_t), intent(inout) :: self    !< prepared
+    real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
+    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
+    integer :: c, j, k, p, n, ring, s
+    ring = self%sides(1)%sectors/self%stride
+    w = 0
+    do p = 1, size(self%parts)
+      associate (part => self%parts(p))
+        n = size(part%field, 1)
+        part%field = 0
+        do j = 1, size(f, 2)
+          if (self%sector(j) >= ring) cycle
+          do k = part%ptr(j), part%ptr(j + 1) - 1
+            s = modulo(part%sector(k), n) + 1
+            do c = 1, 3
+              part%field(s, 3*part%row(k) - 3 + c) = part%field(s, 3*part%row(k) - 3 + c) + part%val(k)*f(c, j)
+            end do
+          end do
+        end do
+        call execute_forward_real(part%forward, part%field, part%wave)
+        do k = 0, n/2
+          call multiply_harmonic(part%hat(:, :, k*self%stride), factors(part%angle, k*self%stride), part%wave, k + 1)
+        end do
+        call execute_backward_real(part%backward, part%wave, part%field)
+        part%field = part%field/n
+        do j = 1, size(f, 2)
+          do k = part%ptr(j), part%ptr(j + 1) - 1
+            s = modulo(part%sector(k), n) + 1
+            do c = 1, 3
+              w(c, j) = w(c, j) + part%val(k)*part%field(s, 3*part%row(k) - 3 + c)
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine apply_circulant
+
+  !> Factors between dofs of the first sector and their real amplitudes.
+  pure function factors(angle, k) result(d)
+    real(dp), intent(in) :: angle(:)   !< of the nodes [rad]
+    integer, intent(in) :: k           !< harmonic
+    complex(dp) :: d(3*size(angle))
+    integer :: c
+    do c = 1, 3
+      d(c::3) = amplitude(k, angle, c)
+    end do
+  end function factors
+
+  !> Multiply one harmonic of all fields by a real matrix of amplitudes.
+  subroutine multiply_harmonic(a, factor, wave, k)
+    real(dp), intent(in), contiguous :: a(:, :)     !< matrix
+    complex(dp), intent(in) :: factor(:)            !< of the dofs
+    complex(dp), intent(inout) :: wave(:, :)        !< half spectra (harmonics, dofs)
+    integer, intent(in) :: k                        !< row of wave
+    real(dp) :: x(size(factor), 2), y(size(factor), 2)
+    complex(dp) :: z(size(factor))
+    z = conjg(factor)*wave(k, :)
+    x(:, 1) = real(z)
+    x(:, 2) = aimag(z)
+    call multiply_dense(a, x, y)
+    wave(k, :) = factor*cmplx(y(:, 1), y(:, 2), dp)
+  end subroutine multiply_harmonic
+
+  !> Inverse of F where it is circulant, else of its mean over the sectors of the ring.
+  subroutine precondition_circulant(self, w, f, error)
+    class(circulant_t), intent(inout) :: self         !< prepared
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements (3, multipliers) [m]
+    real(dp), intent(out) :: f(:, :)                  !< forces (3, multipliers) [N]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: j, k, n
+    if (.not. allocated(self%inverse)) call invert_mean(self, error)
+    if (allocated(error)) return
+    associate (ring => self%ring)
+      n = size(ring%field, 1)
+      do j = 1, size(w, 2)
+        if (self%sector(j) < n) ring%field(self%sector(j) + 1, 3*self%row(j) - 2:3*self%row(j)) = w(:, j)
+      end do
+      call execute_forward_real(ring%forward, ring%field, ring%wave)
+      do k = 0, n/2
+        call multiply_harmonic(self%inverse(:, :, k*self%stride), factors(ring%angle, k*self%stride), ring%wave, k + 1)
+      end do
+      call execute_backward_real(ring%backward, ring%wave, ring%field)
+      ring%field = ring%field/n
+      do j = 1, size(w, 2)
+        f(:, j) = ring%field(modulo(self%sector(j), n) + 1, 3*self%row(j) - 2:3*self%row(j))
+      end do
+    end associate
+  end subroutine precondition_circulant
+
+  !> Mean of F over rotations by one sector of the ring, inverted harmonic by harmonic.
+  subroutine invert_mean(self, error)
+    type(circulant_t), intent(inout) :: self          !< gets inverse and its workspace
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: m(:, :), mean(:, :)
+    real(dp) :: weight
+    integer :: d, j, k, l, p, n, alias
+    logical :: turned
+    n = self%sides(1)%sectors
+    allocate (self%inverse(3*self%rows, 3*self%rows, 0:n/2), mean(3*self%rows, 3*self%rows))
+    do k = 0, n/2, self%stride
+      mean = 0
+      do p = 1, size(self%parts)
+        associate (part => self%parts(p))
+          alias = modulo(k, part%sectors)
+          turned = 2*alias > part%sectors
+          if (turned) alias = part%sectors - alias
+          allocate (m(size(part%hat, 1), 3*self%rows), source=0._dp)
+          do j = 1, size(self%row)
+            do l = part%ptr(j), part%ptr(j + 1) - 1
+              weight = part%val(l)*cos(k*(2*pi*self%sector(j)/n - 2*pi*part%sector(l)/part%sectors - part%angle(part%row(l))))
+              do d = 1, 3
+                if (turned .and. d == 2) weight = -weight
+                m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) = m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) + weight
+                if (turned .and. d == 2) weight = -weight
+              end do
+            end do
+          end do
+          mean = mean + matmul(transpose(m), matmul(part%hat(:, :, alias), m))/(real(n, dp)*part%sectors)
+          deallocate (m)
+        end associate
+      end do
+      do j = 1, size(mean, 1)
+        mean(j, j) = mean(j, j)*(1 + 1e-12_dp)
+      end do
+      call invert_symmetric(mean, error)
+      if (allocated(error)) return
+      self%inverse(:, :, k) = mean
+    end do
+    self%ring%angle = [(0._dp, j=1, self%rows)]
+    allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(n/self%stride/2 + 1, 3*self%rows))
+    call plan_forward_real(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, error)
+    if (.not. allocated(error)) &
+      call plan_backward_real(n/self%stride, 3*self%rows, self%ring%wave, self%ring%field, self%ring%backward, error)
+  end subroutine invert_mean
+
+  !> Add the blocks F(list, j) diag(sign) to a column of blocks.
+  subroutine add_circulant_column(self, j, sign, list, column)
+    class(circulant_t), intent(in) :: self         !< prepared
+    integer, intent(in) :: j                       !< multiplier that is loaded
+    real(dp), intent(in) :: sign(3)                !< signs of its components
+    integer, intent(in) :: list(:)                 !< multipliers that are looked at
+    real(dp), intent(inout) :: column(:, :, :)     !< (3, 3, list) [m/N]
+    integer :: c, d, i, k, l, p, n
+    real(dp) :: v(3)
+    do p = 1, size(self%parts)
+      associate (part => self%parts(p))
+        n = size(part%kernel, 3)
+        do l = part%ptr(j), part%ptr(j + 1) - 1
+          do i = 1, size(list)
+            do k = part%ptr(list(i)), part%ptr(list(i) + 1) - 1
+              d = part%sector(k) - part%sector(l)
+              d = modulo(d, n) + 1
+              do c = 1, 3
+                v = part%kernel(3*part%row(k) - 2:3*part%row(k), 3*part%row(l) - 3 + c, d)
+                column(:, c, i) = column(:, c, i) + part%val(k)*part%val(l)*sign(c)*v
+              end do
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine add_circulant_column
+
+  !> Give back plans and workspace.
+  subroutine release_parts(self)
+    class(circulant_t), intent(inout) :: self  !< compliance
+    integer :: p
+    call free_plan(self%ring%forward)
+    call free_plan(self%ring%backward)
+    if (allocated(self%ring%field)) deallocate (self%ring%field, self%ring%wave)
+    if (.not. allocated(self%parts)) return
+    do p = 1, size(self%parts)
+      call free_plan(self%parts(p)%forward)
+      call free_plan(self%parts(p)%backward)
+    end do
+    deallocate (self%parts)
+  end subroutine release_parts
+
+  !> Give back all memory.
+  subroutine release_circulant(self)
+    class(circulant_t), intent(inout) :: self  !< compliance
+    call release_parts(self)
+    if (allocated(self%bodies)) deallocate (self%bodies, self%sides)
+    self%stride = 0
+    self%known = 0
+  end subroutine release_circulant
+end module hd_circulant

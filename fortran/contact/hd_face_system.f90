@@ -1,0 +1,294 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The linearised contact law on the face, in local form: at every multiplier R (F f)_i + T t = s with orthonormal rows R,
+!> and tractions t = P y + q that already obey those rows of the law that do not see displacements (R P = 1).
+!>
+!> Open points have no y, slipping ones two, sticking ones three. Unknowns are y, here as forces (times area).
+module hd_face_system
+  use hd_kinds, only: dp
+  use hd_compliance, only: compliance_t
+  use hd_error, only: error_t
+  use hd_krylov, only: operator_t, solve_gmres
+  use hd_lapack, only: solve_dense
+  use hd_symmetry, only: symmetry_t, mirror_sign
+  implicit none
+  private
+  public :: face_system_t, new_face_system
+
+  type, extends(operator_t) :: face_system_t
+    class(compliance_t), pointer :: compliance => null()  !< F
+    integer, allocatable :: rank(:)              !< unknowns of each multiplier (multipliers)
+    real(dp), allocatable :: r(:, :, :)          !< rows that see displacements (3, 3, multipliers); rank rows count
+    real(dp), allocatable :: p(:, :, :)          !< tractions per unknown (3, 3, multipliers); rank columns count
+    real(dp), allocatable :: d(:, :, :)          !< T P / area (3, 3, multipliers) [m/N]
+    real(dp), allocatable :: t(:, :, :)          !< rows T
+    real(dp), allocatable :: q(:, :)             !< tractions that are known (3, multipliers) [Pa]
+    real(dp), allocatable :: s(:, :)             !< right-hand sides (3, multipliers)
+    real(dp), allocatable :: area(:)             !< areas [m^2]
+    real(dp), allocatable :: f(:, :), w(:, :)    !< workspace (3, multipliers)
+    real(dp), allocatable :: share(:)            !< of the compliance in the diagonal of each unknown
+    real(dp), allocatable :: diagonal(:)         !< its inverse
+    integer, allocatable :: list(:)              !< multipliers that are solved for
+    integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
+    integer, allocatable :: start(:)             !< unknowns before each of them, and their number
+  contains
+    procedure :: multiply => multiply_face
+    procedure :: approximate => approximate_face
+    procedure :: solve_direct
+    procedure :: solve_krylov
+  end type face_system_t
+
+contains
+
+  !> Local forms of R_w w + R_t t = -r_c.
+  subroutine new_face_system(dw, dt, r_c, area, system)
+    real(dp), intent(in) :: dw(:, :, :)              !< R_w (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)              !< R_t (3, 3, multipliers)
+    real(dp), intent(in) :: r_c(:, :)                !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(in) :: area(:)                  !< (multipliers) [m^2]
+    type(face_system_t), intent(out) :: system       !< without list
+    integer :: j, k, m
+    m = size(area)
+    allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m), system%q(3, m), system%s(3, m))
+    allocate (system%rank(m), system%f(3, m), system%w(3, m))
+    system%area = area
+    do j = 1, m
+      system%r(:, :, j) = dw(:, :, j)
+      system%t(:, :, j) = dt(:, :, j)
+      system%s(:, j) = -r_c(:, j)
+      call reduce_rows(system%r(:, :, j), system%t(:, :, j), system%s(:, j), system%rank(j))
+      k = system%rank(j)
+      call split_tractions(system%r(:, :, j), system%t(:, :, j), system%s(:, j), k, system%p(:, :, j), system%q(:, j))
+      system%d(:, :, j) = matmul(system%t(:, :, j), system%p(:, :, j))/area(j)
+    end do
+  end subroutine new_face_system
+
+  !> Orthonormal rows by Gram-Schmidt with pivots; rows without displacement come last. The same is done to T and s.
+  pure subroutine reduce_rows(r, t, s, rank)
+    real(dp), intent(inout) :: r(3, 3), t(3, 3), s(3)  !< rows of the law
+    integer, intent(out) :: rank                       !< rows that see displacements
+    real(dp) :: size, length, factor, row(3)
+    integer :: i, k
+    size = maxval(abs(r))
+    rank = 0
+    if (.not. size > 0) return
+    do k = 1, 3
+      i = k - 1 + maxloc(sum(r(k:, :)**2, 2), 1)
+      length = norm2(r(i, :))
+      if (length <= 1e-11_dp*size) exit
+      row = r(i, :); r(i, :) = r(k, :); r(k, :) = row/length
+      row = t(i, :); t(i, :) = t(k, :); t(k, :) = row/length
+      factor = s(i); s(i) = s(k); s(k) = factor/length
+      do i = k + 1, 3
+        factor = dot_product(r(i, :), r(k, :))
+        r(i, :) = r(i, :) - factor*r(k, :)
+        t(i, :) = t(i, :) - factor*t(k, :)
+        s(i) = s(i) - factor*s(k)
+      end do
+      rank = k
+    end do
+  end subroutine reduce_rows
+
+  !> t = P y + q obeys rows rank + 1..3 of T t = s, and R P = 1.
+  pure subroutine split_tractions(r, t, s, rank, p, q)
+    real(dp), intent(in) :: r(3, 3), t(3, 3), s(3)  !< reduced rows
+    integer, intent(in) :: rank                     !< rows that see displacements
+    real(dp), intent(out) :: p(3, 3), q(3)          !< tractions per unknown (rank columns), known ones
+    real(dp) :: a(3, 3), inverse(3, 3)
+    a = r
+    a(rank + 1:, :) = t(rank + 1:, :)
+    inverse(:, 1) = cross(a(2, :), a(3, :))
+    inverse(:, 2) = cross(a(3, :), a(1, :))
+    inverse(:, 3) = cross(a(1, :), a(2, :))
+    inverse = inverse/dot_product(a(1, :), inverse(:, 1))
+    p = 0
+    p(:, :rank) = inverse(:, :rank)
+    q = matmul(inverse(:, rank + 1:), s(rank + 1:))
+  end subroutine split_tractions
+
+  pure function cross(a, b) result(c)
+    real(dp), intent(in) :: a(3), b(3)
+    real(dp) :: c(3)
+    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+  end function cross
+
+  !> Right-hand side for relative displacements w that are known.
+  pure function right_side(self, w) result(b)
+    class(face_system_t), intent(in) :: self  !< system
+    real(dp), intent(in) :: w(:, :)           !< (3, multipliers) [m]
+    real(dp) :: b(self%start(size(self%start)))
+    integer :: i, j, k
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        b(self%start(i) + k) = self%s(k, j) - dot_product(self%r(k, :, j), w(:, j)) - dot_product(self%t(k, :, j), self%q(:, j))
+      end do
+    end do
+  end function right_side
+
+  !> Tractions of the solution at the multipliers of the list.
+  subroutine enter(self, y, traction)
+    class(face_system_t), intent(in) :: self        !< system
+    real(dp), intent(in) :: y(:)                    !< unknowns [N]
+    real(dp), intent(inout) :: traction(:, :)       !< gets them (3, multipliers) [Pa]
+    integer :: i, j, k
+    do i = 1, size(self%list)
+      j = self%list(i)
+      k = self%rank(j)
+      traction(:, j) = self%q(:, j) + matmul(self%p(:, :k, j), y(self%start(i) + 1:self%start(i) + k))/self%area(j)
+    end do
+  end subroutine enter
+
+  !> Number the unknowns of a list.
+  subroutine number(self, list)
+    class(face_system_t), intent(inout) :: self  !< gets list, start
+    integer, intent(in) :: list(:)               !< multipliers
+    integer :: i
+    self%list = list
+    allocate (self%start(size(list) + 1))
+    self%start(1) = 0
+    do i = 1, size(list)
+      self%start(i + 1) = self%start(i) + self%rank(list(i))
+    end do
+  end subroutine number
+
+  !> Dense LU. Images behind a mirror plane are folded in.
+  subroutine solve_direct(self, list, mirrored, w, traction, flops, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    integer, intent(in) :: list(:)                    !< multipliers to solve for
+    integer, intent(in) :: mirrored(:)                !< image of each, itself where there is none
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    real(dp), intent(out) :: flops                    !< operations
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: a(:, :), b(:, :), column(:, :, :)
+    real(dp) :: rp(3, 3)
+    integer :: c, d, i, j, k, n
+    call number(self, list)
+    n = self%start(size(self%start))
+    allocate (a(n, n), b(n, 1), column(3, 3, size(list)))
+    do i = 1, size(list)
+      j = list(i)
+      column = 0
+      call self%compliance%add_column(j, [1._dp, 1._dp, 1._dp], list, column)
+      if (mirrored(i) /= j) call self%compliance%add_column(mirrored(i), mirror_sign, list, column)
+      do c = 1, self%rank(j)
+        call fill_column(self, column, self%p(:, c, j), a(:, self%start(i) + c))
+      end do
+      k = self%rank(j)
+      rp = self%d(:, :, j)
+      do c = 1, k
+        do d = 1, k
+          a(self%start(i) + d, self%start(i) + c) = a(self%start(i) + d, self%start(i) + c) + rp(d, c)
+        end do
+      end do
+    end do
+    b(:, 1) = right_side(self, w)
+    flops = 2*real(n, dp)**3/3
+    call solve_dense(a, b, error)
+    if (.not. allocated(error)) call enter(self, b(:, 1), traction)
+  end subroutine solve_direct
+
+  !> R F p at all multipliers of the list.
+  pure subroutine fill_column(self, column, p, a)
+    class(face_system_t), intent(in) :: self    !< system
+    real(dp), intent(in) :: column(:, :, :)     !< F for three forces (3, 3, list)
+    real(dp), intent(in) :: p(3)                !< their amounts
+    real(dp), intent(out) :: a(:)               !< column of the matrix
+    real(dp) :: v(3)
+    integer :: i, j, k
+    do i = 1, size(self%list)
+      j = self%list(i)
+      v = column(:, 1, i)*p(1) + column(:, 2, i)*p(2) + column(:, 3, i)*p(3)
+      do k = 1, self%rank(j)
+        a(self%start(i) + k) = self%r(k, 1, j)*v(1) + self%r(k, 2, j)*v(2) + self%r(k, 3, j)*v(3)
+      end do
+    end do
+  end subroutine fill_column
+
+  !> GMRES with F applied by its own means.
+  subroutine solve_krylov(self, list, w, tolerance, most, traction, steps, residual, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    integer, intent(in) :: list(:)                    !< multipliers to solve for
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(in) :: tolerance                 !< relative residual
+    integer, intent(in) :: most                       !< steps at most
+    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    integer, intent(out) :: steps                     !< taken
+    real(dp), intent(out) :: residual                 !< reached
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: y(:)
+    integer :: n
+    call number(self, list)
+    n = self%start(size(self%start))
+    allocate (y(n))
+    call weigh(self)
+    call solve_gmres(self, right_side(self, w), tolerance, most, y, steps, residual, error)
+    if (.not. allocated(error)) call enter(self, y, traction)
+  end subroutine solve_krylov
+
+  !> Shares of compliance and law in the diagonal, for the preconditioner.
+  subroutine weigh(self)
+    type(face_system_t), intent(inout) :: self  !< gets share and diagonal
+    real(dp) :: column(3, 3, 1), f, d
+    integer :: i, j, k
+    allocate (self%share(self%start(size(self%start))), self%diagonal(self%start(size(self%start))))
+    do i = 1, size(self%list)
+      j = self%list(i)
+      column = 0
+      call self%compliance%add_column(j, [1._dp, 1._dp, 1._dp], [j], column)
+      do k = 1, self%rank(j)
+        f = dot_product(self%r(k, :, j), matmul(column(:, :, 1), self%r(k, :, j)))
+        d = max(0._dp, self%d(k, k, j))
+        self%share(self%start(i) + k) = f/(f + d)
+        self%diagonal(self%start(i) + k) = (1 - f/(f + d))/(f + d)
+      end do
+    end do
+  end subroutine weigh
+
+  !> y = (R F P + T P / a) x.
+  subroutine multiply_face(self, x, y)
+    class(face_system_t), intent(inout) :: self  !< system
+    real(dp), intent(in) :: x(:)                 !< unknowns [N]
+    real(dp), intent(out) :: y(:)                !< rows [m]
+    integer :: i, j, k
+    self%f = 0
+    do i = 1, size(self%list)
+      j = self%list(i)
+      k = self%rank(j)
+      self%f(:, j) = matmul(self%p(:, :k, j), x(self%start(i) + 1:self%start(i) + k))
+    end do
+    call self%compliance%apply(self%f, self%w)
+    do i = 1, size(self%list)
+      j = self%list(i)
+      k = self%rank(j)
+      y(self%start(i) + 1:self%start(i) + k) = matmul(self%r(:k, :, j), self%w(:, j)) + &
+        matmul(self%d(:k, :k, j), x(self%start(i) + 1:self%start(i) + k))
+    end do
+  end subroutine multiply_face
+
+  !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates.
+  subroutine approximate_face(self, x, y, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    real(dp), intent(in) :: x(:)                      !< rows [m]
+    real(dp), intent(out) :: y(:)                     !< unknowns [N]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: i, j, k, l
+    self%w = 0
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        l = self%start(i) + k
+        self%w(:, j) = self%w(:, j) + self%r(k, :, j)*self%share(l)*x(l)
+      end do
+    end do
+    call self%compliance%precondition(self%w, self%f, error)
+    if (allocated(error)) return
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        l = self%start(i) + k
+        y(l) = self%share(l)*dot_product(self%r(k, :, j), self%f(:, j)) + self%diagonal(l)*x(l)
+      end do
+    end do
+  end subroutine approximate_face
+end module hd_face_system

@@ -1,0 +1,133 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Symmetry of a load step: half a turn about the axis, mirror planes that contain it. Found from the loads and the state
+!> that the step starts from, never assumed.
+module hd_symmetry
+  use hd_kinds, only: dp
+  use hd_body, only: body_t
+  use hd_problem, only: problem_t, load_t, state_t
+  implicit none
+  private
+  public :: symmetry_t, find_symmetry, limit_symmetry, symmetry_name, image_sector, node_images
+
+  !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
+  real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
+
+  type :: symmetry_t
+    logical :: half_turn = .false.   !< fields repeat after half a turn
+    integer :: mirror = 0            !< 0 none, 1 theta -> -theta, 2 theta -> pi - theta
+  contains
+    procedure :: order
+  end type symmetry_t
+
+contains
+
+  !> Parts of the model that are images of the one that is solved: 1, 2 or 4.
+  elemental integer function order(self)
+    class(symmetry_t), intent(in) :: self  !< symmetry
+    order = merge(2, 1, self%half_turn)*merge(2, 1, self%mirror > 0)
+  end function order
+
+  !> full, half or quarter.
+  pure function symmetry_name(symmetry) result(name)
+    type(symmetry_t), intent(in) :: symmetry  !< symmetry
+    character(len=7) :: name
+    name = 'full'
+    if (symmetry%order() == 2) name = 'half'
+    if (symmetry%order() == 4) name = 'quarter'
+  end function symmetry_name
+
+  !> Use at most so many images.
+  pure type(symmetry_t) function limit_symmetry(symmetry, most) result(less)
+    type(symmetry_t), intent(in) :: symmetry  !< symmetry of the step
+    integer, intent(in) :: most               !< 1, 2 or 4
+    less = symmetry
+    if (less%order() > most .and. less%half_turn) less%mirror = 0
+    if (less%order() > most) less = symmetry_t()
+  end function limit_symmetry
+
+  !> Sector of the image of a node: half a turn, or behind a mirror.
+  elemental integer function image_sector(sectors, sector, offset, mirror) result(image)
+    integer, intent(in) :: sectors  !< of the body
+    integer, intent(in) :: sector   !< of the node, from 0
+    integer, intent(in) :: offset   !< 1 for nodes halfway to the next sector
+    integer, intent(in) :: mirror   !< 0 half a turn, 1 theta -> -theta, 2 theta -> pi - theta
+    select case (mirror)
+    case (0); image = sector + sectors/2
+    case (1); image = -sector - offset
+    case default; image = sectors/2 - sector - offset
+    end select
+    image = modulo(image, sectors)
+  end function image_sector
+
+  !> Symmetry that meshes, load and state share.
+  pure type(symmetry_t) function find_symmetry(problem, load, state) result(symmetry)
+    type(problem_t), intent(in) :: problem  !< revolved bodies, supports the same in every sector
+    type(load_t), intent(in) :: load        !< load at the end of the step
+    type(state_t), intent(in) :: state      !< state at its beginning
+    if (.not. all(problem%bodies%revolved)) return
+    symmetry%half_turn = holds(problem, load, state, 0)
+    if (holds(problem, load, state, 1)) then
+      symmetry%mirror = 1
+    else if (holds(problem, load, state, 2)) then
+      symmetry%mirror = 2
+    end if
+  end function find_symmetry
+
+  !> One operation leaves load and state as they are.
+  pure logical function holds(problem, load, state, mirror) result(yes)
+    type(problem_t), intent(in) :: problem  !< problem
+    type(load_t), intent(in) :: load        !< load
+    type(state_t), intent(in) :: state      !< state
+    integer, intent(in) :: mirror           !< operation, see image_sector
+    integer :: image(problem%n), number(problem%n), partner(problem%mortar%n), j
+    real(dp) :: sign(3)
+    yes = .false.
+    if (mirror /= 1 .and. any(modulo(problem%bodies%sectors, 2) == 1)) return
+    sign = merge(mirror_sign, [1._dp, 1._dp, 1._dp], mirror > 0)
+    image = node_images(problem, mirror)
+    number = 0
+    number(problem%mortar%node) = [(j, j=1, problem%mortar%n)]
+    partner = number(image(problem%mortar%node))
+    if (any(partner == 0)) return
+    yes = same(load%displacement, image, sign, 1e-11_dp)
+    if (yes) yes = same(load%force, image, sign, 1e-11_dp)
+    if (yes) yes = all(abs(load%gap - load%gap(partner)) <= 1e-11_dp*maxval(abs(load%gap)))
+    if (yes) yes = same(state%u, image, sign, 1e-7_dp)
+    if (yes) yes = same(state%traction, partner, sign, 1e-7_dp)
+  end function holds
+
+  !> Image of every node.
+  pure function node_images(problem, mirror) result(image)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: mirror           !< operation
+    integer :: image(problem%n)
+    integer :: a, b, m, s, offset
+    do b = 1, size(problem%bodies)
+      associate (body => problem%bodies(b))
+        m = body%nodes_per_sector
+        do a = 1, m
+          offset = merge(1, 0, body%angle(a) > 0)
+          do s = 0, body%sectors - 1
+            image(problem%first(b) + s*m + a) = problem%first(b) + image_sector(body%sectors, s, offset, mirror)*m + a
+          end do
+        end do
+      end associate
+    end do
+  end function node_images
+
+  !> A field equals its image.
+  pure logical function same(field, image, sign, tolerance) result(yes)
+    real(dp), intent(in) :: field(:, :)  !< (3, points)
+    integer, intent(in) :: image(:)      !< image of each point
+    real(dp), intent(in) :: sign(3)      !< signs of the components
+    real(dp), intent(in) :: tolerance    !< relative to the largest entry
+    real(dp) :: largest
+    integer :: i
+    largest = maxval(abs(field))
+    yes = .false.
+    do i = 1, size(image)
+      if (any(abs(field(:, i) - sign*field(:, image(i))) > tolerance*largest)) return
+    end do
+    yes = .true.
+  end function same
+end module hd_symmetry

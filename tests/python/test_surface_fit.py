@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fit of D and G, and the verdict."""
+import numpy as np
+import pytest
+
+import hdengine
+from hdengine import roughness
+
+D, G, LENGTH = 2.5304, 2.4248e-7, 0.5e-3
+KNOWN = roughness.Ridges(LENGTH, 1e-6)
+
+
+def waves(d, ridges, seed, points=501, gamma=1.5, g=G, rows=None):
+    """Eq. 1 with random phases as a product of two matrices."""
+    known = roughness.Ridges(LENGTH, 1e-6, ridges, gamma)
+    n, m = np.meshgrid(np.arange(known.n_max + 1), np.arange(1, ridges + 1))
+    q = 2 * np.pi * gamma**n / LENGTH
+    a = np.sqrt(np.log(gamma) / ridges) * g ** (d - 2) * (LENGTH / gamma**n) ** (3 - d)
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, a.shape)
+    x = np.arange(points) * LENGTH / (points - 1)
+    y = x[:rows] if rows else x
+    u = (a * np.exp(1j * phase)).ravel() * np.exp(1j * np.outer(y, (q * np.sin(np.pi * m / ridges)).ravel()))
+    return (u @ np.exp(1j * np.outer((q * np.cos(np.pi * m / ridges)).ravel(), x))).real
+
+
+@pytest.fixture(scope="module")
+def surfaces():
+    return [waves(D, 10, seed) for seed in range(12)]
+
+
+def test_exact_sum_is_found(surfaces):
+    """Two-step GLS on the sum of Eq. 1: mean of 12 within 0.001 in D and 0.006 in ln G, spread within 0.002 and 0.01, chi2 as the
+    degrees of freedom, most of the 95 % intervals over the truth."""
+    fits = [roughness.fit(z, 1e-6, surface=KNOWN) for z in surfaces]
+    d = np.array([f.fractal_dimension for f in fits]) - D
+    g = np.log([f.roughness_m for f in fits]) - np.log(G)
+    assert abs(d.mean()) < 1e-3 and d.std() < 2e-3 and abs(g.mean()) < 6e-3 and g.std() < 1e-2
+    assert sum(f.interval[0][0] <= D <= f.interval[0][1] for f in fits) >= 10
+    assert 10 < np.mean([f.chi2 for f in fits]) < 26
+    assert all(f.verdict == "fractal" for f in fits)
+
+
+def test_unknown_surface_is_found(surfaces):
+    """Least squares on the isotropic band, knowing nothing but the map: mean of 12 within 0.008 in D, spread within 0.01."""
+    fits = [roughness.fit(z, 1e-6) for z in surfaces]
+    d = np.array([f.fractal_dimension for f in fits]) - D
+    assert abs(d.mean()) < 8e-3 and d.std() < 1e-2
+    assert all(f.interval[0][0] <= D <= f.interval[0][1] and f.verdict == "fractal" for f in fits)
+
+
+def test_tilt_does_not_matter(surfaces):
+    """A tilt of 10 % changes D by less than 1e-8, for levelling takes it off."""
+    a = roughness.fit(surfaces[0], 1e-6, surface=KNOWN)
+    x = np.arange(501)
+    b = roughness.fit(surfaces[0] + 1e-7 * x - 5e-8 * x[:, None] + 1e-3, 1e-6, surface=KNOWN)
+    assert b.fractal_dimension == pytest.approx(a.fractal_dimension, abs=1e-8)
+    assert b.tilt[0] - a.tilt[0] == pytest.approx(0.1, abs=1e-12)
+
+
+def test_noise_is_found(surfaces):
+    """White noise as strong as S(1)/20 is found within 15 %, and D within 3 standard errors."""
+    sigma = 0.2e-6
+    z = surfaces[0] + sigma * np.random.default_rng(9).standard_normal((501, 501))
+    f = roughness.fit(z, 1e-6, surface=KNOWN, noise="fit")
+    assert f.noise_m == pytest.approx(sigma, rel=0.15)
+    assert abs(f.fractal_dimension - D) < 3 * f.fractal_dimension_error
+    known = roughness.fit(z, 1e-6, surface=KNOWN, noise=sigma)
+    assert abs(known.fractal_dimension - D) < 3 * known.fractal_dimension_error < 0.01
+
+
+def test_dimension_of_exactly_one_and_a_half_works():
+    """D_s = 1.5, where the literature's constant is infinity times 0, is fitted like any other, also by that constant."""
+    z = waves(2.5, 10, 1)
+    assert roughness.fit(z, 1e-6, surface=KNOWN).fractal_dimension == pytest.approx(2.5, abs=3e-3)
+    s = 1e-7 * np.pi / 2 / np.log(1.5) * np.arange(1, 21)
+
+    paper = roughness.fit(z, 1e-6, model="paper")
+    assert np.isfinite(paper.roughness_m) and np.all(np.isfinite(s))
+
+
+def test_constant_of_the_paper_overestimates():
+    """The Majumdar-Bhushan constant puts G of an isotropic surface 1.2 to 1.7 times too high."""
+    ratio = roughness.fit(waves(D, 40, 3), 1e-6, model="paper").roughness_m / G
+    assert 1.1 < ratio < 1.8
+
+
+def test_profile_of_equation_2():
+    """One profile of many waves gives D_s of Eq. 2 within three standard errors."""
+    x = np.arange(20001) * 1e-6
+    n = np.arange(0, 130)
+    gamma, length = 1.08, 0.02
+    rng = np.random.default_rng(4)
+    a = np.sqrt(np.log(gamma)) * G ** (D - 2) * (length / gamma**n) ** (3 - D)
+    z = (a * np.cos(2 * np.pi / length * np.outer(x, gamma**n) + rng.uniform(0, 2 * np.pi, n.size))).sum(1)
+    f = roughness.fit(z, 1e-6, band=(length * gamma**-129.5, length * gamma**0.5))
+    assert f.model == "profile" and abs(f.fractal_dimension - D) < 3 * f.fractal_dimension_error < 0.1
+    assert abs(np.log(f.roughness_m / G)) < 3 * f.ln_roughness_error
+
+
+def controls():
+    """Maps and profiles that are not fractal, each with its name."""
+    rng = np.random.default_rng(1)
+    x = np.arange(300)
+    row = np.ones((300, 1))
+    return {
+        "constant": [np.full((300, 300), 3.0), np.full(300, 2.0)],
+        "plane": [1e-3 * x + 2e-4 * x[:, None] + 5, 1e-3 * x],
+        "sine": [1e-6 * np.sin(2 * np.pi * x / 37.3) * row, 1e-6 * np.sin(2 * np.pi * x / 41)],
+        "square wave": [1e-6 * np.sign(np.sin(2 * np.pi * x / 50 + 0.1)) * row, 1e-6 * np.sign(np.sin(2 * np.pi * x / 41.7 + 0.1))],
+        "white noise": [1e-6 * rng.standard_normal((300, 300)), 1e-6 * rng.standard_normal(300)],
+        "steps": [1e-6 * (np.cumsum(rng.random(300) < 0.05) % 7) * row, 1e-6 * (x > 150), 1e-6 * np.floor(x / 30) * row],
+        "smooth": [1e-9 * (x - 150.0) ** 2 + 1e-9 * (x[:, None] - 100.0) ** 2, 1e-6 * np.sin(2 * np.pi * x / 290)],
+        "periodic": [1e-6 * np.abs(x % 60 - 30.0) * row],
+    }
+
+
+@pytest.mark.parametrize("name", controls())
+def test_negative_controls_are_named(name):
+    """What is not fractal is called by its name, whatever D its structure function suggests."""
+    for z in controls()[name]:
+        f = roughness.fit(z, 1e-6)
+        assert f.kind == name and f.verdict == ("noise-dominated" if name == "white noise" else "not fractal")
+        assert name in str(f) and f.reason
+
+
+def test_anisotropy_is_reported():
+    """A map stretched along its rows shows a ratio below 1 and is said to be not isotropic."""
+    z = np.repeat(waves(D, 10, 2), 4, axis=1)[:, :501] + waves(D, 10, 3)
+    f = roughness.fit(z, 1e-6)
+    assert f.anisotropy < 0.8
+    assert 0.9 < roughness.fit(waves(D, 40, 2), 1e-6).anisotropy < 1.1
+
+
+def test_rectangles_and_holes():
+    """Points that are no squares, and a tenth of holes, leave D within four standard errors."""
+    z = waves(D, 10, 5)[::2]
+    f = roughness.fit(z, (1e-6, 2e-6), surface=KNOWN, model="isotropic")
+    assert f.tau_m.size == 40 and abs(f.fractal_dimension - D) < 4 * f.fractal_dimension_error
+    z = waves(D, 10, 5)
+    z[np.random.default_rng(1).random(z.shape) < 0.1] = np.nan
+    f = roughness.fit(z, 1e-6)
+    assert abs(f.fractal_dimension - D) < 4 * f.fractal_dimension_error
+
+
+@pytest.mark.parametrize("keys, words", [
+    ({"model": "best"}, "model"), ({"model": "ridges"}, "surface"), ({"weighted": True}, "weighted"), ({"band": (2e-6, 1e-6)}, "band"),
+    ({"noise": -1.0}, "noise"), ({"noise": "much"}, "noise"), ({"noise": 1.0}, "nothing is left"),
+    ({"surface": roughness.Ridges(1e-3, 1e-6, gamma=1.0)}, "gamma"), ({"surface": roughness.Ridges(1e-6, 1e-3)}, "shortest"),
+])
+def test_bad_options_are_named(keys, words, surfaces):
+    """Each bad option raises one InputError with its name."""
+    with pytest.raises(hdengine.InputError, match=words):
+        roughness.fit(surfaces[0], 1e-6, **keys)

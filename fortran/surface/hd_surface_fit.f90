@@ -15,7 +15,7 @@ module hd_surface_fit
     model_profile, model_ridges
   implicit none
   private
-  public :: fit_options_t, fit_t, fit_surface
+  public :: fit_options_t, fit_t, fit_surface, try_noise
 
   !> How to fit.
   type :: fit_options_t
@@ -75,6 +75,18 @@ contains
     end do
     call finish(o, p, options, e, y, cov, white, d, b, share, off, r, error)
   end subroutine fit_surface
+
+  !> Plain least squares with white noise as a third unknown, without errors: its share of S at the first lag, and the residual.
+  subroutine try_noise(o, p, share, rms)
+    type(observation_t), intent(in) :: o    !< S over the window, positive
+    type(spectrum_t), intent(in) :: p       !< model
+    real(dp), intent(out) :: share, rms     !< share of noise at the first lag, rms of the residuals of ln S
+    type(expectation_t) :: e
+    real(dp) :: d, b
+    e = new_expectation(o, p)
+    call search(e, log(o%s), identity(size(o%lag)), .true., d, b, share)
+    rms = sqrt(sum((log(o%s) - b - shape_of(e, d, share))**2) / size(o%lag))
+  end subroutine try_noise
 
   !> Model of ln S up to its amplitude, 0 at the first lag: share is the part of the noise there.
   pure function shape_of(e, d, share) result(v)

@@ -8,7 +8,7 @@ module hd_verdict
   use hd_observation, only: observation_t
   use hd_structure_function, only: structure_line
   use hd_expectation, only: spectrum_t, d_lowest, d_highest, model_ridges
-  use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
+  use hd_surface_fit, only: fit_options_t, fit_t, try_noise
   implicit none
   private
   public :: verdict_t, judge_map, judge_fit, fractal, not_fractal, noise_dominated
@@ -81,7 +81,8 @@ contains
       v%kind = not_fractal
       v%name = 'steps'
       good = abs(z) <= huge(quiet)
-      if (period > 0 .and. sum(z**2, good) > (0.4_dp * (maxval(z, good) - minval(z, good)))**2 * count_of(good)) v%name = 'square wave'
+      flat = 0.4_dp * (maxval(z, good) - minval(z, good))
+      if (period > 0 .and. sum(z**2, good) > flat**2 * count_of(good)) v%name = 'square wave'
       v%reason = percent(jumps)//' of S(1) sits in few jumps, '//percent(quiet)//' of the increments are nearly 0: S ~ tau, '// &
         'D_s = 1.5 without being fractal'
     else if (period > 0) then
@@ -172,10 +173,7 @@ contains
     type(fit_options_t), intent(in) :: options    !< how it was fitted
     type(fit_t), intent(in) :: r                  !< the fit
     type(verdict_t), intent(inout) :: v           !< as it came from judge_map
-    type(fit_t) :: with_noise
-    type(fit_options_t) :: trial
-    type(error_t), allocatable :: error
-    real(dp) :: head, foot, share
+    real(dp) :: head, foot, share, trial, rms
     integer :: n, m
     if (v%kind /= fractal) return
     n = size(o%s)
@@ -184,13 +182,9 @@ contains
     head = log(o%s(m) / o%s(1)) / log(o%tau(m) / o%tau(1))
     foot = log(o%s(n) / o%s(n - m)) / log(o%tau(n) / o%tau(n - m))
     share = r%noise_variance * 2 / r%curve(1)
-    if (.not. options%fit_noise .and. options%noise <= 0) then
-      trial%fit_noise = .true.
-      call fit_surface(o, p, trial, with_noise, error)
-      share = 0
-      if (.not. allocated(error)) then
-        if (r%misfit > 0.03_dp .and. with_noise%rms < 0.5_dp * r%rms) share = 2 * with_noise%noise_variance / with_noise%curve(1)
-      end if
+    if (.not. options%fit_noise .and. options%noise <= 0 .and. r%misfit > 0.03_dp) then
+      call try_noise(o, p, trial, rms)
+      if (rms < 0.5_dp * r%rms) share = trial
     end if
     if (share > 0.5_dp) then
       v%kind = noise_dominated

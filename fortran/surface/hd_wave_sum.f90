@@ -17,6 +17,16 @@ module hd_wave_sum
     real(dp) :: length = 0          !< L [m]
   end type ridges_t
 
+  !> Waves along lines of n points in w rows, per wave and lag.
+  type :: line_t
+    integer :: n = 0, w = 0
+    real(dp), allocatable :: u(:), v(:)                   !< phases per point along and across
+    integer, allocatable :: left(:)                       !< pairs in a line at each lag
+    real(dp), allocatable :: half(:, :)                   !< sin(lag u/2)
+    real(dp), allocatable :: sine(:, :), cosine(:, :)     !< of left u/2
+    real(dp), allocatable :: mean(:, :), tilt(:, :)       !< mean increment and lag times slope; 0 if not levelled
+  end type line_t
+
 contains
 
   !> Wave numbers of all waves, n running first [1/m].
@@ -108,28 +118,56 @@ contains
     real(dp), intent(in) :: a2(:)           !< squares of the amplitudes (waves) [m^2]
     real(dp), intent(out) :: cov(:, :)      !< covariance (n, n) [m^4]
     real(dp), allocatable :: terms(:, :), part(:, :, :)
+    type(line_t) :: rows, columns
     real(dp) :: scale
     integer :: i, n
     n = size(o%lag)
     scale = sum(a2)
+    rows = new_line(o%lag, o%nx, o%ny, qx * o%dx, qy * o%dy, o%levelled)
+    columns = new_line(o%lag, o%ny, o%nx, qy * o%dy, qx * o%dx, o%levelled)
     allocate (part(n, n, size(a2)))
     !$omp parallel private(terms)
     allocate (terms(n, 2 * size(a2)))
     !$omp do schedule(dynamic, 4)
     do i = 1, size(a2)
-      call pair_terms(o, qx, qy, a2 / scale, i, terms)
-      part(:, :, i) = matmul(terms, transpose(terms))
+      call pair_terms(o, rows, columns, a2 / scale, i, terms)
+      part(:, :, i) = matmul(terms(:, i:), transpose(terms(:, i:)))
     end do
     !$omp end parallel
     cov = 0.5_dp * sum(part, 3) * scale**2
   end subroutine wave_covariance
 
-  !> Products of wave i with itself and all later ones: columns of P and R, weighted.
-  subroutine pair_terms(o, qx, qy, a2, i, terms)
-    type(observation_t), intent(in) :: o          !< geometry and lags
-    real(dp), intent(in) :: qx(:), qy(:), a2(:)   !< waves
-    integer, intent(in) :: i                      !< first wave
-    real(dp), intent(out) :: terms(:, :)          !< (n, 2 waves)
+  !> Per wave and lag, along lines of n points in w rows.
+  function new_line(lag, n, w, u, v, levelled) result(t)
+    integer, intent(in) :: lag(:), n, w       !< lags; points along and across
+    real(dp), intent(in) :: u(:), v(:)        !< phases per point along and across (waves)
+    logical, intent(in) :: levelled           !< a plane was taken off
+    type(line_t) :: t
+    integer :: j
+    t%n = n
+    t%w = w
+    t%u = u
+    t%v = v
+    t%left = n - lag
+    allocate (t%half(size(lag), size(u)), t%sine(size(lag), size(u)), t%cosine(size(lag), size(u)))
+    allocate (t%mean(size(lag), size(u)), t%tilt(size(lag), size(u)), source=0._dp)
+    do j = 1, size(u)
+      t%half(:, j) = sin(0.5_dp * lag * u(j))
+      t%sine(:, j) = sin(0.5_dp * (n - lag) * u(j))
+      t%cosine(:, j) = cos(0.5_dp * (n - lag) * u(j))
+      if (.not. levelled) cycle
+      t%mean(:, j) = 2 * t%half(:, j) * ratio(u(j), n - lag) * ratio(v(j), w)
+      t%tilt(:, j) = lag * slope(u(j), n) * ratio(v(j), w)
+    end do
+  end function new_line
+
+  !> Products of wave i with itself and all later ones: columns of P (i:) and R (waves + i:), weighted.
+  subroutine pair_terms(o, rows, columns, a2, i, terms)
+    type(observation_t), intent(in) :: o            !< geometry and lags
+    type(line_t), intent(in) :: rows, columns       !< waves along rows and along columns
+    real(dp), intent(in) :: a2(:)                   !< squares of the amplitudes
+    integer, intent(in) :: i                        !< first wave
+    real(dp), intent(out) :: terms(:, :)            !< (n, 2 waves)
     real(dp) :: minus(size(o%lag)), plus(size(o%lag)), m(size(o%lag)), p(size(o%lag)), weight
     integer :: j
     terms = 0
@@ -137,49 +175,44 @@ contains
       minus = 0
       plus = 0
       if (any(o%share(1, :) > 0)) then
-        call line_product(o%lag, o%nx, o%ny, qx([i, j]) * o%dx, qy([i, j]) * o%dy, o%levelled, m, p)
+        call line_product(rows, i, j, m, p)
         minus = o%share(1, :) * m
         plus = o%share(1, :) * p
       end if
       if (any(o%share(2, :) > 0)) then
-        call line_product(o%lag, o%ny, o%nx, qy([i, j]) * o%dy, qx([i, j]) * o%dx, o%levelled, m, p)
+        call line_product(columns, i, j, m, p)
         minus = minus + o%share(2, :) * m
         plus = plus + o%share(2, :) * p
       end if
       weight = sqrt(a2(i) * a2(j))
-      if (j > i) then
-        terms(:, j) = weight * minus
-        terms(:, size(a2) + j) = weight * plus
-      else
-        terms(:, size(a2) + j) = 0.5_dp * weight * plus
-      end if
+      if (j > i) terms(:, j) = weight * minus
+      terms(:, size(a2) + j) = merge(0.5_dp, 1._dp, j == i) * weight * plus
     end do
   end subroutine pair_terms
 
-  !> Mean products of the increments of two waves along lines of n points in w rows: difference and sum of their phases.
-  pure subroutine line_product(lag, n, w, u, v, levelled, minus, plus)
-    integer, intent(in) :: lag(:), n, w         !< lags; points along and across
-    real(dp), intent(in) :: u(2), v(2)          !< phases per point along and across
-    logical, intent(in) :: levelled             !< a plane was taken off
-    real(dp), intent(out) :: minus(:), plus(:)  !< means at each lag
-    real(dp) :: b(2), m(2), across(2), both, s, c, level
-    integer :: i, k
-    across(1) = ratio(v(1) - v(2), w)
-    across(2) = ratio(v(1) + v(2), w)
-    b = 0
-    if (levelled) b = slope(u, n) * ratio(v, w)
-    do i = 1, size(lag)
-      k = lag(i)
-      s = sin(u(1) * k / 2)
-      c = sin(u(2) * k / 2)
-      both = 4 * s * c
-      level = 0
-      if (levelled) then
-        m = 2 * [s, c] * ratio(u, n - k) * ratio(v, w)
-        level = -k * (b(2) * m(1) + b(1) * m(2)) + real(k, dp)**2 * b(1) * b(2)
-      end if
-      minus(i) = both * across(1) * ratio(u(1) - u(2), n - k) + level
-      plus(i) = -(both * across(2) * ratio(u(1) + u(2), n - k) + level)
-    end do
+  !> Mean products of the increments of two waves at each lag: by the difference and by the sum of their phases.
+  pure subroutine line_product(t, i, j, minus, plus)
+    type(line_t), intent(in) :: t               !< waves along a line
+    integer, intent(in) :: i, j                 !< which two
+    real(dp), intent(out) :: minus(:), plus(:)  !< means (lags)
+    real(dp) :: s, across
+    s = sin(0.5_dp * (t%u(i) - t%u(j)))
+    across = 4 * ratio(t%v(i) - t%v(j), t%w)
+    if (abs(s) > 1e-6_dp) then
+      minus = (t%sine(:, i) * t%cosine(:, j) - t%cosine(:, i) * t%sine(:, j)) / (t%left * s)
+    else
+      minus = ratio(t%u(i) - t%u(j), t%left)
+    end if
+    minus = across * t%half(:, i) * t%half(:, j) * minus
+    s = sin(0.5_dp * (t%u(i) + t%u(j)))
+    across = 4 * ratio(t%v(i) + t%v(j), t%w)
+    if (abs(s) > 1e-6_dp) then
+      plus = (t%sine(:, i) * t%cosine(:, j) + t%cosine(:, i) * t%sine(:, j)) / (t%left * s)
+    else
+      plus = ratio(t%u(i) + t%u(j), t%left)
+    end if
+    plus = -across * t%half(:, i) * t%half(:, j) * plus
+    minus = minus - t%tilt(:, j) * t%mean(:, i) - t%tilt(:, i) * t%mean(:, j) + t%tilt(:, i) * t%tilt(:, j)
+    plus = plus + t%tilt(:, j) * t%mean(:, i) + t%tilt(:, i) * t%mean(:, j) - t%tilt(:, i) * t%tilt(:, j)
   end subroutine line_product
 end module hd_wave_sum

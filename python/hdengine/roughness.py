@@ -172,7 +172,7 @@ class Fit:
     @property
     def interval(self):
         """95 % intervals of D and of G [m]: ((D_low, D_high), (G_low, G_high))."""
-        d, g = 1.959964 * self.fractal_dimension_error, 1.959964 * self.ln_roughness_error
+        d, g = 1.959964 * self.fractal_dimension_error, min(1.959964 * self.ln_roughness_error, 300.0)
         return ((self.fractal_dimension - d, self.fractal_dimension + d),
                 (self.roughness_m * np.exp(-g), self.roughness_m * np.exp(g)))
 
@@ -288,7 +288,8 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max]
     reals = [1 / band[1], 1 / band[0] if band[0] > 0 else inf, waves.gamma, waves.length, 0.0 if free else noise]
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1)
-    numbers, curves, name, reason = _engine.call("surface_fit", z, dx, dy, np.array(whole, dtype=np.int32), np.array(reals), columns)
+    whole = np.array(whole, dtype=np.int32)
+    numbers, curves, name, reason = _engine.call("surface_fit", z, dx, dy, whole, np.array(reals), columns)
     return _result(numbers, curves, name, reason, model, weighted, known, lags, band, level, profile, dx, dy)
 
 

@@ -100,7 +100,8 @@ def test_level_takes_the_plane_off():
 
 
 @pytest.mark.parametrize("heights, spacing, words", [
-    (np.full((30, 30), np.nan), 1e-6, "no height"), (np.zeros((1, 60)), 1e-6, "single line"), (np.zeros((60, 1)), 1e-6, "single line"),
+    (np.full((30, 30), np.nan), 1e-6, "no height"),
+    (np.zeros((1, 60)), 1e-6, "single line"), (np.zeros((60, 1)), 1e-6, "single line"),
     (np.zeros((30, 30)), 0.0, "spacing"), (np.zeros((30, 30)), (1e-6, -1e-6), "spacing"), (np.zeros((30, 30)), np.nan, "spacing"),
     (np.zeros((2, 2, 2)), 1e-6, "shape"), (np.zeros((0, 4)), 1e-6, "shape"),
 ])

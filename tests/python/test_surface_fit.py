@@ -41,8 +41,8 @@ def test_exact_sum_is_found(surfaces):
 
 
 def test_unknown_surface_is_found(surfaces):
-    """Least squares on the isotropic band, knowing nothing but the map: mean of 12 within 0.008 in D, spread within 0.01."""
-    fits = [roughness.fit(z, 1e-6) for z in surfaces]
+    """Least squares on the isotropic band, knowing nothing but the map: mean of 8 within 0.008 in D, spread within 0.01."""
+    fits = [roughness.fit(z, 1e-6) for z in surfaces[:8]]
     d = np.array([f.fractal_dimension for f in fits]) - D
     assert abs(d.mean()) < 8e-3 and d.std() < 1e-2
     assert all(f.interval[0][0] <= D <= f.interval[0][1] and f.verdict == "fractal" for f in fits)
@@ -106,11 +106,11 @@ def controls():
         "constant": [np.full((300, 300), 3.0), np.full(300, 2.0)],
         "plane": [1e-3 * x + 2e-4 * x[:, None] + 5, 1e-3 * x],
         "sine": [1e-6 * np.sin(2 * np.pi * x / 37.3) * row, 1e-6 * np.sin(2 * np.pi * x / 41)],
-        "square wave": [1e-6 * np.sign(np.sin(2 * np.pi * x / 50 + 0.1)) * row, 1e-6 * np.sign(np.sin(2 * np.pi * x / 41.7 + 0.1))],
+        "square wave": [1e-6 * np.sign(np.sin(2 * np.pi * x / p + 0.1)) * r for p, r in ((50, row), (41.7, 1))],
         "white noise": [1e-6 * rng.standard_normal((300, 300)), 1e-6 * rng.standard_normal(300)],
         "steps": [1e-6 * (np.cumsum(rng.random(300) < 0.05) % 7) * row, 1e-6 * (x > 150), 1e-6 * np.floor(x / 30) * row],
         "smooth": [1e-9 * (x - 150.0) ** 2 + 1e-9 * (x[:, None] - 100.0) ** 2, 1e-6 * np.sin(2 * np.pi * x / 290)],
-        "periodic": [1e-6 * np.abs(x % 60 - 30.0) * row],
+        "periodic": [1e-8 * (x % 60) * row],
     }
 
 

@@ -9,12 +9,12 @@ module hd_newton
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state
   use hd_contact_law, only: contact_law_t, evaluate_law, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   implicit none
   private
-  public :: newton_options_t, iteration_t, iterate
+  public :: newton_options_t, iteration_t, iterate, respond
 
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
@@ -89,8 +89,6 @@ contains
     where (problem%fixed) state%u = load%displacement
     du = state%u
     dt = state%traction
-    here%law = problem%law
-    here%anchor = previous%traction
     call linearise(problem, load, previous, state, here)
     do
       call system_clock(now)
@@ -117,6 +115,32 @@ contains
         here%law%softness > 0, state, here, row%damping)
     end do
   end subroutine iterate
+
+  !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
+  subroutine respond(problem, solver, load, factorise, state, error)
+    type(problem_t), intent(in) :: problem               !< problem
+    class(linear_solver_t), intent(inout) :: solver      !< its linear solver
+    type(load_t), intent(in) :: load                     !< load
+    logical, intent(in) :: factorise                     !< the solver has not met this problem's law yet
+    type(state_t), intent(out) :: state                  !< answer
+    type(error_t), allocatable, intent(out) :: error     !< linear solver
+    type(linearisation_t) :: here
+    type(state_t) :: rest
+    real(dp), allocatable :: du(:, :), dt(:, :)
+    call new_state(problem, rest)
+    state = rest
+    where (problem%fixed) state%u = load%displacement
+    du = state%u
+    dt = state%traction
+    call linearise(problem, load, rest, state, here)
+    if (factorise) call solver%update(problem, here%dw, here%dt, error)
+    if (allocated(error)) return
+    call solver%solve(problem, here%r_u, here%r_c, du, dt, error)
+    if (allocated(error)) return
+    state%u = state%u + du
+    state%traction = state%traction + dt
+    state%contact = here%contact
+  end subroutine respond
 
   !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
   subroutine globalise(problem, load, previous, iteration, state, here, global)
@@ -236,6 +260,8 @@ contains
       allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
         here%contact(problem%mortar%n))
       here%idle = idle_components(problem)
+      here%law = problem%law
+      here%anchor = previous%traction
     end if
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n

@@ -34,6 +34,7 @@ module hd_drive
     integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
     real(dp) :: spring_rate = 0              !< stiffness at each of them, radial and tangential [N/m]
     real(dp) :: hub_radius = 0               !< [m]
+    integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
   end type drive_t
 
 contains
@@ -181,7 +182,8 @@ contains
       allocate (drive%sprung(0))
       hub = nodes_at(drive, 2, scene%hub_radius, corner, scene%cup_length)
       problem%fixed(3, hub) = .true.
-      if (scene%support == 'hub') then
+      drive%hub = hub
+      if (scene%support /= 'bearing') then
         problem%fixed(:, hub) = .true.
       else
         drive%sprung = hub

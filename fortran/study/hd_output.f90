@@ -13,11 +13,12 @@ module hd_output
   use hd_scene, only: scene_t
   use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
   use hd_table, only: table_t
+  use hd_teeth, only: teeth_t
   use hd_text, only: to_text
   use hd_vtu, only: field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, open_output, write_step, write_history, write_grids, close_output
+  public :: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
 
   !> Where a step stands in the run.
   type :: step_t
@@ -31,7 +32,7 @@ module hd_output
 
   type :: output_t
     character(len=:), allocatable :: folder
-    type(table_t) :: contact, history, steps
+    type(table_t) :: contact, history, steps, teeth
     character(len=40), allocatable :: grids(:)
     real(dp), allocatable :: times(:)
   end type output_t
@@ -71,6 +72,8 @@ contains
     call output%steps%open(folder//'/steps.csv', place//',rotation_rad,normal_force_n,reaction_force_n,facet_force_n,'// &
       'lobe_force_x_n,contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,friction_torque_nm,friction_capacity_nm,'// &
       'torque_balance_nm,axial_balance_n,iterations,seconds', error)
+    if (scene%support == 'teeth' .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
+      place//',tooth,theta_rad,force_n,share,closing_m', error)
   end subroutine open_output
 
   !> First four columns of every table.
@@ -120,6 +123,25 @@ contains
     call output%steps%add(step%seconds)
     call output%steps%end_row(error)
   end subroutine write_step
+
+  !> Rows of a converged step in teeth.csv, one per pair of teeth.
+  subroutine write_teeth(output, step, teeth, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    type(teeth_t), intent(in) :: teeth                !< forces of the pairs
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer :: i
+    do i = 1, teeth%n
+      call add_place(output%teeth, step)
+      call output%teeth%add(i)
+      call output%teeth%add(teeth%theta(i))
+      call output%teeth%add(teeth%force(i))
+      call output%teeth%add(teeth%force(i)/max(sum(teeth%force), tiny(1._dp)))
+      call output%teeth%add(teeth%closing(i))
+      call output%teeth%end_row(error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_teeth
 
   !> Rows of the convergence history of one attempt.
   subroutine write_history(output, step, attempt, history, error)
@@ -212,5 +234,6 @@ contains
     call output%contact%close()
     call output%history%close()
     call output%steps%close()
+    call output%teeth%close()
   end subroutine close_output
 end module hd_output

@@ -103,14 +103,18 @@ contains
     real(dp), parameter :: big = huge(1._dp)
     call text(t, 'contact', 'mode', s%contact_mode, 'frictional frictionless bonded', 'contact of ring and flexspline')
     call number(t, 'contact', 'friction', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
-    call text(t, 'load', 'support', s%support, 'hub bearing', &
-      'cup bottom held (the torque leaves at the output), or free to turn (all torque through the contact)')
+    call text(t, 'load', 'support', s%support, 'hub bearing teeth', 'cup bottom held (the torque leaves at the output), '// &
+      'free to turn (all torque through the contact), or turned against the teeth of the circular spline')
     call text(t, 'load', 'torque_load', s%torque_load, 'uniform teeth', &
       'even shear on the outside of the rim, or forces of the tooth pairs around the long axis')
     call whole(t, 'load', 'teeth', s%teeth, 8, 100000, 'teeth of the flexspline')
     call whole(t, 'load', 'tooth_pairs', s%tooth_pairs, 2, 100000, 'pairs in mesh at both ends of the long axis together')
     call number(t, 'load', 'pressure_angle_deg', s%pressure_angle_deg, 'deg', 0._dp, 60._dp, &
       'of the teeth: inward radial force = tangential force times its tangent', closed=.true.)
+    call number(t, 'load', 'tooth_stiffness', s%tooth_stiffness, 'N/m', 0._dp, big, &
+      "of a pair of teeth along its normal, with support 'teeth'; 14 N/(mm um) times the rim")
+    call number(t, 'load', 'tooth_clearance', s%tooth_clearance, 'm', 0._dp, big, &
+      'of the outermost pairs, falling to 0 with the square of the distance from the long axis', closed=.true.)
     call number(t, 'load', 'torque', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
     call number(t, 'load', 'support_stiffness', s%support_stiffness, 'N/m', 0._dp, big, &
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')

@@ -12,11 +12,12 @@ module hd_run
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_solver_choice, only: choose_solver
-  use hd_output, only: output_t, step_t, open_output, write_step, write_history, write_grids, close_output
+  use hd_output, only: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
   use hd_problem, only: state_t, load_t, new_state
   use hd_scene, only: scene_t
   use hd_summary, only: record_t, write_summary
   use hd_system, only: stop_requested
+  use hd_teeth, only: teeth_t, new_teeth, turn_hub, add_tooth_forces
   use hd_text, only: string_t, push, to_text
   use hd_contact_law, only: slip_state
   implicit none
@@ -33,6 +34,7 @@ module hd_run
     type(step_t) :: step                    !< last converged step
     type(facets_t) :: facets                !< its facets
     type(sums_t) :: sums                    !< its sums
+    type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(output_t) :: output
     logical :: writes = .false.             !< has an output folder
     type(record_t) :: record
@@ -186,7 +188,13 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
-    call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+    if (run%scene%support == 'teeth' .and. position > 1) then
+      call turn_against_teeth(run, max(0._dp, position - 1)*run%scene%torque, trial, history, error)
+      solved = .true.
+      sliding = .false.
+    else
+      call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+    end if
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
     run%record%iterations = run%record%iterations + size(history) - 1
@@ -209,6 +217,23 @@ contains
       slip_torque = abs(sums%friction_torque)
     end if
   end subroutine solve_part
+
+  !> A torque at the cup's bottom against the teeth of the circular spline.
+  subroutine turn_against_teeth(run, torque, trial, history, error)
+    type(run_t), intent(inout) :: run                          !< run
+    real(dp), intent(in) :: torque                             !< [N m]
+    type(state_t), intent(inout) :: trial                      !< solution
+    type(iteration_t), allocatable, intent(out) :: history(:)  !< one entry per set of teeth
+    type(error_t), allocatable, intent(out) :: error           !< linear solver
+    integer :: i
+    if (.not. allocated(run%teeth)) then
+      allocate (run%teeth)
+      call new_teeth(run%scene, run%drive, run%solver, run%state, run%teeth, error)
+      if (allocated(error)) return
+    end if
+    call turn_hub(run%teeth, run%drive, torque, trial, error)
+    history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
+  end subroutine turn_against_teeth
 
   !> Phase, load factor and torque of a position.
   pure subroutine place(run, position, step)
@@ -243,11 +268,13 @@ contains
     run%record%steps = run%record%steps + 1
     run%step%number = run%record%steps
     run%step%seconds = start - run%step%seconds
-    call drive_load(run%drive, min(run%position, 1._dp), run%step%torque, load)
+    call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), load)
+    if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
     call evaluate_facets(run%drive, run%joint, run%state, run%facets)
     call sum_up(run%drive, load, run%state, run%facets, run%sums)
     if (run%position <= 1 + 1e-12_dp) run%rotation_assembled = run%sums%rotation
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
+    if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
     associate (c => run%state%contact)
       write (line, '(i4,1x,a8,f7.3,f10.4,i4,9x,3i6,f11.2,f10.3)') run%step%number, run%step%phase, run%step%load_factor, &
         run%step%torque, run%step%iterations, count(c == 0), count(c == 1), count(c == 2), run%sums%normal_force, &
@@ -256,6 +283,7 @@ contains
     call say(trim(line))
     if (run%writes) then
       call write_step(run%output, run%step, run%drive, run%facets, run%sums, error)
+      if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         run%position >= final_position(run) - 1e-12_dp))) &
         call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)

@@ -142,7 +142,7 @@ error: 'positions' takes 3 value(s), 1 found
 error: 'support' has no choice 'huub'
   --> {f}:1:17
  1 | &load support = 'huub' /
-   |                 ^^^^^^ did you mean 'hub'?  valid: hub, bearing
+   |                 ^^^^^^ did you mean 'hub'?  valid: hub, bearing, teeth
 """),
     "text_too_long": ("&run title = '" + "x" * 121 + "' /\n", 2, """\
 error: 'title' is too long: 121 characters
@@ -298,7 +298,7 @@ def test_bad_assignment(exe, tmp_path):
     assert done.stderr == """\
 error: unknown key 'torqe' in &load
   --> load.torqe=3
-      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, torque, support_stiffness, assembly_steps, torque_steps
+      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, tooth_stiffness, tooth_clearance, torque, support_stiffness, assembly_steps, torque_steps
 error: 'divisions' is not an integer: 'ten'
   --> mesh.divisions=ten
       valid: integer >= 8 and <= 100000

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Torsional stiffness as catalogues state it: three chords of the torque-angle curve."""
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Stated stiffness of one size at ratios above 50: K1 up to T1, K2 from T1 to T2, K3 above."""
+
+    size: int
+    t1_nm: float
+    t2_nm: float
+    k1_nm_per_rad: float
+    k2_nm_per_rad: float
+    k3_nm_per_rad: float
+
+    @property
+    def pitch_radius_m(self):
+        """Of the flexspline: 1.27 mm times the size."""
+        return 1.27e-3 * self.size
+
+    def angle(self, torque_nm):
+        """Angle of the three chords at torques [rad]."""
+        t = np.abs(np.asarray(torque_nm, float))
+        parts = (np.clip(t, 0, self.t1_nm) / self.k1_nm_per_rad, np.clip(t - self.t1_nm, 0, self.t2_nm - self.t1_nm)
+                 / self.k2_nm_per_rad, np.clip(t - self.t2_nm, 0, None) / self.k3_nm_per_rad)
+        return np.sign(torque_nm) * sum(parts)
+
+
+# Harmonic Drive CHA manual, p. 50; the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree where they overlap.
+UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9, 12, 10e3, 14e3, 16e3),
+                             Unit(20, 7, 25, 16e3, 25e3, 29e3), Unit(25, 14, 48, 31e3, 50e3, 57e3),
+                             Unit(32, 29, 108, 67e3, 110e3, 120e3))}
+
+
+def stages(torque_nm, angle_rad, t1_nm, t2_nm):
+    """K1, K2, K3 of a curve: the chords from 0 to T1, from T1 to T2, and from T2 to its end.
+
+    Parameters
+    ----------
+    torque_nm, angle_rad : array_like (n,)
+        One loading branch, torque rising from 0.
+    t1_nm, t2_nm : float
+        Torques at which the catalogue changes its slope.
+
+    Returns
+    -------
+    list of float
+        [N m/rad]; NaN for a chord beyond the highest torque.
+    """
+    t, a = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
+    edges = [0.0, t1_nm, t2_nm, max(t[-1], t2_nm)]
+    at = np.interp(edges, t, a)
+    chords = []
+    for i in range(3):
+        reached = min(edges[i + 1], t[-1])
+        whole = edges[i] < edges[i + 1] and reached > edges[i] and (i == 2 or edges[i + 1] <= t[-1] * (1 + 1e-12))
+        chords.append((reached - edges[i]) / (np.interp(reached, t, a) - at[i]) if whole else float("nan"))
+    return chords

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene against the teeth of the circular spline (Sec. 3.1), and the catalogue's chords."""
+import numpy as np
+import pytest
+from conftest import ROOT, call
+
+import hdengine
+from hdengine.catalogue import UNITS, stages
+from hdengine.results import read_csv
+
+MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "output.vtu=none"]
+
+
+def solve(exe, folder, *keys):
+    """Steps and teeth of a small run."""
+    done = call(exe, ROOT / "data/teeth.nml", *MESH, *keys, "--out", folder, "--force", "-q")
+    assert done.returncode == 0, done.stderr
+    steps = hdengine.load(folder).steps
+    return steps[steps["torque_nm"] != 0], read_csv(folder / "teeth.csv")
+
+
+def test_teeth_carry_the_torque(exe, tmp_path):
+    """With a ring free to slide, sum f cos(alpha) r = T to 1e-9; no tooth pulls; all moments balance; both lobes share alike."""
+    steps, teeth = solve(exe, tmp_path / "a")
+    force = teeth["force_n"].reshape(2, 40)
+    scene = hdengine.load(tmp_path / "a").scene
+    radius = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"]
+    torque = force.sum(axis=1) * np.cos(np.radians(scene["load.pressure_angle_deg"])) * radius
+    np.testing.assert_allclose(torque, steps["torque_nm"], rtol=1e-9)
+    assert force.min() >= 0 and np.all(abs(steps["torque_balance_nm"]) < 1e-9)
+    np.testing.assert_allclose(force[:, :20], force[:, 20:], rtol=1e-6)
+    assert teeth["share"].reshape(2, 40).sum(axis=1) == pytest.approx(1)
+
+
+def test_springs_follow_their_law(exe, tmp_path):
+    """Each pair's force is its stiffness times its closing where that is positive, else 0; with clearance some stay open."""
+    _, teeth = solve(exe, tmp_path / "c", "load.tooth_clearance=20e-6")
+    np.testing.assert_allclose(teeth["force_n"], 1.25e8 * np.maximum(teeth["closing_m"], 0), rtol=1e-6, atol=1e-9)
+    assert 0 < np.count_nonzero(teeth["force_n"][-40:] == 0) < 40
+
+
+def test_teeth_that_touch_make_a_constant_stiffness(exe, tmp_path):
+    """Closed at the start, the scene is homogeneous: K_FTS does not depend on T. Clearance makes it rise with T."""
+    steps, _ = solve(exe, tmp_path / "a")
+    k = steps["torque_nm"] / steps["rotation_rad"]
+    assert k[1] == pytest.approx(k[0], rel=1e-10)
+    steps, _ = solve(exe, tmp_path / "b", "load.tooth_clearance=20e-6")
+    loose = steps["torque_nm"] / steps["rotation_rad"]
+    assert loose[0] < loose[1] < k[0]
+
+
+def test_both_senses_of_torque_are_alike(exe, tmp_path):
+    """Without clearance -5 N m turns the hub back by what +5 N m turned it."""
+    plus, _ = solve(exe, tmp_path / "p")
+    minus, _ = solve(exe, tmp_path / "m", "load.torque=-5")
+    np.testing.assert_allclose(minus["rotation_rad"], -plus["rotation_rad"], rtol=1e-9)
+
+
+def test_stiff_teeth_leave_the_cup(exe, tmp_path):
+    """Softer pairs lower K_FTS; with rigid ones and a held ring what remains lies below tube and bottom in series."""
+    stiffness = []
+    for k in ("1e7", "1.25e8", "1e13"):
+        steps, _ = solve(exe, tmp_path / k, f"load.tooth_stiffness={k}")
+        stiffness.append(steps["torque_nm"][-1] / steps["rotation_rad"][-1])
+    assert stiffness[0] < stiffness[1] < stiffness[2]
+    g, r, s = 209e9 / 2.59, 17.5e-3, hdengine.load(tmp_path / "1e13").scene
+    tube = 2 * np.pi * g * r**3 * s["geometry.wall_thickness"] / (s["geometry.cup_length"] - s["geometry.rim_length"])
+    bottom = 4 * np.pi * g * s["geometry.bottom_thickness"] / (1 / s["geometry.hub_radius"]**2 - 1 / r**2)
+    assert 0.5 < stiffness[2] * (1 / tube + 1 / bottom) < 1.05
+
+
+def test_modes_that_do_not_fit_are_refused(exe, tmp_path):
+    """Support 'teeth' without bonded contact, or an odd number of pairs: code 2 with the reason."""
+    for keys, what in ((["contact.mode=frictional"], "must be 'bonded'"), (["load.tooth_pairs=39"], "an even number")):
+        done = call(exe, ROOT / "data/teeth.nml", *keys, "--out", tmp_path / "x", "-q")
+        assert done.returncode == 2 and what in done.stderr
+
+
+def test_chords_of_a_catalogue_curve():
+    """K1, K2, K3 are recovered from the curve they make; a chord beyond the data is NaN."""
+    for unit in UNITS.values():
+        t = np.union1d(np.linspace(0, 1.5 * unit.t2_nm, 50), [unit.t1_nm, unit.t2_nm])
+        assert stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm) == pytest.approx(
+            [unit.k1_nm_per_rad, unit.k2_nm_per_rad, unit.k3_nm_per_rad], rel=1e-6)
+    unit = UNITS[14]
+    k = stages([0, 5], unit.angle([0, 5]), 2, 6.9)
+    assert np.isnan(k[1]) and np.isnan(k[2]) and k[0] > 0

@@ -172,7 +172,7 @@ contains
       problem%fixed(1, inner) = .true.
       if (scene%ring_tangent == 'follow') then
         problem%fixed(2, inner) = .true.
-      else
+      else if (scene%contact_mode /= 'bonded') then
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
       end if
       z = drive%ring%inner(2, (drive%axial_facets + 2)/2)

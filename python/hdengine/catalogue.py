@@ -48,14 +48,10 @@ def stages(torque_nm, angle_rad, t1_nm, t2_nm):
     Returns
     -------
     list of float
-        [N m/rad]; NaN for a chord beyond the highest torque.
+        [N m/rad]; a chord that the data end within is taken to their end, one beyond them is NaN.
     """
     t, a = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
-    edges = [0.0, t1_nm, t2_nm, max(t[-1], t2_nm)]
-    at = np.interp(edges, t, a)
-    chords = []
-    for i in range(3):
-        reached = min(edges[i + 1], t[-1])
-        whole = edges[i] < edges[i + 1] and reached > edges[i] and (i == 2 or edges[i + 1] <= t[-1] * (1 + 1e-12))
-        chords.append((reached - edges[i]) / (np.interp(reached, t, a) - at[i]) if whole else float("nan"))
-    return chords
+    edges = np.minimum([0.0, t1_nm, t2_nm, np.inf], t[-1])
+    turn = np.interp(edges, t, a)
+    return [float((edges[i + 1] - edges[i]) / (turn[i + 1] - turn[i])) if edges[i + 1] > edges[i] else float("nan")
+            for i in range(3)]

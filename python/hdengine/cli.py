@@ -48,6 +48,23 @@ def _plot(args):
     return 0
 
 
+def _record(args):
+    from .catalogue import UNITS
+    from .record import ARCSEC, Record
+
+    record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
+    print(record)
+    for name, values in record.numbers(UNITS[args.size], args.rated_torque).items():
+        scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
+        value, low, high = (scale * v for v in values)
+        short = name.removesuffix("_nm_per_rad").removesuffix("_rad")
+        print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
+    path = args.out or Path(args.input).with_suffix(".png").name
+    record.plot().savefig(path)
+    print(f"written: {path}")
+    return 0
+
+
 def _command(commands, name, action, text, example):
     """A subcommand whose help ends with an example."""
     parser = commands.add_parser(name, help=text, description=text, epilog=f"example: hdengine {example}")
@@ -73,6 +90,14 @@ def main(argv=None):
         sub.add_argument("--force", action="store_true", help="replace earlier results")
     plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
     plot.add_argument("folder", help="folder of a run or a study")
+    record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
+                      "record data/torque_record.csv --size 14")
+    record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
+    record.add_argument("--size", type=int, choices=(14, 17, 20, 25, 32), default=14, help="size whose T1 and T2 are used")
+    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m]")
+    record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
+    record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
+    record.add_argument("--out", help="figure")
     args = parser.parse_args(argv)
     try:
         return args.action(args)

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Records of the test bench: the stiffness put in comes out, within a band that covers it as often as it says."""
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import hdengine
+from hdengine.cli import main
+from hdengine.record import ARCSEC, Record
+from hdengine.spline import Spline, basis
+
+sys.path.insert(0, str(ROOT / "bench"))
+import torque_record as bench  # noqa: E402
+
+
+def test_committed_record_is_that_of_the_script():
+    """data/torque_record.csv is what bench/torque_record.py writes."""
+    torque, turn = bench.record()
+    r = Record.read(ROOT / "data/torque_record.csv")
+    np.testing.assert_allclose(r.torque_nm, torque, atol=1e-9)
+    np.testing.assert_allclose(r.angle_rad, turn, atol=0.006 * ARCSEC)
+
+
+def test_perfect_readings_give_the_curve():
+    """Without errors the middle curve's stiffness is met to 2 % from 0.5 to 4.8 N m, the hysteresis to 2 %."""
+    t = np.concatenate([np.arange(5, -5, -0.01), np.arange(-5, 5.005, 0.01)])
+    sense = np.where(np.arange(len(t)) < 1000, -1, 1)
+    r = Record(t, bench.angle(t) - sense * bench.WIDTH * (1 - (t / 5)**2), 0, 0)
+    curve = r.curve(draws=2)
+    at = np.linspace(0.5, 4.8, 20)
+    k = np.interp(at, curve.torque_nm, curve.stiffness_nm_per_rad)
+    np.testing.assert_allclose(k, bench.stiffness(at), rtol=0.02)
+    numbers = r.numbers(draws=2)
+    assert numbers["hysteresis_rad"][0] == pytest.approx(2 * bench.WIDTH, rel=0.02)
+    assert numbers["lost_motion_rad"][0] == pytest.approx(2 * bench.angle(0.2), rel=0.02)
+    assert numbers["k1_nm_per_rad"][0] == pytest.approx(2 / bench.angle(2.0), rel=0.01)
+
+
+def test_band_covers_the_truth():
+    """Over 12 records with fresh errors the 95 % bands hold K1 and K(3 N m) at least 10 times, and are no wider than 6 %."""
+    hits, chords = 0, 0
+    for seed in range(12):
+        r = Record(*bench.record(seed))
+        value, low, high = r.curve(points=51, draws=40).at(3.0)
+        hits += low <= bench.stiffness(3.0) <= high
+        value, low, high = r.numbers(draws=40)["k1_nm_per_rad"]
+        chords += low <= 2 / bench.angle(2.0) <= high
+        assert (high - low) / value < 0.06
+    assert hits >= 10 and chords >= 10
+
+
+def test_branches_are_found():
+    """A virgin branch and a loop make three branches; without a loop the record is refused."""
+    torque, turn = bench.record()
+    r = Record(torque, turn)
+    assert len(r.branches) == 3 and r.torque_nm[r.up][-1] > 4.9 and r.torque_nm[r.down][-1] < -4.9
+    with pytest.raises(hdengine.InputError, match="no rising branch"):
+        Record(torque[:500], turn[:500])
+    with pytest.raises(hdengine.InputError, match="as many torques as angles"):
+        Record(torque, turn[:-1])
+
+
+def test_columns_are_named(tmp_path):
+    """A table without the needed columns is refused with their names."""
+    (tmp_path / "r.csv").write_text("t,a\n1,2\n")
+    with pytest.raises(hdengine.InputError, match="angle_arcsec"):
+        Record.read(tmp_path / "r.csv")
+
+
+def test_spline_reproduces_cubics():
+    """B-splines sum to one, their derivatives to zero; with no penalty to speak of a line is met exactly, slope included."""
+    x = np.linspace(-1, 2, 101)
+    np.testing.assert_allclose(basis(x, -1, 2, 7).sum(axis=1), 1, atol=1e-14)
+    np.testing.assert_allclose(basis(x, -1, 2, 7, 1).sum(axis=1), 0, atol=1e-13)
+    fit = Spline(x, 3 - 2 * x, 7)
+    np.testing.assert_allclose(fit(x), 3 - 2 * x, atol=1e-9)
+    np.testing.assert_allclose(fit(x, 1), -2, atol=1e-8)
+    fine = Spline(x, x**3, 30, penalty=1e-12)
+    np.testing.assert_allclose(fine(x, 1), 3 * x**2, atol=1e-6)
+
+
+def test_command(tmp_path, capsys):
+    """`hdengine record` prints K1 with its band and writes the figure."""
+    assert main(["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "r.png")]) == 0
+    assert "k1" in capsys.readouterr().out and (tmp_path / "r.png").exists()

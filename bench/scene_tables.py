@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of docs/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference.
+"""Tables of docs/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference,
+load steps, balance of forces.
 
-Usage: bench/scene_tables.py [meshes] [slip]; writes bench/results/*.json and prints Markdown.
+Usage: bench/scene_tables.py [meshes] [slip] [steps] [balance]; writes bench/results/*.json and prints Markdown.
 """
 import json
 import shutil
@@ -66,6 +67,40 @@ def slip():
               f"{r['friction_capacity_nm']:.4f} | {-r['friction_torque_nm']:.4f} | {r['cut_backs']} |")
 
 
+def steps():
+    """HUB and FREE with ever more torque steps: the friction history's own error."""
+    rows = []
+    for support in ("hub", "bearing"):
+        for n in (5, 10, 20, 40, 80):
+            s, code = solve("peer_hub.nml", "mesh.divisions=80", f"load.support={support}", "load.assembly_steps=4",
+                            f"load.torque_steps={n}")
+            rows.append({"support": support, "torque_steps": n, "code": code, "results": s["results"]})
+    save("step_study", rows)
+    print("| support | torque steps | rotation / µrad | against 80 steps | normal force / N | iterations |\n|---|---|---|---|---|---|")
+    for row in rows:
+        r = row["results"]
+        last = next(x for x in rows if x["support"] == row["support"] and x["torque_steps"] == 80)["results"]["rotation_rad"]
+        print(f"| {row['support']} | {row['torque_steps']} | {1e6 * r['rotation_rad']:.4f} | {100 * (r['rotation_rad'] / last - 1):+.2f} % | "
+              f"{r['normal_force_n']:.3f} | {r['iterations']} |")
+
+
+def balance():
+    """Facet pressures against nodal reactions on scenes with and without matching meshes."""
+    rows = []
+    for label, *keys in (("HUB", ), ("HUB, 80/64", "mesh.ring_divisions=64"), ("HUB, 80/64, 6/5 facets", "mesh.ring_divisions=64", "mesh.ring_facets=5"),
+                         ("FREE", "load.support=bearing"), ("INT", "load.support=bearing", "wave_generator.interference=10e-6"),
+                         ("INT, 80/64", "load.support=bearing", "wave_generator.interference=10e-6", "mesh.ring_divisions=64"),
+                         ("HUB, e = 20 µm", "wave_generator.eccentricity=20e-6"), ("HUB, hex20r, 40", "mesh.element=hex20r", "mesh.divisions=40")):
+        s, code = solve("peer_hub.nml", "mesh.divisions=80", *keys, "load.assembly_steps=4", "load.torque_steps=4")
+        rows.append({"scene": label, "code": code, "results": s["results"], "dof": s["model"]["dof"]})
+    save("balance_study", rows)
+    print("| scene | pressure sum / N | reaction / N | difference | torque balance / N m | iterations | cut-backs | rotation / µrad |\n|---|---|---|---|---|---|---|---|")
+    for row in rows:
+        r = row["results"]
+        print(f"| {row['scene']} | {r['facet_force_n']:.3f} | {r['reaction_force_n']:.3f} | {abs(r['facet_force_n'] / r['reaction_force_n'] - 1):.0e} | "
+              f"{abs(r['torque_balance_nm']):.0e} | {r['iterations']} | {r['cut_backs']} | {1e6 * r['rotation_rad']:.3f} |")
+
+
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["meshes", "slip"]:
-        {"meshes": meshes, "slip": slip}[name]()
+    for name in sys.argv[1:] or ["meshes", "slip", "steps", "balance"]:
+        {"meshes": meshes, "slip": slip, "steps": steps, "balance": balance}[name]()

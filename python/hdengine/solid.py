@@ -189,7 +189,7 @@ def contact(bodies, slave, master, fixed, displacement=None, force=None, gap=Non
     steps = max(len(np.reshape(v, (-1, n, w))) for v, w in ((displacement, 3), (force, 3), (gap, 1)) if v is not None)
     held = np.asfortranarray(np.asarray(fixed).T, np.int32)
     if scale is None:
-        scale = max(b.young for b in bodies) / np.ptp(x, axis=1).max()
+        scale = min(b.young for b in bodies) / np.ptp(x, axis=1).max()
     u, reaction, traction, slip, opening, state, area, history, used = _engine.call(
         "solid_contact", *common, held, *slave.arrays(period), *master.arrays(period), float(period), mode,
         np.array([friction, scale, tolerance]), max_iterations, _columns(displacement, n, steps, 3),

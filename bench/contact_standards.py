@@ -58,7 +58,7 @@ def hertz(record, ax):
     s = np.linspace(0, 1, 200)
     ax[0].plot(s, np.sqrt(1 - s**2), "k-", lw=1, label="Hertz")
     ax[0].set(xlim=(0, 1.4), xlabel="distance from the centre / a", ylabel="pressure / peak", title="Hertz")
-    record["hertz_sphere"] = {"rows": rows, "order_field": order([1 / r["cells"] for r in rows], [r["field"] for r in rows])}
+    record["hertz_sphere"] = {"rows": rows}
 
 
 def cattaneo(record, ax):
@@ -79,13 +79,14 @@ def cattaneo(record, ax):
             exact = cc.mindlin_shear(y, a, p0, FRICTION, turns)
             field.append(float(np.sqrt(((run["shear"][s] - exact) ** 2).sum()) / full))
             if (element, m) == ("hex8i", 20) and s in (2, 3, 4, 6):
-                line = ax[1].plot(y / a, exact / (FRICTION * p0), "-", lw=1)[0]
+                fine = np.linspace(-1.2, 1.2, 961)
+                line = ax[1].plot(fine, cc.mindlin_shear(fine * a, a, p0, FRICTION, turns) / (FRICTION * p0), "-", lw=1)[0]
                 ax[1].plot(y / a, run["shear"][s] / (FRICTION * p0), "o", ms=3, color=line.get_color(),
                            label=f"Q = {ratio[s]:+.2f} µP")
         rows.append(row | {"field": field, "ratio": ratio[1:].tolist()})
     mine = [r for r in rows if r["element"] == "hex8i" and r["matching"]]
     record["cattaneo"] = {"rows": rows, "order_field": order([1 / r["cells"] for r in mine], [r["field"][1] for r in mine])}
-    ax[1].set(xlim=(-1.2, 1.2), xlabel="y / a", ylabel="shear / (µ peak pressure)", title="Cattaneo-Mindlin, loading, unloading, reversal")
+    ax[1].set(xlim=(-1.2, 1.2), ylim=(-1.6, 1.0), xlabel="y / a", ylabel="shear / (µ peak pressure)", title="Cattaneo-Mindlin, loading, unloading, reversal")
 
 
 def rod(record, ax):
@@ -117,7 +118,9 @@ def persson(record, ax):
                     "bracketed": bool(run["closed_to"] - np.pi / (4 * n) <= run["exact_angle"] <= run["next"] + np.pi / (4 * n))})
                 if n == 10 and not swap:
                     peak = run["exact"].max()
-                    line = ax[3].plot(np.degrees(run["angle"]), run["exact"] / peak, "-", lw=1)[0]
+                    fine = np.linspace(0, np.pi, 721)
+                    curve = cc.persson_pressure(fine, run["exact_angle"], run["force"], run["radius"], cc.E / (1 - cc.NU**2) * clearance)
+                    line = ax[3].plot(np.degrees(fine), curve / peak, "-", lw=1)[0]
                     ax[3].plot(np.degrees(run["angle"]), run["pressure"] / peak, "o", ms=4, color=line.get_color(),
                                label=f"{'clearance' if clearance > 0 else 'interference'}, to {np.degrees(run['exact_angle']):.0f}°")
     record["persson"] = rows
@@ -155,7 +158,6 @@ def show(record):
     for r in record["hertz_sphere"]["rows"]:
         print(f"| Hertz sphere, {r['element']} | {r['elements']:.1f} cells in a, {r['dof']} dof | load {pc(r['load'])}, radius {pc(r['radius'])}, "
               f"peak {pc(r['peak'])}, field {pc(r['field'])}, {r['iterations']} iterations |")
-    print("order", record["hertz_sphere"]["order_field"])
     for r in record["cattaneo"]["rows"]:
         print(f"| Cattaneo-Mindlin, {r['element']}{'' if r['matching'] else ', not matching'} | {r['cells']} | stick width at Q/µP = "
               f"{r['ratio'][0]:.2f}: {pc(r['stick_low'])}, {r['ratio'][1]:.2f}: {pc(r['stick_high'])}; shear field "
@@ -182,8 +184,8 @@ def main():
     for part in (hertz, cattaneo, rod, persson, press_fit):
         part(record, ax)
         print(f"{part.__name__}: {time.time() - start:.0f} s", file=sys.stderr)
-    for a in ax[:5]:
-        a.legend(fontsize=9)
+    for i, a in enumerate(ax[:5]):
+        a.legend(fontsize=9, loc="lower center" if i == 1 else "best", ncol=2 if i == 1 else 1)
     order_data = record["hertz_line"]["rows"]
     for e in ("hex8i", "hex20r"):
         mine = [r for r in order_data if r["element"] == e]

@@ -103,6 +103,10 @@ contains
     real(dp), parameter :: big = huge(1._dp)
     call text(t, 'contact', 'mode', s%contact_mode, 'frictional frictionless bonded', 'contact of ring and flexspline')
     call number(t, 'contact', 'friction', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
+    call text(t, 'contact', 'law', s%contact_law, 'hard joint', &
+      'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential)')
+    call number(t, 'contact', 'zero_pressure', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &
+      "pressure at which the gap counts as 0 with the law 'joint'")
     call text(t, 'load', 'support', s%support, 'hub bearing teeth', 'cup bottom held (the torque leaves at the output), '// &
       'free to turn (all torque through the contact), or turned against the teeth of the circular spline')
     call text(t, 'load', 'torque_load', s%torque_load, 'uniform teeth', &

@@ -6,6 +6,7 @@ module hd_run
   use hd_drive, only: drive_t, new_drive, drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped, code_memory
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
+  use hd_interface, only: scene_interface
   use hd_joint, only: joint_t
   use hd_joint_range, only: range_warnings
   use hd_linear_solver, only: linear_solver_t
@@ -66,6 +67,10 @@ contains
       run%writes = .true.
     end if
     call new_drive(scene, run%drive, error)
+    if (.not. allocated(error) .and. scene%contact_law == 'joint') then
+      allocate (run%drive%problem%law%joint)
+      call scene_interface(scene, run%joint, run%drive%problem%law%joint, error)
+    end if
     if (.not. allocated(error)) call choose_solver(scene, run%drive, run%solver, error)
     if (allocated(error)) return
     call new_state(run%drive%problem, run%state)

@@ -20,13 +20,13 @@ solver, joint, output
 error: unknown key 'frictoin' in &contact
   --> {f}:2:3
  2 |   frictoin = 0.2
-   |   ^^^^^^^^ did you mean 'friction'?  valid: mode, friction
+   |   ^^^^^^^^ did you mean 'friction'?  valid: mode, friction, law, zero_pressure
 """),
     "key_without_neighbour": ("&contact qqqqqqqqq = 1 /\n", 2, """\
 error: unknown key 'qqqqqqqqq' in &contact
   --> {f}:1:10
  1 | &contact qqqqqqqqq = 1 /
-   |          ^^^^^^^^^ valid: mode, friction
+   |          ^^^^^^^^^ valid: mode, friction, law, zero_pressure
 """),
     "word_for_number": ("&load torque = abc /\n", 2, """\
 error: 'torque' is not a number: 'abc'

@@ -7,7 +7,7 @@ module hd_flat_surface
   use hd_waves, only: spectrum_t, grid_t, count_waves, checked_grid
   implicit none
   private
-  public :: read_entry
+  public :: read_entry, read_free
 
 contains
 
@@ -34,4 +34,20 @@ contains
     if (.not. allocated(error)) &
       call choose_method(nx, ny, waves, (n_max + 1_i8) * (ridges / 2 + 1), tolerance, bytes, wanted, method, error)
   end subroutine read_entry
+
+  !> Grid and method of free waves.
+  subroutine read_free(count, grid, nx, ny, tolerance, wanted, g, method, error)
+    integer, intent(in) :: count                      !< number of waves
+    real(dp), intent(in) :: grid(4)                   !< dx, dy, x_0, y_0
+    integer, intent(in) :: nx, ny                     !< points
+    real(dp), intent(in) :: tolerance                 !< error of the NUFFT
+    integer, intent(in) :: wanted                     !< method_*
+    type(grid_t), intent(out) :: g                    !< grid
+    type(method_t), intent(out) :: method             !< evaluator
+    type(error_t), allocatable, intent(out) :: error  !< what is wrong
+    g = grid_t(nx, ny, grid(1), grid(2), grid(3), grid(4))
+    call checked_grid(g, error)
+    if (.not. allocated(error)) &
+      call choose_method(nx, ny, int(count, i8), int(count, i8), tolerance, 8, wanted, method, error)
+  end subroutine read_free
 end module hd_flat_surface

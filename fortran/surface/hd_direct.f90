@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The sum of waves, term by term: the oracle of the faster evaluators. Also the one place where turns are counted exactly.
+!> The sum of waves, term by term: the oracle of the faster evaluators. 
 module hd_direct
-  use hd_kinds, only: dp, qp, pi
-  use hd_waves, only: waves_t, grid_t, turns_on_grid
+  use hd_kinds, only: dp, pi
+  use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
   private
-  public :: direct_sum, split_turns, turns_at
+  public :: direct_sum
 
 contains
 
@@ -15,15 +15,14 @@ contains
     type(grid_t), intent(in) :: g                     !< grid
     integer, intent(in) :: j_1                        !< first row
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
-    real(qp), allocatable :: ux(:), uy(:)
-    real(dp), allocatable :: phase(:), xh(:), xl(:), yh(:), yl(:)
+    real(dp), allocatable :: ux(:), ux_2(:), uy(:), uy_2(:), phase(:), xh(:), xl(:), yh(:), yl(:)
     real(dp) :: row
     integer :: i, j, k, n
     n = size(w%amplitude)
-    allocate (ux(n), uy(n), phase(n), xh(n), xl(n), yh(n), yl(n))
-    call turns_on_grid(w, g, 0._dp, 0._dp, ux, uy, phase)
-    call split_turns(ux, xh, xl)
-    call split_turns(uy, yh, yl)
+    allocate (ux(n), ux_2(n), uy(n), uy_2(n), phase(n), xh(n), xl(n), yh(n), yl(n))
+    call turns_on_grid(w, g, 0._dp, 0._dp, ux, ux_2, uy, uy_2, phase)
+    call split_turns(ux, ux_2, xh, xl)
+    call split_turns(uy, uy_2, yh, yl)
     !$omp parallel do private(i, k, row) schedule(dynamic)
     do j = 1, size(z, 2)
       z(:, j) = w%offset
@@ -35,14 +34,6 @@ contains
       end do
     end do
   end subroutine direct_sum
-
-  !> Turns as a multiple of 2^-29 and the rest, so that whole multiples up to 2^23 of the first part are exact.
-  elemental subroutine split_turns(u, high, low)
-    real(qp), intent(in) :: u              !< turns, at most 1
-    real(dp), intent(out) :: high, low     !< u = high + low
-    high = anint(real(u, dp) * 536870912._dp) / 536870912._dp
-    low = real(u - high, dp)
-  end subroutine split_turns
 
   !> i times the turns, reduced to [-1/2, 1/2] but for the rest.
   elemental real(dp) function turns_at(high, low, i) result(t)

@@ -6,26 +6,27 @@
 !> middle row: memory stays small, tiles are independent, and the result does not depend on the number of threads. Of the columns
 !> of wave numbers only those a wave has touched are transformed.
 module hd_nufft
-  use hd_kinds, only: dp, qp, pi
-  use hd_direct, only: split_turns, turns_at
+  use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_fft, only: fft_plan_t, plan_complex, plan_backward_real, execute_complex, execute_backward_real, free_plan
   use hd_nufft_plan, only: nufft_plan_t
-  use hd_waves, only: waves_t, grid_t, turns_on_grid
-  use hd_window, only: window_t, new_window, window_weights, widest
+  use hd_spread, only: wave_phases, window_rows, spread_rows
+  use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
+  use hd_window, only: window_t, new_window, place_in_window, widest
   implicit none
   private
   public :: nufft_t, new_nufft, nufft_sum
 
   integer, parameter :: panel = 16    !< columns transformed together
+  integer, parameter :: share = 256   !< waves spread together: their weights stay in the cache
 
   !> Waves on the fine points.
   type :: nufft_t
     type(window_t) :: x, y                               !< windows
     integer :: rows = 0                                  !< rows of a tile
     integer :: middle = 0                                !< row of the phases, from 0
-    integer, allocatable :: kx(:), ky(:)                 !< first fine point of each wave
-    real(dp), allocatable :: wx(:, :), wy(:, :)          !< weights (width, waves)
+    integer, allocatable :: kx(:), ky(:)                 !< first fine point of each wave, x from -widest
+    real(dp), allocatable :: sx(:), sy(:)                !< places that give the weights of each wave
     real(dp), allocatable :: high(:), low(:), phase(:)   !< turns per row, phase [turns]
     real(dp), allocatable :: amplitude(:)                !< half the amplitude, negative [m]
     logical, allocatable :: touched(:)                   !< panels of columns that waves touch
@@ -40,35 +41,38 @@ contains
     type(grid_t), intent(in) :: g              !< grid
     type(nufft_plan_t), intent(in) :: plan     !< fine points, widths, rows of a tile
     type(nufft_t), intent(out) :: p            !< waves on the fine points
-    real(qp), allocatable :: ux(:), uy(:)
+    real(dp), allocatable :: ux(:), ux_2(:), uy(:), uy_2(:)
     integer :: n, j, low, high
     n = size(w%amplitude)
-    call new_window(g%nx, plan%fine_x, plan%width_x, p%x)
-    call new_window(plan%rows, plan%fine_y, plan%width_y, p%y)
+    call new_window(g%nx, plan%fine_x, plan%width_x, plan%tolerance, p%x)
+    call new_window(plan%rows, plan%fine_y, plan%width_y, plan%tolerance, p%y)
     p%rows = plan%rows
     p%middle = g%ny / 2
     p%offset = w%offset
     p%amplitude = -0.5_dp * w%amplitude
-    allocate (ux(n), uy(n), p%phase(n), p%high(n), p%low(n), p%kx(n), p%ky(n), p%wx(plan%width_x, n), p%wy(plan%width_y, n))
-    call turns_on_grid(w, g, real(g%nx / 2, dp), real(p%middle, dp), ux, uy, p%phase)
-    !$omp parallel do schedule(static) if (n > 500)
+    allocate (ux(n), ux_2(n), uy(n), uy_2(n))
+    allocate (p%phase(n), p%high(n), p%low(n), p%kx(n), p%ky(n), p%sx(n), p%sy(n))
+    call turns_on_grid(w, g, real(g%nx / 2, dp), real(p%middle, dp), ux, ux_2, uy, uy_2, p%phase)
+    !$omp parallel do schedule(static) if (n > 1000)
     do j = 1, n
-      ux(j) = ux(j) - anint(ux(j))
-      uy(j) = uy(j) - anint(uy(j))
+      ux(j) = nearest_turn(ux(j)) + ux_2(j)
+      uy(j) = nearest_turn(uy(j))
       if (ux(j) < 0) then                                  ! cos is even
         ux(j) = -ux(j)
         uy(j) = -uy(j)
+        uy_2(j) = -uy_2(j)
         p%phase(j) = -p%phase(j)
       end if
-      call split_turns(uy(j), p%high(j), p%low(j))
-      call window_weights(p%x, real(ux(j) * plan%fine_x, dp), p%kx(j), p%wx(:, j))
-      call window_weights(p%y, real(uy(j) * plan%fine_y, dp), p%ky(j), p%wy(:, j))
-      p%ky(j) = modulo(p%ky(j), plan%fine_y)
+      call split_turns(uy(j), uy_2(j), p%high(j), p%low(j))
+      call place_in_window(p%x, ux(j) * plan%fine_x, p%kx(j), p%sx(j))
+      call place_in_window(p%y, uy(j) * plan%fine_y, p%ky(j), p%sy(j))
+      p%kx(j) = p%kx(j) + widest
+      if (p%ky(j) < 0) p%ky(j) = p%ky(j) + plan%fine_y
     end do
     allocate (p%touched(0:(plan%fine_x / 2 + 2 * widest) / panel + 1), source=.false.)
     do j = 1, n
-      low = p%kx(j) + widest
-      high = low + plan%width_x - 1
+      low = p%kx(j)
+      high = low + p%x%padded - 1
       p%touched(low / panel:high / panel) = .true.
     end do
   end subroutine new_nufft
@@ -109,24 +113,26 @@ contains
   subroutine spread_waves(p, shift, f)
     type(nufft_t), intent(in) :: p                             !< waves
     integer, intent(in) :: shift                               !< middle row of the tile from that of the phases
-    complex(dp), intent(inout), contiguous :: f(-widest:, 0:)  !< fine points
-    complex(dp) :: c, d
-    real(dp) :: a
-    integer :: j, k, q, l, m
-    l = p%x%width - 1
-    do j = 1, size(p%phase)
-      a = 2 * pi * (p%phase(j) + turns_at(p%high(j), p%low(j), shift))
-      c = p%amplitude(j) * cmplx(cos(a), sin(a), dp)
-      m = p%kx(j)
-      q = p%ky(j)
-      do k = 1, p%y%width
-        d = c * p%wy(k, j)
-        f(m:m + l, q) = f(m:m + l, q) + d * p%wx(:, j)
-        q = q + 1
-        if (q == p%y%fine) q = 0
-      end do
+    complex(dp), intent(inout), contiguous :: f(:, :)          !< fine points
+    complex(dp) :: c(share)
+    real(dp) :: wx(p%x%padded, share), wy(p%y%padded, share)
+    integer :: k, n
+    do k = 1, size(p%phase), share
+      n = min(share, size(p%phase) - k + 1)
+      call wave_phases(n, p%phase(k), p%high(k), p%low(k), shift, p%amplitude(k), c)
+      call window_rows(n, p%x%padded, p%x%degree, p%x%piece, p%sx(k), wx)
+      call window_rows(n, p%y%padded, p%y%degree, p%y%piece, p%sy(k), wy)
+      call spread_rows(n, p%x%padded, p%y%padded, p%y%width, p%y%fine, size(f, 1), p%kx(k), p%ky(k), c, wx, wy, f)
     end do
   end subroutine spread_waves
+
+  !> Turns in [-1, 1] to [-1/2, 1/2].
+  elemental real(dp) function nearest_turn(u)
+    real(dp), intent(in) :: u    !< turns
+    nearest_turn = u
+    if (u > 0.5_dp) nearest_turn = u - 1
+    if (u < -0.5_dp) nearest_turn = u + 1
+  end function nearest_turn
 
   !> Wave numbers in y to rows.
   subroutine transform_columns(p, columns, height, f)

@@ -13,10 +13,11 @@ module hd_nufft_plan
     integer :: fine_x = 0, fine_y = 0      !< fine points
     integer :: width_x = 0, width_y = 0    !< widths of the windows; 0: no window reaches the tolerance
     integer :: rows = 0                    !< rows of a tile
+    real(dp) :: tolerance = 0              !< error wanted
     real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/verification.md
   end type nufft_plan_t
 
-  real(dp), parameter :: ratios(*) = [1.2_dp, 1.25_dp, 1.33_dp, 1.4_dp, 1.5_dp, 1.67_dp, 1.8_dp, 2._dp, 2.5_dp]
+  real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]
   real(dp), parameter :: second_per_flop = 0.35e-9_dp        !< FFT
   real(dp), parameter :: second_per_move = 1.0e-9_dp         !< fine point copied, corrected
   real(dp), parameter :: second_per_weight = 0.7e-9_dp       !< one fine point of a wave
@@ -44,9 +45,12 @@ contains
       end do
       do j = 1, size(ratios)
         if (y(j)%width_x == 0) cycle
+        if (j > 1) then
+          if (y(j)%fine_x == y(j - 1)%fine_x) cycle
+        end if
         do i = 1, size(ratios)
           if (x(i)%width_x == 0) cycle
-          here = nufft_plan_t(x(i)%fine_x, y(j)%fine_x, x(i)%width_x, y(j)%width_x, rows)
+          here = nufft_plan_t(x(i)%fine_x, y(j)%fine_x, x(i)%width_x, y(j)%width_x, rows, tolerance)
           here%seconds = predicted(here, ny, tiles, waves)
           if (here%seconds < best%seconds) best = here
         end do

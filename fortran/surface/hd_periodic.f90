@@ -9,7 +9,7 @@ module hd_periodic
   use hd_clock, only: machine_memory_mb
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_fft, only: backward_real_2d
-  use hd_random, only: uniform
+  use hd_random, only: uniforms
   use hd_text, only: to_text
   implicit none
   private
@@ -57,6 +57,8 @@ contains
     real(dp), intent(inout), contiguous :: heights(:, :)  !< heights (n, n) [m]
     type(error_t), allocatable, intent(out) :: error      !< bad input or no memory
     complex(dp), allocatable :: s(:, :)
+    integer(i8), allocatable :: ki(:), kj(:)
+    real(dp), allocatable :: u(:)
     real(dp) :: amplitude, phase
     integer :: n, i, j, status
     n = size(heights, 1)
@@ -67,18 +69,19 @@ contains
       call raise(error, code_memory, 'not enough memory for the spectrum of '//to_text(n)//' x '//to_text(n)//' points')
       return
     end if
-    !$omp parallel do private(i, amplitude, phase) schedule(static)
+    allocate (ki(0:n / 2), kj(0:n / 2), u(0:n / 2))
+    !$omp parallel do private(i, amplitude, phase) firstprivate(ki, kj, u) schedule(static)
     do j = 0, n - 1
+      ki = [(i, i=0, n / 2)]
+      kj = signed(j, n)
+      if (2 * j > n) kj(0) = n - j                       ! (0, -j) is the conjugate of (0, j)
+      call uniforms(seed, ki, kj, u)
       do i = 0, n / 2
         s(i, j) = 0
         if (2 * i >= n .or. 2 * j == n) cycle            ! the frequency of Nyquist has no phase
         amplitude = mode_amplitude(i, signed(j, n), length, fractal_dimension, roughness, shortest)
-        if (amplitude <= 0) cycle
-        if (i > 0 .or. 2 * j < n) then
-          phase = 2 * pi * uniform(seed, int(i, i8), int(signed(j, n), i8))
-        else
-          phase = -2 * pi * uniform(seed, 0_i8, int(n - j, i8))    ! i = 0: the conjugate of (0, -j)
-        end if
+        phase = 2 * pi * u(i)
+        if (i == 0 .and. 2 * j > n) phase = -phase
         s(i, j) = amplitude * cmplx(cos(phase), sin(phase), dp)
       end do
     end do

@@ -5,15 +5,14 @@
 !> factors in x. And with x counted from the middle of the grid cos is even, sin odd: each half of a row is the sum or the
 !> difference of two products of half the width.
 module hd_product
-  use hd_kinds, only: dp, qp, pi
-  use hd_direct, only: split_turns, turns_at
+  use hd_kinds, only: dp
   use hd_lapack, only: multiply_transposed
-  use hd_waves, only: waves_t, grid_t, turns_on_grid
+  use hd_spread, only: add_row
+  use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
   private
   public :: product_t, new_product, product_sum
 
-  integer, parameter :: block = 32    !< points between exact cosines; the rest by rotation
   integer, parameter :: tile_points = 524288    !< heights of a tile
 
   !> Factors in x, and what the factors in y are made of.
@@ -35,20 +34,19 @@ contains
     type(waves_t), intent(in) :: w       !< waves
     type(grid_t), intent(in) :: g        !< grid
     type(product_t), intent(out) :: p    !< factors
-    real(qp), allocatable :: ux(:), uy(:)
-    real(dp), allocatable :: xh(:), xl(:)
+    real(dp), allocatable :: ux(:), ux_2(:), uy(:), uy_2(:), xh(:), xl(:)
     integer, allocatable :: next(:)
     integer :: n, j, k
     n = size(w%amplitude)
-    allocate (ux(n), uy(n), p%phase(n), xh(w%groups), xl(w%groups), p%high(n), p%low(n), p%mirror(n))
-    call turns_on_grid(w, g, 0.5_dp * (g%nx - 1), 0.5_dp * (g%ny - 1), ux, uy, p%phase)
-    call split_turns(uy / 2, p%high, p%low)
+    allocate (ux(n), ux_2(n), uy(n), uy_2(n), p%phase(n), xh(w%groups), xl(w%groups), p%high(n), p%low(n), p%mirror(n))
+    call turns_on_grid(w, g, 0.5_dp * (g%nx - 1), 0.5_dp * (g%ny - 1), ux, ux_2, uy, uy_2, p%phase)
+    call split_turns(uy / 2, uy_2 / 2, p%high, p%low)
     p%amplitude = -w%amplitude
     allocate (p%first(w%groups + 1), source=0)
     do j = 1, n
       k = w%group(j)
       p%first(k + 1) = p%first(k + 1) + 1
-      call split_turns(abs(ux(j)) / 2, xh(k), xl(k))
+      call split_turns(abs(ux(j)) / 2, sign(0.5_dp, ux(j)) * ux_2(j), xh(k), xl(k))
       p%mirror(j) = merge(p%amplitude(j), -p%amplitude(j), ux(j) < 0)
     end do
     p%first(1) = 1
@@ -66,34 +64,11 @@ contains
     allocate (p%even((g%nx + 1) / 2, w%groups), p%odd((g%nx + 1) / 2, w%groups))
     !$omp parallel do schedule(static) if (size(p%even) > 20000)
     do j = 1, w%groups
-      call half_row(xh(j), xl(j), 0._dp, mod(g%nx + 1, 2), p%even(:, j), p%odd(:, j))
+      p%even(:, j) = 0
+      p%odd(:, j) = 0
+      call add_row(size(p%even, 1), 0._dp, xh(j), xl(j), mod(g%nx + 1, 2), 1._dp, 1._dp, p%even(:, j), p%odd(:, j))
     end do
   end subroutine new_product
-
-  !> cos and sin at half steps first, first + 2, first + 4, ...
-  pure subroutine half_row(high, low, phase, first, c, s)
-    real(dp), intent(in) :: high, low            !< turns per half step
-    real(dp), intent(in) :: phase                !< phase [turns]
-    integer, intent(in) :: first                 !< first half step
-    real(dp), intent(out) :: c(:), s(:)          !< cosines and sines
-    real(dp) :: cr(0:block - 1), sr(0:block - 1), a, ca, sa
-    integer :: i, r, last
-    do r = 0, min(block, size(c)) - 1
-      a = 2 * pi * turns_at(high, low, 2 * r)
-      cr(r) = cos(a)
-      sr(r) = sin(a)
-    end do
-    do i = 1, size(c), block
-      a = 2 * pi * (phase + turns_at(high, low, first + 2 * (i - 1)))
-      ca = cos(a)
-      sa = sin(a)
-      last = min(block, size(c) - i + 1) - 1
-      do r = 0, last
-        c(i + r) = ca * cr(r) - sa * sr(r)
-        s(i + r) = sa * cr(r) + ca * sr(r)
-      end do
-    end do
-  end subroutine half_row
 
   !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache.
   subroutine product_sum(p, j_1, z)
@@ -113,22 +88,20 @@ contains
     integer, intent(in) :: j_1                        !< first row
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
     real(dp), allocatable :: a(:, :), b(:, :), e(:, :), o(:, :)
-    real(dp) :: c(size(z, 2)), s(size(z, 2))
     integer :: rows, groups, half, nx, i, j, k, l
     rows = size(z, 2)
     nx = size(z, 1)
     half = size(p%even, 1)
     groups = size(p%even, 2)
     allocate (a(rows, groups), b(rows, groups), e(half, rows), o(half, rows))
-    !$omp parallel do private(l, j, c, s) schedule(static) if (size(a) > 20000)
+    !$omp parallel do private(l, j) schedule(static) if (size(a) > 20000)
     do k = 1, groups
       a(:, k) = 0
       b(:, k) = 0
       do l = p%first(k), p%first(k + 1) - 1
         j = p%order(l)
-        call half_row(p%high(j), p%low(j), p%phase(j), 2 * (j_1 - 1) - (p%ny - 1), c, s)
-        a(:, k) = a(:, k) + p%amplitude(j) * c
-        b(:, k) = b(:, k) + p%mirror(j) * s
+        call add_row(rows, p%phase(j), p%high(j), p%low(j), 2 * (j_1 - 1) - (p%ny - 1), p%amplitude(j), p%mirror(j), &
+          a(:, k), b(:, k))
       end do
     end do
     call multiply_transposed(p%even, a, e)

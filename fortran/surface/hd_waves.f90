@@ -7,11 +7,12 @@
 module hd_waves
   use hd_kinds, only: dp, qp, i8, pi
   use hd_error, only: error_t, raise, code_input, code_memory
-  use hd_random, only: uniform
+  use hd_random, only: uniforms
+  use hd_spread, only: exact_products, turns_at_point
   use hd_text, only: to_text
   implicit none
   private
-  public :: spectrum_t, waves_t, grid_t, new_waves, free_waves, count_waves, turns_on_grid, checked_grid
+  public :: spectrum_t, waves_t, grid_t, new_waves, free_waves, count_waves, turns_on_grid, split_turns, checked_grid
 
   !> Parameters of Eq. 1.
   type :: spectrum_t
@@ -26,7 +27,8 @@ module hd_waves
 
   !> Waves: height = offset - sum of amplitude cos(2 pi (fx x + fy y + phase)).
   type :: waves_t
-    real(qp), allocatable :: fx(:), fy(:)      !< wave numbers [1/m]; quadruple, for x fx may be many turns
+    real(dp), allocatable :: fx(:), fy(:)      !< wave numbers [1/m] ...
+    real(dp), allocatable :: fx_2(:), fy_2(:)  !< ... and their next 53 bits: x fx may be many turns
     real(dp), allocatable :: amplitude(:)      !< amplitudes [m]
     real(dp), allocatable :: phase(:)          !< phases [turns]
     integer, allocatable :: group(:)           !< waves of one group have the same |fx|
@@ -87,30 +89,38 @@ contains
     type(waves_t), intent(out) :: w                   !< waves
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
     real(qp), allocatable :: cosine(:), sine(:)
+    real(dp), allocatable :: c(:), c_2(:), s_1(:), s_2(:)
     real(qp) :: f
-    real(dp) :: b
+    real(dp) :: f_1, f_2, b
     integer(i8) :: count
-    integer :: n_max, n, m, j, mirror, status
+    integer :: n_max, n, m, j, status
     call count_waves(s, n_max, count, error)
     if (allocated(error)) return
-    allocate (w%fx(count), w%fy(count), w%amplitude(count), w%phase(count), w%group(count), stat=status)
+    allocate (w%fx(count), w%fy(count), w%fx_2(count), w%fy_2(count), w%amplitude(count), w%phase(count), w%group(count), &
+      stat=status)
     if (status /= 0) then
       call raise(error, code_memory, 'not enough memory for '//to_text(count)//' waves')
       return
     end if
     call directions(s%ridges, cosine, sine)
+    c = real(cosine, dp)
+    c_2 = real(cosine - c, dp)
+    s_1 = real(sine, dp)
+    s_2 = real(sine - s_1, dp)
+    !$omp parallel do private(f, f_1, f_2, b, m, j) schedule(static) if (count > 1000)
     do n = 0, n_max
       f = real(s%gamma, qp)**n / real(s%length, qp)
-      b = sqrt(log(s%gamma) / s%ridges) * s%roughness**(s%fractal_dimension - 2) * &
-        real(f, dp)**(s%fractal_dimension - 3)
+      f_1 = real(f, dp)
+      f_2 = real(f - f_1, dp)
+      j = n * s%ridges
+      call uniforms(s%seed, spread(int(n, i8), 1, s%ridges), [(int(m, i8), m=1, s%ridges)], w%phase(j + 1:j + s%ridges))
+      call exact_products(s%ridges, f_1, f_2, c, c_2, w%fx(j + 1), w%fx_2(j + 1))
+      call exact_products(s%ridges, f_1, f_2, s_1, s_2, w%fy(j + 1), w%fy_2(j + 1))
+      b = sqrt(log(s%gamma) / s%ridges) * s%roughness**(s%fractal_dimension - 2) * f_1**(s%fractal_dimension - 3)
       do m = 1, s%ridges
         j = n * s%ridges + m
-        w%fx(j) = f * cosine(m)
-        w%fy(j) = f * sine(m)
         w%amplitude(j) = b
-        w%phase(j) = uniform(s%seed, int(n, i8), int(m, i8))
-        mirror = min(m, s%ridges - m)
-        w%group(j) = n * (s%ridges / 2 + 1) + mirror + 1
+        w%group(j) = n * (s%ridges / 2 + 1) + min(m, s%ridges - m) + 1
         if (2 * m == s%ridges) w%group(j) = s%ridges / 2 + 1       ! fx = 0 for every n
       end do
     end do
@@ -167,6 +177,8 @@ contains
     integer :: j
     w%fx = fx
     w%fy = fy
+    w%fx_2 = 0 * fx
+    w%fy_2 = 0 * fy
     w%amplitude = amplitude
     w%phase = phase
     w%group = [(j, j=1, size(fx))]
@@ -188,26 +200,39 @@ contains
     end if
   end subroutine checked_grid
 
-  !> Turns per point, reduced to [-1, 1] so that half of them is still right, and the phase at a point (ix, iy) (from 0, may lie
-  !> between points), reduced to [-1/2, 1/2].
-  subroutine turns_on_grid(w, g, ix, iy, ux, uy, phase)
-    type(waves_t), intent(in) :: w                  !< waves
-    type(grid_t), intent(in) :: g                   !< grid
-    real(dp), intent(in) :: ix, iy                  !< point of reference
-    real(qp), intent(out) :: ux(:), uy(:)           !< turns per point (J)
-    real(dp), intent(out) :: phase(:)               !< phase there [turns] (J)
-    real(qp) :: x, y, p
+  !> Turns per point, reduced to [-1, 1] so that half of them is still right, in two parts; and the phase at a point (ix, iy)
+  !> (from 0, may lie between points), reduced to [-1/2, 1/2].
+  subroutine turns_on_grid(w, g, ix, iy, ux, ux_2, uy, uy_2, phase)
+    type(waves_t), intent(in) :: w                            !< waves
+    type(grid_t), intent(in) :: g                             !< grid
+    real(dp), intent(in) :: ix, iy                            !< point of reference
+    real(dp), intent(out), dimension(size(w%fx)) :: ux, ux_2, uy, uy_2    !< turns per point and their rest (J)
+    real(dp), intent(out) :: phase(size(w%fx))                            !< phase there [turns] (J)
+    integer, parameter :: share = 1000
+    real(dp) :: x, x_2, y, y_2
     integer :: j
-    x = real(g%x_0, qp) + ix * real(g%dx, qp)
-    y = real(g%y_0, qp) + iy * real(g%dy, qp)
-    !$omp parallel do private(p) schedule(static) if (size(phase) > 500)
-    do j = 1, size(phase)
-      ux(j) = w%fx(j) * g%dx
-      ux(j) = ux(j) - 2 * anint(ux(j) / 2)
-      uy(j) = w%fy(j) * g%dy
-      uy(j) = uy(j) - 2 * anint(uy(j) / 2)
-      p = w%fx(j) * x + w%fy(j) * y + w%phase(j)
-      phase(j) = real(p - anint(p), dp)
+    x = real(g%x_0 + ix * real(g%dx, qp), dp)
+    x_2 = real(g%x_0 + ix * real(g%dx, qp) - x, dp)
+    y = real(g%y_0 + iy * real(g%dy, qp), dp)
+    y_2 = real(g%y_0 + iy * real(g%dy, qp) - y, dp)
+    !$omp parallel do schedule(static) if (size(phase) > share)
+    do j = 1, size(phase), share
+      call turns_at_point(min(share, size(phase) - j + 1), w%fx(j), w%fx_2(j), w%fy(j), w%fy_2(j), w%phase(j), g%dx, g%dy, &
+        x, x_2, y, y_2, ux(j), ux_2(j), uy(j), uy_2(j), phase(j))
     end do
   end subroutine turns_on_grid
+
+  !> Nearest whole number, for sizes below 2^51: unlike anint a few operations that compilers vectorise.
+  elemental real(dp) function whole(x)
+    real(dp), intent(in) :: x    !< number
+    whole = (x + 6755399441055744._dp) - 6755399441055744._dp
+  end function whole
+
+  !> Turns as a multiple of 2^-29 and the rest, so that whole multiples up to 2^23 of the first part are exact.
+  elemental subroutine split_turns(u, u_2, high, low)
+    real(dp), intent(in) :: u, u_2         !< turns, at most 1, in two parts
+    real(dp), intent(out) :: high, low     !< u = high + low
+    high = whole(u * 536870912._dp) / 536870912._dp
+    low = (u - high) + u_2
+  end subroutine split_turns
 end module hd_waves

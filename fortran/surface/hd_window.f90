@@ -7,7 +7,7 @@ module hd_window
   use hd_kinds, only: dp, pi
   implicit none
   private
-  public :: window_t, new_window, window_weights, window_error, window_width, widest
+  public :: window_t, new_window, place_in_window, window_error, window_width, widest
 
   integer, parameter :: widest = 28    !< largest width
   integer, parameter :: nodes = 24     !< Chebyshev nodes of the fit
@@ -16,16 +16,18 @@ module hd_window
   type :: window_t
     integer :: n = 0, fine = 0                       !< wanted points, fine points
     integer :: width = 0                             !< w
+    integer :: padded = 0                            !< w filled up with zero weights to a multiple of four
     integer :: degree = 0                            !< degree of the pieces
-    real(dp), allocatable :: piece(:, :)             !< coefficients (w, 0:degree) of s in [-1, 1] across each unit interval
+    real(dp), allocatable :: piece(:, :)             !< coefficients (padded, 0:degree) of s in [-1, 1] across each unit interval
     real(dp), allocatable :: correction(:)           !< 1 / transform at 0 .. (n + 1)/2 points from the middle
   end type window_t
 
 contains
 
   !> Pieces and correction of a window.
-  subroutine new_window(n, fine, width, win)
+  subroutine new_window(n, fine, width, tolerance, win)
     integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    real(dp), intent(in) :: tolerance         !< error of a height
     type(window_t), intent(out) :: win        !< window
     real(dp) :: b, value(nodes), c(0:nodes - 1), t(0:nodes - 1), older(0:nodes - 1), newer(0:nodes - 1), s
     real(dp) :: all_c(width, 0:nodes - 1)
@@ -33,6 +35,7 @@ contains
     win%n = n
     win%fine = fine
     win%width = width
+    win%padded = 4 * ((width + 3) / 4)
     b = shape_of(n, fine, width)
     do i = 1, width
       do k = 1, nodes
@@ -45,43 +48,38 @@ contains
       end do
       all_c(i, :) = c
     end do
+    allocate (win%correction(0:(n + 1) / 2))
+    do i = 0, (n + 1) / 2
+      win%correction(i) = bessel_i0(b) / (width * sinhc2(b**2 - (pi * width * real(i, dp) / fine)**2))
+    end do
     win%degree = nodes - 1
-    do while (win%degree > 1 .and. maxval(abs(all_c(:, win%degree))) < 1e-17_dp)
+    s = max(3e-15_dp, 0.02_dp * tolerance * win%correction(0) / win%correction(n / 2))
+    do while (win%degree > 1 .and. maxval(abs(all_c(:, win%degree))) < s)
       win%degree = win%degree - 1
     end do
-    allocate (win%piece(width, 0:win%degree), source=0._dp)
+    allocate (win%piece(win%padded, 0:win%degree), source=0._dp)
     older = 0                                             ! T_-1 is not used: T_0 = 1, T_1 = s
     t = 0
     t(0) = 1
     do l = 0, win%degree
       do k = 0, l
-        win%piece(:, k) = win%piece(:, k) + all_c(:, l) * t(k)
+        win%piece(:width, k) = win%piece(:width, k) + all_c(:, l) * t(k)
       end do
       newer = merge(1, 2, l == 0) * eoshift(t, -1) - older
       older = t
       t = newer
     end do
-    allocate (win%correction(0:(n + 1) / 2))
-    do i = 0, (n + 1) / 2
-      win%correction(i) = bessel_i0(b) / (width * sinhc2(b**2 - (pi * width * real(i, dp) / fine)**2))
-    end do
   end subroutine new_window
 
-  !> Weights psi(k - p), k = first .. first + w - 1, of the fine points around p.
-  pure subroutine window_weights(win, p, first, weight)
+  !> First of the fine points around p, and the place s in [-1, 1] that gives their weights psi(k - p).
+  elemental subroutine place_in_window(win, p, first, s)
     type(window_t), intent(in) :: win       !< window
     real(dp), intent(in) :: p               !< position [fine points]
     integer, intent(out) :: first           !< first fine point
-    real(dp), intent(out) :: weight(:)      !< weights (w)
-    real(dp) :: s
-    integer :: l
+    real(dp), intent(out) :: s              !< place
     first = ceiling(p - 0.5_dp * win%width)
     s = 2 * (first - p + 0.5_dp * win%width) - 1
-    weight = win%piece(:, win%degree)
-    do l = win%degree - 1, 0, -1
-      weight = weight * s + win%piece(:, l)
-    end do
-  end subroutine window_weights
+  end subroutine place_in_window
 
   !> Smallest width whose error stays below the tolerance; 0 if there is none.
   pure integer function window_width(n, fine, tolerance) result(width)
@@ -99,7 +97,7 @@ contains
   !> ends, so the points are x = end (1 - t^2), and the end itself counts as the one point it is.
   pure real(dp) function window_error(n, fine, width) result(error)
     integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
-    integer, parameter :: samples = 16
+    integer, parameter :: samples = 8
     real(dp) :: t, total
     integer :: i
     total = point_error(n, fine, width, 1._dp) / n

@@ -21,7 +21,7 @@ class Method:
     n_max, waves : int
         Largest exponent of Eq. 1 and number of waves M (n_max + 1).
     predicted_s : dict
-        Predicted time of each method on the machine of docs/verification.md [s].
+        Predicted time of the methods considered on the machine of docs/verification.md [s].
     memory_mb : float
         Memory needed beside the heights [MB].
     """
@@ -51,7 +51,7 @@ def _pair(value, name, kind=float):
     return values[0], values[1]
 
 
-def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
+def _grid(shape, spacing, origin, method, dtype):
     ny, nx = _pair(shape, "shape", operator.index)
     dy, dx = _pair(spacing, "spacing")
     y_0, x_0 = _pair(origin, "origin")
@@ -60,14 +60,20 @@ def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method
     dtype = np.dtype(dtype)
     if dtype not in (np.dtype(np.float64), np.dtype(np.float32)):
         raise _engine.InputError(f"dtype = {dtype}: must be float64 or float32")
-    if max(abs(nx), abs(ny), abs(ridges)) >= 2**31:
-        raise _engine.InputError(f"shape = {ny, nx}, ridges = {ridges}: must be below 2^31")
-    head = (np.array(spectrum, dtype=float), ridges, _seed(seed), np.array([dx, dy, x_0, y_0]))
-    wanted = METHODS.index(method)
-    found = _engine.call("surface_method", *head, nx, ny, tolerance, dtype.itemsize, wanted)
+    if max(abs(nx), abs(ny)) >= 2**31:
+        raise _engine.InputError(f"shape = {ny, nx}: must be below 2^31")
+    return (nx, ny), np.array([dx, dy, x_0, y_0]), METHODS.index(method), dtype
+
+
+def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
+    size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype)
+    if not -(2**31) < ridges < 2**31:
+        raise _engine.InputError(f"ridges = {ridges}: must be below 2^31")
+    head = (np.array(spectrum, dtype=float), ridges, _seed(seed), grid)
+    found = _engine.call("surface_method", *head, *size, tolerance, dtype.itemsize, wanted)
     n_max, waves, evaluator, seconds, memory = found
-    chosen = Method(METHODS[evaluator], int(n_max), int(waves), dict(zip(METHODS[1:], seconds.tolist())), float(memory))
-    return head, (nx, ny), dtype, wanted, chosen
+    predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < 1e300}
+    return head, size, dtype, int(evaluator), Method(METHODS[evaluator], int(n_max), int(waves), predicted, float(memory))
 
 
 def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
@@ -134,10 +140,10 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
         The machine's memory does not hold it; the message says how much is needed.
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
-    head, size, dtype, wanted, _ = _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)
+    head, size, dtype, evaluator, _ = _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)
     heights = np.empty(size, dtype=dtype, order="F")
     entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, tolerance, wanted, heights)
+    _engine.call(entry, *head, tolerance, evaluator, heights)
     return heights.T
 
 
@@ -178,6 +184,45 @@ def waves(fractal_dimension, roughness, gamma, length, shortest_wavelength, ridg
     count = _arguments(1, 1.0, spectrum, ridges, seed, 0.0, 1e-12, "direct", float)[-1].waves
     keys = ("fx_per_m", "fy_per_m", "amplitude_m", "phase_turns", "offset_m")
     return dict(zip(keys, _engine.call("surface_waves", np.array(spectrum, dtype=float), ridges, _seed(seed), count)))
+
+
+def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance=1e-12, method="auto"):
+    """Any sum of plane waves on a rectangular grid: - sum of amplitude cos(2 pi (fx x + fy y + phase)).
+
+    Parameters
+    ----------
+    fx, fy : array_like (J,)
+        Wave numbers [1/m].
+    amplitude : array_like (J,)
+        Amplitudes [m].
+    phase : array_like (J,)
+        Phases at x = y = 0 [turns].
+    shape, spacing, origin, tolerance, method
+        As in `generate`.
+
+    Returns
+    -------
+    ndarray (ny, nx)
+        Heights [m].
+
+    Raises
+    ------
+    InputError, EngineMemoryError
+        As `generate`; lengths that differ, no wave, numbers that are not finite.
+    """
+    size, grid, wanted, _ = _grid(shape, spacing, origin, method, float)
+    try:
+        lists = [np.ascontiguousarray(v, dtype=float).ravel() for v in (fx, fy, amplitude, phase)]
+    except (TypeError, ValueError):
+        raise _engine.InputError("fx, fy, amplitude, phase: must be lists of numbers") from None
+    if len({v.size for v in lists}) != 1 or lists[0].size == 0:
+        raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
+    if not all(np.isfinite(v).all() for v in lists):
+        raise _engine.InputError("fx, fy, amplitude, phase: must be finite")
+    evaluator = _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance, wanted)
+    heights = np.empty(size, order="F")
+    _engine.call("surface_free_heights", *lists, grid, tolerance, int(evaluator), heights)
+    return heights.T
 
 
 def periodic(n, length, fractal_dimension, roughness, shortest_wavelength, seed):

@@ -64,12 +64,14 @@ contains
     type(grid_t), intent(in) :: g        !< grid
     real(qp), intent(out) :: z(:, :)     !< heights (nx, ny) [m]
     real(qp), parameter :: two_pi = 6.28318530717958647692528676655900576839433879875021_qp
-    real(qp) :: row(size(w%fx))
+    real(qp) :: row(size(w%fx)), fx(size(w%fx)), fy(size(w%fx))
     integer :: i, j
+    fx = real(w%fx, qp) + w%fx_2
+    fy = real(w%fy, qp) + w%fy_2
     do j = 1, size(z, 2)
-      row = w%fy * (real(g%y_0, qp) + (j - 1) * real(g%dy, qp)) + w%phase
+      row = fy * (real(g%y_0, qp) + (j - 1) * real(g%dy, qp)) + w%phase
       do i = 1, size(z, 1)
-        z(i, j) = w%offset - sum(w%amplitude * cos(two_pi * (w%fx * (real(g%x_0, qp) + (i - 1) * real(g%dx, qp)) + row)))
+        z(i, j) = w%offset - sum(w%amplitude * cos(two_pi * (fx * (real(g%x_0, qp) + (i - 1) * real(g%dx, qp)) + row)))
       end do
     end do
   end subroutine quadruple_sum

@@ -1,0 +1,62 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Inner loops in C, compiled for several widths of vector register.
+module hd_spread
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_double_complex
+  implicit none
+  private
+  public :: exact_products, turns_at_point, wave_phases, add_row, window_rows, spread_rows
+
+  interface
+    !> p + p_2 = (a + a_2) (b + b_2) to about 100 bits.
+    subroutine exact_products(n, a, a_2, b, b_2, p, p_2) bind(c, name='hd_products')
+      import :: c_int, c_double
+      integer(c_int), value, intent(in) :: n                                !< products
+      real(c_double), value, intent(in) :: a, a_2                           !< first factor
+      real(c_double), intent(in) :: b(*), b_2(*)                            !< second factors
+      real(c_double), intent(inout) :: p(*), p_2(*)                         !< products, rounded, and the rest
+    end subroutine exact_products
+    !> Turns per step, reduced to [-1, 1], in two parts, and phases at a point, reduced to [-1/2, 1/2].
+    subroutine turns_at_point(n, fx, fx_2, fy, fy_2, phase, dx, dy, x, x_2, y, y_2, ux, ux_2, uy, uy_2, at) &
+      bind(c, name='hd_turns')
+      import :: c_int, c_double
+      integer(c_int), value, intent(in) :: n                                !< waves
+      real(c_double), intent(in) :: fx(*), fx_2(*), fy(*), fy_2(*)          !< wave numbers [1/m]
+      real(c_double), intent(in) :: phase(*)                                !< phases at the origin [turns]
+      real(c_double), value, intent(in) :: dx, dy, x, x_2, y, y_2           !< steps, point [m]
+      real(c_double), intent(inout) :: ux(*), ux_2(*), uy(*), uy_2(*)       !< turns per step
+      real(c_double), intent(inout) :: at(*)                                !< phases at the point [turns]
+    end subroutine turns_at_point
+    !> out = a exp(2 pi i (phase + step (high + low))) for each wave.
+    subroutine wave_phases(n, phase, high, low, step, a, out) bind(c, name='hd_phases')
+      import :: c_int, c_double, c_double_complex
+      integer(c_int), value, intent(in) :: n                                !< waves
+      real(c_double), intent(in) :: phase(*), high(*), low(*), a(*)         !< turns, amplitude
+      integer(c_int), value, intent(in) :: step                             !< steps
+      complex(c_double_complex), intent(inout) :: out(*)                    !< result
+    end subroutine wave_phases
+    !> even + a cos, odd + b sin of 2 pi (phase + step (high + low)) at steps first, first + 2, ...
+    subroutine add_row(n, phase, high, low, first, a, b, even, odd) bind(c, name='hd_add_row')
+      import :: c_int, c_double
+      integer(c_int), value, intent(in) :: n, first                         !< points, first step
+      real(c_double), value, intent(in) :: phase, high, low, a, b           !< turns, factors
+      real(c_double), intent(inout) :: even(*), odd(*)                      !< added to (n)
+    end subroutine add_row
+    !> Weights of a window at s in [-1, 1] of the fine interval.
+    subroutine window_rows(n, padded, degree, piece, s, weight) bind(c, name='hd_weights')
+      import :: c_int, c_double
+      integer(c_int), value, intent(in) :: n, padded, degree                !< waves, padded width, degree
+      real(c_double), intent(in) :: piece(*), s(*)                          !< coefficients (padded, 0:degree), places (n)
+      real(c_double), intent(inout) :: weight(*)                            !< weights (padded, n)
+    end subroutine window_rows
+    !> Add waves to the fine points.
+    subroutine spread_rows(n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) bind(c, name='hd_spread_rows')
+      import :: c_int, c_double, c_double_complex
+      integer(c_int), value, intent(in) :: n, padded_x, padded_y, width_y   !< waves, padded and true widths
+      integer(c_int), value, intent(in) :: fine_y, height                   !< fine points in y, fine columns
+      integer(c_int), intent(in) :: kx(*), ky(*)                            !< first column and row of each wave, from 0
+      complex(c_double_complex), intent(in) :: c(*)                         !< waves
+      real(c_double), intent(in) :: wx(*), wy(*)                            !< weights (padded, n)
+      complex(c_double_complex), intent(inout) :: f(*)                      !< fine points (height, fine_y)
+    end subroutine spread_rows
+  end interface
+end module hd_spread

@@ -21,7 +21,7 @@ module hd_heights
   type :: method_t
     integer :: evaluator = method_auto               !< method_direct, method_product or method_nufft
     type(nufft_plan_t) :: nufft                      !< fine points, widths, tiles
-    real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft [s]; huge: not asked
+    real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft on two threads [s]; huge: not asked
     real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
   end type method_t
 
@@ -49,9 +49,9 @@ contains
     end if
     points = real(nx, dp) * ny
     if (wanted == method_auto .or. wanted == method_nufft) method%nufft = plan_nufft(nx, ny, int(waves), tolerance)
-    method%seconds(1) = points * waves * second_per_cosine
-    method%seconds(2) = points * (2 * groups * second_per_flop + second_per_point) &
-      + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor
+    method%seconds(1) = points * waves * second_per_cosine / 2
+    method%seconds(2) = (points * (2 * groups * second_per_flop + second_per_point) &
+      + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
     method%seconds(3) = method%nufft%seconds
     extra(1) = 64._dp * waves
     extra(2) = 100._dp * waves + 8._dp * nx * groups + 16._dp * (groups + nx) * 512

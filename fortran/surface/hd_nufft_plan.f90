@@ -18,11 +18,12 @@ module hd_nufft_plan
   end type nufft_plan_t
 
   real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]
-  real(dp), parameter :: second_per_flop = 0.35e-9_dp        !< FFT
-  real(dp), parameter :: second_per_move = 1.0e-9_dp         !< fine point copied, corrected
-  real(dp), parameter :: second_per_weight = 0.7e-9_dp       !< one fine point of a wave
-  real(dp), parameter :: second_per_wave = 100e-9_dp         !< phase of a wave in a tile
-  real(dp), parameter :: second_per_setup = 1000e-9_dp       !< wave numbers and weights of a wave
+  real(dp), parameter :: second_per_flop = 0.25e-9_dp        !< FFT
+  real(dp), parameter :: second_per_move = 0.8e-9_dp         !< fine point copied, corrected
+  real(dp), parameter :: second_per_weight = 0.15e-9_dp      !< one fine point of a wave
+  real(dp), parameter :: second_per_wave = 80e-9_dp          !< phase of a wave in a tile
+  real(dp), parameter :: second_per_setup = 80e-9_dp         !< turns and places of a wave
+  real(dp), parameter :: second_per_plan = 0.5e-3_dp         !< plans, windows
 
 contains
 
@@ -70,14 +71,15 @@ contains
     d%width_x = window_width(n, d%fine_x, tolerance)
   end function direction
 
-  !> Predicted time on one thread [s].
+  !> Predicted time on two threads [s].
   pure real(dp) function predicted(p, ny, tiles, waves) result(seconds)
     type(nufft_plan_t), intent(in) :: p        !< choice
     integer, intent(in) :: ny, tiles, waves    !< rows, tiles, waves
-    real(dp) :: columns
+    real(dp) :: columns, row, tile
     columns = min(0.5_dp * p%fine_x + p%width_x, real(waves, dp) * (p%width_x + 8))
-    seconds = ny * (2.5_dp * p%fine_x * log(real(p%fine_x, dp)) / log(2._dp) * second_per_flop + p%fine_x * second_per_move) &
-      + tiles * columns * p%fine_y * (5 * log(real(p%fine_y, dp)) / log(2._dp) * second_per_flop + second_per_move) &
-      + real(tiles, dp) * waves * (p%width_x * p%width_y * second_per_weight + second_per_wave) + waves * second_per_setup
+    row = p%fine_x * (2.5_dp * log(real(p%fine_x, dp)) / log(2._dp) * second_per_flop + second_per_move)
+    tile = columns * p%fine_y * (5 * log(real(p%fine_y, dp)) / log(2._dp) * second_per_flop + second_per_move) &
+      + waves * (p%width_x * p%width_y * second_per_weight + second_per_wave)
+    seconds = (ny * row + tiles * tile) / min(tiles, 2) + 0.5_dp * waves * second_per_setup + second_per_plan
   end function predicted
 end module hd_nufft_plan

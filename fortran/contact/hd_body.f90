@@ -9,7 +9,7 @@ module hd_body
   use hd_hexahedron, only: element_stiffness, elasticity_matrix, nodes_per_element
   implicit none
   private
-  public :: body_t, sector_stiffness, cell_nodes, cartesian, axial_moment
+  public :: body_t, sector_stiffness, cell_nodes, cartesian, axial_moment, frame
 
   !> Node numbers inside a cell run from 1 to 2 nodes_per_sector: the second half belongs to the next sector.
   type :: body_t
@@ -85,11 +85,14 @@ contains
   end function cartesian
 
   !> Moment about the z axis of nodal forces given in the nodes' own dofs [N m].
-  pure real(dp) function axial_moment(body, f) result(m)
-    type(body_t), intent(in) :: body   !< body
-    real(dp), intent(in) :: f(:, :)    !< nodal forces (3, nodes) [N]
-    real(dp) :: v(3, size(f, 2))
+  pure real(dp) function axial_moment(body, f, u) result(m)
+    type(body_t), intent(in) :: body             !< body
+    real(dp), intent(in) :: f(:, :)              !< nodal forces (3, nodes) [N]
+    real(dp), intent(in), optional :: u(:, :)    !< displacements, if the deformed body counts (3, nodes) [m]
+    real(dp) :: v(3, size(f, 2)), x(3, size(f, 2))
     v = cartesian(body, f)
-    m = sum(body%x(1, :)*v(2, :) - body%x(2, :)*v(1, :))
+    x = body%x
+    if (present(u)) x = x + cartesian(body, u)
+    m = sum(x(1, :)*v(2, :) - x(2, :)*v(1, :))
   end function axial_moment
 end module hd_body

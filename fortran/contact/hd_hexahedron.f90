@@ -10,7 +10,7 @@ module hd_hexahedron
   use hd_text, only: to_text
   implicit none
   private
-  public :: nodes_per_element, element_kind, shape_hexahedron, element_stiffness, elasticity_matrix
+  public :: nodes_per_element, element_kind, shape_hexahedron, element_stiffness, elasticity_matrix, centre_gradient
   public :: hex8, hex8i, hex20r
 
   integer, parameter :: hex8 = 1    !< trilinear, full integration
@@ -142,6 +142,16 @@ contains
     end if
     ke = 0.5_dp*(ke + transpose(ke))
   end subroutine element_stiffness
+
+  !> Gradients of the shape functions at the centre.
+  pure function centre_gradient(kind, x) result(g)
+    integer, intent(in) :: kind       !< element kind
+    real(dp), intent(in) :: x(:, :)   !< node coordinates (3, nodes) [m]
+    real(dp) :: g(3, size(x, 2)), n(20), dn(3, 20), inv(3, 3), det
+    call shape_hexahedron(kind, [0._dp, 0._dp, 0._dp], n, dn)
+    call invert3(matmul(dn(:, :size(x, 2)), transpose(x)), inv, det)
+    g = matmul(inv, dn(:, :size(x, 2)))
+  end function centre_gradient
 
   !> Gradients of the three incompatible modes 1 - xi_a^2, mapped by the Jacobian at the centre.
   pure function incompatible_gradient(xi, inv0) result(g)

@@ -9,7 +9,7 @@ module hd_newton
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent
   use hd_contact_law, only: contact_law_t, evaluate_law, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   implicit none
@@ -65,7 +65,7 @@ contains
 
   !> Iterate from `state` to the solution of a load step. Not converging is a result, not an error.
   subroutine iterate(problem, solver, options, load, previous, state, history, converged, sliding, error)
-    type(problem_t), intent(in) :: problem                       !< problem
+    type(problem_t), intent(inout) :: problem                    !< problem; its tangent follows the iterates
     class(linear_solver_t), intent(inout) :: solver              !< its linear solver
     type(newton_options_t), intent(in) :: options                !< tolerance and limits
     type(load_t), intent(in) :: load                             !< load at the end of the step
@@ -106,6 +106,7 @@ contains
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global)
+      call update_tangent(problem, state%u)
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solver%solve(problem, here%r_u, here%r_c, du, dt, error)

@@ -118,6 +118,26 @@ contains
     end subroutine put
   end subroutine lay_out
 
+  !> Enter the present stiffness, in the order of lay_out.
+  subroutine enter_stiffness(problem, matrix)
+    type(problem_t), intent(in) :: problem           !< problem
+    type(newton_matrix_t), intent(inout) :: matrix   !< gets the first values
+    integer :: a, b, c, d, k, n
+    n = 0
+    do a = 1, problem%n
+      do k = problem%stiffness%ptr(a), problem%stiffness%ptr(a + 1) - 1
+        b = problem%stiffness%col(k)
+        do d = 1, 3
+          do c = 1, 3
+            if (matrix%equation(c, a) == 0 .or. matrix%equation(d, b) == 0) cycle
+            n = n + 1
+            matrix%val(n) = problem%stiffness%val(c, d, k)
+          end do
+        end do
+      end do
+    end do
+  end subroutine enter_stiffness
+
   !> Elimination order: METIS on the graph of nodes, a multiplier standing right behind the dofs of its slave node.
   subroutine order_unknowns(problem, matrix, position, error)
     type(problem_t), intent(in) :: problem            !< problem
@@ -215,6 +235,7 @@ contains
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     integer :: c, d, j, k, n
+    if (allocated(problem%corotation)) call enter_stiffness(problem, self)
     n = self%law_start
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1

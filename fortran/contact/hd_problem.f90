@@ -1,22 +1,25 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> A contact problem with small displacements: bodies, supports, one mortar interface, and the fields that solve it.
+!> A contact problem: bodies, supports, one mortar interface, and the fields that solve it.
 module hd_problem
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_body, only: body_t, sector_stiffness, cell_nodes
   use hd_block_matrix, only: block_matrix_t, graph_from_cells, add_cell, multiply
+  use hd_corotation, only: corotation_t, new_corotation, cell_response
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, add_springs, internal_residual, gap_and_slip, new_state
+  public :: problem_t, state_t, load_t, new_problem, allow_rotations, update_tangent, add_springs, internal_residual, &
+    gap_and_slip, new_state
 
   !> Nodes of the bodies are numbered one after the other: body b starts after first(b).
   type :: problem_t
     type(body_t), allocatable :: bodies(:)     !< bodies
     integer, allocatable :: first(:)           !< nodes before each body
     integer :: n = 0                           !< nodes
-    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed
+    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large rotations the tangent
+    type(corotation_t), allocatable :: corotation(:)  !< of each body, if rotations may be large
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
     type(mortar_t) :: mortar                   !< interface
@@ -118,8 +121,69 @@ contains
     real(dp) :: r(3, problem%n), f(3, problem%n)
     f = load%force
     call add_nodal_forces(problem%mortar, state%traction, f)
-    r = multiply(problem%stiffness, state%u) - f
+    if (allocated(problem%corotation)) then
+      r = rotated_forces(problem, state%u) + problem%spring*state%u - f
+    else
+      r = multiply(problem%stiffness, state%u) - f
+    end if
   end function internal_residual
+
+  !> Allow large rotations of the elements from here on.
+  subroutine allow_rotations(problem, error)
+    type(problem_t), intent(inout) :: problem         !< problem
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: b
+    allocate (problem%corotation(size(problem%bodies)))
+    do b = 1, size(problem%bodies)
+      call new_corotation(problem%bodies(b), problem%corotation(b), error)
+      if (allocated(error)) return
+    end do
+  end subroutine allow_rotations
+
+  !> Nodal forces of the deformed bodies under large rotations [N].
+  pure function rotated_forces(problem, u) result(f)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: f(3, problem%n), part(3, size(problem%bodies(1)%cells, 1))
+    integer :: b, c, s, list(size(problem%bodies(1)%cells, 1))
+    f = 0
+    do b = 1, size(problem%bodies)
+      do s = 0, problem%bodies(b)%sectors - 1
+        do c = 1, size(problem%bodies(b)%cells, 2)
+          list = problem%first(b) + cell_nodes(problem%bodies(b), c, s)
+          call cell_response(problem%bodies(b), problem%corotation(b), c, u(:, list), part)
+          f(:, list) = f(:, list) + part
+        end do
+      end do
+    end do
+  end function rotated_forces
+
+  !> Bring the stiffness up to date with the displacements; nothing to do for small displacements.
+  subroutine update_tangent(problem, u)
+    type(problem_t), intent(inout) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    real(dp) :: part(3, size(problem%bodies(1)%cells, 1))
+    real(dp) :: tangent(3*size(problem%bodies(1)%cells, 1), 3*size(problem%bodies(1)%cells, 1)), spring(3, problem%n)
+    integer :: b, c, s, list(size(problem%bodies(1)%cells, 1))
+    if (.not. allocated(problem%corotation)) return
+    problem%stiffness%val = 0
+    do b = 1, size(problem%bodies)
+      do s = 0, problem%bodies(b)%sectors - 1
+        do c = 1, size(problem%bodies(b)%cells, 2)
+          list = problem%first(b) + cell_nodes(problem%bodies(b), c, s)
+          call cell_response(problem%bodies(b), problem%corotation(b), c, u(:, list), part, tangent)
+          call add_cell(problem%stiffness, list, tangent)
+        end do
+      end do
+    end do
+    spring = problem%spring
+    problem%spring = 0
+    do c = 1, 3
+      do b = 1, problem%n
+        if (spring(c, b) > 0) call add_springs(problem, [b], c, spring(c, b))
+      end do
+    end do
+  end subroutine update_tangent
 
   !> Gap and total tangential displacement of the master against the slave.
   pure subroutine gap_and_slip(problem, load, state)

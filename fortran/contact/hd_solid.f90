@@ -65,7 +65,7 @@ contains
   !> Load steps one after the other, each from the state before it.
   subroutine solid_steps(problem, displacement, force, gap, tolerance, limit, u, reaction, traction, slip, opening, contact, &
       history, used, error)
-    type(problem_t), intent(in) :: problem            !< problem
+    type(problem_t), intent(inout) :: problem         !< problem
     real(dp), intent(in) :: displacement(:, :, :)     !< of the fixed dofs (3, n, steps) [m]
     real(dp), intent(in) :: force(:, :, :)            !< nodal forces (3, n, steps) [N]
     real(dp), intent(in) :: gap(:, :)                 !< initial gap at slave nodes (n, steps) [m]

@@ -130,12 +130,13 @@ contains
         (2*(size(facets%area)/rows))
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
-      sums%friction_torque = moment(drive, r, 2)
+      sums%friction_torque = moment(drive, state, r, 2)
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact == stick_state)
       r = internal_residual(problem, load, state)
       where (.not. problem%fixed) r = 0
-      sums%torque_balance = moment(drive, r + load%force, 1) + moment(drive, r + load%force, 2) - spring_torque(drive, state)
+      sums%torque_balance = moment(drive, state, r + load%force, 1) + moment(drive, state, r + load%force, 2) - &
+        spring_torque(drive, state)
       sums%axial_balance = sum(r(3, :))
       free = state
       free%traction = 0
@@ -146,12 +147,17 @@ contains
   end subroutine sum_up
 
   !> Moment about the axis of the nodal forces on one body [N m].
-  pure real(dp) function moment(drive, force, b) result(m)
+  pure real(dp) function moment(drive, state, force, b) result(m)
     type(drive_t), intent(in) :: drive     !< drive
+    type(state_t), intent(in) :: state     !< with large rotations the deformed bodies count
     real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
     integer, intent(in) :: b               !< body
     associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
-      m = axial_moment(body, force(:, first + 1:first + body%nodes()))
+      if (allocated(drive%problem%corotation)) then
+        m = axial_moment(body, force(:, first + 1:first + body%nodes()), state%u(:, first + 1:first + body%nodes()))
+      else
+        m = axial_moment(body, force(:, first + 1:first + body%nodes()))
+      end if
     end associate
   end function moment
 

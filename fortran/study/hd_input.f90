@@ -187,6 +187,9 @@ contains
     call need(s%support /= 'bearing' .or. s%ring_tangent == 'follow' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
       'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
       'slides on the cam; otherwise', 0._dp)
+    call need(s%kinematics == 'linear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
+      'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
+      'hub or bearing; torque', s%torque)
     call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
       "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
     call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &

@@ -14,7 +14,7 @@ module hd_run
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_solver_choice, only: choose_solver
   use hd_output, only: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
-  use hd_problem, only: state_t, load_t, new_state
+  use hd_problem, only: allow_rotations, state_t, load_t, new_state
   use hd_scene, only: scene_t
   use hd_summary, only: record_t, write_summary
   use hd_system, only: stop_requested
@@ -67,6 +67,7 @@ contains
       run%writes = .true.
     end if
     call new_drive(scene, run%drive, error)
+    if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call allow_rotations(run%drive%problem, error)
     if (.not. allocated(error) .and. scene%contact_law == 'joint') then
       allocate (run%drive%problem%law%joint)
       call scene_interface(scene, run%joint, run%drive%problem%law%joint, error)

@@ -7,6 +7,7 @@ program hd_tester
   use test_heights, only: run_heights
   use test_random, only: run_random
   use test_interface, only: run_interface
+  use test_rotation, only: run_rotation
   use test_text, only: run_text
   implicit none
   call run_text()
@@ -16,5 +17,6 @@ program hd_tester
   call run_element()
   call run_contact()
   call run_interface()
+  call run_rotation()
   if (.not. report_checks()) stop 1, quiet=.true.
 end program hd_tester

@@ -146,7 +146,7 @@ contains
   end subroutine new_problem_of
 
   subroutine solve(problem, gap, load, state)
-    type(problem_t), intent(in) :: problem
+    type(problem_t), intent(inout) :: problem
     real(dp), intent(in) :: gap(:)
     type(load_t), intent(inout) :: load
     type(state_t), intent(out) :: state

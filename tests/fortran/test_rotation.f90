@@ -1,0 +1,205 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Large rotations: tangent, rigid turns, patch, elastica, Newton's rate.
+module test_rotation
+  use hd_body, only: body_t
+  use hd_check, only: check, check_close
+  use hd_corotation, only: element_response
+  use hd_error, only: error_t
+  use hd_hexahedron, only: centre_gradient, elasticity_matrix, element_stiffness, hex20r, hex8i
+  use hd_kinds, only: dp, pi
+  use hd_problem, only: allow_rotations, internal_residual, load_t, new_problem, new_state, problem_t, state_t, update_tangent
+  use hd_static, only: solve_static
+  use test_contact, only: block
+  implicit none
+  private
+  public :: run_rotation
+
+contains
+
+  subroutine run_rotation()
+    call element_tangent(hex8i, 8)
+    call element_tangent(hex20r, 20)
+    call rigid_turn()
+    call turned_patch()
+    call elastica()
+  end subroutine run_rotation
+
+  !> A distorted element: the tangent is symmetric and equals differences of the forces, at rest it is the linear stiffness.
+  subroutine element_tangent(kind, n)
+    integer, intent(in) :: kind, n
+    real(dp) :: x(3, n), u(3, n), g(3, n), ke(3*n, 3*n), k(3*n, 3*n), f(3, n), plus(3, n), minus(3, n), step, worst, noise(3, n)
+    type(error_t), allocatable :: error
+    integer :: i, j
+    call element(kind, x)
+    do j = 1, n
+      do i = 1, 3
+        noise(i, j) = sin(7.3_dp*i + 3.1_dp*j*j)
+      end do
+    end do
+    x = x + 0.05_dp*noise
+    call element_stiffness(kind, x, elasticity_matrix(1._dp, 0.3_dp), ke, error)
+    g = centre_gradient(kind, x)
+    call element_response(x, g, ke, 0*x, f, k)
+    call check_close(maxval(abs(k - ke)), 0._dp, 1e-13_dp, 'at rest the corotational tangent is the linear stiffness')
+    u = turned(x, 0.9_dp) - x + 0.08_dp*noise(:, n:1:-1)
+    call element_response(x, g, ke, u, f, k)
+    call check_close(maxval(abs(k - transpose(k))), 0._dp, 1e-12_dp, 'the corotational tangent is symmetric')
+    worst = 0
+    step = 1e-6_dp
+    do j = 1, n
+      do i = 1, 3
+        u(i, j) = u(i, j) + step
+        call element_response(x, g, ke, u, plus)
+        u(i, j) = u(i, j) - 2*step
+        call element_response(x, g, ke, u, minus)
+        u(i, j) = u(i, j) + step
+        worst = max(worst, maxval(abs(reshape(plus - minus, [3*n])/(2*step) - k(:, 3*(j - 1) + i))))
+      end do
+    end do
+    call check_close(worst, 0._dp, 1e-8_dp, 'the corotational tangent agrees with differences')
+    call check_close(norm2(sum(f, 2)), 0._dp, 1e-12_dp, 'the forces of a turned and strained element balance')
+  end subroutine element_tangent
+
+  !> Corners (and mid-sides) of the cube [-1, 1]^3.
+  subroutine element(kind, x)
+    integer, intent(in) :: kind
+    real(dp), intent(out) :: x(:, :)
+    integer, parameter :: ends(2, 12) = reshape([1, 2, 2, 3, 3, 4, 4, 1, 5, 6, 6, 7, 7, 8, 8, 5, 1, 5, 2, 6, 3, 7, 4, 8], [2, 12])
+    integer :: i
+    x(:, :8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1]*1._dp, [3, 8])
+    if (kind /= hex20r) return
+    do i = 1, 12
+      x(:, 8 + i) = (x(:, ends(1, i)) + x(:, ends(2, i)))/2
+    end do
+  end subroutine element
+
+  !> Points turned about an oblique axis.
+  pure function turned(x, angle) result(y)
+    real(dp), intent(in) :: x(:, :), angle
+    real(dp) :: y(3, size(x, 2)), axis(3), c(3)
+    integer :: i
+    axis = [2._dp, -1._dp, 2._dp]/3
+    do i = 1, size(x, 2)
+      c = [axis(2)*x(3, i) - axis(3)*x(2, i), axis(3)*x(1, i) - axis(1)*x(3, i), axis(1)*x(2, i) - axis(2)*x(1, i)]
+      y(:, i) = x(:, i)*cos(angle) + c*sin(angle) + axis*dot_product(axis, x(:, i))*(1 - cos(angle))
+    end do
+  end function turned
+
+  !> A body turned rigidly by 90 degrees has no forces.
+  subroutine rigid_turn()
+    type(problem_t) :: problem
+    type(state_t) :: state
+    type(load_t) :: load
+    real(dp) :: scale
+    call new_bar([3, 2, 2], [3._dp, 1._dp, 1._dp], 0.3_dp, problem, state, load)
+    scale = maxval(abs(problem%stiffness%val))
+    state%u = turned(problem%bodies(1)%x, pi/2) - problem%bodies(1)%x
+    call check_close(maxval(abs(internal_residual(problem, load, state)))/scale, 0._dp, 1e-14_dp, &
+      'a body turned rigidly by 90 degrees is free of forces')
+  end subroutine rigid_turn
+
+  !> A bar of one element kind whose interface is empty.
+  subroutine new_bar(n, size_of, nu, problem, state, load)
+    integer, intent(in) :: n(3)
+    real(dp), intent(in) :: size_of(3), nu
+    type(problem_t), intent(out) :: problem
+    type(state_t), intent(out) :: state
+    type(load_t), intent(out) :: load
+    type(error_t), allocatable :: error
+    type(body_t) :: bodies(1)
+    bodies(1) = block(n, [0._dp, 0._dp, 0._dp], size_of)
+    bodies(1)%poisson = nu
+    call new_problem(bodies, problem, error)
+    if (.not. allocated(error)) call allow_rotations(problem, error)
+    call check(.not. allocated(error), 'the bar assembles')
+    allocate (problem%mortar%node(0), problem%mortar%area(0))
+    call new_state(problem, state)
+    allocate (load%force(3, problem%n), load%displacement(3, problem%n), source=0._dp)
+    allocate (load%gap(0))
+  end subroutine new_bar
+
+  !> Patch test: the surface follows a turn of 60 degrees with a uniform stretch, inner nodes (moved at rest) find the same field.
+  subroutine turned_patch()
+    type(problem_t) :: problem
+    type(state_t) :: state
+    type(load_t) :: load
+    real(dp), allocatable :: exact(:, :), residuals(:)
+    real(dp) :: stretch(3, 3)
+    integer :: i
+    call new_bar([3, 3, 3], [1._dp, 1._dp, 1._dp], 0.3_dp, problem, state, load)
+    associate (x => problem%bodies(1)%x)
+      problem%fixed = spread(any(abs(x) < 1e-9_dp .or. abs(x - 1) < 1e-9_dp, 1), 1, 3)
+      do i = 1, problem%n
+        if (.not. problem%fixed(1, i)) x(:, i) = x(:, i) + 0.08_dp*[sin(5._dp*i), sin(3._dp*i), cos(2._dp*i)]
+      end do
+      deallocate (problem%corotation)
+      block
+        type(error_t), allocatable :: error
+        call allow_rotations(problem, error)
+      end block
+      stretch = reshape([1.002_dp, 1e-3_dp, 0._dp, 1e-3_dp, 0.999_dp, -5e-4_dp, 0._dp, -5e-4_dp, 1.001_dp], [3, 3])
+      exact = turned(matmul(stretch, x), pi/3) - x
+    end associate
+    load%displacement = exact
+    where (problem%fixed) state%u = exact
+    where (.not. problem%fixed) state%u = turned(problem%bodies(1)%x, pi/3) - problem%bodies(1)%x
+    call newton(problem, load, state, 12, residuals)
+    call check_close(maxval(abs(state%u - exact)), 0._dp, 1e-10_dp, 'patch test under a turn of 60 degrees')
+  end subroutine turned_patch
+
+  !> Newton's method without contact; residuals relative to the first reactions.
+  subroutine newton(problem, load, state, iterations, residuals)
+    type(problem_t), intent(inout) :: problem
+    type(load_t), intent(in) :: load
+    type(state_t), intent(inout) :: state
+    integer, intent(in) :: iterations
+    real(dp), allocatable, intent(out) :: residuals(:)
+    real(dp) :: r(3, problem%n), du(3, problem%n)
+    type(error_t), allocatable :: error
+    integer :: k
+    allocate (residuals(0))
+    do k = 1, iterations
+      r = internal_residual(problem, load, state)
+      residuals = [residuals, norm2(pack(r, .not. problem%fixed))/norm2(r)]
+      if (residuals(k) < 1e-12_dp) exit
+      call update_tangent(problem, state%u)
+      call solve_static(problem, 0*r, -r, du, error)
+      if (allocated(error)) exit
+      state%u = state%u + du
+    end do
+    call check(.not. allocated(error), 'the tangent can be solved')
+  end subroutine newton
+
+  !> Cantilever under a dead tip load against the elastica (Mattiasson 1981): P L^2 / E I = 1, 2, 5, 10; quadratic convergence.
+  subroutine elastica()
+    real(dp), parameter :: loads(4) = [1._dp, 2._dp, 5._dp, 10._dp], down(4) = [0.30172_dp, 0.49346_dp, 0.71379_dp, 0.81061_dp]
+    real(dp), parameter :: in(4) = [0.05643_dp, 0.16064_dp, 0.38763_dp, 0.55500_dp]
+    integer, parameter :: n = 40
+    real(dp), parameter :: h = 0.02_dp
+    type(problem_t) :: problem
+    type(state_t) :: state
+    type(load_t) :: load
+    real(dp), allocatable :: residuals(:)
+    logical, allocatable :: tip(:)
+    real(dp) :: worst, ratio
+    integer :: i, k, m
+    call new_bar([n, 1, 1], [1._dp, h, h], 0._dp, problem, state, load)
+    problem%fixed = spread(problem%bodies(1)%x(1, :) < 1e-9_dp, 1, 3)
+    tip = problem%bodies(1)%x(1, :) > 1 - 1e-9_dp
+    worst = 0
+    ratio = 0
+    do i = 1, 4
+      do k = 1, 4
+        load%force = 0
+        where (tip) load%force(2, :) = -(merge(0._dp, loads(max(1, i - 1)), i == 1)*(4 - k) + loads(i)*k)/4 &
+          *200e9_dp*h**4/12/4
+        call newton(problem, load, state, 25, residuals)
+      end do
+      m = size(residuals)
+      ratio = max(ratio, residuals(m)/max(residuals(m - 1)**2, 1e-12_dp))
+      worst = max(worst, abs(-sum(state%u(2, :), mask=tip)/4 - down(i)), abs(-sum(state%u(1, :), mask=tip)/4 - in(i)))
+    end do
+    call check_close(worst, 0._dp, 1e-3_dp, 'cantilever against the elastica, displacement of the tip over the length')
+    call check(ratio < 1e4_dp, 'Newton converges quadratically on the elastica')
+  end subroutine elastica
+end module test_rotation

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Large rotations in whole scenes."""
+import numpy as np
+import pytest
+from conftest import ROOT, SMALL, call
+
+import hdengine
+
+CD14 = ROOT / "data/cd14.nml"
+
+
+def solve(exe, folder, *keys):
+    done = call(exe, CD14, *SMALL, *keys, "output.vtu=none", "--out", folder, "-q")
+    assert done.returncode == 0, done.stderr
+    return hdengine.load(folder)
+
+
+def test_small_displacements_are_the_limit(exe, tmp_path):
+    """With a hundredth of the deformation the forces of both kinematics differ a hundred times less than with the whole."""
+    difference = []
+    for scale in (1, 0.01):
+        keys = [f"wave_generator.w={2e-4 * scale}", f"wave_generator.interference={1e-5 * scale}", "load.torque_steps=0",
+                "wave_generator.cam=cosine"]
+        a, b = (solve(exe, tmp_path / f"{k}{scale}", *keys, f"solver.kinematics={k}") for k in ("linear", "nonlinear"))
+        difference.append(abs(b.steps["normal_force_n"][-1] / a.steps["normal_force_n"][-1] - 1))
+    assert difference[0] > 0.01 and difference[1] < difference[0] / 50
+
+
+def test_newton_is_quadratic_and_moments_balance(exe, tmp_path):
+    """Consistent tangent: the last step of each load step squares the residual; moments balance to a thousandth of the torque."""
+    r = solve(exe, tmp_path / "q", "solver.kinematics=nonlinear")
+    h = r.history
+    for step in np.unique(h["step"]):
+        res = h["residual"][h["step"] == step]
+        assert res[-1] < max(3e3 * res[-2] ** 2, 1e-11)
+    assert abs(r.steps["torque_balance_nm"][-1]) < 1e-3 * 5
+
+
+@pytest.mark.parametrize("key", ["solver.method=condensed", "load.support=teeth"])
+def test_needs_the_sparse_matrix(exe, tmp_path, key):
+    """Condensation and superposition rest on a constant stiffness: refused with code 2."""
+    done = call(exe, CD14, *SMALL, "solver.kinematics=nonlinear", key, "--out", tmp_path / "x", "-q")
+    assert done.returncode == 2 and "nonlinear" in done.stderr

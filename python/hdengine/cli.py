@@ -48,6 +48,13 @@ def _plot(args):
     return 0
 
 
+def _report(args):
+    from .report import write_report
+
+    print(f"written: {write_report(args.folder, args.out, not args.no_picture)}")
+    return 0
+
+
 def _record(args):
     from .catalogue import UNITS
     from .record import ARCSEC, Record
@@ -90,6 +97,10 @@ def main(argv=None):
         sub.add_argument("--force", action="store_true", help="replace earlier results")
     plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
     plot.add_argument("folder", help="folder of a run or a study")
+    report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
+    report.add_argument("folder", help="folder of a run or a study")
+    report.add_argument("--out", help="file (default: report.html in the folder)")
+    report.add_argument("--no-picture", action="store_true", help="without the 3-D picture")
     record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")

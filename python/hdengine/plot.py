@@ -26,6 +26,7 @@ def plot_run(result):
     figures = {
         "positions.png": plot_positions(result),
         "pressure_band.png": plot_band(result),
+        "pressure_steps.png": plot_steps(result),
         "torsion.png": plot_torsion(result),
         "newton.png": plot_newton(result),
     }
@@ -82,6 +83,32 @@ def plot_band(result):
     axis.set_ylabel("distance from the\nfront edge / mm")
     axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; peak {p.max():.0f} MPa at the edge)")
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
+    return figure
+
+
+def plot_steps(result, most=6):
+    """Contact pressure on the unrolled band over the torque, small multiples of one colour scale."""
+    steps = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[:1].tolist()
+    steps += [i for i in range(len(result.torque_nm)) if i > steps[0]] if steps else range(len(result.torque_nm))
+    steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, most).round().astype(int))]
+    columns = min(3, len(steps))
+    rows = -(-len(steps) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(4 * columns + 1, 2.1 * rows + 0.8), sharex=True, sharey=True, squeeze=False)
+    p = result.contact["pressure_pa"] / 1e6
+    top = np.percentile(p[steps][p[steps] > 0], 98) if np.any(p[steps] > 0) else 1
+    for axis, i in zip(axes.flat, steps):
+        field = p[i].reshape(result.shape).T
+        image = axis.imshow(np.where(field > 0, field, np.nan), origin="lower", aspect="auto", vmin=0, vmax=top,
+                            extent=(0, 360, 0, 1e3 * result.scene["geometry.band_length"]))
+        axis.set_facecolor("0.9")
+        axis.grid(False)
+        axis.set_xticks(range(0, 361, 90))
+        axis.set_title(f"{result.torque_nm[i]:.3g} N m", fontsize=12)
+    for axis in axes.flat[len(steps):]:
+        axis.remove()
+    figure.supxlabel("angle from the long axis / degree", fontsize=12)
+    figure.supylabel("from the front edge / mm", fontsize=12)
+    figure.colorbar(image, ax=axes, label="pressure / MPa", extend="max")
     return figure
 
 

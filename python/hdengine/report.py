@@ -143,7 +143,8 @@ def write_report(folder, path=None, picture=True):
     body = "".join(f"<h2>{html.escape(heading)}</h2>{text}" for heading, text in parts)
     made = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
     page = f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>' \
-           f"<style>{_STYLE}</style></head><body><h1>{html.escape(title)}</h1><p>hdengine {_engine.version()}, {made}</p>{body}</body></html>\n"
+           f"<style>{_STYLE}</style></head>" \
+           f"<body><h1>{html.escape(title)}</h1><p>hdengine {_engine.version()}, {made}</p>{body}</body></html>\n"
     path = Path(path) if path else folder / "report.html"
     part = path.with_name(path.name + ".part")
     part.write_text(page, encoding="utf-8")

@@ -123,6 +123,42 @@ def opposite_forces(r1, r2, young, poisson):
     return u + sum(2 * p * np.cos(n * np.pi / 2) * harmonic(n, r1, r2, young, poisson, True) for n in range(2, 400, 2))
 
 
+def shell_cup(radius, t, length, young, poisson, n=2, terms=50):
+    """Radial displacement of the mouth per cos(n theta) of a tube clamped at its other end, under a radial line load cos(n theta) at
+    the mouth: thin-shell theory of Sanders and Koiter, by Ritz's method with Legendre polynomials."""
+    from numpy.polynomial import Legendre
+    x, w = np.polynomial.legendre.leggauss(3 * terms)
+    s, w = (x + 1) / 2, w / 2 * length
+
+    def table(power):  # s^power P_k and two derivatives by the axial coordinate
+        rows = []
+        for k in range(terms):
+            p = Legendre.basis(k, domain=[0, 1])
+            f = p * Legendre.fromroots([0] * power, domain=[0, 1]) if power else p
+            rows.append([f(s), f.deriv()(s) / length, f.deriv(2)(s) / length**2, f(1.0)])
+        return rows
+
+    u, v, w_ = table(1), table(1), table(2)
+    zero = np.zeros((terms, len(s)))
+    f = {name: [np.array([row[i] for row in rows]) for i in range(3)] for name, rows in (("u", u), ("v", v), ("w", w_))}
+    r = radius
+    strain = [  # rows: coefficients of (U, V, W)
+        [f["u"][1], zero, zero],
+        [zero, n * f["v"][0] / r, f["w"][0] / r],
+        [-n * f["u"][0] / r, f["v"][1], zero],
+        [zero, zero, -f["w"][2]],
+        [zero, n * f["v"][0] / r**2, n**2 * f["w"][0] / r**2],
+        [n * f["u"][0] / (2 * r**2), 1.5 * f["v"][1] / r, 2 * n * f["w"][1] / r]]
+    strain = [np.vstack(row) for row in strain]
+    a, k = young * t / (1 - poisson**2), np.zeros((3 * terms, 3 * terms))
+    for first, c in ((0, a), (3, a * t**2 / 12)):
+        e1, e2, g = strain[first:first + 3]
+        k += c * ((e1 * w) @ e1.T + (e2 * w) @ e2.T + poisson * ((e1 * w) @ e2.T + (e2 * w) @ e1.T) + (1 - poisson) / 2 * (g * w) @ g.T)
+    load = np.concatenate([np.zeros(2 * terms), [row[3] for row in w_]])
+    scale = 1 / np.sqrt(np.diag(k))
+    return load @ (scale * np.linalg.solve(scale[:, None] * k * scale, scale * load))
+
+
 # -- cases ------------------------------------------------------------------------------------------------------------
 def beam(name, size, mesh, young, poisson, root, tip, direction, exact):
     """Cantilever with a unit force spread over its end."""
@@ -217,6 +253,27 @@ def ring_forces(quadratic, t, divisions):
                 opposite_forces(17.8, 17.8 + t, 210e3, 0.3))
 
 
+def cup(quadratic, divisions, facets):
+    """Tube 17.8 x 0.3 x 20 mm clamped at its end, radial load cos 2 theta of 1 N/mm at its mouth; one cell through the wall."""
+    r, t, length = 17.8, 0.3, 20.0
+    m = hm.block([r - t / 2, r + t / 2], np.linspace(0, np.pi / 2, divisions // 4 + 1), np.linspace(0, length, facets + 1), quadratic)
+    q = m.points.copy()
+    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
+    fixed = np.zeros(q.shape, bool)
+    fixed[q[:, 1] < 1e-9, 1] = True
+    fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
+    fixed[q[:, 2] > length - 1e-9] = True
+
+    def traction(x):  # 1 N/mm of middle line over the thickness
+        radius = np.hypot(x[:, 0], x[:, 1])
+        return ((x[:, 0]**2 - x[:, 1]**2) / radius**3 * r / (radius * t))[:, None] * x * [1, 1, 0]
+
+    probe = np.zeros(q.shape)
+    probe[:, 0] = line_weights(m, (q[:, 2] < 1e-9) & (q[:, 1] < 1e-9), 0)
+    return Case("cup, cos 2 theta at its mouth", f"{divisions}x{facets}", m, 210e3, 0.3, fixed,
+                surface_force(m, m.facets(q[:, 2] < 1e-9), traction), probe, shell_cup(r, t, length, 210e3, 0.3))
+
+
 def all_cases(quick):
     """Makers of cases: functions of `quadratic`."""
     made = [lambda q, s=s, o=o: straight(q, s, o) for s in ("rectangles", "trapezoids", "parallelograms") for o in (0, 1)]
@@ -225,6 +282,7 @@ def all_cases(quick):
     for n in ((12, 2, 1),) + (() if quick else ((24, 4, 2),)):
         made += [lambda q, n=n, o=o: twisted(q, n, o) for o in (0, 1)]
     made += [lambda q, n=n: pinched(q, n) for n in ((8, 16) if quick else (8, 16, 32, 64))]
+    made += [lambda q, d=d, f=f: cup(q, d, f) for d, f in ((40, 8), (80, 16), (120, 24))]
     for t in (0.7, 0.3):
         made += [lambda q, t=t, d=d: ring_harmonic(q, t, d) for d in (40, 80, 120)]
         made += [lambda q, t=t, d=d: ring_forces(q, t, d) for d in (40, 80, 120)]
@@ -290,7 +348,7 @@ def patch(element):
 def figure(rows):
     """Error over dof, and over time for the pinched cylinder."""
     panels = [("ring t = 0.7 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, two forces", "dof"),
-              ("twisted beam, in plane", "dof"), ("pinched cylinder", "dof"), ("pinched cylinder", "seconds")]
+              ("cup, cos 2 theta at its mouth", "dof"), ("pinched cylinder", "dof"), ("pinched cylinder", "seconds")]
     fig, axes = plt.subplots(2, 3, figsize=(12, 7.2), layout="constrained")
     colours = dict(zip(("hex8", "hex8i", "hex20r"), ("C0", "C2", "C3"))) | {
         "C3D8": "C0", "C3D8R": "C1", "C3D8I": "C2", "C3D20": "C4", "C3D20R": "C3"}

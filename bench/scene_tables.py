@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of docs/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference,
-load steps, balance of forces.
+load steps, layers, balance of forces.
 
-Usage: bench/scene_tables.py [meshes] [slip] [steps] [balance]; writes bench/results/*.json and prints Markdown.
+Usage: bench/scene_tables.py [meshes] [slip] [steps] [layers] [balance]; writes bench/results/*.json and prints Markdown.
 """
 import json
 import shutil
@@ -84,6 +84,22 @@ def steps():
               f"{r['normal_force_n']:.3f} | {r['iterations']} |")
 
 
+def layers():
+    """HUB, 80 divisions: cells through ring and wall, rows of facets, elements."""
+    rows = []
+    for element, facets, through in (("hex8i", 6, 1), ("hex8i", 12, 1), ("hex8i", 12, 2), ("hex8i", 12, 4), ("hex8i", 24, 1), ("hex8i", 24, 4),
+                                     ("hex20r", 6, 1), ("hex20r", 12, 1), ("hex20r", 24, 1)):
+        s, code = solve("peer_hub.nml", "mesh.divisions=80", f"mesh.element={element}", f"mesh.band_facets={facets}", "mesh.wall_elements=26",
+                        "mesh.bottom_elements=26", f"mesh.through_ring={through}", f"mesh.through_wall={through}")
+        rows.append({"element": element, "band_facets": facets, "layers": through, "dof": s["model"]["dof"], "code": code, "results": s["results"]})
+    save("layer_study", rows)
+    print("| element | rows of facets | layers | dof | normal force / N | lobe force x / N | rotation / µrad | iterations |\n" + "|---" * 8 + "|")
+    for row in rows:
+        r = row["results"]
+        print(f"| {row['element']} | {row['band_facets']} | {row['layers']} | {row['dof']} | {r['normal_force_n']:.1f} | {r['lobe_force_x_n']:.1f} | "
+              f"{1e6 * r['rotation_rad']:.3f} | {r['iterations']} |")
+
+
 def balance():
     """Facet pressures against nodal reactions on scenes with and without matching meshes."""
     rows = []
@@ -102,5 +118,5 @@ def balance():
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["meshes", "slip", "steps", "balance"]:
-        {"meshes": meshes, "slip": slip, "steps": steps, "balance": balance}[name]()
+    for name in sys.argv[1:] or ["meshes", "slip", "steps", "layers", "balance"]:
+        {"meshes": meshes, "slip": slip, "steps": steps, "layers": layers, "balance": balance}[name]()

@@ -65,6 +65,11 @@ def test_twisted_beam():
         assert abs(error(elements.twisted(True, (12, 2, 1), out), "hex20r")) < 0.007
 
 
+def test_cup():
+    """A clamped tube under cos 2 theta at its mouth: hex20r, one through the wall, within 0.2 % of Sanders and Koiter's shell."""
+    assert abs(error(elements.cup(True, 40, 8), "hex20r")) < 2e-3
+
+
 def test_a_body_that_is_not_held_is_an_error():
     """Missing supports are named, not solved."""
     body = solid.Body(mesh.block([0, 1], [0, 1], [0, 1, 2]), 1.0, 0.3)

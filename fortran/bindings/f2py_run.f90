@@ -164,6 +164,20 @@ subroutine run_close(handle, status, message)
   call tell(error, status, message)
 end subroutine run_close
 
+!> Give back the mesh and the factors that the last run left.
+subroutine model_forget(status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_kept, only: forget_model
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  call forget_model()
+  call tell(error, status, message)
+end subroutine model_forget
+
 !> Version of the engine.
 subroutine engine_version(text)
   use hd_version, only: version

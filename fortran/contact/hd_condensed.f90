@@ -17,8 +17,9 @@ module hd_condensed
     mirror_sign
   implicit none
   private
-  public :: condensed_t, new_condensed
+  public :: condensed_t, new_condensed, first_guess
 
+  integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
   real(dp), parameter :: krylov_tolerance = 1e-7_dp  !< residual of a Newton correction, relative
@@ -35,7 +36,7 @@ module hd_condensed
     integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
     integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
     integer, allocatable :: image(:)                !< of every node behind the mirror plane
-    integer :: steps = 30                           !< of GMRES, last time
+    integer :: steps = first_guess                  !< of GMRES, last time
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)
   contains
     procedure :: begin => begin_condensed

@@ -17,7 +17,7 @@ module hd_drive
   use hd_contact_law, only: contact_mode
   implicit none
   private
-  public :: drive_t, new_drive, drive_load
+  public :: drive_t, new_drive, renew_drive, drive_load
 
   type :: drive_t
     type(problem_t) :: problem               !< bodies, supports, interface
@@ -50,7 +50,6 @@ contains
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
     drive%radius = scene%bore_radius
-    drive%interference = scene%interference
     call ring_strip(scene, drive%ring)
     call cup_strip(scene, drive%cup, first, last)
     sectors = merge(scene%ring_divisions, scene%divisions, scene%ring_divisions > 0)
@@ -71,14 +70,23 @@ contains
     call new_problem(bodies, drive%problem, error)
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
+    drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
+    call hold(scene, drive)
+    call load_rim(scene, rim, drive)
+    call renew_drive(scene, drive, error)
+  end subroutine new_drive
+
+  !> Enter what leaves mesh, supports and stiffness as they are: contact law, wave generator.
+  subroutine renew_drive(scene, drive, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(drive_t), intent(inout) :: drive             !< drive of a scene that differs in nothing else
+    type(error_t), allocatable, intent(out) :: error  !< unknown contact mode
+    drive%interference = scene%interference
     call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
     if (allocated(error)) return
     drive%problem%law%friction = scene%friction
-    drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
-    call hold(scene, drive)
     call turn_cam(scene, drive)
-    call load_rim(scene, rim, drive)
-  end subroutine new_drive
+  end subroutine renew_drive
 
   !> r, theta, z of the nodes of a revolved body.
   pure function cylindrical(body) result(c)
@@ -219,9 +227,10 @@ contains
     real(dp), allocatable :: t(:), u(:), v(:), du(:), dv(:)
     real(dp) :: r, angle
     integer, allocatable :: inner(:)
+    integer :: i
     angle = scene%eccentricity_angle_deg*pi/180
     r = scene%bore_radius - scene%ring_thickness
-    allocate (drive%assembly(3, drive%problem%n), source=0._dp)
+    drive%assembly = reshape([(0._dp, i=1, 3*drive%problem%n)], [3, drive%problem%n])
     inner = nodes_at(drive, 1, r)
     t = drive%problem%bodies(1)%angle(inner)
     drive%assembly(1, inner) = scene%eccentricity*cos(t - angle)

@@ -3,7 +3,7 @@
 module hd_run
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds, timestamp
-  use hd_drive, only: drive_t, new_drive, drive_load
+  use hd_drive, only: drive_t, drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped, code_memory
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
   use hd_interface, only: scene_interface
@@ -12,9 +12,9 @@ module hd_run
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
-  use hd_solver_choice, only: choose_solver
+  use hd_kept, only: take_model, keep_model
   use hd_output, only: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
-  use hd_problem, only: allow_rotations, state_t, load_t, new_state
+  use hd_problem, only: state_t, load_t, new_state
   use hd_scene, only: scene_t
   use hd_summary, only: record_t, write_summary
   use hd_system, only: stop_requested
@@ -27,7 +27,7 @@ module hd_run
 
   type :: run_t
     type(scene_t) :: scene
-    type(drive_t) :: drive
+    type(drive_t), allocatable :: drive
     type(joint_t) :: joint
     class(linear_solver_t), allocatable :: solver
     type(state_t) :: before, state          !< last two converged states
@@ -66,20 +66,21 @@ contains
       if (allocated(error)) return
       run%writes = .true.
     end if
-    call new_drive(scene, run%drive, error)
-    if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call allow_rotations(run%drive%problem, error)
-    if (.not. allocated(error) .and. scene%contact_law == 'joint') then
-      allocate (run%drive%problem%law%joint)
-      call scene_interface(scene, run%joint, run%drive%problem%law%joint, error)
+    call take_model(scene, run%drive, run%solver, run%record%kept, error)
+    if (.not. allocated(error)) then
+      if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
+      if (scene%contact_law == 'joint') then
+        allocate (run%drive%problem%law%joint)
+        call scene_interface(scene, run%joint, run%drive%problem%law%joint, error)
+      end if
     end if
-    if (.not. allocated(error)) call choose_solver(scene, run%drive, run%solver, error)
     if (allocated(error)) return
     call new_state(run%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
     call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
       ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
-    call say('solver    '//trim(run%solver%name))
+    call say('solver    '//trim(run%solver%name)//merge(', kept', '      ', run%record%kept))
     call say('step phase     load  torque/Nm its   residual   open stick slip   normal/N  pmax/MPa')
   end subroutine new_run
 
@@ -333,7 +334,7 @@ contains
         run%sums, run%record, run%failure, error)
       run%writes = .false.
     end if
-    if (allocated(run%solver)) call run%solver%release()
+    call keep_model(run%scene, run%drive, run%solver)
   end subroutine finish
 
   !> Warn where the joint model leaves its range.

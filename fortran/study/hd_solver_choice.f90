@@ -3,7 +3,7 @@
 module hd_solver_choice
   use hd_circulant, only: circulant_t, new_circulant, has_circulant
   use hd_compliance, only: compliance_t
-  use hd_condensed, only: condensed_t, new_condensed
+  use hd_condensed, only: condensed_t, new_condensed, first_guess
   use hd_drive, only: drive_t
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
@@ -12,7 +12,7 @@ module hd_solver_choice
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: choose_solver, set_symmetry
+  public :: choose_solver, renew_solver
 
 contains
 
@@ -48,19 +48,21 @@ contains
       call new_newton_matrix(drive%problem, matrix, error)
       call move_alloc(matrix, solver)
     end if
-    call set_symmetry(scene, solver)
+    call renew_solver(scene, solver)
   end subroutine choose_solver
 
-  !> Enter what `solver.symmetry` allows or asks for.
-  subroutine set_symmetry(scene, solver)
+  !> Enter what `solver.symmetry` allows or asks for; counts start again.
+  subroutine renew_solver(scene, solver)
     type(scene_t), intent(in) :: scene                !< scene
     class(linear_solver_t), intent(inout) :: solver   !< solver
+    solver%inner = 0
     select type (solver)
     type is (condensed_t)
+      solver%steps = first_guess
       solver%images = 4
       if (scene%symmetry == 'half') solver%images = 2
       if (scene%symmetry == 'full') solver%images = 1
       solver%demanded = scene%symmetry == 'half' .or. scene%symmetry == 'quarter'
     end select
-  end subroutine set_symmetry
+  end subroutine renew_solver
 end module hd_solver_choice

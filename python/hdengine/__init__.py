@@ -11,7 +11,7 @@ from ._engine import (
     StoppedError,
 )
 from ._engine import version as _version
-from .contact import Run, Step, read_scene, run
+from .contact import Run, Step, forget, read_scene, run
 from .joint import Joint, JointWarning
 from .results import Result, load
 from .study import Study, StudyResult
@@ -19,6 +19,6 @@ from .study import Study, StudyResult
 __version__ = _version()
 __all__ = [
     "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
-    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "load",
+    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "forget", "load",
     "read_scene", "run",
 ]

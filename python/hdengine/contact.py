@@ -126,6 +126,11 @@ def read_scene(path="", **keys):
     return json.loads(_engine.call("scene_read", str(path), "\n".join(_assignments(keys)) or " ").decode())["scene"]
 
 
+def forget():
+    """Give back the memory of the mesh and the factors that the last run left for the next one."""
+    _engine.call("model_forget")
+
+
 def _assignments(keys):
     """Lines 'group.key=value' from keyword parameters."""
     for name, value in keys.items():

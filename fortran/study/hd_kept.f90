@@ -1,0 +1,95 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The model of the last run: mesh, coupling and factors, kept for the next run of this process if that differs in nothing
+!> they depend on. A study over torque, eccentricity, w, interference, friction or joint parameters so pays for them once.
+module hd_kept
+  use hd_drive, only: drive_t, new_drive, renew_drive
+  use hd_error, only: error_t
+  use hd_linear_solver, only: linear_solver_t
+  use hd_parameters, only: table_t, new_table, value_text
+  use hd_scene, only: scene_t
+  use hd_solver_choice, only: choose_solver, renew_solver
+  implicit none
+  private
+  public :: take_model, keep_model, forget_model
+
+  type(scene_t), save :: kept_scene
+  type(drive_t), allocatable, save :: kept_drive
+  class(linear_solver_t), allocatable, save :: kept_solver
+
+contains
+
+  !> Model of a scene: the kept one, or a new one.
+  subroutine take_model(scene, drive, solver, kept, error)
+    type(scene_t), intent(in) :: scene                            !< scene
+    type(drive_t), allocatable, intent(out) :: drive              !< its problem and loads
+    class(linear_solver_t), allocatable, intent(out) :: solver    !< its linear solver
+    logical, intent(out) :: kept                                  !< mesh and factors are those of an earlier run
+    type(error_t), allocatable, intent(out) :: error              !< mesh, memory
+    kept = .false.
+    if (allocated(kept_drive)) kept = same_model(scene, kept_scene)
+    if (kept) then
+      call move_alloc(kept_drive, drive)
+      call move_alloc(kept_solver, solver)
+      call renew_drive(scene, drive, error)
+      call renew_solver(scene, solver)
+    else
+      call forget_model()
+      allocate (drive)
+      call new_drive(scene, drive, error)
+      if (.not. allocated(error)) call choose_solver(scene, drive, solver, error)
+    end if
+  end subroutine take_model
+
+  !> Keep the model of a run that is over.
+  subroutine keep_model(scene, drive, solver)
+    type(scene_t), intent(in) :: scene                              !< its scene
+    type(drive_t), allocatable, intent(inout) :: drive              !< moved away
+    class(linear_solver_t), allocatable, intent(inout) :: solver    !< moved away
+    call forget_model()
+    if (.not. allocated(drive) .or. .not. allocated(solver)) return
+    kept_scene = scene
+    call move_alloc(drive, kept_drive)
+    call move_alloc(solver, kept_solver)
+  end subroutine keep_model
+
+  !> Give back the memory of the kept model.
+  subroutine forget_model()
+    if (allocated(kept_solver)) call kept_solver%release()
+    if (allocated(kept_solver)) deallocate (kept_solver)
+    if (allocated(kept_drive)) deallocate (kept_drive)
+  end subroutine forget_model
+
+  !> Two scenes share mesh, supports, elasticity and method; unknown keys count as part of the model.
+  logical function same_model(a, b)
+    type(scene_t), intent(in) :: a, b  !< scenes
+    type(scene_t), target :: first, second
+    type(table_t) :: one, two
+    integer :: i
+    first = a
+    second = b
+    call new_table(first, one)
+    call new_table(second, two)
+    same_model = .true.
+    do i = 1, size(one%rows)
+      if (is_load(one%rows(i)%group, one%rows(i)%key, a%shape == 'pressed')) cycle
+      same_model = same_model .and. value_text(one%rows(i)) == value_text(two%rows(i))
+    end do
+  end function same_model
+
+  !> Keys that leave mesh and factors as they are.
+  pure logical function is_load(group, key, pressed)
+    character(len=*), intent(in) :: group, key  !< names
+    logical, intent(in) :: pressed              !< the mesh does not follow the cam
+    is_load = .true.
+    select case (group//'.'//key)
+    case ('load.torque', 'load.assembly_steps', 'load.torque_steps', 'contact.friction', 'contact.mode')
+    case ('wave_generator.eccentricity', 'wave_generator.eccentricity_angle_deg', 'wave_generator.interference')
+    case ('solver.symmetry', 'solver.tolerance', 'solver.max_iterations', 'solver.max_cuts', 'solver.time_limit_s')
+    case ('material.yield_strength')
+    case ('wave_generator.w', 'wave_generator.cam', 'wave_generator.cone_angle_deg')
+      is_load = pressed
+    case default
+      is_load = group == 'joint' .or. group == 'output' .or. group == 'run'
+    end select
+  end function is_load
+end module hd_kept

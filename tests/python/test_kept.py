@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh and factors are kept from one run of a process to the next, and only where they are the same."""
+import json
+
+import numpy as np
+import pytest
+
+import hdengine
+
+BASE = {"mesh__divisions": 24, "mesh__band_facets": 4, "load__torque_steps": 1, "load__assembly_steps": 1}
+
+
+def solve(folder, **keys):
+    """Result of a scene and whether its model was kept from the run before."""
+    result = hdengine.run(out=folder, force=True, **(BASE | keys))
+    return result, json.loads((folder / "summary.json").read_text())["model"]["mesh_and_factors"] == "kept"
+
+
+@pytest.mark.parametrize("method", ["auto", "newton", "schur"])
+def test_kept_factors_change_nothing(tmp_path, method):
+    """A run on kept factors gives bit by bit what a fresh one gives: torque, w, eccentricity, interference, friction, joint."""
+    points = [{}, {"load__torque": 2.0}, {"wave_generator__w": 0.21e-3}, {"wave_generator__eccentricity": 5e-6},
+              {"wave_generator__interference": 5e-6}, {"contact__friction": 0.2}, {"joint__asperity_radius": 4e-6}, {}]
+    hdengine.forget()
+    for i, keys in enumerate(points if method == "auto" else points[:4]):
+        a, kept = solve(tmp_path / "kept", solver__method=method, **keys)
+        assert kept == (i > 0)
+        if method == "auto" or i == 3:
+            hdengine.forget()
+            b, kept = solve(tmp_path / "fresh", solver__method=method, **keys)
+            assert not kept
+            for name in ("pressure_pa", "traction_theta_pa", "k_n_n_per_m"):
+                np.testing.assert_array_equal(a.contact[name], b.contact[name])
+
+
+@pytest.mark.parametrize("keys", [{"mesh__divisions": 26}, {"geometry__wall_thickness": 0.4e-3}, {"material__ring_nu": 0.29},
+                                  {"load__support": "bearing", "load__torque": 1.0}, {"solver__method": "newton"}],
+                         ids=lambda k: next(iter(k)))
+def test_other_models_are_not_kept(tmp_path, keys):
+    """Another mesh, section, material, support or method makes a new model."""
+    solve(tmp_path / "a")
+    assert not solve(tmp_path / "b", **keys)[1]

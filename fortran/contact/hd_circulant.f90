@@ -26,6 +26,7 @@ module hd_circulant
     real(dp), allocatable :: val(:)
     real(dp), allocatable :: angle(:)               !< their angles [rad]
     real(dp), allocatable :: hat(:, :, :)           !< compliance by harmonic (3 nodes, 3 nodes, 0:n/2) [m/N]
+    complex(dp), allocatable :: factor(:, :)        !< between dofs and amplitudes (3 nodes, n/stride/2 + 1)
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
     real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
     complex(dp), allocatable :: wave(:, :)          !< (n/stride/2 + 1, 3 nodes)
@@ -208,10 +209,10 @@ contains
     n = side%sectors/stride
     m = size(side%hat, 1)
     allocate (side%kernel(m, m, n), side%field(n, m), side%wave(n/2 + 1, m), wave(n/2 + 1, m), column(n, m))
+    side%factor = all_factors(side%angle, stride, n/2)
     do j = 1, m
       do k = 0, n/2
-        wave(k + 1, :) = side%hat(:, j, k*stride)/n*factors(side%angle, k*stride)
-        wave(k + 1, :) = wave(k + 1, :)*conjg(amplitude(k*stride, side%angle((j + 2)/3), modulo(j - 1, 3) + 1))
+        wave(k + 1, :) = side%hat(:, j, k*stride)/n*side%factor(:, k + 1)*conjg(side%factor(j, k + 1))
       end do
       call backward_real(wave, column, error)
       if (allocated(error)) return
@@ -260,7 +261,7 @@ contains
         end do
         call execute_forward_real(part%forward, part%field, part%wave)
         do k = 0, n/2
-          call multiply_harmonic(part%hat(:, :, k*self%stride), factors(part%angle, k*self%stride), part%wave, k + 1)
+          call multiply_harmonic(part%hat(:, :, k*self%stride), part%factor(:, k + 1), part%wave, k + 1)
         end do
         call execute_backward_real(part%backward, part%wave, part%field)
         part%field = part%field/n
@@ -276,16 +277,19 @@ contains
     end do
   end subroutine apply_circulant
 
-  !> Factors between dofs of the first sector and their real amplitudes.
-  pure function factors(angle, k) result(d)
-    real(dp), intent(in) :: angle(:)   !< of the nodes [rad]
-    integer, intent(in) :: k           !< harmonic
-    complex(dp) :: d(3*size(angle))
-    integer :: c
-    do c = 1, 3
-      d(c::3) = amplitude(k, angle, c)
+  !> Factors between dofs of the first sector and their real amplitudes, for harmonics 0, stride, ...
+  pure function all_factors(angle, stride, last) result(d)
+    real(dp), intent(in) :: angle(:)      !< of the nodes [rad]
+    integer, intent(in) :: stride, last   !< the last harmonic is stride*last
+    complex(dp), allocatable :: d(:, :)
+    integer :: c, k
+    allocate (d(3*size(angle), last + 1))
+    do k = 0, last
+      do c = 1, 3
+        d(c::3, k + 1) = amplitude(k*stride, angle, c)
+      end do
     end do
-  end function factors
+  end function all_factors
 
   !> Multiply one harmonic of all fields by a real matrix of amplitudes.
   subroutine multiply_harmonic(a, factor, wave, k)
@@ -318,7 +322,7 @@ contains
       end do
       call execute_forward_real(ring%forward, ring%field, ring%wave)
       do k = 0, n/2
-        call multiply_harmonic(self%inverse(:, :, k*self%stride), factors(ring%angle, k*self%stride), ring%wave, k + 1)
+        call multiply_harmonic(self%inverse(:, :, k*self%stride), ring%factor(:, k + 1), ring%wave, k + 1)
       end do
       call execute_backward_real(ring%backward, ring%wave, ring%field)
       ring%field = ring%field/n
@@ -367,7 +371,7 @@ contains
       if (allocated(error)) return
       self%inverse(:, :, k) = mean
     end do
-    self%ring%angle = [(0._dp, j=1, self%rows)]
+    self%ring%factor = all_factors([(0._dp, j=1, self%rows)], self%stride, n/self%stride/2)
     allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(n/self%stride/2 + 1, 3*self%rows))
     call plan_forward_real(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, error)
     if (.not. allocated(error)) &

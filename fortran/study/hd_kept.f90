@@ -5,29 +5,43 @@ module hd_kept
   use hd_drive, only: drive_t, new_drive, renew_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
+  use hd_kinds, only: dp
   use hd_parameters, only: table_t, new_table, value_text
+  use hd_problem, only: state_t
   use hd_scene, only: scene_t
   use hd_solver_choice, only: choose_solver, renew_solver
   implicit none
   private
-  public :: take_model, keep_model, forget_model
+  public :: take_model, keep_model, forget_model, assembly_t
+
+  !> Converged states of an assembly, for later runs that differ in their torque only.
+  type :: assembly_t
+    real(dp), allocatable :: position(:)     !< fractions of the assembly
+    type(state_t), allocatable :: state(:)   !< states there
+  contains
+    procedure :: add => add_state
+    procedure :: recall
+  end type assembly_t
 
   type(scene_t), save :: kept_scene
   type(drive_t), allocatable, save :: kept_drive
   class(linear_solver_t), allocatable, save :: kept_solver
+  type(assembly_t), save :: kept_assembly
 
 contains
 
   !> Model of a scene: the kept one, or a new one.
-  subroutine take_model(scene, drive, solver, kept, error)
+  subroutine take_model(scene, drive, solver, assembly, kept, error)
     type(scene_t), intent(in) :: scene                            !< scene
     type(drive_t), allocatable, intent(out) :: drive              !< its problem and loads
     class(linear_solver_t), allocatable, intent(out) :: solver    !< its linear solver
+    type(assembly_t), intent(out) :: assembly                     !< states of the same assembly, if there are any
     logical, intent(out) :: kept                                  !< mesh and factors are those of an earlier run
     type(error_t), allocatable, intent(out) :: error              !< mesh, memory
     kept = .false.
-    if (allocated(kept_drive)) kept = same_model(scene, kept_scene)
+    if (allocated(kept_drive)) kept = same_model(scene, kept_scene, .false., .false.)
     if (kept) then
+      if (same_model(scene, kept_scene, .true., allocated(kept_drive%problem%law%joint))) assembly = kept_assembly
       call move_alloc(kept_drive, drive)
       call move_alloc(kept_solver, solver)
       call renew_drive(scene, drive, error)
@@ -41,13 +55,15 @@ contains
   end subroutine take_model
 
   !> Keep the model of a run that is over.
-  subroutine keep_model(scene, drive, solver)
+  subroutine keep_model(scene, drive, solver, assembly)
     type(scene_t), intent(in) :: scene                              !< its scene
     type(drive_t), allocatable, intent(inout) :: drive              !< moved away
     class(linear_solver_t), allocatable, intent(inout) :: solver    !< moved away
+    type(assembly_t), intent(in) :: assembly                        !< states of its assembly
     call forget_model()
     if (.not. allocated(drive) .or. .not. allocated(solver)) return
     kept_scene = scene
+    kept_assembly = assembly
     call move_alloc(drive, kept_drive)
     call move_alloc(solver, kept_solver)
   end subroutine keep_model
@@ -59,9 +75,41 @@ contains
     if (allocated(kept_drive)) deallocate (kept_drive)
   end subroutine forget_model
 
-  !> Two scenes share mesh, supports, elasticity and method; unknown keys count as part of the model.
-  logical function same_model(a, b)
+  !> Keep a converged state, once.
+  subroutine add_state(self, position, state)
+    class(assembly_t), intent(inout) :: self  !< grows
+    real(dp), intent(in) :: position          !< fraction of the assembly
+    type(state_t), intent(in) :: state        !< state there
+    type(state_t), allocatable :: longer(:)
+    integer :: i, n
+    if (.not. allocated(self%position)) allocate (self%position(0), self%state(0))
+    if (any(abs(self%position - position) < 1e-12_dp)) return
+    n = size(self%position)
+    allocate (longer(n + 1))
+    do i = 1, n
+      longer(i) = self%state(i)
+    end do
+    longer(n + 1) = state
+    call move_alloc(longer, self%state)
+    self%position = [self%position, position]
+  end subroutine add_state
+
+  !> Replace a first guess by the state that was found at the same position before.
+  subroutine recall(self, position, state)
+    class(assembly_t), intent(in) :: self   !< states
+    real(dp), intent(in) :: position        !< fraction of the assembly
+    type(state_t), intent(inout) :: state   !< guess
+    integer :: i
+    if (.not. allocated(self%position)) return
+    i = findloc(abs(self%position - position) < 1e-12_dp, .true., 1)
+    if (i > 0) state = self%state(i)
+  end subroutine recall
+
+  !> Two scenes share mesh, supports, elasticity and method (and the assembly); unknown keys count as part of the model.
+  logical function same_model(a, b, assembly, joint)
     type(scene_t), intent(in) :: a, b  !< scenes
+    logical, intent(in) :: assembly    !< their loads up to the torque must be the same too
+    logical, intent(in) :: joint       !< the joint's parameters are part of the contact law
     type(scene_t), target :: first, second
     type(table_t) :: one, two
     integer :: i
@@ -71,10 +119,23 @@ contains
     call new_table(second, two)
     same_model = .true.
     do i = 1, size(one%rows)
-      if (is_load(one%rows(i)%group, one%rows(i)%key, a%shape == 'pressed')) cycle
+      if (assembly) then
+        if (is_later(one%rows(i)%group, one%rows(i)%key, joint)) cycle
+      else
+        if (is_load(one%rows(i)%group, one%rows(i)%key, a%shape == 'pressed')) cycle
+      end if
       same_model = same_model .and. value_text(one%rows(i)) == value_text(two%rows(i))
     end do
   end function same_model
+
+  !> Keys that leave the assembly as it is.
+  pure logical function is_later(group, key, joint)
+    character(len=*), intent(in) :: group, key  !< names
+    logical, intent(in) :: joint                !< the joint's parameters are part of the contact law
+    is_later = group//'.'//key == 'load.torque' .or. group//'.'//key == 'load.torque_steps' .or. &
+      group//'.'//key == 'solver.time_limit_s' .or. group == 'output' .or. group == 'run' .or. &
+      (.not. joint .and. (group == 'joint' .or. group//'.'//key == 'material.yield_strength'))
+  end function is_later
 
   !> Keys that leave mesh and factors as they are.
   pure logical function is_load(group, key, pressed)

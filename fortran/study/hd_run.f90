@@ -12,7 +12,7 @@ module hd_run
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
-  use hd_kept, only: take_model, keep_model
+  use hd_kept, only: assembly_t, take_model, keep_model
   use hd_output, only: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
   use hd_problem, only: state_t, load_t, new_state
   use hd_scene, only: scene_t
@@ -32,6 +32,7 @@ module hd_run
     class(linear_solver_t), allocatable :: solver
     type(state_t) :: before, state          !< last two converged states
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
+    type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
     type(step_t) :: step                    !< last converged step
     type(facets_t) :: facets                !< its facets
     type(sums_t) :: sums                    !< its sums
@@ -66,7 +67,7 @@ contains
       if (allocated(error)) return
       run%writes = .true.
     end if
-    call take_model(scene, run%drive, run%solver, run%record%kept, error)
+    call take_model(scene, run%drive, run%solver, run%assembly, run%record%kept, error)
     if (.not. allocated(error)) then
       if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
       if (scene%contact_law == 'joint') then
@@ -195,6 +196,7 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
+    call run%assembly%recall(position, trial)
     if (run%scene%support == 'teeth' .and. position > 1) then
       call turn_against_teeth(run, max(0._dp, position - 1)*run%scene%torque, trial, history, error)
       solved = .true.
@@ -217,6 +219,7 @@ contains
       run%state = trial
       run%position_before = run%position
       run%position = position
+      if (position < 1 + 1e-12_dp) call run%assembly%add(position, trial)
       run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
       call place(run, position, run%step)
     else if (sliding) then
@@ -334,7 +337,7 @@ contains
         run%sums, run%record, run%failure, error)
       run%writes = .false.
     end if
-    call keep_model(run%scene, run%drive, run%solver)
+    call keep_model(run%scene, run%drive, run%solver, run%assembly)
   end subroutine finish
 
   !> Warn where the joint model leaves its range.

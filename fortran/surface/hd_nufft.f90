@@ -53,7 +53,7 @@ contains
     allocate (ux(n), ux_2(n), uy(n), uy_2(n))
     allocate (p%phase(n), p%high(n), p%low(n), p%kx(n), p%ky(n), p%sx(n), p%sy(n))
     call turns_on_grid(w, g, real(g%nx / 2, dp), real(p%middle, dp), ux, ux_2, uy, uy_2, p%phase)
-    !$omp parallel do schedule(static) if (n > 1000)
+    !$omp parallel do schedule(static) if (n > 10000)
     do j = 1, n
       ux(j) = nearest_turn(ux(j)) + ux_2(j)
       uy(j) = nearest_turn(uy(j))

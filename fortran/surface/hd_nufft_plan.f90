@@ -3,7 +3,7 @@
 module hd_nufft_plan
   use hd_kinds, only: dp
   use hd_fft, only: smooth_size
-  use hd_window, only: window_width, widest
+  use hd_window, only: window_width, window_gain, widest
   implicit none
   private
   public :: nufft_plan_t, plan_nufft
@@ -18,6 +18,7 @@ module hd_nufft_plan
   end type nufft_plan_t
 
   real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]
+  real(dp), parameter :: rounding = 2e-16_dp                 !< of the transforms, before the division by those of the windows
   real(dp), parameter :: second_per_flop = 0.25e-9_dp        !< FFT
   real(dp), parameter :: second_per_move = 0.8e-9_dp         !< fine point copied, corrected
   real(dp), parameter :: second_per_weight = 0.15e-9_dp      !< one fine point of a wave
@@ -34,15 +35,18 @@ contains
     real(dp), intent(in) :: tolerance          !< root mean square error, relative to that of the heights
     type(nufft_plan_t) :: best                 !< choice
     type(nufft_plan_t) :: x(size(ratios)), y(size(ratios)), here
+    real(dp) :: gain_x(size(ratios)), gain_y(size(ratios))
     integer :: i, j, tiles, rows
     do i = 1, size(ratios)
       x(i) = direction(nx, ratios(i), 0.6_dp * tolerance)
+      gain_x(i) = window_gain(nx, x(i)%fine_x, x(i)%width_x)
     end do
     tiles = 1
     do
       rows = (ny + tiles - 1) / tiles
       do j = 1, size(ratios)
         y(j) = direction(rows, ratios(j), 0.6_dp * tolerance)
+        gain_y(j) = window_gain(rows, y(j)%fine_x, y(j)%width_x)
       end do
       do j = 1, size(ratios)
         if (y(j)%width_x == 0) cycle
@@ -50,7 +54,7 @@ contains
           if (y(j)%fine_x == y(j - 1)%fine_x) cycle
         end if
         do i = 1, size(ratios)
-          if (x(i)%width_x == 0) cycle
+          if (x(i)%width_x == 0 .or. rounding * gain_x(i) * gain_y(j) > 0.4_dp * tolerance) cycle
           here = nufft_plan_t(x(i)%fine_x, y(j)%fine_x, x(i)%width_x, y(j)%width_x, rows, tolerance)
           here%seconds = predicted(here, ny, tiles, waves)
           if (here%seconds < best%seconds) best = here

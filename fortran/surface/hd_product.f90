@@ -62,7 +62,7 @@ contains
     p%ny = g%ny
     p%offset = w%offset
     allocate (p%even((g%nx + 1) / 2, w%groups), p%odd((g%nx + 1) / 2, w%groups))
-    !$omp parallel do schedule(static) if (size(p%even) > 20000)
+    !$omp parallel do schedule(static) if (size(p%even) > 200000)
     do j = 1, w%groups
       p%even(:, j) = 0
       p%odd(:, j) = 0
@@ -94,7 +94,7 @@ contains
     half = size(p%even, 1)
     groups = size(p%even, 2)
     allocate (a(rows, groups), b(rows, groups), e(half, rows), o(half, rows))
-    !$omp parallel do private(l, j) schedule(static) if (size(a) > 20000)
+    !$omp parallel do private(l, j) schedule(static) if (size(a) > 200000)
     do k = 1, groups
       a(:, k) = 0
       b(:, k) = 0
@@ -106,7 +106,7 @@ contains
     end do
     call multiply_transposed(p%even, a, e)
     call multiply_transposed(p%odd, b, o)
-    !$omp parallel do private(i) schedule(static)
+    !$omp parallel do private(i) schedule(static) if (size(z) > 200000)
     do j = 1, rows
       do i = 1, nx / 2
         z(i, j) = p%offset + e(half + 1 - i, j) - o(half + 1 - i, j)

@@ -107,7 +107,7 @@ contains
     c_2 = real(cosine - c, dp)
     s_1 = real(sine, dp)
     s_2 = real(sine - s_1, dp)
-    !$omp parallel do private(f, f_1, f_2, b, m, j) schedule(static) if (count > 1000)
+    !$omp parallel do private(f, f_1, f_2, b, m, j) schedule(static) if (count > 5000)
     do n = 0, n_max
       f = real(s%gamma, qp)**n / real(s%length, qp)
       f_1 = real(f, dp)
@@ -135,20 +135,18 @@ contains
     real(qp), parameter :: pi_q = 3.14159265358979323846264338327950288419716939937510_qp
     integer :: m
     allocate (cosine(ridges), sine(ridges))
-    do m = 1, ridges
-      if (2 * m < ridges) then
-        cosine(m) = cos(pi_q * m / ridges)
-        sine(m) = sin(pi_q * m / ridges)
-      else if (2 * m == ridges) then
-        cosine(m) = 0
-        sine(m) = 1
-      else if (m < ridges) then
-        cosine(m) = -cosine(ridges - m)
-        sine(m) = sine(ridges - m)
-      else
-        cosine(m) = -1
-        sine(m) = 0
-      end if
+    cosine(ridges) = -1
+    sine(ridges) = 0
+    if (mod(ridges, 2) == 0) then
+      cosine(ridges / 2) = 0
+      sine(ridges / 2) = 1
+    end if
+    !$omp parallel do schedule(static) if (ridges > 100)
+    do m = 1, (ridges - 1) / 2
+      cosine(m) = cos(pi_q * m / ridges)
+      sine(m) = sin(pi_q * m / ridges)
+      cosine(ridges - m) = -cosine(m)
+      sine(ridges - m) = sine(m)
     end do
   end subroutine directions
 
@@ -208,14 +206,14 @@ contains
     real(dp), intent(in) :: ix, iy                            !< point of reference
     real(dp), intent(out), dimension(size(w%fx)) :: ux, ux_2, uy, uy_2    !< turns per point and their rest (J)
     real(dp), intent(out) :: phase(size(w%fx))                            !< phase there [turns] (J)
-    integer, parameter :: share = 1000
+    integer, parameter :: share = 5000
     real(dp) :: x, x_2, y, y_2
     integer :: j
     x = real(g%x_0 + ix * real(g%dx, qp), dp)
     x_2 = real(g%x_0 + ix * real(g%dx, qp) - x, dp)
     y = real(g%y_0 + iy * real(g%dy, qp), dp)
     y_2 = real(g%y_0 + iy * real(g%dy, qp) - y, dp)
-    !$omp parallel do schedule(static) if (size(phase) > share)
+    !$omp parallel do schedule(static) if (size(phase) > 4 * share)
     do j = 1, size(phase), share
       call turns_at_point(min(share, size(phase) - j + 1), w%fx(j), w%fx_2(j), w%fy(j), w%fy_2(j), w%phase(j), g%dx, g%dy, &
         x, x_2, y, y_2, ux(j), ux_2(j), uy(j), uy_2(j), phase(j))

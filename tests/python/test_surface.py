@@ -201,3 +201,12 @@ def test_free_waves_are_summed():
     for bad in ([], [1.0, 2.0], ["a"], [float("nan")]):
         with pytest.raises(hdengine.InputError):
             surface.sum_waves([1.0], bad, [1.0], [0.0], 8, 1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13])
+def test_nufft_keeps_the_tolerance_on_a_large_grid(tolerance):
+    """Aliases and rounding, amplified in both directions, stay below the tolerance where tiles and small ratios are used."""
+    options = dict(shape=(200, 256), spacing=2e-6, **SURFACE | dict(ridges=60))
+    exact = surface.generate(**options, method="product")
+    z = surface.generate(**options, method="nufft", tolerance=tolerance)
+    assert np.sqrt(np.mean((z - exact) ** 2)) < tolerance * exact.std()

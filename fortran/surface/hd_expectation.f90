@@ -116,7 +116,7 @@ contains
     type(spectrum_t), intent(in) :: p                   !< band
     real(dp), allocatable, intent(out) :: table(:, :)   !< (lags, frequencies)
     real(dp), allocatable, intent(out) :: f(:), w(:)    !< frequencies [1/m], weights
-    integer, parameter :: n = 120, angles = 32
+    integer, parameter :: n = 80, angles = 16
     type(observation_t) :: raw
     real(dp) :: extent, top, a, with(size(o%lag)), without(size(o%lag))
     integer :: i, j, m

@@ -7,7 +7,7 @@ module hd_observation
   use hd_structure_function, only: structure_line, check_map
   implicit none
   private
-  public :: observation_t, observe, level_plane
+  public :: observation_t, observe, level_plane, add_observation
 
   !> S at lags of a window. Lag i is share(1, i) times the mean over rows plus share(2, i) times that over columns.
   type :: observation_t
@@ -15,6 +15,7 @@ module hd_observation
     real(dp) :: dx = 0, dy = 0                    !< spacing [m]
     logical :: levelled = .false.                 !< a least-squares plane was taken off
     real(dp) :: filled = 1                        !< share of the pairs that are not lost to holes
+    real(dp) :: parts = 1                         !< sum of squares over square of sum of S of independent maps added up
     integer, allocatable :: lag(:)                !< lag in points
     real(dp), allocatable :: share(:, :)          !< shares of rows and columns (2, n)
     real(dp), allocatable :: tau(:)               !< lag [m]
@@ -133,4 +134,24 @@ contains
       o%s = [sx, sy]
     end if
   end subroutine observe
+
+  !> Add the S of an independent map: S_eq = S_1 + S_2. The smaller map lends its size.
+  subroutine add_observation(o, other, error)
+    type(observation_t), intent(inout) :: o           !< first map, then the sum
+    type(observation_t), intent(in) :: other          !< second map
+    type(error_t), allocatable, intent(out) :: error  !< spacings differ
+    real(dp) :: first(size(o%lag))
+    logical :: fit
+    fit = size(o%lag) == size(other%lag) .and. abs(o%dx - other%dx) <= 1e-3_dp * o%dx .and. abs(o%dy - other%dy) <= 1e-3_dp * o%dy
+    if (.not. fit) then
+      call raise(error, code_input, 'two maps are added lag by lag, so their spacings must agree to 0.1 %: '//to_text(o%dx)// &
+        ' x '//to_text(o%dy)//' m and '//to_text(other%dx)//' x '//to_text(other%dy)//' m')
+      return
+    end if
+    first = o%s
+    if (other%nx * other%ny < o%nx * o%ny) o = other
+    o%parts = sum((first**2 + other%s**2) / (first + other%s)**2) / size(first)
+    o%filled = min(o%filled, other%filled)
+    o%s = first + other%s
+  end subroutine add_observation
 end module hd_observation

@@ -11,7 +11,7 @@ module hd_random_field
   private
   public :: field_covariance, noise_covariance, radial_t, new_radial, radial_value
 
-  integer, parameter :: nodes = 3000
+  integer, parameter :: nodes = 1500
 
   !> S as a function of distance: values at equidistant ln r, cubic between.
   type :: radial_t
@@ -59,15 +59,24 @@ contains
     type(radial_t), intent(in) :: t         !< S over distance
     real(dp), intent(out) :: cov(:, :)      !< covariance [m^4]
     integer, allocatable :: rx(:), ry(:), cell(:)
-    real(dp), allocatable :: part(:, :, :)
+    real(dp), allocatable :: part(:, :, :), grid(:, :)
     integer, parameter :: blocks = 64
-    integer :: b, i
+    integer :: b, i, j, mx, my
     call places(o, rx, ry, cell)
+    mx = o%nx + maxval(o%lag)
+    my = o%ny + maxval(o%lag)
+    if (real(mx, dp) * my < 4e6_dp) then        ! S at every displacement; of larger maps only few are visited
+      allocate (grid(0:mx, 0:my))
+      !$omp parallel do
+      do j = 0, my
+        grid(:, j) = radial_value(t, [((i * o%dx)**2 + (j * o%dy)**2, i=0, mx)])
+      end do
+    end if
     allocate (part(size(cov, 1), size(cov, 1), blocks), source=0._dp)
     !$omp parallel do private(i) schedule(dynamic)
     do b = 1, blocks
       do i = b, size(rx), blocks
-        call add_place(o, t, rx(i), ry(i), cell(i), part(:, :, b))
+        call add_place(o, t, grid, rx(i), ry(i), cell(i), part(:, :, b))
       end do
     end do
     cov = 2 * sum(part, 3)
@@ -100,16 +109,17 @@ contains
         end do
         if (outer >= far) exit
         outer = 2 * outer
-        step = 2 * step
+        step = max(2, outer / 20, merge(outer / 10, 0, outer > 2 * reach))
       end do
       if (pass == 1) allocate (rx(n), ry(n), cell(n))
     end do
   end subroutine places
 
   !> Add one displacement to all pairs of lags.
-  subroutine add_place(o, t, rx, ry, cell, part)
+  subroutine add_place(o, t, grid, rx, ry, cell, part)
     type(observation_t), intent(in) :: o        !< geometry and lags
     type(radial_t), intent(in) :: t             !< S over distance
+    real(dp), allocatable, intent(in) :: grid(:, :) !< S at displacements (0:, 0:), if it was worth it
     integer, intent(in) :: rx, ry, cell         !< displacement, places it stands for
     real(dp), intent(inout) :: part(:, :)       !< sum of c^2 [m^4]
     real(dp) :: s0, w, c, sx(-maxval(o%lag):maxval(o%lag)), sy(-maxval(o%lag):maxval(o%lag))
@@ -144,7 +154,11 @@ contains
   contains
     real(dp) function value_at(x, y)
       integer, intent(in) :: x, y   !< displacement
-      value_at = radial_value(t, (x * o%dx)**2 + (y * o%dy)**2)
+      if (allocated(grid)) then
+        value_at = grid(abs(x), abs(y))
+      else
+        value_at = radial_value(t, (x * o%dx)**2 + (y * o%dy)**2)
+      end if
     end function value_at
   end subroutine add_place
 

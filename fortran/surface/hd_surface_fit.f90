@@ -51,7 +51,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< S not positive, bad model
     type(expectation_t) :: e
     real(dp), dimension(size(o%lag), size(o%lag)) :: cov, white
-    real(dp) :: y(size(o%lag)), d, b, share, off
+    real(dp) :: y(size(o%lag)), shift(size(o%lag)), d, b, share, off
     integer :: i, n
     n = size(o%lag)
     call check_spectrum(p, error)
@@ -66,15 +66,39 @@ contains
     y = log(o%s - off)
     e = new_expectation(o, p)
     white = identity(n)
+    shift = 0
+    if (.not. options%known) call split_directions(o, e, y, shift)
+    y = y - shift
     call search(e, y, white, options%fit_noise, d, b, share)
-    do i = 1, merge(3, 1, options%weighted)
+    do i = 1, merge(2, 1, options%weighted)
       call covariance(o, p, options, e, d, b, share, off, cov)
-      if (.not. options%weighted .or. i == 3) exit
+      if (.not. options%weighted .or. i == 2) exit
       call whiten(cov, white)
       call search(e, y, white, options%fit_noise, d, b, share)
     end do
     call finish(o, p, options, e, y, cov, white, d, b, share, off, r, error)
+    if (.not. allocated(error)) r%curve = r%curve * exp(shift)
   end subroutine fit_surface
+
+  !> Rows and columns observed one after the other: half of what lies between their ln S, beyond the model. Taking it off fits the
+  !> geometric mean of both, as pooling does where points are squares.
+  subroutine split_directions(o, e, y, shift)
+    type(observation_t), intent(in) :: o    !< observation
+    type(expectation_t), intent(in) :: e    !< table
+    real(dp), intent(in) :: y(:)            !< ln S
+    real(dp), intent(out) :: shift(:)       !< to be taken off y
+    real(dp) :: d, b, share, res(size(y))
+    integer :: i, n
+    shift = 0
+    n = size(y) / 2
+    if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
+    do i = 1, 4
+      call search(e, y - shift, identity(size(y)), .false., d, b, share)
+      res = y - b - shape_of(e, d, share)
+      shift(:n) = 0.5_dp * (sum(res(:n)) - sum(res(n + 1:))) / n
+      shift(n + 1:) = -shift(1)
+    end do
+  end subroutine split_directions
 
   !> Plain least squares with white noise as a third unknown, without errors: its share of S at the first lag, and the residual.
   subroutine try_noise(o, p, share, rms)
@@ -82,10 +106,13 @@ contains
     type(spectrum_t), intent(in) :: p       !< model
     real(dp), intent(out) :: share, rms     !< share of noise at the first lag, rms of the residuals of ln S
     type(expectation_t) :: e
-    real(dp) :: d, b
+    real(dp) :: d, b, y(size(o%lag)), shift(size(o%lag))
     e = new_expectation(o, p)
-    call search(e, log(o%s), identity(size(o%lag)), .true., d, b, share)
-    rms = sqrt(sum((log(o%s) - b - shape_of(e, d, share))**2) / size(o%lag))
+    y = log(o%s)
+    call split_directions(o, e, y, shift)
+    y = y - shift
+    call search(e, y, identity(size(y)), .true., d, b, share)
+    rms = sqrt(sum((y - b - shape_of(e, d, share))**2) / size(y))
   end subroutine try_noise
 
   !> Model of ln S up to its amplitude, 0 at the first lag: share is the part of the noise there.
@@ -193,7 +220,7 @@ contains
     call noise_covariance(o, t, 0.5_dp * (share * exp(b) + off), cov)
     s = exp(b + shape_of(e, d, share))
     do i = 1, size(s)
-      cov(:, i) = cov(:, i) / (s * s(i) * o%filled)
+      cov(:, i) = cov(:, i) * o%parts / (s * s(i) * o%filled)
     end do
   end subroutine covariance
 

@@ -203,6 +203,10 @@ contains
       v%name = 'bent'
       v%reason = 'ln S bends: its slope goes from '//to_text(head)//' to '//to_text(foot)//', the model is off by '// &
         percent(r%misfit)
+    else if (r%d - 1.96_dp * sqrt(r%cov(1, 1)) < 2.005_dp) then
+      v%kind = not_fractal
+      v%name = 'smooth'
+      v%reason = 'the 95 % interval of D reaches 2, a differentiable map: G = exp(b/(D - 2)) is not determined'
     else
       v%reason = 'S follows the model within '//percent(merge(r%rms, r%misfit, p%model == model_ridges))//' over lags '// &
         to_text(o%lag(1))//' to '//to_text(o%lag(size(o%lag)))

@@ -121,17 +121,17 @@ contains
     type(line_t) :: rows, columns
     real(dp) :: scale
     integer :: i, n
-    n = size(o%lag)
     scale = sum(a2)
     rows = new_line(o%lag, o%nx, o%ny, qx * o%dx, qy * o%dy, o%levelled)
     columns = new_line(o%lag, o%ny, o%nx, qy * o%dy, qx * o%dx, o%levelled)
-    allocate (part(n, n, size(a2)))
-    !$omp parallel private(terms)
-    allocate (terms(n, 2 * size(a2)))
+    allocate (part(size(o%lag), size(o%lag), size(a2)))
+    !$omp parallel private(terms, n)
+    allocate (terms(size(o%lag), 2 * size(a2)))
     !$omp do schedule(dynamic, 4)
     do i = 1, size(a2)
       call pair_terms(o, rows, columns, a2 / scale, i, terms)
-      part(:, :, i) = matmul(terms(:, i:), transpose(terms(:, i:)))
+      n = 2 * (size(a2) - i + 1)
+      part(:, :, i) = matmul(terms(:, :n), transpose(terms(:, :n)))
     end do
     !$omp end parallel
     cov = 0.5_dp * sum(part, 3) * scale**2
@@ -161,16 +161,15 @@ contains
     end do
   end function new_line
 
-  !> Products of wave i with itself and all later ones: columns of P (i:) and R (waves + i:), weighted.
+  !> Products of wave i with itself and all later ones: columns of P and R in turn, weighted.
   subroutine pair_terms(o, rows, columns, a2, i, terms)
     type(observation_t), intent(in) :: o            !< geometry and lags
     type(line_t), intent(in) :: rows, columns       !< waves along rows and along columns
     real(dp), intent(in) :: a2(:)                   !< squares of the amplitudes
     integer, intent(in) :: i                        !< first wave
-    real(dp), intent(out) :: terms(:, :)            !< (n, 2 waves)
+    real(dp), intent(inout) :: terms(:, :)          !< (lags, 2 (waves - i + 1)) set
     real(dp) :: minus(size(o%lag)), plus(size(o%lag)), m(size(o%lag)), p(size(o%lag)), weight
     integer :: j
-    terms = 0
     do j = i, size(a2)
       minus = 0
       plus = 0
@@ -185,8 +184,8 @@ contains
         plus = plus + o%share(2, :) * p
       end if
       weight = sqrt(a2(i) * a2(j))
-      if (j > i) terms(:, j) = weight * minus
-      terms(:, size(a2) + j) = merge(0.5_dp, 1._dp, j == i) * weight * plus
+      terms(:, 2 * (j - i) + 1) = merge(0._dp, weight, j == i) * minus
+      terms(:, 2 * (j - i) + 2) = merge(0.5_dp, 1._dp, j == i) * weight * plus
     end do
   end subroutine pair_terms
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """hdengine: torsional stiffness of the flexspline-bearing contact of a harmonic drive."""
+from . import roughness, specimen
 from ._engine import (
     EngineMemoryError,
     FileError,
@@ -20,5 +21,5 @@ __version__ = _version()
 __all__ = [
     "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
     "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "forget", "load",
-    "read_scene", "run",
+    "read_scene", "roughness", "run", "specimen",
 ]

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from ._engine import FileError, HdengineError
+from .cli_surface import add_options, run_surface
 from .contact import Run
 from .results import Result
 
@@ -109,6 +110,8 @@ def main(argv=None):
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="figure")
+    add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
+                         "surface data/specimen_flexspline.npz data/specimen_bearing.npz --pair"))
     args = parser.parse_args(argv)
     try:
         return args.action(args)

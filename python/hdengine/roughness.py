@@ -25,11 +25,11 @@ def _map(heights):
 
 
 def _spacing(spacing):
-    """(dx, dy) [m] of one or two numbers."""
+    """(dx, dy) [m] of one number or of (dy, dx)."""
     d = np.atleast_1d(np.asarray(spacing, dtype=float))
     if d.shape not in ((1,), (2,)) or not np.all(np.isfinite(d)) or not np.all(d > 0):
-        raise InputError(f"spacing = {spacing}: give the distance of points in m, positive, one number or (dx, dy)")
-    return float(d[0]), float(d[-1])
+        raise InputError(f"spacing = {spacing}: give the distance of points in m, positive, one number or (dy, dx)")
+    return float(d[-1]), float(d[0])
 
 
 def structure_function(heights, spacing, lags=None, direction="rows", second=False):
@@ -42,7 +42,7 @@ def structure_function(heights, spacing, lags=None, direction="rows", second=Fal
     heights : array_like (rows, points) or (points,)
         Heights [m].
     spacing : float or (float, float)
-        Distance of points along a row and of rows [m].
+        Spacing (dy, dx) [m].
     lags : sequence of int, optional
         Lags in steps, >= 1. Default: all.
     direction : "rows", "columns", "radial" or (int, int)
@@ -103,6 +103,84 @@ def level(heights):
     return z.T.reshape(np.shape(heights))
 
 
+def parameters(heights, spacing):
+    """Roughness numbers named as in ISO 25178-2, of the heights less their plane.
+
+    Parameters
+    ----------
+    heights : array_like (rows, points) or (points,)
+        Heights [m]; NaN are holes.
+    spacing : float or (float, float)
+        Spacing (dy, dx) [m].
+
+    Returns
+    -------
+    dict
+        sa_m, sq_m, sz_m, ssk, sku; sdq (root mean square gradient over one spacing: Sdq^2 = S_x(1)/dx^2 + S_y(1)/dy^2);
+        bandwidth_m: shortest and longest wavelength that the map holds, two spacings and its shorter side; nayak: Nayak's
+        bandwidth parameter m0 m4/m2^2 along rows, from first and second differences.
+    """
+    z = level(heights)
+    dx, dy = _spacing(spacing)
+    sq = np.sqrt(np.nanmean(z**2))
+    curved = structure_function(z, (dy, dx), [1], second=True)[1][0]
+    slope2 = structure_function(z, (dy, dx), [1])[1][0] / dx**2
+    sides = [(n - 1) * d for n, d in zip(z.shape[::-1], (dx, dy))]
+    sdq2 = slope2 if z.ndim == 1 else slope2 + structure_function(z, (dy, dx), [1], "columns")[1][0] / dy**2
+    with np.errstate(all="ignore"):
+        return {
+            "sa_m": float(np.nanmean(abs(z))), "sq_m": float(sq), "sz_m": float(np.nanmax(z) - np.nanmin(z)),
+            "ssk": float(np.nanmean(z**3) / sq**3), "sku": float(np.nanmean(z**4) / sq**4), "sdq": float(np.sqrt(sdq2)),
+            "bandwidth_m": (2 * max(dx, dy) if z.ndim == 2 else 2 * dx, min(sides)),
+            "nayak": float(sq**2 * curved / dx**4 / slope2**2),
+        }
+
+
+def psd(heights, spacing, direction="rows"):
+    """Power spectral density of the heights less their plane, under a Hann window.
+
+    Parameters
+    ----------
+    heights : array_like (rows, points) or (points,)
+        Heights [m], without holes.
+    spacing : float or (float, float)
+        Spacing (dy, dx) [m].
+    direction : "rows", "columns" or "radial"
+        One-sided spectrum of profiles, mean over all; or two-dimensional spectrum, mean over rings.
+
+    Returns
+    -------
+    frequency : ndarray
+        1/wavelength [1/m], without 0.
+    density : ndarray
+        [m^3] of profiles: its integral over the frequency is Sq^2; [m^4] radial.
+
+    Raises
+    ------
+    InputError
+        The map has holes.
+    """
+    z = np.atleast_2d(level(heights))
+    dx, dy = _spacing(spacing)
+    if not np.all(np.isfinite(z)):
+        raise InputError("the map has holes: a spectrum needs every point; use structure_function, which takes holes")
+    if direction == "radial":
+        window = np.hanning(z.shape[0] + 2)[1:-1, None] * np.hanning(z.shape[1] + 2)[1:-1]
+        power = abs(np.fft.fft2(z * window)) ** 2 * dx * dy / np.sum(window**2)
+        f = np.hypot(np.fft.fftfreq(z.shape[0], dy)[:, None], np.fft.fftfreq(z.shape[1], dx))
+        step = 1 / max(z.shape[0] * dy, z.shape[1] * dx)
+        ring = np.rint(f / step).astype(int).ravel()
+        count = np.maximum(np.bincount(ring), 1)
+        last = int(0.5 / max(dx, dy) / step)
+        return ((np.bincount(ring, f.ravel()) / count)[1:last + 1], (np.bincount(ring, power.ravel()) / count)[1:last + 1])
+    if direction not in ("rows", "columns"):
+        raise InputError(f'direction = {direction!r}: "rows", "columns" or "radial"')
+    lines, step = (z, dx) if direction == "rows" else (z.T, dy)
+    window = np.hanning(lines.shape[1] + 2)[1:-1]
+    power = 2 * np.mean(abs(np.fft.rfft(lines * window)) ** 2, axis=0) * step / np.sum(window**2)
+    return np.fft.rfftfreq(lines.shape[1], step)[1:], power[1:]
+
+
 @dataclass(frozen=True)
 class Ridges:
     """What is known of a surface made by Eq. 1.
@@ -111,7 +189,7 @@ class Ridges:
     ----------
     length : float
         L [m].
-    shortest : float
+    shortest_wavelength : float
         L_s [m]; n_max = floor(ln(L/L_s)/ln gamma).
     ridges : int
         M.
@@ -120,16 +198,16 @@ class Ridges:
     """
 
     length: float
-    shortest: float
+    shortest_wavelength: float
     ridges: int = 10
     gamma: float = 1.5
 
     @property
     def n_max(self):
         """Highest index of the sum."""
-        if not (self.gamma > 1 and 0 < self.shortest <= self.length < inf and self.ridges >= 1):
-            raise InputError(f"{self}: gamma > 1, 0 < shortest <= length and ridges >= 1 are needed")
-        return floor(log(self.length / self.shortest) / log(self.gamma) + 1e-9)
+        if not (self.gamma > 1 and 0 < self.shortest_wavelength <= self.length < inf and self.ridges >= 1):
+            raise InputError(f"{self}: gamma > 1, 0 < shortest_wavelength <= length and ridges >= 1 are needed")
+        return floor(log(self.length / self.shortest_wavelength) / log(self.gamma) + 1e-9)
 
     @property
     def band(self):
@@ -219,12 +297,12 @@ class Fit:
         -------
         matplotlib.axes.Axes
         """
-        from .plot import plot_fit
+        from .plot_surface import plot_fit
 
         return plot_fit(self, axis, label, colour)
 
 
-def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None, level=True, band=None, noise=0.0):
+def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None, level=True, band=None, noise=0.0, second=None):
     """Fit D and G to the structure function over a window of short lags.
 
     Without `surface`: least squares of ln S on a continuous isotropic band (of a single profile: Eq. 2), errors from the
@@ -236,7 +314,7 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     heights : array_like (rows, points) or (points,)
         Heights [m]; NaN are holes.
     spacing : float or (float, float)
-        Distance of points along a row and of rows [m].
+        Spacing (dy, dx) [m].
     lags : (int, int)
         First and last lag [points].
     model : {"isotropic", "profile", "ridges", "paper"}, optional
@@ -252,6 +330,8 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
         the longer side.
     noise : float or "fit"
         Rms of white instrument noise [m]: known, or a third unknown.
+    second : array_like, optional
+        Another specimen with the same spacing: D and G are those of S_eq = S_1 + S_2, the equivalent rough surface of the joint.
 
     Returns
     -------
@@ -263,6 +343,7 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
         Map without heights, too small for the window, spacing not positive, unknown model.
     """
     z = _map(heights)
+    other = np.zeros((1, 1), order="F") if second is None else _map(second)
     dx, dy = _spacing(spacing)
     profile = z.shape[1] == 1
     if model is None:
@@ -289,7 +370,7 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     reals = [1 / band[1], 1 / band[0] if band[0] > 0 else inf, waves.gamma, waves.length, 0.0 if free else noise]
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1)
     whole = np.array(whole, dtype=np.int32)
-    numbers, curves, name, reason = _engine.call("surface_fit", z, dx, dy, whole, np.array(reals), columns)
+    numbers, curves, name, reason = _engine.call("surface_fit", z, other, dx, dy, whole, np.array(reals), columns)
     return _result(numbers, curves, name, reason, model, weighted, known, lags, band, level, profile, dx, dy)
 
 

@@ -1,0 +1,90 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> From one height map, or two that are pressed together, to D, G and a verdict.
+module hd_measurement
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_observation, only: observation_t, observe, level_plane, add_observation
+  use hd_structure_function, only: check_map
+  use hd_expectation, only: spectrum_t
+  use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
+  use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
+  implicit none
+  private
+  public :: measurement_t, measure
+
+  !> All that is found. `fit%curve` is not allocated for a constant and a plane.
+  type :: measurement_t
+    type(observation_t) :: o        !< S over the window; of two maps: their sum
+    type(fit_t) :: fit              !< D, G, errors
+    type(verdict_t) :: verdict      !< fractal or not, and why
+    real(dp) :: tilt(2) = 0         !< height per point of the plane of the first map [m]
+  end type measurement_t
+
+contains
+
+  !> Level, observe, judge and fit. `other` with one point stands for none; else S of both is added up.
+  subroutine measure(z, other, dx, dy, first, last, level, p, options, m, error)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
+    integer, intent(in) :: first, last                        !< window of lags in points
+    logical, intent(in) :: level                              !< take the planes off
+    type(spectrum_t), intent(in) :: p                         !< model
+    type(fit_options_t), intent(in) :: options                !< how to fit
+    type(measurement_t), intent(out) :: m                     !< what was found
+    type(error_t), allocatable, intent(out) :: error          !< bad map, bad model
+    type(observation_t) :: o
+    type(verdict_t) :: v
+    real(dp) :: tilt(2)
+    call look(z, dx, dy, first, last, level, m%o, m%verdict, m%tilt, error)
+    if (allocated(error)) return
+    if (size(other) > 1) then
+      call look(other, dx, dy, first, last, level, o, v, tilt, error)
+      if (allocated(error)) return
+      call add_observation(m%o, o, error)
+      if (allocated(error)) return
+      call join(m%verdict, v)
+    end if
+    if (.not. all(m%o%s > 0)) return
+    call fit_surface(m%o, p, options, m%fit, error)
+    if (allocated(error)) return
+    call judge_fit(m%o, p, options, m%fit, m%verdict)
+  end subroutine measure
+
+  !> One map: plane, structure function, first judgement.
+  subroutine look(z, dx, dy, first, last, level, o, v, tilt, error)
+    real(dp), intent(in), contiguous :: z(:, :)         !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                      !< spacing [m]
+    integer, intent(in) :: first, last                  !< window of lags in points
+    logical, intent(in) :: level                        !< take the plane off
+    type(observation_t), intent(out) :: o               !< S
+    type(verdict_t), intent(out) :: v                   !< what the map is
+    real(dp), intent(out) :: tilt(2)                    !< of the plane [m per point]
+    type(error_t), allocatable, intent(out) :: error    !< bad map
+    real(dp), allocatable :: flat(:, :)
+    tilt = 0
+    call check_map(z, dx, dy, error)
+    if (allocated(error)) return
+    flat = z
+    call level_plane(flat, tilt)
+    if (level) then
+      call observe(flat, dx, dy, first, last, .true., o, error)
+    else
+      call observe(z, dx, dy, first, last, .false., o, error)
+    end if
+    if (allocated(error)) return
+    call judge_map(z, flat, first, v, error)
+    if (v%name == 'constant' .or. (level .and. v%name == 'plane')) o%s = 0   ! what is left is rounding
+  end subroutine look
+
+  !> Two maps are fractal if both are; else the reason of the one that is not.
+  subroutine join(v, other)
+    type(verdict_t), intent(inout) :: v     !< of the first map, then of both
+    type(verdict_t), intent(in) :: other    !< of the second
+    if (v%kind /= fractal) then
+      v%reason = 'first map: '//v%reason
+    else if (other%kind /= fractal) then
+      v = other
+      v%reason = 'second map: '//v%reason
+    end if
+  end subroutine join
+end module hd_measurement

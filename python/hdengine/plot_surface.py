@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Figures of surfaces."""
+import numpy as np
+
+from .plot import plt
+
+
+def plot_fit(fit, axis=None, label="measured", colour="C0"):
+    """S over the lag with the fitted model and its 95 % band.
+
+    Parameters
+    ----------
+    fit : hdengine.roughness.Fit
+        What to draw.
+    axis : matplotlib.axes.Axes, optional
+        Where; default: a new figure.
+    label, colour : str
+        Name and colour of the data.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    if axis is None:
+        axis = plt.subplots(figsize=(7, 5))[1]
+    order = np.argsort(fit.tau_m)
+    tau = fit.tau_m[order] * 1e6
+    axis.loglog(tau, fit.s_m2[order] * 1e12, "o", ms=5, mfc="none", color=colour, label=label)
+    if np.isfinite(fit.fractal_dimension):
+        low, high = fit.band
+        text = f"D = {fit.fractal_dimension:.4f}, G = {fit.roughness_m:.4g} m"
+        axis.loglog(tau, fit.curve_m2[order] * 1e12, "-", color=colour, label=text)
+        axis.fill_between(tau, low[order] * 1e12, high[order] * 1e12, color=colour, alpha=0.2, lw=0)
+    axis.set_xlabel("lag τ / µm")
+    axis.set_ylabel("S(τ) / µm²")
+    axis.legend(fontsize=10)
+    return axis
+
+
+def plot_residual(fit, axis, colour="C0"):
+    """What S is off the model by, in percent, with the 95 % band."""
+    if not np.isfinite(fit.fractal_dimension):
+        return
+    order = np.argsort(fit.tau_m)
+    tau = fit.tau_m[order] * 1e6
+    low, high = (100 * (b / fit.curve_m2 - 1)[order] for b in fit.band)
+    axis.semilogx(tau, 100 * (fit.s_m2 / fit.curve_m2 - 1)[order], "o", ms=5, mfc="none", color=colour)
+    axis.fill_between(tau, low, high, color=colour, alpha=0.2, lw=0)
+    axis.axhline(0, color="k", lw=0.8)
+    axis.set_xlabel("lag τ / µm")
+    axis.set_ylabel("S / model - 1 / %")
+
+
+def plot_map(specimen, axis):
+    """Height map, or the profile of a line scan."""
+    z = specimen.heights * 1e6
+    if z.ndim == 1:
+        axis.plot(np.arange(z.size) * specimen.spacing[1] * 1e6, z, lw=0.8)
+        axis.set_ylabel("height / µm")
+    else:
+        size = [1e6 * s for s in specimen.size]
+        image = axis.imshow(z - np.nanmean(z), origin="lower", extent=(0, size[1], 0, size[0]), cmap="viridis")
+        axis.grid(False)
+        axis.set_ylabel("y / µm")
+        axis.figure.colorbar(image, ax=axis, label="height / µm", shrink=0.85)
+    axis.set_xlabel("x / µm")
+    axis.set_title(specimen.name, fontsize=12)
+
+
+def plot_specimen(specimen, fit):
+    """One specimen: map and structure function.
+
+    Parameters
+    ----------
+    specimen : hdengine.specimen.Specimen
+        What was read.
+    fit : hdengine.roughness.Fit
+        Its fit.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = plt.figure(figsize=(12, 5.5))
+    left, right = figure.subfigures(1, 2)
+    plot_map(specimen, left.subplots())
+    axes = right.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
+    plot_fit(fit, axes[0])
+    plot_residual(fit, axes[1])
+    axes[0].set_xlabel("")
+    axes[0].set_title(f"{fit.verdict}" + (f": {fit.kind}" if fit.kind not in fit.verdict else ""), fontsize=12)
+    return figure
+
+
+def plot_joint_surface(joint):
+    """Both specimens, their middle rows, and the three structure functions with fit and 95 % band (Fig. 5).
+
+    Parameters
+    ----------
+    joint : hdengine.specimen.JointSurface
+        What to draw.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = plt.figure(figsize=(12, 10))
+    top, bottom = figure.subfigures(2, 1)
+    for specimen, axis in zip(joint.specimens, top.subplots(1, 2)):
+        plot_map(specimen, axis)
+    left, right = bottom.subfigures(1, 2)
+    axis = left.subplots()
+    for i, specimen in enumerate(joint.specimens):
+        z = specimen.heights if specimen.heights.ndim == 1 else specimen.heights[specimen.heights.shape[0] // 2]
+        x = np.arange(z.size) * specimen.spacing[1] * 1e6
+        axis.plot(x, 1e6 * (z - np.nanmean(z)), color=f"C{i}", lw=1, label=specimen.name)
+    axis.set_xlabel("x / µm")
+    axis.set_ylabel("height / µm")
+    axis.set_title("middle rows", fontsize=12)
+    axis.legend(fontsize=10)
+    axes = right.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
+    names = [s.name for s in joint.specimens] + ["equivalent, $S_1 + S_2$"]
+    for i, (fit, name) in enumerate(zip((*joint.fits, joint.equivalent), names)):
+        plot_fit(fit, axes[0], name, f"C{i}")
+        plot_residual(fit, axes[1], f"C{i}")
+    axes[0].set_title("structure functions, fit and 95 % band", fontsize=12)
+    axes[0].set_xlabel("")
+    axes[0].legend(fontsize=8)
+    return figure

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading specimens, the two of data/, the command `hdengine surface`."""
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import hdengine
+from hdengine import roughness, specimen
+from hdengine.cli import main
+
+SURFACES = ROOT.parent / "shared/surfaces"
+KNOWN = roughness.Ridges(0.5e-3, 1e-6)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return [specimen.read(ROOT / f"data/specimen_{name}.npz") for name in ("flexspline", "bearing")]
+
+
+def test_specimens_give_the_paper_surface(pair):
+    """The two specimens of data/ are 0.5 x 0.5 mm; their equivalent surface has D_s = 1.5304 and G = 2.4248e-7 m within 3 standard
+    errors of 0.001 and 1 %, by the exact sum; within its 95 % interval knowing nothing."""
+    assert all(s.size == pytest.approx((0.5e-3, 0.5e-3)) for s in pair)
+    exact = specimen.equivalent(*pair, surface=KNOWN).equivalent
+    assert abs(exact.fractal_dimension - 2.5304) < 3 * exact.fractal_dimension_error < 3e-3
+    assert abs(np.log(exact.roughness_m / 2.4248e-7)) < 3 * exact.ln_roughness_error < 0.03
+    blind = specimen.equivalent(*pair)
+    assert blind.equivalent.interval[0][0] < 2.5304 < blind.equivalent.interval[0][1]
+    assert "equivalent surface" in str(blind)
+
+
+def test_specimens_are_those_of_the_script(pair, tmp_path):
+    """data/make_specimens.py makes the committed heights again, to a step of the file."""
+    (tmp_path / "make_specimens.py").write_text((ROOT / "data/make_specimens.py").read_text())
+    subprocess.run([sys.executable, tmp_path / "make_specimens.py"], check=True)
+    for old in pair:
+        new = specimen.read(tmp_path / f"{old.name}.npz")
+        assert np.max(abs(new.heights - old.heights)) < 2e-9
+
+
+def test_saved_specimen_reads_back(tmp_path):
+    """A map with holes comes back within half a step of 1/64000 of its range, holes in place."""
+    z = np.random.default_rng(1).standard_normal((20, 30))
+    z[3, 4] = np.nan
+    specimen.save(tmp_path / "a.npz", specimen.Specimen(z, (2e-6, 1e-6)), "random")
+    back = specimen.read(tmp_path / "a.npz")
+    assert back.spacing == (2e-6, 1e-6) and back.notes == ("random",) and np.isnan(back.heights[3, 4])
+    shift = np.nanmean(back.heights - z)
+    assert np.nanmax(abs(back.heights - z - shift)) < 1e-4
+
+
+def test_parameters_of_a_sine():
+    """Sq = A/sqrt(2), Sa = 2A/pi, Sdq = slope/sqrt(2), kurtosis 1.5 of a fine sine."""
+    x = np.arange(20000)
+    z = 1e-6 * np.sin(2 * np.pi * x / 200 + 0.3)
+    p = roughness.parameters(z, 1e-6)
+    assert p["sq_m"] == pytest.approx(1e-6 / 2**0.5, rel=1e-3) and p["sa_m"] == pytest.approx(2e-6 / np.pi, rel=1e-3)
+    assert p["sdq"] == pytest.approx(2 * np.pi / 200 / 2**0.5, rel=1e-3) and p["sku"] == pytest.approx(1.5, rel=1e-3)
+    assert p["nayak"] == pytest.approx(1.0, rel=2e-3)
+
+
+def test_spectrum_integrates_to_the_variance():
+    """The integral of the profile spectrum is Sq^2 (Parseval), within 3 %; holes are refused."""
+    z = np.random.default_rng(3).standard_normal((200, 256))
+    for direction in ("rows", "columns"):
+        f, density = roughness.psd(z, 1e-6, direction)
+        assert np.sum(density) * f[0] == pytest.approx(np.var(z), rel=0.03)
+    f, density = roughness.psd(z, 1e-6, "radial")
+    assert np.mean(density) == pytest.approx(1e-12, rel=0.05)
+    z[0, 0] = np.nan
+    with pytest.raises(hdengine.InputError, match="holes"):
+        roughness.psd(z, 1e-6)
+
+
+UNITS = {"nanovea_test2.txt": {"unit": ("mm", "um")}, "npl_edm_x_um_z_um.csv": {"unit": "um"},
+         "npl_sine.xml": {"unit": "um", "spacing": 0.5e-6}}
+FILES = sorted(p.name for p in SURFACES.glob("*") if not p.name.startswith(("LICENSE", "MANIFEST")))
+ROUGH = {"plu-1_crop_0.5mm.vk4": (1.51e-8, 499.66e-6), "plu-1_crop_0.5mm.vk6": (1.51e-8, 499.66e-6),
+         "plu-1.plu": (1.83e-8, 1274.9e-6),
+         "x3p-2.x3p": (7.72e-8, 83e-6), "sflz_test_1.opd": (1.927e-6, 1.2028e-3), "al3d-1.al3d": (2.9e-7, 87.6e-6)}
+
+
+@pytest.mark.full
+@pytest.mark.skipif(not FILES, reason="measured surfaces not present")
+@pytest.mark.parametrize("name", FILES)
+def test_measured_files_read(name):
+    """Every measured file reads, with unit and size as published, and is judged; without its unit it is refused by name."""
+    pytest.importorskip("SurfaceTopography")
+    if name in UNITS:
+        with pytest.raises(hdengine.InputError, match="states no"):
+            specimen.read(SURFACES / name)
+    s = specimen.read(SURFACES / name, **UNITS.get(name, {}))
+    if name in ROUGH:
+        sq, width = ROUGH[name]
+        assert s.parameters()["sq_m"] == pytest.approx(sq, rel=0.02) and s.size[-1] == pytest.approx(width, rel=0.01)
+    f = s.fit()
+    assert f.verdict in ("fractal", "not fractal", "noise-dominated") and f.reason
+    if "sine" in name:
+        assert f.kind == "sine"
+
+
+def test_bad_files_are_named(tmp_path):
+    """A missing file, a foreign npz and an unreadable file are one FileError each, with the file's name."""
+    np.savez(tmp_path / "foreign.npz", a=1)
+    (tmp_path / "noise.x3p").write_bytes(b"no surface")
+    for name in ("missing.vk4", "foreign.npz", "noise.x3p"):
+        if name.endswith("x3p"):
+            pytest.importorskip("SurfaceTopography")
+        with pytest.raises(hdengine.FileError, match=name):
+            specimen.read(tmp_path / name)
+
+
+def test_command_reads_fits_and_plots(tmp_path, capsys):
+    """`hdengine surface` prints verdict, D and G of both specimens and of their sum and writes three figures; bad calls are one line
+    on stderr and the code of the error."""
+    files = [str(ROOT / f"data/specimen_{n}.npz") for n in ("flexspline", "bearing")]
+    assert main(["surface", *files, "--pair", "--ridges", "5e-4,1e-6,10,1.5", "--out", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert text.count("verdict   fractal") == 3 and "D         2.53" in text
+    assert {p.name for p in Path(tmp_path).iterdir()} == {"joint_surface.png", "specimen_flexspline.png", "specimen_bearing.png"}
+    for words, code in ((["--pair", files[0]], 2), (["none.vk4"], 3), ([files[0], "--lags", "1", "400"], 2)):
+        assert main(["surface", *words, "--out", str(tmp_path)]) == code
+        stderr = capsys.readouterr().err
+        assert stderr.startswith("error: ") and stderr.count("\n") == 1

@@ -7,6 +7,7 @@
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
+  use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent
@@ -30,6 +31,7 @@ module hd_newton
     integer :: changes = 0             !< multipliers whose state changed
     integer :: open = 0, stick = 0, slip = 0  !< multipliers by state
     real(dp) :: damping = 1            !< length of the step that led here
+    real(dp) :: linear = 0             !< backward error of the linear equations behind that step
     real(dp) :: seconds = 0            !< wall clock since the start of the step
   end type iteration_t
 
@@ -57,6 +59,7 @@ module hd_newton
     integer :: outer = 0                   !< softened outer steps
   end type globalisation_t
 
+  real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
@@ -100,7 +103,8 @@ contains
       row%seconds = real(now - start, dp)/rate
       history = [history, row]
       state%contact = here%contact
-      sliding = here%merit < 1e-6_dp .and. maxval(abs(state%u)) > options%runaway
+      sliding = here%merit < merge(1e-3_dp, 1e-6_dp, row%open == problem%mortar%n) .and. &
+        maxval(abs(state%u)) > options%runaway
       if (sliding) return
       converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
@@ -109,8 +113,8 @@ contains
       call update_tangent(problem, state%u)
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
-      call solver%solve(problem, here%r_u, here%r_c, du, dt, error)
-      if (allocated(error)) return
+      call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
+      if (allocated(error) .or. .not. row%linear < useless) return
       row%iteration = row%iteration + 1
       call advance(problem, load, previous, du, dt, row%iteration - global%since > options%full_steps .or. &
         here%law%softness > 0, state, here, row%damping)

@@ -67,7 +67,7 @@ contains
       'area_m2,gap_m,pressure_pa,traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m', error)
     if (allocated(error)) return
     call output%history%open(folder//'/history.csv', place//',attempt,iteration,residual,change,open,stick,slip,damping,'// &
-      'seconds', error)
+      'linear_error,seconds', error)
     if (allocated(error)) return
     call output%steps%open(folder//'/steps.csv', place//',rotation_rad,normal_force_n,reaction_force_n,facet_force_n,'// &
       'lobe_force_x_n,contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,friction_torque_nm,friction_capacity_nm,'// &
@@ -162,6 +162,7 @@ contains
         call output%history%add(h%stick)
         call output%history%add(h%slip)
         call output%history%add(h%damping)
+        call output%history%add(h%linear)
         call output%history%add(h%seconds)
       end associate
       call output%history%end_row(error)

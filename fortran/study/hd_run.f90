@@ -25,6 +25,8 @@ module hd_run
   private
   public :: run_t, new_run, advance, finish, run_scene
 
+  integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
+
   type :: run_t
     type(scene_t) :: scene
     type(drive_t), allocatable :: drive
@@ -33,6 +35,8 @@ module hd_run
     type(state_t) :: before, state          !< last two converged states
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
     type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
+    logical :: easy = .true.                !< the last part took few iterations
+    real(dp) :: stride = 2                  !< longest part of a load step that is tried
     type(step_t) :: step                    !< last converged step
     type(facets_t) :: facets                !< its facets
     type(sums_t) :: sums                    !< its sums
@@ -94,7 +98,8 @@ contains
     integer :: cuts, attempt
     logical :: solved, sliding
     target = next_position(run)
-    part = target
+    if (abs(run%position - 1) < 1e-12_dp) run%stride = 2
+    part = min(target, run%position + run%stride)
     cuts = 0
     attempt = 0
     slip_torque = 0
@@ -110,7 +115,9 @@ contains
       if (allocated(error)) exit
       attempt = attempt + 1
       if (solved) then
-        part = target
+        cuts = 0
+        if (run%easy) run%stride = 2*run%stride
+        part = min(target, run%position + run%stride)
         if (slip_torque > 0) then
           part = min(target, cautious(run, slip_torque))
           if (slip_torque <= abs(run%step%torque)*1.003_dp) call slipped(run, slip_torque, error)
@@ -118,11 +125,14 @@ contains
       else
         cuts = cuts + 1
         run%record%cuts = run%record%cuts + 1
-        if (sliding) then
+        if (sliding .and. .not. slip_torque > 0) then
+          call not_held(run, part, error)
+        else if (sliding) then
           part = cautious(run, slip_torque)
           if (cuts > run%scene%max_cuts) call slipped(run, slip_torque, error)
         else
-          part = 0.5_dp*(run%position + part)
+          run%stride = 0.5_dp*(part - run%position)
+          part = run%position + run%stride
           if (cuts > run%scene%max_cuts) call not_converged(run, error)
         end if
       end if
@@ -214,6 +224,7 @@ contains
     if (allocated(error)) return
     call log_iterations(history)
     run%step%iterations = run%step%iterations + size(history) - 1
+    run%easy = size(history) <= few_iterations
     if (solved) then
       run%before = run%state
       run%state = trial
@@ -313,6 +324,16 @@ contains
       to_text(run%sums%friction_capacity)//' N m and the support holds no torque. The state at '//to_text(run%step%torque)// &
       ' N m is kept. Raise interference or friction, lower torque, or use support = ''hub''')
   end subroutine slipped
+
+  !> The flexspline slides away though no friction was overcome.
+  subroutine not_held(run, position, error)
+    type(run_t), intent(in) :: run                    !< run
+    real(dp), intent(in) :: position                  !< where it was tried to go
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    call raise(error, code_not_converged, 'the flexspline is not held: beyond torque '//to_text(run%step%torque)//' N m (tried '// &
+      to_text(max(0._dp, position - 1)*run%scene%torque)//' N m) no contact point carries it and only the soft springs of the '// &
+      "support are left. Raise interference, w or friction, or use support = 'hub'; the last converged state is kept")
+  end subroutine not_held
 
   !> Newton's method failed on ever smaller steps.
   subroutine not_converged(run, error)

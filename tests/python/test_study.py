@@ -13,7 +13,7 @@ from hdengine.plot_study import plot_study
 from hdengine.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
-STUDIES = sorted((ROOT / "data").glob("fig*.nml"))
+STUDIES = [p for p in sorted((ROOT / "data").glob("*.nml")) if "&study" in p.read_text()]
 
 
 def small(**other):
@@ -22,9 +22,9 @@ def small(**other):
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
 def test_studies_of_the_paper_are_valid(path):
-    """Every study namelist in data/ is read, and the engine accepts the scene of each of its points."""
+    """Every study namelist in data/ is read, and the engine accepts the scene of its first forty points."""
     study = Study.read(path)
-    for point in study.points:
+    for point in study.points[:40]:
         hdengine.read_scene(study.scene, **{**study.fixed, **point})
 
 

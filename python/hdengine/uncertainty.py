@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What K_TS owes to its inputs: bands, one-at-a-time ranges (tornado), variance-based indices."""
+import warnings
+
+import numpy as np
+
+from . import torsion
+from ._engine import InputError
+from .contact import read_scene
+from .joint import Joint
+from .study import Study
+
+# key: (low, high, why); docs/sensitivity.md has the sources
+JOINT = {
+    "joint.asperity_radius": (3.74e-6, 6.30e-6, "fits to boundary elements: both cut-offs, the finer one"),
+    "joint.s_min": (4.9e-13, 2.4e-12, "fits to boundary elements: the coarser cut-off, both"),
+    "joint.fractal_dimension": (2.5184, 2.5424, "two standard deviations of the fit, 0.006 each"),
+    "joint.roughness": (2.238e-7, 2.627e-7, "two standard deviations of ln G, 0.04 each"),
+    "joint.hardness": (2.3e9, 3.1e9, "2.8 sigma_y, sigma_y 835 to 1120 MPa"),
+}
+DRIVE = {
+    "contact.friction": (0.05, 0.15, "lubricated to dry"),
+    "wave_generator.w": (0.195e-3, 0.215e-3, "range of the paper"),
+    "wave_generator.interference": (5e-6, 15e-6, "chosen, half to one and a half"),
+    "wave_generator.eccentricity": (0.0, 10e-6, "range of the paper"),
+    "geometry.bore_radius": (17.3e-3, 17.8e-3, "pitch radius less dedendum and rim"),
+    "geometry.wall_thickness": (0.32e-3, 0.40e-3, "scaled estimate, 10 %"),
+    "geometry.rim_thickness": (0.38e-3, 0.47e-3, "scaled estimate, 10 %"),
+    "geometry.cup_length": (17e-3, 26.7e-3, "between the short and the long cup"),
+    "geometry.bottom_thickness": (0.4e-3, 0.6e-3, "estimate, 20 %"),
+    "geometry.ring_thickness": (0.8e-3, 1.2e-3, "estimate, 20 %"),
+    "material.flexspline_e": (205e9, 213e9, "2 %"),
+    "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
+}
+
+
+def scene_joint(scene):
+    """Joint of a scene, as the engine makes it.
+
+    Parameters
+    ----------
+    scene : dict
+        'group.key' to value (`read_scene`, `Result.scene`).
+    """
+    s_min = scene["joint.s_min"] or np.pi * (scene["joint.shortest_wavelength"] / 2)**2
+    return Joint(e1=scene["material.flexspline_e"], nu1=scene["material.flexspline_nu"], e2=scene["material.ring_e"],
+                 nu2=scene["material.ring_nu"], nu_soft=scene["material.flexspline_nu"],
+                 hardness=scene["joint.hardness"] or 2.8 * scene["material.yield_strength"],
+                 fractal_dimension=scene["joint.fractal_dimension"], roughness=scene["joint.roughness"],
+                 gamma=scene["joint.gamma"], asperity_radius=scene["joint.asperity_radius"], friction=scene["contact.friction"],
+                 s_min=s_min, reference_area=scene["joint.sample_length"]**2, paper=scene["joint.closure"] == "paper")
+
+
+class ContactField:
+    """Pressure and shear of one load step; K_TS for other joints without solving the contact again.
+
+    Exact for the keys of &joint; keys that change the contact itself need a new run.
+
+    Parameters
+    ----------
+    result : Result
+    step : int
+        Row of steps.csv; default: the last.
+    """
+
+    def __init__(self, result, step=-1):
+        self.scene = dict(result.scene)
+        c = {name: column[step] for name, column in result.contact.items()}
+        self._load = c["pressure_pa"], np.hypot(c["traction_theta_pa"], c["traction_z_pa"]), c["area_m2"]
+        self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
+        self.torque_nm = float(result.torque_nm[step])
+
+    def k_ts(self, **keys):
+        """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
+        scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
+        joint = scene_joint(scene)
+        pressure, shear, area = self._load
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            k_n, k_t = joint.stiffness(pressure, shear, area)
+        return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
+
+
+def joint_tornado(field, ranges=JOINT):
+    """K_TS at both ends of each range, the others at the scene's values.
+
+    Returns
+    -------
+    dict
+        key: (at low, at high) [N m/rad], the widest first.
+    """
+    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in ranges.items()}
+    return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
+
+
+def joint_band(field, ranges=JOINT, draws=500, level=0.95, seed=1):
+    """Band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
+
+    Returns
+    -------
+    low, median, high : float
+        [N m/rad].
+    """
+    generator = np.random.default_rng(seed)
+    values = [field.k_ts(**_point(ranges, generator.random(len(ranges)))) for _ in range(draws)]
+    return tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+
+
+def _point(ranges, unit):
+    """Keys at a point of the unit cube."""
+    point = {}
+    for (key, (low, high, _)), u in zip(ranges.items(), unit):
+        point[key] = float(low * (high / low)**u) if low > 0 and high > 2 * low else float(low + (high - low) * u)
+    return point
+
+
+def joint_indices(field, ranges=JOINT, base=128, seed=1):
+    """First-order and total variance-based indices of K_TS (Sobol; needs SALib: pip install 'hdengine[sensitivity]').
+
+    Parameters
+    ----------
+    field : ContactField
+    ranges : dict
+    base : int
+        Power of 2; base (n + 2) evaluations.
+
+    Returns
+    -------
+    dict
+        key: (first order, its 95 % half width, total, its half width).
+
+    Raises
+    ------
+    InputError
+        SALib is not installed.
+    """
+    try:
+        from SALib.analyze import sobol as analysis
+        from SALib.sample import sobol as sampling
+    except ImportError:
+        raise InputError("variance-based indices need SALib: pip install 'hdengine[sensitivity]'") from None
+    problem = {"num_vars": len(ranges), "names": list(ranges), "bounds": [[0, 1]] * len(ranges)}
+    points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
+    y = np.array([field.k_ts(**_point(ranges, u)) for u in points])
+    s = analysis.analyze(problem, y, calc_second_order=False, seed=seed)
+    return {key: tuple(float(s[name][i]) for name in ("S1", "S1_conf", "ST", "ST_conf")) for i, key in enumerate(ranges)}
+
+
+def one_at_a_time(scene="", ranges=None, fixed=None):
+    """Study with the scene itself and both ends of each range: point 0, then low and high of each key.
+
+    Parameters
+    ----------
+    scene : str
+        Namelist.
+    ranges : dict
+        Default: DRIVE.
+    fixed : dict
+        Keys that differ from the scene at every point.
+    """
+    ranges = DRIVE if ranges is None else ranges
+    base = read_scene(scene, **(fixed or {}))
+    columns = {}
+    for i, (key, (low, high, _)) in enumerate(ranges.items()):
+        columns[key] = [base[key]] * (2 * len(ranges) + 1)
+        columns[key][2 * i + 1:2 * i + 3] = [low, high]
+    return Study(scene, together=columns, fixed=fixed or {}, rows="last", title="One at a time")
+
+
+def drive_tornado(result, ranges=None, column="k_ts_nm_per_rad"):
+    """Ends of each range from the study of `one_at_a_time`.
+
+    Returns
+    -------
+    base : float
+    ends : dict
+        key: (at low, at high); NaN where a point failed; the widest first.
+    """
+    ranges = DRIVE if ranges is None else ranges
+    value = {row["point"]: row.get(column, np.nan) if row["status"] == "done" else np.nan for row in result.rows}
+    ends = {key: (value.get(2 * i + 1, np.nan), value.get(2 * i + 2, np.nan)) for i, key in enumerate(ranges)}
+    return value[0], dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
+
+
+def plot_tornado(base, ends, ranges, title=""):
+    """Tornado chart (a matplotlib figure): change of K_TS between the ends of each range."""
+    from .plot import plt
+
+    figure, axis = plt.subplots(figsize=(9, 1.3 + 0.42 * len(ends)))
+    for i, (key, values) in enumerate(reversed(ends.items())):
+        for value, end, colour in zip(values, ranges[key][:2], ("C0", "C1")):
+            change = 100 * (value / base - 1)
+            axis.barh(i, change, color=colour, height=0.7)
+            axis.annotate(f"{end:.4g}", (change, i), xytext=(4 if change >= 0 else -4, 0), textcoords="offset points",
+                          va="center", ha="left" if change >= 0 else "right", fontsize=9)
+    axis.set_yticks(range(len(ends)), list(reversed(ends)), fontsize=11)
+    axis.axvline(0, color="k", lw=0.8)
+    axis.margins(x=0.15)
+    axis.set_xlabel(f"change of $K_{{TS}}$ / % of {base:.4g} N m/rad\nblue: low end, orange: high end, SI units")
+    axis.set_title(title, fontsize=12)
+    return figure

@@ -105,7 +105,9 @@ def main():
               "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_max": max(steps),
               "cut_backs": sum(row.get("cut_backs", 0) for row in rows if row["code"] == 0), "scenes": rows}
     if args.start == 0:
-        (ROOT / "bench/results/random_scenes.json").write_text(json.dumps(record, indent=1) + "\n")
+        lines = ",\n".join(json.dumps(row) for row in rows)
+        head = json.dumps({k: v for k, v in record.items() if k != "scenes"}, indent=1)[:-2]
+        (ROOT / "bench/results/random_scenes.json").write_text(f'{head},\n "scenes": [\n{lines}\n]}}\n')
     for k, v in record.items():
         if k != "scenes":
             print(f"| {k} | {v} |")

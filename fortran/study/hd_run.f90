@@ -331,8 +331,9 @@ contains
     real(dp), intent(in) :: position                  !< where it was tried to go
     type(error_t), allocatable, intent(out) :: error  !< the message
     call raise(error, code_not_converged, 'the flexspline is not held: beyond torque '//to_text(abs(run%step%torque))// &
-      ' N m (tried '//to_text(max(0._dp, position - 1)*run%scene%torque)//' N m) no contact point carries it and only the soft springs of the '// &
-      "support are left. Raise interference, w or friction, or use support = 'hub'; the last converged state is kept")
+      ' N m (tried '//to_text(max(0._dp, position - 1)*run%scene%torque)//' N m) no contact point carries it and only the '// &
+      "soft springs of the support are left. Raise interference, w or friction, or use support = 'hub'; the last "// &
+      'converged state is kept')
   end subroutine not_held
 
   !> Newton's method failed on ever smaller steps.

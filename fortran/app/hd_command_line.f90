@@ -6,6 +6,7 @@ module hd_command_line
   use hd_help, only: help_text, license_text, citation_text, version_text
   use hd_input, only: read_scene, explain
   use hd_log, only: set_log_level, quiet, normal, verbose, say
+  use hd_map_run, only: check_map_run, run_map
   use hd_run, only: run_scene
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, nearest_name, join
@@ -126,13 +127,19 @@ contains
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
+      if (scene%map_only) call check_map_run(scene, error)
+      if (allocated(error)) return
       if (command%action == 'check') then
         call say(command%input//' is valid')
         return
       end if
       folder = command%folder
       if (len(folder) == 0) folder = stem(command%input)//'.out'
-      call run_scene(scene, command%input, folder, command%force, error)
+      if (scene%map_only) then
+        call run_map(scene, command%input, folder, command%force, error)
+      else
+        call run_scene(scene, command%input, folder, command%force, error)
+      end if
     end select
   end subroutine obey
 

@@ -32,13 +32,28 @@ contains
       call apply_file(list, table)
     end if
     call apply_assignments(assignments, list%faults, table)
-    if (size(list%faults) == 0) call check_scene(scene, list%faults)
+    if (size(list%faults) == 0) scene%map_only = surface_alone(table)
+    if (size(list%faults) == 0 .and. .not. scene%map_only) call check_scene(scene, list%faults)
     if (size(list%faults) > 0) then
       call raise(error, code_input, join(list%faults, nl))
       return
     end if
-    call check_memory(scene, error)
+    if (.not. scene%map_only) call check_memory(scene, error)
   end subroutine read_scene
+
+  !> Is only a surface asked for?
+  pure logical function surface_alone(table)
+    type(table_t), intent(in) :: table    !< table after reading
+    integer :: i
+    surface_alone = any([(table%rows(i)%given .and. table%rows(i)%group == 'surface', i=1, size(table%rows))]) .and. &
+      .not. any([(table%rows(i)%given .and. .not. with_surface(table%rows(i)%group), i=1, size(table%rows))])
+  end function surface_alone
+
+  !> Groups that belong to a surface.
+  pure logical function with_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    with_surface = group == 'surface' .or. group == 'run' .or. group == 'hd_input'
+  end function with_surface
 
   !> Enter the assignments of a file into the table.
   subroutine apply_file(list, table)
@@ -265,6 +280,7 @@ contains
     end if
     groups = groups_of(table)
     do g = 1, size(groups)
+      if (merge(.not. with_surface(groups(g)%s), groups(g)%s == 'surface', scene%map_only)) cycle
       write (unit, '(a)') '&'//groups(g)%s
       do i = 1, size(table%rows)
         if (table%rows(i)%group /= groups(g)%s) cycle

@@ -3,7 +3,7 @@
 module hd_parameters
   use hd_kinds, only: dp
   use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower
-  use hd_scene, only: scene_t
+  use hd_scene, only: scene_t, map_t
   implicit none
   private
   public :: parameter_t, table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
@@ -35,6 +35,7 @@ contains
     allocate (table%rows(0))
     call add_shape_keys(scene, table)
     call add_model_keys(scene, table)
+    call add_map_keys(scene%map, table)
     do i = 1, size(table%rows)
       table%rows(i)%default = value_text(table%rows(i))
     end do
@@ -150,6 +151,30 @@ contains
     call numbers(t, 'output', 'positions', s%positions, 'm', 0._dp, big, &
       'Positions I, II, III: distances from the front edge of the contact band')
   end subroutine add_model_keys
+
+  !> A generated surface.
+  subroutine add_map_keys(s, t)
+    type(map_t), intent(inout), target :: s    !< surface
+    type(table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call whole(t, 'surface', 'nx', s%nx, 1, 8388608, 'points along x')
+    call whole(t, 'surface', 'ny', s%ny, 1, 8388608, 'points along y')
+    call number(t, 'surface', 'dx', s%dx, 'm', 0._dp, big, 'spacing along x')
+    call number(t, 'surface', 'dy', s%dy, 'm', 0._dp, big, 'spacing along y')
+    call number(t, 'surface', 'x_0', s%x_0, 'm', -big, big, 'first point')
+    call number(t, 'surface', 'y_0', s%y_0, 'm', -big, big, 'first point')
+    call number(t, 'surface', 'fractal_dimension', s%fractal_dimension, '', 2._dp, 3._dp, 'D of Eq. 1')
+    call number(t, 'surface', 'roughness', s%roughness, 'm', 0._dp, big, 'G of Eq. 1')
+    call number(t, 'surface', 'gamma', s%gamma, '', 1._dp, big, 'frequency ratio')
+    call number(t, 'surface', 'length', s%length, 'm', 0._dp, big, 'L, the longest wavelength')
+    call number(t, 'surface', 'shortest_wavelength', s%shortest_wavelength, 'm', 0._dp, big, 'L_s, not above L')
+    call whole(t, 'surface', 'ridges', s%ridges, 1, 100000000, 'M, directions of waves; 1: Eq. 2')
+    call whole(t, 'surface', 'seed', s%seed, 0, huge(1), 'of the phases')
+    call number(t, 'surface', 'tolerance', s%tolerance, '', 1e-13_dp, 0.1_dp, &
+      'rms error that the non-uniform FFT may have, relative to the waves', closed=.true.)
+    call text(t, 'surface', 'method', s%method, 'auto direct product nufft', 'evaluator of the sum; auto: the fastest')
+    call text(t, 'surface', 'precision', s%precision, 'double single', 'of the heights in the file')
+  end subroutine add_map_keys
 
   !> Add a row.
   subroutine append(table, group, key, unit, meaning, row)

@@ -4,7 +4,7 @@ module hd_run
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds, timestamp
   use hd_drive, only: drive_t, drive_load
-  use hd_error, only: error_t, raise, code_not_converged, code_stopped, code_memory
+  use hd_error, only: error_t, raise, code_input, code_not_converged, code_stopped, code_memory
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
   use hd_interface, only: scene_interface
   use hd_joint, only: joint_t
@@ -59,6 +59,11 @@ contains
     logical, intent(in) :: force                      !< replace earlier results
     type(run_t), intent(inout) :: run                 !< run at rest
     type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
+    if (scene%map_only) then
+      call raise(error, code_input, 'the input holds only &surface: hdengine.x generates it, as does '// &
+        'hdengine.surface.generate in Python; a contact run needs another group')
+      return
+    end if
     run%clock = wall_seconds()
     run%scene = scene
     run%record%started = timestamp()

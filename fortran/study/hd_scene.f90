@@ -4,10 +4,19 @@ module hd_scene
   use hd_kinds, only: dp
   implicit none
   private
-  public :: scene_t, name_length
+  public :: scene_t, map_t, name_length
 
   integer, parameter :: name_length = 32   !< longest choice
   integer, parameter :: title_length = 120 !< longest title
+
+  !> A generated surface.
+  type :: map_t
+    integer :: nx = 512, ny = 512, ridges = 10, seed = 1
+    real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp, x_0 = 0, y_0 = 0
+    real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, length = 0.5e-3_dp
+    real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 1e-12_dp
+    character(len=name_length) :: method = 'auto', precision = 'double'
+  end type map_t
 
   type :: scene_t
     integer :: version = 1
@@ -46,6 +55,9 @@ module hd_scene
     real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
     real(dp) :: shortest_wavelength = 1e-6_dp, asperity_radius = 5e-6_dp, s_min = 0, hardness = 0
     character(len=name_length) :: closure = 'nominal'
+    ! surface
+    type(map_t) :: map
+    logical :: map_only = .false.     !< the input asks for a surface alone: no contact
     ! output
     character(len=name_length) :: vtu = 'last'
     real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]

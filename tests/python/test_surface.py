@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Generated surfaces."""
+import csv
+import json
 from math import gamma, pi
 
 import numpy as np
 import pytest
 
 import hdengine
+from conftest import ROOT, call
 from hdengine import surface
 
 D, G = 2.5304, 2.4248e-7
@@ -210,3 +213,36 @@ def test_nufft_keeps_the_tolerance_on_a_large_grid(tolerance):
     exact = surface.generate(**options, method="product")
     z = surface.generate(**options, method="nufft", tolerance=tolerance)
     assert np.sqrt(np.mean((z - exact) ** 2)) < tolerance * exact.std()
+
+
+def test_namelist_generates_the_surface(exe, tmp_path):
+    """An input with only &surface writes the heights of `generate` and runs no contact; its echo gives the same file."""
+    done = call(exe, ROOT / "data/surface.nml", "--out", tmp_path / "a.out", "surface.ny=200", "surface.precision=single", "-q")
+    assert done.returncode == 0, done.stderr
+    z = np.load(tmp_path / "a.out/heights.npy")
+    exact = surface.generate((200, 501), 1e-6, D, G, 1.5, 0.5e-3, 1e-6, 10, 1)
+    assert z.dtype == np.float32 and np.allclose(z, exact, rtol=2e-7, atol=1e-17)
+    summary = json.loads((tmp_path / "a.out/summary.json").read_text())
+    assert summary["status"] == "complete" and summary["results"]["height_rms_m"] == pytest.approx(exact.std(), rel=1e-6)
+    rows = list(csv.DictReader((tmp_path / "a.out/structure.csv").open()))
+    assert float(rows[0]["s_m2"]) == pytest.approx(np.mean(np.diff(exact, axis=1) ** 2), rel=1e-5)
+    assert float(rows[0]["s_m2"]) == pytest.approx(float(rows[0]["s_expected_m2"]), rel=0.05)
+    assert not (tmp_path / "a.out/contact.csv").exists()
+    assert call(exe, tmp_path / "a.out/echo.nml", "--out", tmp_path / "b.out", "-q").returncode == 0
+    assert (tmp_path / "a.out/heights.npy").read_bytes() == (tmp_path / "b.out/heights.npy").read_bytes()
+
+
+@pytest.mark.parametrize("change, says", [
+    ("surface.shortest_wavelength=1", "must not exceed the length"), ("surface.dx=0", "dx"), ("surface.gamma=1", "gamma"),
+    ("surface.fractal_dimension=3", "fractal_dimension"), ("surface.gamma=1.0000000001", "more than 100000000 waves"),
+], ids=lambda v: v.split("=")[0])
+def test_namelist_refuses_bad_surfaces(exe, tmp_path, change, says):
+    """One clear error and nothing written."""
+    done = call(exe, ROOT / "data/surface.nml", "--out", tmp_path / "a.out", change)
+    assert done.returncode == 2 and says in done.stderr and not (tmp_path / "a.out").exists()
+
+
+def test_surface_alone_is_no_contact_run():
+    """Asked for a contact run, the engine says where surfaces are made."""
+    with pytest.raises(hdengine.InputError, match="only &surface"):
+        hdengine.run(str(ROOT / "data/surface.nml"))

@@ -309,14 +309,17 @@ def persson_angle(parameter):
 
     E' dR / Q = (2 - ln(b^2 + 1) - 2 b^4) / (pi b^2 (b^2 + 1)), b = tan(half-angle / 2).
     """
-    from scipy.optimize import brentq
-
-    def f(x):
-        b = np.tan(x / 2)
-        return (2 - np.log(b**2 + 1) - 2 * b**4) / (np.pi * b**2 * (b**2 + 1)) - parameter
     if parameter <= -2 / np.pi:
         return np.pi
-    return brentq(f, 1e-3, np.pi - 1e-6)
+    low, high = 1e-3, np.pi - 1e-6
+    while high - low > 1e-14:
+        x = (low + high) / 2
+        b = np.tan(x / 2)
+        if (2 - np.log(b**2 + 1) - 2 * b**4) / (np.pi * b**2 * (b**2 + 1)) > parameter:  # falls with the angle
+            low = x
+        else:
+            high = x
+    return (low + high) / 2
 
 
 def persson_pressure(theta, half, q, radius, strain_modulus):

@@ -20,7 +20,7 @@ import numpy as np
 
 from peer_hub import ROOT, machine
 
-MESHES = [(80, 6), (120, 9), (160, 12), (240, 18), (360, 27), (584, 36), (840, 50)]
+MESHES = [(80, 6), (120, 9), (160, 12), (240, 18), (360, 27), (584, 36), (640, 42), (840, 50)]
 METHODS = {"newton": "sparse matrix per iteration", "schur": "Schur complement", "condensed": "harmonics"}
 
 
@@ -62,6 +62,7 @@ def draw(rows, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullFormatter
     fig, axes = plt.subplots(1, 2, figsize=(10, 4.4), constrained_layout=True)
     for ax, key, label in ((axes[0], "cpu_s", "CPU time / s"), (axes[1], "memory_mb", "peak memory / MB")):
         for method, name in METHODS.items():
@@ -72,8 +73,10 @@ def draw(rows, path):
                           label=name + (f", exponent {a[0]:.2f}" if a else ""))
         ax.set_xlabel("displacement dof")
         ax.set_ylabel(label)
+        ax.xaxis.set_minor_formatter(NullFormatter())
         ax.grid(True, which="both", alpha=0.3)
-        ax.legend(fontsize=11)
+        ax.set_ylim(ax.get_ylim()[0], ax.get_ylim()[1] * 8)
+        ax.legend(fontsize=11, loc="upper left")
     fig.savefig(path, dpi=110)
 
 

@@ -7,6 +7,7 @@ module hd_command_line
   use hd_input, only: read_scene, explain
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_map_run, only: check_map_run, run_map
+  use hd_planner, only: run_planned, plan_text
   use hd_run, only: run_scene
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, nearest_name, join
@@ -41,7 +42,7 @@ contains
     do while (i <= command_argument_count() .and. .not. allocated(error))
       word = argument(i)
       select case (word)
-      case ('--check', '--help', '--version', '--license', '--citation')
+      case ('--check', '--plan', '--help', '--version', '--license', '--citation')
         command%action = word(3:)
       case ('-h')
         command%action = 'help'
@@ -67,7 +68,8 @@ contains
       i = i + 1
     end do
     if (allocated(error)) return
-    if ((command%action == 'run' .or. command%action == 'check') .and. len(command%input) == 0) &
+    if ((command%action == 'run' .or. command%action == 'check' .or. &
+      command%action == 'plan') .and. len(command%input) == 0) &
       call raise(error, code_input, 'no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)')
   contains
     subroutine take_value(value)
@@ -94,8 +96,8 @@ contains
   subroutine unknown_option(word, error)
     character(len=*), intent(in) :: word              !< as typed
     type(error_t), allocatable, intent(out) :: error  !< usage
-    character(len=*), parameter :: names(8) = [character(len=10) :: '--check', '--explain', '--force', '--help', '--out', &
-      '--version', '--license', '--citation']
+    character(len=*), parameter :: names(9) = [character(len=10) :: '--check', '--plan', '--explain', '--force', '--help', &
+      '--out', '--version', '--license', '--citation']
     type(string_t), allocatable :: options(:)
     integer :: i
     character(len=:), allocatable :: hint
@@ -133,10 +135,20 @@ contains
         call say(command%input//' is valid')
         return
       end if
+      if (command%action == 'plan') then
+        if (.not. scene%promise > 0) then
+          call raise(error, code_input, '--plan needs a tolerance: run.tolerance=0.02, or &run tolerance = 0.02 / in the input')
+          return
+        end if
+        call print_text(plan_text(scene))
+        return
+      end if
       folder = command%folder
       if (len(folder) == 0) folder = stem(command%input)//'.out'
       if (scene%map_only) then
         call run_map(scene, command%input, folder, command%force, error)
+      else if (scene%promise > 0) then
+        call run_planned(scene, command%input, folder, command%force, error)
       else
         call run_scene(scene, command%input, folder, command%force, error)
       end if

@@ -19,6 +19,7 @@ contains
       '  --out DIR       folder for the results'//nl// &
       '  --force         replace earlier results'//nl// &
       '  --check         read and check the input, then stop'//nl// &
+      '  --plan          print meshes, time and memory for run.tolerance, then stop'//nl// &
       '  --explain KEY   meaning, unit and default of a key (group.key, group, all)'//nl// &
       '  -q, -v          no log, log with Newton iterations'//nl// &
       '  --version  --license  --citation  --help'//nl//nl// &

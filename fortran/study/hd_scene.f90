@@ -21,6 +21,7 @@ module hd_scene
   type :: scene_t
     integer :: version = 1
     character(len=title_length) :: title = ''
+    real(dp) :: promise = 0
     ! geometry
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
     real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp

@@ -31,6 +31,9 @@ module hd_summary
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
+    real(dp) :: promise = 0            !< tolerance that was planned for, 0: none
+    real(dp) :: estimate(3) = 0        !< estimated relative errors of K_TS, normal force, mid-band pressure
+    integer :: level = 0               !< of the series of meshes
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -84,6 +87,16 @@ contains
     call json%add('total', record%timers%total)
     call json%finish()
     call json%add('peak_memory_mb', peak_memory_mb())
+    if (record%promise > 0) then
+      call json%begin('plan')
+      call json%add('tolerance', record%promise)
+      call json%add('estimated_error_k_ts', record%estimate(1))
+      call json%add('estimated_error_normal_force', record%estimate(2))
+      call json%add('estimated_error_mid_band_pressure', record%estimate(3))
+      call json%add('level', record%level)
+      call json%add('met', trim(merge('yes', 'no ', maxval(record%estimate) <= record%promise)))
+      call json%finish()
+    end if
     call add_warnings(json, record)
     call add_provenance(json, solver, record)
     call add_scene(json, scene)

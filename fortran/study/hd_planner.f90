@@ -1,0 +1,195 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> A scene that states a tolerance: mesh and load steps are chosen from error estimates, the result is estimated and refined.
+!>
+!> Meshes of a series grow by 2^(1/2) per level in all directions. Load steps are halved on a coarse mesh until that changes
+!> little. Each level from the first guess on is compared with the two coarser ones; the run ends when the estimate,
+!> max(1.5 |q_l - q_(l-1)|, 0.75 |q_l - q_(l-2)|) relative to q_l plus the change by halved steps, is within the tolerance.
+module hd_planner
+  use hd_kinds, only: dp, pi
+  use hd_clock, only: machine_memory_mb
+  use hd_error, only: error_t
+  use hd_input, only: estimate_memory_mb
+  use hd_log, only: say
+  use hd_run, only: run_t, new_run, advance, finish, run_scene
+  use hd_scene, only: scene_t
+  use hd_text, only: push, to_text
+  implicit none
+  private
+  public :: run_planned, plan_text
+
+  integer, parameter :: band(10) = [4, 6, 8, 11, 16, 23, 32, 45, 64, 90]  !< facets along the band, by level
+  real(dp), parameter :: first_error = 0.5_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
+  real(dp), parameter :: shape = 1.6_dp         !< facets are so much longer round the axis than along it
+  integer, parameter :: pilot = 2               !< level on which load steps are chosen
+
+contains
+
+  !> Level that is expected to meet the tolerance.
+  pure integer function first_level(tolerance) result(level)
+    real(dp), intent(in) :: tolerance  !< relative
+    do level = 3, size(band) - 1
+      if (first_error/band(level) <= tolerance) return
+    end do
+  end function first_level
+
+  !> Scene on a mesh of the series; the user's sections, element and cells through the thickness stay.
+  pure type(scene_t) function meshed(scene, level, steps) result(s)
+    type(scene_t), intent(in) :: scene  !< scene
+    integer, intent(in) :: level        !< of the series
+    integer, intent(in) :: steps        !< load steps of the assembly, and of the torque
+    s = scene
+    s%band_facets = band(level)
+    s%divisions = max(16, 2*nint(pi*scene%bore_radius*band(level)/(shape*scene%band_length)))
+    s%ring_divisions = 0
+    s%ring_facets = 0
+    s%wall_elements = 0
+    s%bottom_elements = 0
+    s%assembly_steps = steps
+    s%torque_steps = merge(steps, 0, scene%torque_steps > 0)
+  end function meshed
+
+  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
+  pure function quantities(run) result(q)
+    type(run_t), intent(in) :: run  !< finished run
+    real(dp) :: q(3)
+    real(dp), allocatable :: lever(:)
+    associate (f => run%facets)
+      lever = f%x(1, :)*f%normal(2, :) - f%x(2, :)*f%normal(1, :)
+      q = [sum(f%k_n*lever**2 + f%k_t*(f%x(1, :)**2 + f%x(2, :)**2 - lever**2)), run%sums%normal_force, &
+        run%sums%pressure_middle]
+    end associate
+  end function quantities
+
+  !> Solve a scene to its end; the run stays open.
+  subroutine solve(scene, input, folder, force, run, error)
+    type(scene_t), intent(in) :: scene                !< scene
+    character(len=*), intent(in) :: input, folder     !< for the record; '' writes nothing
+    logical, intent(in) :: force                      !< replace earlier results
+    type(run_t), intent(inout) :: run                 !< empty run, then at its end
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    logical :: done
+    call new_run(scene, input, folder, force, run, error)
+    done = allocated(error)
+    do while (.not. done)
+      call advance(run, done, error)
+      done = done .or. allocated(error)
+    end do
+  end subroutine solve
+
+  !> Results of a scene, nothing written.
+  subroutine probe(scene, q, error)
+    type(scene_t), intent(in) :: scene                !< scene
+    real(dp), intent(out) :: q(3)                     !< quantities
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    type(run_t), allocatable :: run
+    type(error_t), allocatable :: trouble
+    allocate (run)
+    q = 0
+    call solve(scene, '', '', .false., run, error)
+    if (.not. allocated(error)) q = quantities(run)
+    if (allocated(run%drive)) call finish(run, trouble)
+  end subroutine probe
+
+  !> Load steps whose halving changes little, and that change.
+  subroutine choose_steps(scene, steps, change, error)
+    type(scene_t), intent(in) :: scene                !< scene
+    integer, intent(out) :: steps                     !< of the assembly, and of the torque
+    real(dp), intent(out) :: change(3)                !< relative change of the quantities by halved steps
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a pilot early
+    real(dp) :: coarse(3), fine(3)
+    steps = 1
+    call probe(meshed(scene, pilot, 1), coarse, error)
+    do while (.not. allocated(error))
+      call probe(meshed(scene, pilot, 2*steps), fine, error)
+      change = abs(fine - coarse)/(abs(fine) + tiny(1._dp))
+      if (maxval(change) <= 0.2_dp*scene%promise .or. steps >= 16) exit
+      steps = 2*steps
+      coarse = fine
+    end do
+  end subroutine choose_steps
+
+  !> Choose, solve, estimate, refine.
+  subroutine run_planned(scene, input, folder, force, error)
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    character(len=*), intent(in) :: input             !< name of the input
+    character(len=*), intent(in) :: folder            !< output folder
+    logical, intent(in) :: force                      !< replace earlier results
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
+    type(error_t), allocatable :: trouble
+    type(run_t), allocatable :: run
+    real(dp) :: q(3, size(band)), change(3), estimate(3)
+    integer :: level, steps, start
+    logical :: met
+    call choose_steps(scene, steps, change, trouble)
+    if (allocated(trouble)) then
+      call say('plan      a pilot ended early; the scene is run as it stands')
+      call run_scene(scene, input, folder, force, error)
+      return
+    end if
+    call say('plan      load steps '//to_text(steps)//' + '//to_text(steps)//': halving them changes '// &
+      to_text(maxval(change)))
+    start = first_level(scene%promise)
+    do level = start - 2, start - 1
+      call probe(meshed(scene, level, steps), q(:, level), error)
+      if (allocated(error)) return
+    end do
+    do level = start, size(band)
+      allocate (run)
+      call solve(meshed(scene, level, steps), input, folder, force .or. level > start, run, error)
+      if (allocated(error)) exit
+      q(:, level) = quantities(run)
+      estimate = max(1.5_dp*abs(q(:, level) - q(:, level - 1)), 0.75_dp*abs(q(:, level) - q(:, level - 2)))/ &
+        (abs(q(:, level)) + tiny(1._dp)) + change
+      met = maxval(estimate) <= scene%promise
+      call say('plan      level '//to_text(level)//', '//to_text(run%scene%divisions)//' x '//to_text(run%scene%band_facets)// &
+        ' facets: estimated error '//to_text(maxval(estimate))//', tolerance '//to_text(scene%promise))
+      if (met) exit
+      if (level == size(band)) exit
+      if (.not. fits(meshed(scene, level + 1, steps))) exit
+      call finish(run, error)
+      deallocate (run)
+      if (allocated(error)) return
+    end do
+    if (.not. allocated(run)) return
+    run%record%promise = scene%promise
+    run%record%estimate = estimate
+    run%record%level = level
+    if (.not. allocated(error) .and. .not. met) &
+      call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(estimate)))
+    if (allocated(run%drive)) call finish(run, trouble)
+    if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
+  end subroutine run_planned
+
+  !> A mesh is within the memory allowed.
+  logical function fits(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: limit
+    limit = scene%memory_limit_mb
+    if (limit <= 0) limit = 0.8_dp*machine_memory_mb()
+    fits = estimate_memory_mb(scene) < limit
+  end function fits
+
+  !> The plan, with predicted time and memory, before anything is solved.
+  function plan_text(scene) result(text)
+    type(scene_t), intent(in) :: scene  !< scene
+    character(len=:), allocatable :: text
+    type(scene_t) :: s
+    character(len=100) :: line
+    character(len=1), parameter :: nl = new_line('a')
+    real(dp) :: dof, seconds
+    integer :: level
+    text = 'series of meshes; a run starts at the level marked and refines until its estimated error is below '// &
+      to_text(scene%promise)//nl//'level divisions band      dof  error/% expected  seconds       MB'
+    do level = 1, size(band)
+      s = meshed(scene, level, 4)
+      dof = 3*s%divisions*((s%through_wall + 1)*(s%cup_length + s%bore_radius - s%hub_radius)/s%band_length*band(level) + &
+        (s%through_ring + 1)*(band(level) + 1))
+      seconds = 1.5_dp*(dof/52890)**1.3_dp
+      write (line, '(i5,i10,i5,i9,f18.2,f9.1,f9.0,a)') level, s%divisions, band(level), nint(dof), 100*first_error/band(level), &
+        seconds, estimate_memory_mb(s), trim(merge(' <- start', '         ', level == first_level(scene%promise)))
+      text = text//nl//trim(line)
+    end do
+    text = text//nl//'element '//trim(s%element)//', solver '//trim(s%method)//', symmetry '//trim(s%symmetry)// &
+      '; load steps: 1 + 1, doubled while that changes more than a fifth of the tolerance'
+  end function plan_text
+end module hd_planner

@@ -4,7 +4,7 @@
 !> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing.
 subroutine run_open(path, assignments, folder, force, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t, new_run
@@ -25,6 +25,9 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
+  if (.not. allocated(error)) then
+    if (scene%promise > 0) call raise(error, code_input, 'run.tolerance is planned by hdengine.x only; name a mesh instead')
+  end if
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
     call new_run(scene, trim(path), trim(folder), force /= 0, run, error)

@@ -2,6 +2,10 @@
 """A stated tolerance: the plan is printed, the run says what it chose and how large its error is estimated."""
 import json
 
+import pytest
+
+import hdengine
+
 from conftest import ROOT, call
 
 CD14 = ROOT / "data/cd14.nml"
@@ -24,3 +28,9 @@ def test_plan_is_printed_and_nothing_is_solved(exe, tmp_path):
     assert done.returncode == 0 and "<- start" in done.stdout and not list(tmp_path.iterdir())
     done = call(exe, "--plan", CD14)
     assert done.returncode == 2 and "run.tolerance" in done.stderr
+
+
+def test_python_names_a_tolerance_that_it_cannot_plan(tmp_path):
+    """Through the bindings a tolerance is an error: no caller takes an unplanned mesh for a promised one."""
+    with pytest.raises(hdengine.InputError, match="run.tolerance"):
+        hdengine.run(CD14, out=tmp_path / "r", run__tolerance=0.1)

@@ -8,7 +8,7 @@ module hd_command_line
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_map_run, only: check_map_run, run_map
   use hd_planner, only: run_planned, plan_text
-  use hd_run, only: run_scene
+  use hd_job, only: run_scene
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, nearest_name, join
   implicit none
@@ -22,6 +22,7 @@ module hd_command_line
     character(len=:), allocatable :: key          !< key to explain
     type(string_t), allocatable :: assignments(:) !< group.key=value
     logical :: force = .false.
+    logical :: resume = .false.
     integer :: level = normal
   end type command_t
 
@@ -52,6 +53,7 @@ contains
       case ('--out')
         call take_value(command%folder)
       case ('--force'); command%force = .true.
+      case ('--resume'); command%resume = .true.
       case ('-q'); command%level = quiet
       case ('-v'); command%level = verbose
       case default
@@ -68,6 +70,10 @@ contains
       i = i + 1
     end do
     if (allocated(error)) return
+    if (command%force .and. command%resume) then
+      call raise(error, code_input, '--force begins anew, --resume goes on: give one of them')
+      return
+    end if
     if ((command%action == 'run' .or. command%action == 'check' .or. &
       command%action == 'plan') .and. len(command%input) == 0) &
       call raise(error, code_input, 'no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)')
@@ -96,8 +102,8 @@ contains
   subroutine unknown_option(word, error)
     character(len=*), intent(in) :: word              !< as typed
     type(error_t), allocatable, intent(out) :: error  !< usage
-    character(len=*), parameter :: names(9) = [character(len=10) :: '--check', '--plan', '--explain', '--force', '--help', &
-      '--out', '--version', '--license', '--citation']
+    character(len=*), parameter :: names(10) = [character(len=10) :: '--check', '--plan', '--explain', '--force', &
+      '--resume', '--help', '--out', '--version', '--license', '--citation']
     type(string_t), allocatable :: options(:)
     integer :: i
     character(len=:), allocatable :: hint
@@ -150,7 +156,7 @@ contains
       else if (scene%promise > 0) then
         call run_planned(scene, command%input, folder, command%force, error)
       else
-        call run_scene(scene, command%input, folder, command%force, error)
+        call run_scene(scene, command%input, folder, command%force, command%resume, error)
       end if
     end select
   end subroutine obey

@@ -18,6 +18,7 @@ contains
       'of a harmonic drive. Results land in <stem>.out/, the summary last.'//nl//nl// &
       '  --out DIR       folder for the results'//nl// &
       '  --force         replace earlier results'//nl// &
+      '  --resume        go on with a stopped run of the same input'//nl// &
       '  --check         read and check the input, then stop'//nl// &
       '  --plan          print meshes, time and memory for run.tolerance, then stop'//nl// &
       '  --explain KEY   meaning, unit and default of a key (group.key, group, all)'//nl// &

@@ -31,6 +31,8 @@ int hd_make_directory(const char *path)
 
 int hd_rename(const char *from, const char *to) { return rename(from, to); }
 
+int hd_truncate(const char *path, long long bytes) { return truncate(path, (off_t)bytes); }
+
 int hd_remove(const char *path) { return unlink(path); }
 
 /* 0 absent, 1 file, 2 directory. */

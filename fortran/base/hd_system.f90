@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The operating system: stop signals, folders, renaming.
 module hd_system
-  use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char
+  use, intrinsic :: iso_fortran_env, only: int64
+  use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char
   use hd_error, only: error_t, raise, code_file
   implicit none
   private
-  public :: catch_signals, keep_memory, stop_requested, make_directory, rename_file, remove_file, path_kind, on_terminal
+  public :: catch_signals, keep_memory, stop_requested, make_directory, rename_file, remove_file, truncate_file, &
+    path_kind, on_terminal
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -28,6 +30,11 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: from(*), to(*)
     end function c_rename
+    integer(c_int) function c_truncate(path, bytes) bind(c, name='hd_truncate')
+      import :: c_int, c_long_long, c_char
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_long_long), value :: bytes
+    end function c_truncate
     integer(c_int) function c_remove(path) bind(c, name='hd_remove')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -83,4 +90,18 @@ contains
     integer(c_int) :: status
     status = c_remove(trim(path)//c_null_char)
   end subroutine remove_file
+
+  !> Cut a file to its first bytes.
+  subroutine truncate_file(path, bytes, error)
+    character(len=*), intent(in) :: path              !< file
+    integer(int64), intent(in) :: bytes               !< that stay
+    type(error_t), allocatable, intent(out) :: error  !< absent, shorter already
+    integer(int64) :: now
+    inquire (file=path, size=now)
+    if (now < bytes) then
+      call raise(error, code_file, "'"//path//"' is missing or shorter than the run left it: begin anew with --force")
+    else if (c_truncate(trim(path)//c_null_char, int(bytes, c_long_long)) /= 0) then
+      call raise(error, code_file, "cannot write '"//path//"'")
+    end if
+  end subroutine truncate_file
 end module hd_system

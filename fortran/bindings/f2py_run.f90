@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: runs. Only external procedures with explicit shapes; the last two arguments are status and message.
 
-!> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing.
-subroutine run_open(path, assignments, folder, force, handle, status, message)
+!> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing; `resume`: go on with a stopped run.
+subroutine run_open(path, assignments, folder, force, resume, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
+  use hd_job, only: resume_run
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
@@ -13,7 +14,7 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   use hd_text, only: string_t
   implicit none
   character(len=*), intent(in) :: path, assignments, folder
-  integer(c_int), intent(in) :: force
+  integer(c_int), intent(in) :: force, resume
   integer(c_int), intent(out) :: handle, status
   character(len=8192), intent(out) :: message
   !f2py threadsafe
@@ -30,7 +31,11 @@ subroutine run_open(path, assignments, folder, force, handle, status, message)
   end if
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
-    call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
+    if (resume /= 0) then
+      call resume_run(scene, trim(path), trim(folder), run, error)
+    else
+      call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
+    end if
     if (allocated(error)) call drop_run(handle)
   end if
   call tell(error, status, message)
@@ -66,7 +71,8 @@ subroutine run_advance(handle, done, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_registry, only: find_run
-  use hd_run, only: run_t, advance
+  use hd_load_step, only: advance
+  use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle

@@ -91,6 +91,7 @@ contains
       return
     end if
     self%demanded = .false.
+    self%steps = first_guess  ! no memory of earlier load steps: a resumed run repeats every bit
     if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
     self%symmetry_used = symmetry_name(self%symmetry)
     call self%compliance%prepare(problem, self%symmetry, error)

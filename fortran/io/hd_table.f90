@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> CSV tables, written row by row.
 module hd_table
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_file
+  use hd_system, only: truncate_file
   use hd_text, only: to_text
   implicit none
   private
@@ -14,6 +16,8 @@ module hd_table
     character(len=:), allocatable :: path, line
   contains
     procedure :: open => open_table
+    procedure :: reopen
+    procedure :: bytes
     generic :: add => add_integer, add_real, add_text
     procedure, private :: add_integer, add_real, add_text
     procedure :: end_row
@@ -35,6 +39,30 @@ contains
     if (status == 0) write (self%unit, '(a)', iostat=status) columns
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine open_table
+
+  !> Take up a table again behind its first bytes; what stands there is lost.
+  subroutine reopen(self, path, bytes, error)
+    class(table_t), intent(inout) :: self             !< table
+    character(len=*), intent(in) :: path              !< file
+    integer(int64), intent(in) :: bytes               !< that stay
+    type(error_t), allocatable, intent(out) :: error  !< absent, shorter already, cannot be written
+    integer :: status
+    self%path = path
+    self%line = ''
+    call truncate_file(path, bytes, error)
+    if (allocated(error)) return
+    open (newunit=self%unit, file=path, action='write', status='old', position='append', recl=100000, iostat=status)
+    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+  end subroutine reopen
+
+  !> Length of the file so far; 0 for a table that is not open.
+  integer(int64) function bytes(self)
+    class(table_t), intent(in) :: self  !< table
+    bytes = 0
+    if (self%unit == -1) return
+    flush (self%unit)
+    inquire (unit=self%unit, size=bytes)
+  end function bytes
 
   subroutine add_integer(self, value)
     class(table_t), intent(inout) :: self

@@ -194,9 +194,6 @@ contains
       'below sample_length', s%sample_length)
     call need(s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'load.tooth_pairs', real(s%tooth_pairs, dp), &
       "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
-    call need(modulo(s%tooth_pairs, 2) == 0, 'load.tooth_pairs', real(s%tooth_pairs, dp), &
-      'an even number, half of them at each end of the long axis; below teeth', real(s%teeth, dp))
-    call need(s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
     call need(s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
       "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
     call need(s%support /= 'bearing' .or. s%ring_tangent == 'follow' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &

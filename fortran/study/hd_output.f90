@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The folder of a run: tables, grids for ParaView, echo of the input, and last of all the summary.
 module hd_output
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_body, only: cartesian, cell_nodes
   use hd_drive, only: drive_t
@@ -11,14 +12,15 @@ module hd_output
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
+  use hd_system, only: make_directory, path_kind, path_absent, path_directory, path_file, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
   use hd_vtu, only: field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, open_output, write_step, write_teeth, write_history, write_grids, close_output
+  public :: output_t, step_t, open_output, reopen_output, table_sizes, write_step, write_teeth, write_history, &
+    write_grids, close_output
 
   !> Where a step stands in the run.
   type :: step_t
@@ -75,6 +77,35 @@ contains
     if (scene%support == 'teeth' .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
       place//',tooth,theta_rad,force_n,share,closing_m', error)
   end subroutine open_output
+
+  !> Take up the folder of a stopped run.
+  subroutine reopen_output(folder, scene, sizes, steps, output, error)
+    character(len=*), intent(in) :: folder            !< folder
+    type(scene_t), intent(in) :: scene                !< scene
+    integer(int64), intent(in) :: sizes(4)            !< of the tables at the checkpoint [bytes]
+    integer, intent(in) :: steps                      !< load steps at the checkpoint
+    type(output_t), intent(out) :: output             !< open tables
+    type(error_t), allocatable, intent(out) :: error  !< files lost, cannot be written
+    integer, allocatable :: numbers(:)
+    integer :: i
+    output%folder = folder
+    numbers = pack([(i, i=1, steps)], [(path_kind(folder//'/'//trim(grid_name(i))) == path_file, i=1, steps)])
+    output%grids = [(grid_name(numbers(i)), i=1, size(numbers))]
+    output%times = real(numbers, dp)
+    call remove_file(folder//'/summary.json')
+    call write_echo(folder//'/echo.nml', scene, error)
+    if (.not. allocated(error)) call output%contact%reopen(folder//'/contact.csv', sizes(1), error)
+    if (.not. allocated(error)) call output%history%reopen(folder//'/history.csv', sizes(2), error)
+    if (.not. allocated(error)) call output%steps%reopen(folder//'/steps.csv', sizes(3), error)
+    if (sizes(4) > 0 .and. .not. allocated(error)) call output%teeth%reopen(folder//'/teeth.csv', sizes(4), error)
+  end subroutine reopen_output
+
+  !> Lengths of the tables so far [bytes].
+  function table_sizes(output) result(sizes)
+    type(output_t), intent(in) :: output  !< tables
+    integer(int64) :: sizes(4)
+    sizes = [output%contact%bytes(), output%history%bytes(), output%steps%bytes(), output%teeth%bytes()]
+  end function table_sizes
 
   !> First four columns of every table.
   subroutine add_place(table, step)
@@ -202,7 +233,7 @@ contains
       end do
       fields(1) = field_t('displacement_m', u, .false.)
       fields(2) = field_t('body', tag, .true.)
-      name = 'bodies_'//padded(step%number)//'.vtu'
+      name = grid_name(step%number)
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), fields(:2), error)
       if (allocated(error)) return
       output%grids = [output%grids, name]
@@ -228,6 +259,13 @@ contains
     character(len=4) :: s
     write (s, '(i4.4)') n
   end function padded
+
+  !> Grid of the bodies at a step.
+  pure function grid_name(step) result(name)
+    integer, intent(in) :: step  !< number
+    character(len=40) :: name
+    name = 'bodies_'//padded(step)//'.vtu'
+  end function grid_name
 
   !> Close the tables.
   subroutine close_output(output)

@@ -9,8 +9,10 @@ module hd_planner
   use hd_clock, only: machine_memory_mb
   use hd_error, only: error_t
   use hd_input, only: estimate_memory_mb
+  use hd_job, only: run_scene
   use hd_log, only: say
-  use hd_run, only: run_t, new_run, advance, finish, run_scene
+  use hd_load_step, only: advance
+  use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
   use hd_text, only: push, to_text
   implicit none
@@ -123,7 +125,7 @@ contains
     call choose_steps(scene, steps, change, trouble)
     if (allocated(trouble)) then
       call say('plan      a pilot ended early; the scene is run as it stands')
-      call run_scene(scene, input, folder, force, error)
+      call run_scene(scene, input, folder, force, .false., error)
       return
     end if
     call say('plan      load steps '//to_text(steps)//' + '//to_text(steps)//': halving them changes '// &

@@ -27,6 +27,7 @@ module hd_summary
     character(len=25) :: started = ''
     character(len=:), allocatable :: input
     integer :: steps = 0, iterations = 0, cuts = 0
+    logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
     logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
     type(timers_t) :: timers
@@ -73,6 +74,7 @@ contains
     call json%add('factor_entries', solver%factor_entries)
     call json%add('factor_flops', solver%flops)
     call json%add('solver', trim(solver%name))
+    call json%add('resumed', record%resumed)
     call json%add('mesh_and_factors', trim(merge('kept', 'new ', record%kept)))
     call json%add('symmetry_assembly', trim(record%symmetry(1)))
     call json%add('symmetry_torque', trim(record%symmetry(2)))

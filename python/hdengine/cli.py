@@ -13,7 +13,7 @@ from .results import Result
 def _run(args):
     out = args.out or Path(args.input).with_suffix(".out").name
     keys = dict(item.split("=", 1) for item in args.assignments if "=" in item)
-    with Run(args.input, out, args.force, **{k.replace(".", "__", 1): v for k, v in keys.items()}) as run:
+    with Run(args.input, out, args.force, args.resume, **{k.replace(".", "__", 1): v for k, v in keys.items()}) as run:
         for step in run:
             s = step.sums
             print(f"step {s['step']:3.0f}  torque {s['torque_nm']:8.4f} N m  K_TS {step.k_ts_nm_per_rad:.4e} N m/rad", flush=True)
@@ -88,6 +88,7 @@ def main(argv=None):
     run = _command(commands, "run", _run, "run a scene, then plot it", "run data/cd14.nml load.torque=3 --force")
     run.add_argument("input", help="namelist")
     run.add_argument("assignments", nargs="*", help="group.key=value")
+    run.add_argument("--resume", action="store_true", help="go on with a stopped run of the same input")
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
                      "study data/fig13_w.nml --jobs 2")
     study.add_argument("input", help="study namelist")

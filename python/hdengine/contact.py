@@ -42,6 +42,8 @@ class Run:
         Folder for the results; default: nothing is written.
     force : bool
         Replace earlier results in the folder.
+    resume : bool
+        Go on with a stopped run of the same scene in the folder; begin it if there is none.
     **keys
         Scene keys as group__key=value (`load__torque=3`), or one dict per group (`load={'torque': 3}`).
 
@@ -56,10 +58,10 @@ class Run:
     ...     steps = list(r)
     """
 
-    def __init__(self, path="", out="", force=False, **keys):
+    def __init__(self, path="", out="", force=False, resume=False, **keys):
         self._handle = None
         lines = "\n".join(_assignments(keys))
-        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force))
+        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
@@ -146,12 +148,12 @@ def _text(value):
     return repr(float(value)) if isinstance(value, (float, np.floating)) else str(value)
 
 
-def run(path="", out="run.out", force=False, **keys):
+def run(path="", out="run.out", force=False, resume=False, **keys):
     """Run a scene to its end and return its Result; Ctrl-C works between load steps.
 
     Parameters and errors as for Run. A run that ends early leaves its converged steps and a summary in `out`.
     """
-    with Run(path, out, force, **keys) as r:
+    with Run(path, out, force, resume, **keys) as r:
         for _ in r:
             pass
     return Result(out)

@@ -1,0 +1,230 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Load steps of a run: parts that grow and are cut, gross slip found and bracketed, and what to say where it ends.
+module hd_load_step
+  use hd_kinds, only: dp
+  use hd_clock, only: wall_seconds
+  use hd_drive, only: drive_load
+  use hd_error, only: error_t, raise, code_not_converged, code_stopped
+  use hd_facets, only: sums_t
+  use hd_log, only: say, detail
+  use hd_newton, only: newton_options_t, iteration_t, iterate
+  use hd_output, only: step_t, write_history
+  use hd_problem, only: state_t, load_t
+  use hd_run, only: run_t, accept, place, final_position
+  use hd_system, only: stop_requested
+  use hd_teeth, only: new_teeth, turn_hub
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: advance
+
+  integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
+
+contains
+
+  !> Solve the next load step, in parts where it must be cut.
+  subroutine advance(run, done, error)
+    type(run_t), intent(inout) :: run                 !< run
+    logical, intent(out) :: done                      !< the last step is solved
+    type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
+    real(dp) :: target, part, slip_torque
+    integer :: cuts, attempt
+    logical :: solved, sliding
+    target = next_position(run)
+    if (abs(run%position - 1) < 1e-12_dp) run%stride = 2
+    part = min(target, run%position + run%stride)
+    cuts = 0
+    attempt = 0
+    slip_torque = 0
+    run%step%iterations = 0
+    run%step%seconds = wall_seconds()
+    do while (run%position < target - 1e-12_dp)
+      if (stop_requested() .or. out_of_time(run)) then
+        call raise(error, code_stopped, 'stopped at a limit after '//to_text(run%record%steps)// &
+          ' load steps; their results are kept, --resume goes on')
+      else
+        call solve_part(run, part, attempt, solved, sliding, slip_torque, error)
+      end if
+      if (allocated(error)) exit
+      attempt = attempt + 1
+      if (solved) then
+        cuts = 0
+        if (run%easy) run%stride = 2*run%stride
+        part = min(target, run%position + run%stride)
+        if (slip_torque > 0) then
+          part = min(target, cautious(run, slip_torque))
+          if (slip_torque <= abs(run%step%torque)*1.003_dp) call slipped(run, slip_torque, error)
+        end if
+      else
+        cuts = cuts + 1
+        run%record%cuts = run%record%cuts + 1
+        if (sliding .and. .not. slip_torque > 0) then
+          call not_held(run, part, error)
+        else if (sliding) then
+          part = cautious(run, slip_torque)
+          if (cuts > run%scene%max_cuts) call slipped(run, slip_torque, error)
+        else
+          run%stride = 0.5_dp*(part - run%position)
+          part = run%position + run%stride
+          if (cuts > run%scene%max_cuts) call not_converged(run, error)
+        end if
+      end if
+      if (allocated(error)) exit
+    end do
+    if (.not. allocated(error)) call accept(run, error)
+    done = run%position >= final_position(run) - 1e-12_dp
+    if (allocated(error)) run%failure = error
+  end subroutine advance
+
+  !> The wall-clock limit of the scene has passed.
+  logical function out_of_time(run)
+    type(run_t), intent(in) :: run  !< run
+    real(dp) :: elapsed
+    elapsed = wall_seconds() - run%clock
+    out_of_time = run%scene%time_limit_s > 0 .and. elapsed > run%scene%time_limit_s
+  end function out_of_time
+
+  !> Position of the next load step: assembly ends at 1, torque at 2.
+  pure real(dp) function next_position(run) result(p)
+    type(run_t), intent(in) :: run  !< run
+    integer :: n
+    if (run%position < 1 - 1e-12_dp) then
+      n = run%scene%assembly_steps
+      p = real(floor(run%position*n + 1e-9_dp) + 1, dp)/n
+    else
+      n = run%scene%torque_steps
+      p = 1 + real(floor((run%position - 1)*n + 1e-9_dp) + 1, dp)/n
+    end if
+  end function next_position
+
+  !> Position four fifths of the way to the torque at which the contact slips.
+  pure real(dp) function cautious(run, slip_torque) result(p)
+    type(run_t), intent(in) :: run            !< run
+    real(dp), intent(in) :: slip_torque       !< estimate of the slip torque [N m]
+    real(dp) :: now
+    now = max(0._dp, run%position - 1)*abs(run%scene%torque)
+    p = 1 + (now + 0.8_dp*max(0._dp, slip_torque - now))/abs(run%scene%torque)
+  end function cautious
+
+  !> Try to reach a position; the state changes only if that succeeds.
+  subroutine solve_part(run, position, attempt, solved, sliding, slip_torque, error)
+    type(run_t), intent(inout) :: run                 !< run
+    real(dp), intent(in) :: position                  !< aim
+    integer, intent(in) :: attempt                    !< attempts of this load step before
+    logical, intent(out) :: solved                    !< reached
+    logical, intent(out) :: sliding                   !< the contact slips as a whole
+    real(dp), intent(inout) :: slip_torque            !< torque that friction carries then [N m]
+    type(error_t), allocatable, intent(out) :: error  !< solver, files
+    type(state_t) :: trial
+    type(load_t) :: load
+    type(sums_t) :: sums
+    type(newton_options_t) :: options
+    type(iteration_t), allocatable :: history(:)
+    type(step_t) :: step
+    real(dp) :: ratio, start
+    options%tolerance = run%scene%tolerance
+    options%max_iterations = run%scene%max_iterations
+    options%runaway = 0.05_dp*run%drive%radius
+    call drive_load(run%drive, min(position, 1._dp), max(0._dp, position - 1)*run%scene%torque, load)
+    trial = run%state
+    ratio = 0
+    if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
+    if (run%position_before < 1 .and. position > 1) ratio = 0
+    trial%u = trial%u + ratio*(run%state%u - run%before%u)
+    trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
+    start = wall_seconds()
+    call run%assembly%recall(position, trial)
+    if (run%scene%support == 'teeth' .and. position > 1) then
+      call turn_against_teeth(run, max(0._dp, position - 1)*run%scene%torque, trial, history, error)
+      solved = .true.
+      sliding = .false.
+    else
+      call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+    end if
+    run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
+    if (allocated(error)) return
+    run%record%iterations = run%record%iterations + size(history) - 1
+    step = run%step
+    step%number = run%record%steps + 1
+    call place(run, position, step)
+    if (run%writes) call write_history(run%output, step, attempt, history, error)
+    if (allocated(error)) return
+    call log_iterations(history)
+    run%step%iterations = run%step%iterations + size(history) - 1
+    run%easy = size(history) <= few_iterations
+    if (solved) then
+      run%before = run%state
+      run%state = trial
+      run%position_before = run%position
+      run%position = position
+      if (position < 1 + 1e-12_dp) call run%assembly%add(position, trial)
+      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
+      call place(run, position, run%step)
+    else if (sliding) then
+      sums%friction_torque = sum(run%drive%problem%mortar%area*trial%traction(2, :))*run%drive%radius
+      slip_torque = abs(sums%friction_torque)
+    end if
+  end subroutine solve_part
+
+  !> A torque at the cup's bottom against the teeth of the circular spline.
+  subroutine turn_against_teeth(run, torque, trial, history, error)
+    type(run_t), intent(inout) :: run                          !< run
+    real(dp), intent(in) :: torque                             !< [N m]
+    type(state_t), intent(inout) :: trial                      !< solution
+    type(iteration_t), allocatable, intent(out) :: history(:)  !< one entry per set of teeth
+    type(error_t), allocatable, intent(out) :: error           !< linear solver
+    integer :: i
+    if (.not. allocated(run%teeth)) then
+      allocate (run%teeth)
+      call new_teeth(run%scene, run%drive, run%solver, run%state, run%teeth, error)
+      if (allocated(error)) return
+    end if
+    call turn_hub(run%teeth, run%drive, torque, trial, error)
+    history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
+  end subroutine turn_against_teeth
+
+  !> Newton iterations in the verbose log.
+  subroutine log_iterations(history)
+    type(iteration_t), intent(in) :: history(:)  !< iterates
+    character(len=80) :: line
+    integer :: i
+    do i = 1, size(history)
+      write (line, '(6x,i4,es12.3,4i7,f8.3)') history(i)%iteration, history(i)%residual, history(i)%changes, &
+        history(i)%open, history(i)%stick, history(i)%slip, history(i)%damping
+      call detail(trim(line))
+    end do
+  end subroutine log_iterations
+
+  !> The contact slips as a whole: there is no equilibrium beyond this torque.
+  subroutine slipped(run, slip_torque, error)
+    type(run_t), intent(inout) :: run                 !< run
+    real(dp), intent(in) :: slip_torque               !< torque that friction carries [N m]
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    type(error_t), allocatable :: trouble
+    call accept(run, trouble)
+    run%record%slip_torque = slip_torque
+    call raise(error, code_not_converged, 'gross slip at T = '//to_text(slip_torque)//' N m: friction carries mu int p r dA = '// &
+      to_text(run%sums%friction_capacity)//' N m and the support holds no torque. The state at '//to_text(run%step%torque)// &
+      ' N m is kept. Raise interference or friction, lower torque, or use support = ''hub''')
+  end subroutine slipped
+
+  !> The flexspline slides away though no friction was overcome.
+  subroutine not_held(run, position, error)
+    type(run_t), intent(in) :: run                    !< run
+    real(dp), intent(in) :: position                  !< where it was tried to go
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    call raise(error, code_not_converged, 'the flexspline is not held: beyond torque '//to_text(abs(run%step%torque))// &
+      ' N m (tried '//to_text(max(0._dp, position - 1)*run%scene%torque)//' N m) no contact point carries it and only the '// &
+      "soft springs of the support are left. Raise interference, w or friction, or use support = 'hub'; the last "// &
+      'converged state is kept')
+  end subroutine not_held
+
+  !> Newton's method failed on ever smaller steps.
+  subroutine not_converged(run, error)
+    type(run_t), intent(in) :: run                    !< run
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    call raise(error, code_not_converged, 'no convergence in the '//trim(run%step%phase)//' step beyond load factor '// &
+      to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
+      to_text(run%scene%max_cuts)//' halvings; history.csv shows the residuals, the last converged state is kept')
+  end subroutine not_converged
+end module hd_load_step

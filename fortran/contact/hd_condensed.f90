@@ -22,7 +22,7 @@ module hd_condensed
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
-  real(dp), parameter :: krylov_tolerance = 1e-5_dp  !< residual of a Newton correction, relative
+  real(dp), parameter :: krylov_tolerance = 1e-9_dp  !< residual of a Newton correction, relative; 1e-5 let the line search fail
   real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
   real(dp), parameter :: pair_time = 5e-9_dp         !< seconds per entry to form the matrix
   real(dp), parameter :: apply_rate = 1e9_dp         !< operations per second of F

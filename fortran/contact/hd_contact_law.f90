@@ -9,6 +9,12 @@
 !> A rough joint takes the same form. Its pressure P(x) over the closure x = -gap gives  p - P(x*) = 0  with x* from
 !> P(x*) + c x* = p^ (the resolvent; max(0, p^) is its limit for a stiff joint). Shear follows the slip with the stiffness
 !> k_t(p) from the last step's tau_0 until Coulomb's bound:  tau - proj((k_t tau^ + c tau_0) / (k_t + c); mu P(x*)) = 0.
+!>
+!> A point that slipped along e_0 = tau_0/|tau_0| when the step began and slips by s = -|s| d turns meanwhile: d is the direction in
+!> the middle of the step, 2 d - e_0 that at its end (error of second order; d itself would be implicit Euler, of first order).
+!> So s is replaced by s' = (1 + g) s + g |s| e_0, which is monotone in s, vanishes with it and is s where nothing turns.
+!> g = 1 / (1 + (|s|/s_0)^2), s_0 = 10 |tau_0|/c, leaves Euler's rule to slips far beyond the elastic ones (gross slip), where d
+!> is the direction of nearly the whole step; it alters the result by second order.
 module hd_contact_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
@@ -24,6 +30,8 @@ module hd_contact_law
   integer, parameter :: bonded = 0       !< neither gap nor slip
   integer, parameter :: frictionless = 1 !< unilateral, no shear
   integer, parameter :: frictional = 2   !< unilateral with Coulomb friction
+
+  real(dp), parameter :: reach = 10      !< s_0, times |tau_0|/c
 
   type :: contact_law_t
     integer :: mode = frictional      !< bonded, frictionless or frictional
@@ -51,11 +59,12 @@ contains
   end subroutine contact_mode
 
   !> Residual, derivatives and state of one multiplier.
-  pure subroutine evaluate_law(law, t, w, anchor, r, dw, dt, state)
+  pure subroutine evaluate_law(law, t, w, anchor, lead, r, dw, dt, state)
     type(contact_law_t), intent(in) :: law  !< law
     real(dp), intent(in) :: t(3)            !< traction [Pa]
     real(dp), intent(in) :: w(3)            !< gap and slip [m]
     real(dp), intent(in) :: anchor(3)       !< traction of the last step (rough joint), or of the outer iterate (softened) [Pa]
+    real(dp), intent(in) :: lead(2)         !< shear tau_0 of a point that slipped when the step began, else 0 [Pa]
     real(dp), intent(out) :: r(3)           !< residual [Pa]
     real(dp), intent(out) :: dw(3, 3)       !< dR/dw [Pa/m]
     real(dp), intent(out) :: dt(3, 3)       !< dR/dt
@@ -97,40 +106,61 @@ contains
     dw(1, 1) = law%scale*lean
     dt(1, 1) = 1 - lean
     state = slip_state
-    if (law%mode == frictional) call add_friction(law, t, w, anchor, p, lean, flex, flex_slope, r, dw, dt, state)
+    if (law%mode == frictional) call add_friction(law, t, w, anchor, lead, p, lean, flex, flex_slope, r, dw, dt, state)
   end subroutine evaluate_law
 
   !> Coulomb friction of a closed point, elastic by `flex` before it slips; arguments as in evaluate_law.
-  pure subroutine add_friction(law, t, w, anchor, p, lean, flex, flex_slope, r, dw, dt, state)
+  pure subroutine add_friction(law, t, w, anchor, lead, p, lean, flex, flex_slope, r, dw, dt, state)
     type(contact_law_t), intent(in) :: law
-    real(dp), intent(in) :: t(3), w(3), anchor(3)
+    real(dp), intent(in) :: t(3), w(3), anchor(3), lead(2)
     real(dp), intent(in) :: p                  !< pressure by the law [Pa]
     real(dp), intent(in) :: lean               !< its derivative by the trial pressure
     real(dp), intent(in) :: flex, flex_slope   !< tangential flexibility [m/Pa] and its derivative by p [m/Pa^2]
     real(dp), intent(inout) :: r(3), dw(3, 3), dt(3, 3)
     integer, intent(inout) :: state
-    real(dp) :: share, stick(2), by_p(2), tangent(2, 2), e(2), size, bound
-    integer :: i
-    share = 1/(1 + law%scale*flex)
-    stick = share*(t(2:) - law%scale*(w(2:) - flex*anchor(2:)))
-    by_p = law%scale*flex_slope*share*(anchor(2:) - stick)
-    size = norm2(stick)
+    real(dp) :: share, trial(2), by_p(2), tangent(2, 2), e(2), size, bound, slip(2), turned(2), turn(2, 2)
+    real(dp), parameter :: one(2, 2) = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
+    share = law%scale/(1 + law%scale*flex)
+    slip = w(2:) + flex*(t(2:) - anchor(2:))
+    call turn_slip(slip, lead, law%scale, turned, turn)
+    trial = t(2:) - share*turned
+    by_p = share*flex_slope*(share*turned - matmul(turn, t(2:) - anchor(2:)))
+    size = norm2(trial)
     bound = law%friction*p
-    tangent = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
+    tangent = one
     if (size <= bound) then
       state = stick_state
-      r(2:) = share*law%scale*(w(2:) + flex*(t(2:) - anchor(2:)))
+      r(2:) = share*turned
     else
-      e = stick/size
+      e = trial/size
       r(2:) = t(2:) - bound*e
       tangent = bound/size*(tangent - spread(e, 2, 2)*spread(e, 1, 2))
       by_p = matmul(tangent, by_p) + law%friction*e
     end if
-    do i = 1, 2
-      dt(2:, 1 + i) = dt(2:, 1 + i) - share*tangent(:, i)
-      dw(2:, 1 + i) = law%scale*share*tangent(:, i)
-    end do
+    dt(2:, 2:) = one - matmul(tangent, one - share*flex*turn)
+    dw(2:, 2:) = share*matmul(tangent, turn)
     dt(2:, 1) = -by_p*lean
     dw(2:, 1) = by_p*lean*law%scale
   end subroutine add_friction
+
+  !> s' (see above), or s where nothing led, and its derivative.
+  pure subroutine turn_slip(slip, lead, scale, turned, turn)
+    real(dp), intent(in) :: slip(2), lead(2), scale
+    real(dp), intent(out) :: turned(2), turn(2, 2)
+    real(dp) :: size, share, slope, e(2), d(2)
+    integer :: i
+    turned = slip
+    turn = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
+    if (.not. any(abs(lead) > 0)) return
+    e = lead/norm2(lead)
+    size = norm2(slip)
+    d = slip/max(size, tiny(size))
+    share = 1/(1 + (scale*size/(reach*norm2(lead)))**2)
+    slope = 2*share*(share - 1)       ! |s| dg/d|s|
+    turned = (1 + share)*slip + share*size*e
+    turn = (1 + share)*turn
+    do i = 1, 2
+      turn(:, i) = turn(:, i) + (slope*d + (share + slope)*e)*d(i)
+    end do
+  end subroutine turn_slip
 end module hd_contact_law

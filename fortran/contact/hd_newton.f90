@@ -44,6 +44,7 @@ module hd_newton
     real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
     type(contact_law_t) :: law           !< the law, softened or not
     real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
+    real(dp), allocatable :: lead(:, :)   !< shear where points slip when the step begins, else 0 (2, multipliers) [Pa]
   end type linearisation_t
 
   !> Memory of the globalisation.
@@ -267,11 +268,12 @@ contains
       here%idle = idle_components(problem)
       here%law = problem%law
       here%anchor = previous%traction
+      here%lead = leads(previous)
     end if
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n
       call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
-        here%anchor(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+        here%anchor(:, j), here%lead(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
       do c = 1, 3
         if (.not. here%idle(c, j)) cycle
         here%r_c(c, j) = state%traction(c, j)
@@ -287,6 +289,13 @@ contains
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
     here%merit = here%distance/scale
   end subroutine linearise
+
+  !> Shear of points that slip.
+  pure function leads(state) result(lead)
+    type(state_t), intent(in) :: state  !< beginning of a load step
+    real(dp) :: lead(2, size(state%contact))
+    lead = merge(state%traction(2:, :), 0._dp, spread(state%contact == slip_state, 1, 2))
+  end function leads
 
   !> Traction components that act on prescribed dofs only, or on no facet opposite.
   pure function idle_components(problem) result(idle)

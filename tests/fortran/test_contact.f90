@@ -31,28 +31,30 @@ contains
   !> The derivatives of the law agree with central differences in every state.
   subroutine law_tangent()
     type(contact_law_t) :: law
-    real(dp) :: t(3), w(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(6, 4)
+    real(dp) :: t(3), w(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(6, 4), lead(2, 4)
+    real(dp), parameter :: none(3) = 0
     integer :: i, k, state, seen(0:2)
     law = contact_law_t(frictional, 0.3_dp, 2._dp)
     cases = reshape([1._dp, 0.1_dp, 0.05_dp, 3._dp, 0.1_dp, 0.2_dp, &      ! open
       2._dp, 0.1_dp, -0.1_dp, -0.2_dp, 0.05_dp, 0.02_dp, &                 ! stick
       2._dp, 0.9_dp, -0.4_dp, -0.1_dp, 0.3_dp, -0.2_dp, &                  ! slip
       1._dp, -0.7_dp, 0.6_dp, 0.1_dp, -0.5_dp, 0.9_dp], [6, 4])            ! slip the other way
+    lead = reshape([0.6_dp, 0.8_dp, 0._dp, 1._dp, -0.6_dp, 0.8_dp, 0._dp, 0._dp], [2, 4])
     worst = 0
     seen = 0
     do k = 1, 4
       t = cases(:3, k)
       w = cases(4:, k)
-      call evaluate_law(law, t, w, [0._dp, 0._dp, 0._dp], r, dw, dt, state)
+      call evaluate_law(law, t, w, none, lead(:, k), r, dw, dt, state)
       seen(state) = seen(state) + 1
       do i = 1, 3
         step = 0
         step(i) = 1e-6_dp
-        call evaluate_law(law, t + step, w, [0._dp, 0._dp, 0._dp], plus, skip, skip, state)
-        call evaluate_law(law, t - step, w, [0._dp, 0._dp, 0._dp], minus, skip, skip, state)
+        call evaluate_law(law, t + step, w, none, lead(:, k), plus, skip, skip, state)
+        call evaluate_law(law, t - step, w, none, lead(:, k), minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dt(:, i))))
-        call evaluate_law(law, t, w + step, [0._dp, 0._dp, 0._dp], plus, skip, skip, state)
-        call evaluate_law(law, t, w - step, [0._dp, 0._dp, 0._dp], minus, skip, skip, state)
+        call evaluate_law(law, t, w + step, none, lead(:, k), plus, skip, skip, state)
+        call evaluate_law(law, t, w - step, none, lead(:, k), minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dw(:, i))))
       end do
     end do

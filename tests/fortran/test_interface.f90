@@ -22,6 +22,7 @@ contains
     call table_is_exact()
     call law_tangent()
     call shear_loop()
+    call turning_shear()
     call pressed_blocks()
   end subroutine run_interface
 
@@ -68,6 +69,7 @@ contains
   subroutine law_tangent()
     type(contact_law_t) :: law
     real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 4), c
+    real(dp) :: lead(2, 4)
     integer :: i, k, state, seen(0:2)
     c = 1e13_dp
     law = contact_law_t(frictional, 0.3_dp, c, exponential())
@@ -75,23 +77,24 @@ contains
       20e6_dp, 1e6_dp, -1e6_dp, -4e-6_dp, 0.01e-6_dp, 0.02e-6_dp, 2e6_dp, 1e6_dp, &                     ! stick
       20e6_dp, 9e6_dp, -4e6_dp, -4e-6_dp, 3e-6_dp, -2e-6_dp, 2e6_dp, 1e6_dp, &                          ! slip
       1e6_dp, -7e6_dp, 6e6_dp, -3e-6_dp, -5e-6_dp, 9e-6_dp, 0._dp, -1e6_dp], [8, 4])
+    lead = 1e6_dp*reshape([0._dp, 0._dp, 0.6_dp, 0.8_dp, 0.6_dp, -0.8_dp, 0._dp, 0._dp], [2, 4])
     worst = 0
     seen = 0
     do k = 1, 4
       t = cases(:3, k)
       w = cases(4:6, k)
       before = [0._dp, cases(7:, k)]
-      call evaluate_law(law, t, w, before, r, dw, dt, state)
+      call evaluate_law(law, t, w, before, lead(:, k), r, dw, dt, state)
       seen(state) = seen(state) + 1
       do i = 1, 3
         step = 0
         step(i) = 1e2_dp
-        call evaluate_law(law, t + step, w, before, plus, skip, skip, state)
-        call evaluate_law(law, t - step, w, before, minus, skip, skip, state)
+        call evaluate_law(law, t + step, w, before, lead(:, k), plus, skip, skip, state)
+        call evaluate_law(law, t - step, w, before, lead(:, k), minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dt(:, i))))
         step = step/c
-        call evaluate_law(law, t, w + step, before, plus, skip, skip, state)
-        call evaluate_law(law, t, w - step, before, minus, skip, skip, state)
+        call evaluate_law(law, t, w + step, before, lead(:, k), plus, skip, skip, state)
+        call evaluate_law(law, t, w - step, before, lead(:, k), minus, skip, skip, state)
         worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dw(:, i)/c)))
       end do
     end do
@@ -102,7 +105,7 @@ contains
   !> Sheared to and fro under constant pressure, the law follows the elastoplastic loop of stiffness k_t and bound mu p.
   subroutine shear_loop()
     type(contact_law_t) :: law
-    real(dp) :: t(3), r(3), dw(3, 3), dt(3, 3), u, old, tau, kt, p, worst, path(8)
+    real(dp) :: t(3), u, old, tau, kt, p, worst, path(8)
     integer :: i, state, seen(0:2)
     law = contact_law_t(frictional, 0.3_dp, 1e13_dp, exponential())
     p = p0*exp(8._dp)
@@ -113,6 +116,7 @@ contains
     worst = 0
     seen = 0
     t = [p, 0._dp, 0._dp]
+    state = open_state
     do i = 1, size(path)
       u = path(i)
       tau = max(-0.3_dp*p, min(0.3_dp*p, tau - kt*(u - old)))
@@ -123,21 +127,46 @@ contains
     end do
     call check(seen(stick_state) > 2 .and. seen(slip_state) > 2 .and. seen(open_state) == 0, 'the shear loop sticks and slips')
     call check_close(worst, 0._dp, 1e-10_dp, 'the joint law follows the elastoplastic loop of stiffness k_t and bound mu p')
-  contains
-    subroutine converge(law, w, t, state)
-      type(contact_law_t), intent(in) :: law
-      real(dp), intent(in) :: w(3)
-      real(dp), intent(inout) :: t(3)
-      integer, intent(out) :: state
-      real(dp) :: before(3)
-      integer :: k
-      before = t
-      do k = 1, 2000
-        call evaluate_law(law, t, w, before, r, dw, dt, state)
-        t = t - r
-      end do
-    end subroutine converge
   end subroutine shear_loop
+
+  !> Tractions of a point whose gap and slip are given.
+  subroutine converge(law, w, t, state)
+    type(contact_law_t), intent(in) :: law
+    real(dp), intent(in) :: w(3)
+    real(dp), intent(inout) :: t(3)
+    integer, intent(inout) :: state
+    real(dp) :: before(3), lead(2), r(3), dw(3, 3), dt(3, 3)
+    integer :: k
+    before = t
+    lead = 0
+    if (state == slip_state) lead = t(2:)
+    do k = 1, 2000
+      call evaluate_law(law, t, w, before, lead, r, dw, dt, state)
+      t = t - r
+    end do
+  end subroutine converge
+
+  !> Dragged in a new direction, the shear of a slipping point turns by tan(phi/2) = tan(phi_0/2) exp(-k_t u/(mu p)): second order.
+  subroutine turning_shear()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), p, u, error(3), exact
+    integer :: i, k, n, state
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp, exponential())
+    p = p0*exp(8._dp)
+    u = 1.5_dp*0.3_dp*h/0.8_dp
+    exact = 2*atan(tan(0.6_dp)*exp(-1.5_dp))
+    do k = 1, 3
+      n = 2**(k + 1)
+      t = [p, 0.3_dp*p*cos(1.2_dp), 0.3_dp*p*sin(1.2_dp)]
+      state = slip_state
+      do i = 1, n
+        call converge(law, [-8*h, -u/n, 0._dp], t, state)
+      end do
+      error(k) = abs(atan2(t(3), t(2)) - exact)
+    end do
+    call check(error(1) < 0.01_dp .and. error(3) < 1e-3_dp, 'the shear of a slipping point turns into the new direction')
+    call check(all(error(2:)/error(:2) < 0.3_dp), 'the turn of the shear is of second order in the steps')
+  end subroutine turning_shear
 
   !> Blocks whose meshes do not match, pressed by 80 MPa on an exponential joint, come closer by h ln(p / p_0) more than hard ones.
   subroutine pressed_blocks()

@@ -1,31 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compare with the figures that Hu et al. (2023) state, and with catalogues: writes docs/comparison.md and its figures.
+"""Compare with the figures that Hu et al. (2023) state, and with catalogues: tables of docs/comparison.md, and its figures.
 
-Solves the studies of data/ it needs (about half an hour; finished points are kept in --work).
+Solves the studies of data/ it needs (a quarter of an hour; finished points are kept in --work). `hdengine report WORK` then makes
+one HTML file of the comparison and all its studies.
 
 Usage: python bench/paper_comparison.py [--work DIR]
 """
 import argparse
 import json
+import shutil
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
 import hdengine
-from hdengine import torsion
+from hdengine import paper
 from hdengine.catalogue import UNITS
 from hdengine.plot import plt
+from hdengine.plot_study import plot_study
 from hdengine.results import read_csv
 
 ROOT = Path(__file__).resolve().parents[1]
-TORQUES = (1.0, 3.0, 5.0)
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 
 
-def study(name, work):
+def study(name, work, suffix="", **fixed):
     """A study of data/, solved or continued."""
-    return hdengine.Study.read(ROOT / f"data/{name}.nml").run(work / f"{name}.out", jobs=1)
+    chosen = hdengine.Study.read(ROOT / f"data/{name}.nml")
+    chosen.fixed.update({k.replace("__", "."): v for k, v in fixed.items()})
+    return chosen.run(work / f"{name}{suffix}.out", jobs=1)
 
 
 def value(result, column="k_ts_nm_per_rad", **keys):
@@ -34,37 +38,47 @@ def value(result, column="k_ts_nm_per_rad", **keys):
     return rows[0].get(column, np.nan) if rows else np.nan
 
 
-def percent(values):
-    """Changes as text."""
-    return " / ".join("-" if np.isnan(v) else f"{100 * v:+.1f}" for v in values)
-
-
-def trends(result, **keys):
-    """Rise from 1 to 5 N m, change by 10 um of eccentricity, place and height of the maximum over w; with verdicts."""
+def trend(name, result, **keys):
+    """Rise from 1 to 5 N m, change by 10 um of eccentricity, place and height of the maximum over w, slip torque of one scene."""
     def k(torque, w=0.2e-3, e=0.0):
-        return value(result, torque_nm=torque, wave_generator__w=w, wave_generator__eccentricity=e, **keys)
-    rise = k(5.0) / k(1.0) - 1
-    fall = np.array([k(t, e=10e-6) / k(t) - 1 for t in TORQUES])
-    curve = np.array([[k(t, w=w) for w in W] for t in TORQUES])
-    top = [f"{1e3 * W[int(np.argmax(c))]:.3f}" if np.all(np.isfinite(c)) else "-" for c in curve]
-    gain = curve.max(axis=1) / curve.min(axis=1) - 1
-    verdict = ["yes" if rise > 0.05 else "no",
-               "yes" if np.all(fall < -0.005) and fall[0] < fall[2] else "falls" if np.all(fall < -0.005) else "no",
-               "yes" if np.all([0 < np.argmax(c) < len(W) - 1 for c in curve]) and np.all(gain > 0.005) else "no"]
-    return rise, fall, top, gain, verdict
+        found = value(result, torque_nm=torque, wave_generator__w=w, wave_generator__eccentricity=e, **keys)
+        return found if found > 0 else np.nan
+    curve = np.array([[k(t, w=w) for w in W] for t in paper.TORQUES_NM])
+    solved = np.all(np.isfinite(curve))
+    top = curve.argmax(axis=1)
+    slip = [r for r in result.failures if "gross slip" in r["reason"] and r["wave_generator.w"] == 0.2e-3
+            and r["wave_generator.eccentricity"] == 0 and all(r[key.replace("__", ".")] == v for key, v in keys.items())]
+    return {"name": name, "rise_percent": 100 * (k(5.0) / k(1.0) - 1),
+            "fall_percent": [100 * (k(t, e=10e-6) / k(t) - 1) for t in paper.TORQUES_NM],
+            "top_mm": [1e3 * W[i] for i in top] if solved else None,
+            "gain_percent": (100 * (curve.max(axis=1) / curve.min(axis=1) - 1)).tolist() if solved else [np.nan] * 3,
+            "inside": bool(solved and np.all((top > 0) & (top < len(W) - 1))
+                           and np.all(curve.max(axis=1) / curve.min(axis=1) > 1.005)),
+            "slip_torque_nm": slip[0]["torque_nm"] if slip else None}
 
 
-def trend_rows(work):
-    """Rows of the table of trends."""
-    for name, shape, keys in (("explore_trends", "pressed", ("load.torque_load", "load.support", "wave_generator.interference")),
-                              ("explore_formed", "formed", ("load.torque_load", "wave_generator.interference"))):
+def trends(work):
+    """All scenes explored."""
+    keys = ("load.support", "load.torque_load", "wave_generator.interference")
+    for name, shape in (("explore_trends", "pressed"), ("explore_formed", "formed")):
         result = study(name, work)
-        cases = dict.fromkeys(tuple(row[k] for k in keys) for row in result.rows)
-        for case in sorted(cases, key=str):
-            chosen = dict(zip(keys, case))
-            rise, fall, top, gain, verdict = trends(result, **{k.replace(".", "__"): v for k, v in chosen.items()})
-            yield (shape, chosen.get("load.support", "hub"), chosen["load.torque_load"],
-                   1e6 * chosen["wave_generator.interference"], rise, fall, top, gain, verdict)
+        for case in sorted(dict.fromkeys(tuple(row[k] for k in keys) for row in result.rows)):
+            label = f"{shape}, {case[0]}, {case[1]}, {1e6 * case[2]:g} µm"
+            yield trend(label, result, **{k.replace(".", "__"): v for k, v in zip(keys, case)})
+
+
+def trend_line(t):
+    """Row of the table of trends."""
+    stated = 100 * (paper.STATED["k_ts_best_w"][2] / paper.STATED["k_ts_best_w"][0] - 1)
+    slips = t["slip_torque_nm"]
+    torque = paper.judge_trend([stated], [t["rise_percent"]])
+    fall = np.array(t["fall_percent"])
+    verdict = ["yes" if torque != "does not agree" else "no",
+               "yes" if paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree" else
+               "falls" if np.all(fall < -0.5) else "no", "yes" if t["inside"] else "no"]
+    rise = f"slips at {slips:.2f} N m" if slips else paper.signed([t["rise_percent"]])
+    where = " / ".join(f"{v:.3f}" for v in t["top_mm"]) if t["top_mm"] else "-"
+    return [*t["name"].split(", "), rise, paper.signed(fall), where, paper.signed(t["gain_percent"]), " ".join(verdict)]
 
 
 def catalogue_chart(work):
@@ -90,27 +104,76 @@ def catalogue_chart(work):
     return sizes, ours
 
 
-def tooth_chart(folder):
-    """Share of each pair of teeth; returns the largest."""
-    teeth = read_csv(folder / "teeth.csv")
-    last = teeth[teeth["step"] == teeth["step"].max()]
-    figure, axis = plt.subplots(figsize=(8, 4))
-    axis.bar((np.degrees(last["theta_rad"]) + 90) % 360 - 90, 100 * last["share"], width=1.5)
-    axis.set_xlabel("angle from the long axis / degree")
+def catalogue_table(sizes, ours):
+    """Ours beside K1 to K3."""
+    rows = [[s, *(f"{v / 1e3:.1f}" for v in (k, u.k1_nm_per_rad, u.k2_nm_per_rad, u.k3_nm_per_rad)), f"{k / u.k3_nm_per_rad:.1f}"]
+            for s, k, u in zip(sizes, ours, (UNITS[s] for s in sizes))]
+    return table(("size", "K_FTS / (kN m/rad)", "K1", "K2", "K3", "K_FTS / K3"), rows)
+
+
+def teeth_run(work, name, **keys):
+    """A run of data/teeth.nml, solved or read."""
+    folder = work / name
+    if not (folder / "summary.json").is_file():
+        hdengine.run(str(ROOT / "data/teeth.nml"), folder, True, **keys)
+    return hdengine.load(folder)
+
+
+def tooth_chart(work):
+    """Share of each pair of teeth at one end of the long axis; returns K_FTS(T) and the largest and smallest share in per cent."""
+    closed = teeth_run(work, "teeth.out")
+    loose = teeth_run(work, "teeth_open.out", load__tooth_clearance=10e-6)
+    figure, axis = plt.subplots(figsize=(8, 4.4))
+    share = {}
+    for run, torque, style, label in ((closed, 5.0, "C0o-", "closed at the start, 1 to 5 N m"),
+                                      (loose, 1.0, "C1^--", "outermost 10 µm open, 1 N m"),
+                                      (loose, 5.0, "C1s-", "outermost 10 µm open, 5 N m")):
+        teeth = read_csv(run.folder / "teeth.csv")
+        rows = teeth[abs(teeth["torque_nm"] - torque) < 1e-9]
+        angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
+        near = np.argsort(angle)[np.sort(angle) < 90]
+        axis.plot(angle[near], 100 * rows["share"][near], style, ms=4, label=label)
+        share[label] = [float(100 * rows["share"].max()), float(100 * rows["share"].min())]
+    axis.set_xlabel("angle from the long axis / degree (the other end is alike)")
     axis.set_ylabel("share of the tooth forces / %")
+    axis.set_ylim(bottom=0)
+    axis.legend(fontsize=11)
     figure.savefig(ROOT / "docs/figures/tooth_shares.png")
-    return 100 * last["share"].max(), 100 * last["share"].min()
+
+    def secant(run):
+        after = run.torque_nm > 0
+        return (run.torque_nm[after] / run.steps["rotation_rad"][after]).tolist()
+    return {"torque_nm": closed.torque_nm[closed.torque_nm > 0].tolist(), "closed": secant(closed), "open": secant(loose),
+            "share_percent": share}
 
 
-def coupled(work):
-    """Torque, K_TS by Eq. 45, and secant and tangent of the coupled model: torque over the turn that the joint adds [N m/rad]."""
-    result = study("coupled", work)
-    torque = sorted({row["torque_nm"] for row in result.rows})
-    turn = np.array([[value(result, "rotation_rad", torque_nm=t, contact__law=law) for t in torque] for law in ("hard", "joint")])
-    added = turn[1] - turn[0]
-    eq45 = [value(result, torque_nm=t, contact__law="joint") for t in torque]
-    return [[float(t), float(k), float(t / a), float(c)] for t, k, a, c in zip(
-        torque[1:], eq45[1:], added[1:], np.diff(torque) / np.diff(added))]
+def table(head, rows):
+    """A table for docs."""
+    return "\n".join("| " + " | ".join(map(str, r)) + " |" for r in (head, ["---"] * len(head), *rows))
+
+
+def put(name, text, page="comparison"):
+    """Replace what stands in a page of docs between <!-- name --> and <!-- end of name -->."""
+    page = ROOT / f"docs/{page}.md"
+    old = page.read_text()
+    start, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+    page.write_text(old[:old.index(start) + len(start)] + text + "\n" + old[old.index(end):])
+
+
+def comparison(work, explored):
+    """Rows of the comparison and the facts behind them."""
+    torque, closure = study("fig11_torque", work), study("fig11_torque", work, "_closure", joint__closure="paper")
+    series = study("fig10_series", work)
+    shutil.copy(plot_study(series)[0], ROOT / "docs/figures/series.png")
+    drive = next(r for r in series.series() if r["tooth_clearance_m"] == 0 and abs(r["torque_nm"] - 0.5) < 1e-9)
+    hub = {"load__support": "hub"}
+    rows = paper.torque_rows(torque.select(**hub), closure.select(**hub), explored)
+    rows += paper.eccentricity_rows(study("fig12_eccentricity", work).select(**hub), explored)
+    rows += paper.w_rows(study("fig13_w", work).select(**hub), explored)
+    rows += paper.series_rows(drive["k_ts_nm_per_rad"], drive["k_fts_nm_per_rad"]) + paper.arithmetic_rows()
+    at = {s: {c: value(torque, c, torque_nm=5.0, load__support=s) for c in
+              ("k_ts_nm_per_rad", "k_ts_paper_n", "pressure_long_1_pa", "pressure_max_pa")} for s in ("hub", "bearing")}
+    return rows, {"at_5_nm": at, "series": series.series(), "rows": [dict(zip(paper.Row.HEAD, r.cells())) for r in rows]}
 
 
 def main():
@@ -119,34 +182,23 @@ def main():
     parser.add_argument("--work", help="folder for the studies")
     work = Path(parser.parse_args().work or tempfile.mkdtemp())
     work.mkdir(parents=True, exist_ok=True)
-    rows = [*trend_rows(work)]
-    base = study("fig11_torque", work)
-    slip = study("explore_slip", work)
-    teeth = work / "teeth.out"
-    if not (teeth / "summary.json").is_file():
-        hdengine.run(str(ROOT / "data/teeth.nml"), teeth, True)
-    run = hdengine.load(teeth)
-    k_fts = float(run.torque_nm[-1] / run.steps["rotation_rad"][-1])
-    shares = tooth_chart(teeth)
+    explored = [*trends(work)]
+    rows, facts = comparison(work, explored)
+    teeth = tooth_chart(work)
     sizes, ours = catalogue_chart(work)
-    at = {s: {c: value(base, c, torque_nm=5.0, load__support=s) for c in
-              ("k_ts_nm_per_rad", "k_ts_paper_n", "pressure_long_1_pa", "pressure_max_pa")} for s in ("hub", "bearing")}
-    facts = {"k_fts_nm_per_rad": k_fts, "at_5_nm": at, "tooth_share_percent": shares, "k_series_nm_per_rad": torsion.series(
-        at["hub"]["k_ts_nm_per_rad"], k_fts), "sizes": dict(zip(map(str, sizes), ours)),
-        "slip_torque_nm": {f"{r['load.torque_load']}, {1e6 * r['wave_generator.interference']:g} um": r["torque_nm"]
-                           for r in slip.failures if "gross slip" in r["reason"]},
-        "coupled_nm_and_nm_per_rad": coupled(work), "trends": [[*map(str, row[:4]), row[4], *row[5], *row[6], *row[7], *row[8]] for row in rows]}
-    (ROOT / "bench/results/paper_comparison.json").write_text(json.dumps(facts, indent=1) + "\n")
-    table = "\n".join(
-        f"| {shape} | {support} | {load} | {delta:g} | {100 * rise:+.1f} | {percent(fall)} | {' / '.join(top)} | "
-        f"{percent(gain)} | {' '.join(verdict)} |" for shape, support, load, delta, rise, fall, top, gain, verdict in rows)
-    page = ROOT / "docs/comparison.md"
-    text = page.read_text()
-    start, end = "<!-- trends -->\n", "<!-- end of trends -->"
-    head = "| shape | support | load | δ / µm | 1 to 5 N m / % | e = 10 µm / % at 1 / 3 / 5 N m | maximum at w / mm | " \
-           "over the minimum / % | torque, e, w as in the paper |\n|---|---|---|---|---|---|---|---|---|\n"
-    page.write_text(text[:text.index(start) + len(start)] + head + table + "\n" + text[text.index(end):])
-    print(json.dumps(facts, indent=1))
+    facts |= {"teeth": teeth, "sizes": dict(zip(map(str, sizes), ours)), "trends": explored}
+    text = json.dumps(facts, indent=1)
+    (ROOT / "bench/results/paper_comparison.json").write_text(text + "\n")
+    (work / "comparison.json").write_text(text)
+    put("verdicts", paper.markdown(rows))
+    put("trends", table(("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm",
+                         "over the minimum", "torque, e, w as in the paper"), map(trend_line, explored)))
+    put("teeth", table(("K_FTS / (kN m/rad)", *(f"{t:g} N m" for t in teeth["torque_nm"]), "largest, smallest share at 5 N m"), [
+        (name, *(f"{k / 1e3:.1f}" for k in teeth[key]), "{:.1f}, {:.1f} %".format(*teeth["share_percent"][label]))
+        for name, key, label in (("closed at the start", "closed", "closed at the start, 1 to 5 N m"),
+                                 ("outermost pairs 10 µm open", "open", "outermost 10 µm open, 5 N m"))]))
+    put("catalogue", catalogue_table(sizes, ours))
+    print(paper.markdown(rows))
 
 
 if __name__ == "__main__":

@@ -1,40 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sensitivity of K_TS of the scene CD-14-100: tornado charts, band, Sobol indices.
+"""Sensitivity of K_TS of the scene CD-14-100, as `hdengine sensitivity cd14.out --drive`: tornado charts, bands, Sobol indices.
 
-Writes bench/results/sensitivity.json and docs/figures/tornado_{joint,drive}.png.
+Writes bench/results/sensitivity.json, the tables of docs/sensitivity.md and docs/figures/tornado_{joint,drive}.png.
 
 Usage: python bench/sensitivity.py [--work DIR]
 """
 import argparse
 import json
+import shutil
 import tempfile
 from pathlib import Path
 
 import hdengine
-from hdengine import uncertainty as u
-
-ROOT = Path(__file__).resolve().parents[1]
-SCENE = str(ROOT / "data/cd14.nml")
+from hdengine import uncertainty
+from paper_comparison import ROOT, put, table
 
 
 def main():
     """Run and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--work", help="folder for the runs (kept, and continued when called again)")
-    work = Path(parser.parse_args().work or tempfile.mkdtemp())
-    work.mkdir(parents=True, exist_ok=True)
-    field = u.ContactField(hdengine.run(SCENE, work / "base.out", True))
-    joint = u.joint_tornado(field)
-    study = u.one_at_a_time(SCENE, fixed={"load.assembly_steps": 1}).run(work / "drive.out")
-    base, drive = u.drive_tornado(study)
-    results = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint,
-               "joint_band_95": u.joint_band(field), "joint_sobol": u.joint_indices(field),
-               "drive_base_nm_per_rad": base, "drive": drive, "drive_failed": len(study.failures)}
-    (ROOT / "bench/results/sensitivity.json").write_text(json.dumps(results, indent=1) + "\n")
-    u.plot_tornado(field.k_ts(), joint, u.JOINT, "Joint, contact field kept").savefig(
-        ROOT / "docs/figures/tornado_joint.png")
-    u.plot_tornado(base, drive, u.DRIVE, "Drive, contact solved anew").savefig(ROOT / "docs/figures/tornado_drive.png")
-    print(json.dumps(results, indent=1))
+    out = Path(parser.parse_args().work or tempfile.mkdtemp()) / "base.out"
+    if not (out / "summary.json").is_file():
+        hdengine.run(str(ROOT / "data/cd14.nml"), out, True)
+    found = uncertainty.analyse(out, drive=True)
+    (ROOT / "bench/results/sensitivity.json").write_text(json.dumps(found, indent=1) + "\n")
+    for name in ("tornado_joint.png", "tornado_drive.png"):
+        shutil.copy(out / name, ROOT / "docs/figures")
+    put("bands", table(("what varies", "95 % band of K_TS / (MN m/rad)", "median"), [
+        (name, f"{low / 1e6:.2f} to {high / 1e6:.2f}", f"{median / 1e6:.2f}")
+        for name, (low, median, high) in found["bands_95_nm_per_rad"].items()]), "sensitivity")
+    put("indices", table(("input", "first order", "total"), [
+        (f"`{key}`", f"{first:.2f} ± {a:.2f}", f"{total:.2f} ± {b:.2f}") for key, (first, a, total, b) in found["indices"].items()]),
+        "sensitivity")
 
 
 if __name__ == "__main__":

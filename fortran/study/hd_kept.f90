@@ -138,6 +138,7 @@ contains
     character(len=*), intent(in) :: group, key  !< names
     logical, intent(in) :: joint                !< the joint's parameters are part of the contact law
     is_later = group//'.'//key == 'load.torque' .or. group//'.'//key == 'load.torque_steps' .or. &
+      group//'.'//key == 'contact.torque_friction' .or. &
       group//'.'//key == 'solver.time_limit_s' .or. group == 'output' .or. group == 'run' .or. &
       (.not. joint .and. (group == 'joint' .or. group//'.'//key == 'material.yield_strength'))
   end function is_later
@@ -148,7 +149,8 @@ contains
     logical, intent(in) :: pressed              !< the mesh does not follow the cam
     is_load = .true.
     select case (group//'.'//key)
-    case ('load.torque', 'load.assembly_steps', 'load.torque_steps', 'contact.friction', 'contact.mode')
+    case ('load.torque', 'load.assembly_steps', 'load.torque_steps', 'contact.friction', 'contact.torque_friction', &
+      'contact.mode')
     case ('wave_generator.eccentricity', 'wave_generator.eccentricity_angle_deg', 'wave_generator.interference')
     case ('solver.symmetry', 'solver.tolerance', 'solver.max_iterations', 'solver.max_cuts', 'solver.time_limit_s')
     case ('material.yield_strength')

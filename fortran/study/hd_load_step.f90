@@ -125,6 +125,8 @@ contains
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = 0.05_dp*run%drive%radius
+    run%drive%problem%law%friction = merge(run%scene%torque_friction, run%scene%friction, &
+      position > 1 + 1e-12_dp .and. run%scene%torque_friction > 0)
     call drive_load(run%drive, min(position, 1._dp), max(0._dp, position - 1)*run%scene%torque, load)
     trial = run%state
     ratio = 0

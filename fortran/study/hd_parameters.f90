@@ -106,6 +106,8 @@ contains
     real(dp), parameter :: big = huge(1._dp)
     call text(t, 'contact', 'mode', s%contact_mode, 'frictional frictionless bonded', 'contact of ring and flexspline')
     call number(t, 'contact', 'friction', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
+    call number(t, 'contact', 'torque_friction', s%torque_friction, '', 0._dp, 10._dp, &
+      'mu while the torque acts (large: no slip, to part slip from elasticity); 0: as friction', closed=.true.)
     call text(t, 'contact', 'law', s%contact_law, 'hard joint', &
       'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential)')
     call number(t, 'contact', 'zero_pressure', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &

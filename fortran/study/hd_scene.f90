@@ -40,7 +40,7 @@ module hd_scene
     real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
     ! contact
     character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard'
-    real(dp) :: friction = 0.15_dp, zero_pressure = 1e3_dp
+    real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp
     ! load
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25

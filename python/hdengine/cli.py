@@ -4,20 +4,44 @@ import argparse
 import sys
 from pathlib import Path
 
-from ._engine import FileError, HdengineError
+from . import completion, planner
+from ._engine import FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .cli_surface import add_options, run_surface
 from .contact import Run
 from .results import Result
 
 
+def _keys(assignments):
+    """Keys of the command line."""
+    for item in assignments:
+        if "=" not in item:
+            raise InputError(f"'{item}' is no assignment; write group.key=value, as load.torque=3")
+    return dict(item.split("=", 1) for item in assignments)
+
+
 def _run(args):
     out = args.out or Path(args.input).with_suffix(".out").name
-    keys = dict(item.split("=", 1) for item in args.assignments if "=" in item)
-    with Run(args.input, out, args.force, args.resume, **{k.replace(".", "__", 1): v for k, v in keys.items()}) as run:
-        for step in run:
-            s = step.sums
-            print(f"step {s['step']:3.0f}  torque {s['torque_nm']:8.4f} N m  K_TS {step.k_ts_nm_per_rad:.4e} N m/rad", flush=True)
+    try:
+        with Run(args.input, out, args.force, args.resume, **_keys(args.assignments)) as run:
+            for step in run:
+                s = step.sums
+                phase = "torque  " if s["in_torque"] else "assembly"
+                print(f"step {s['step']:3.0f}  {phase} {s['torque_nm']:8.4f} N m  normal force {s['normal_force_n']:8.1f} N  "
+                      f"K_TS {step.k_ts_nm_per_rad:.4e} N m/rad  {s['iterations']:3.0f} iterations", flush=True)
+    except (NotConvergedError, StoppedError):
+        print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
+        raise
     return _plot(argparse.Namespace(folder=out))
+
+
+def _plan(args):
+    print(planner.plan(args.input, args.tolerance, _keys(args.assignments)))
+    return 0
+
+
+def _completion(args):
+    print(completion.script(make_parser(), args.shell))
+    return 0
 
 
 def _study(args):
@@ -50,9 +74,28 @@ def _plot(args):
 
 
 def _report(args):
-    from .report import write_report
+    from .report import write_pdf, write_report
 
-    print(f"written: {write_report(args.folder, args.out, not args.no_picture)}")
+    path = write_report(args.folder, args.out, not args.no_picture)
+    print(f"written: {path}")
+    if args.pdf:
+        print(f"written: {write_pdf(path)}")
+    return 0
+
+
+def _sensitivity(args):
+    from .uncertainty import analyse
+
+    found = analyse(args.folder, args.drive, args.draws)
+    print(f"K_TS {found['k_ts_nm_per_rad']:.4g} N m/rad at {found['torque_nm']:g} N m")
+    for name, (low, median, high) in found["bands_95_nm_per_rad"].items():
+        print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
+    for key, (first, _, total, _) in found["indices"].items():
+        print(f"  {key:28s} share of the variance {first:.2f}, with interactions {total:.2f}")
+    if "note" in found:
+        print(f"  {found['note']}")
+    for name in ("sensitivity.json", "tornado_joint.png", *(["tornado_drive.png"] if "drive" in found else [])):
+        print(f"written: {Path(args.folder) / name}")
     return 0
 
 
@@ -80,14 +123,19 @@ def _command(commands, name, action, text, example):
     return parser
 
 
-def main(argv=None):
-    """Entry of the command; returns the exit code of hdengine.x."""
+def make_parser():
+    """The command with its subcommands."""
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
     commands = parser.add_subparsers(dest="command", required=True)
     run = _command(commands, "run", _run, "run a scene, then plot it", "run data/cd14.nml load.torque=3 --force")
     run.add_argument("input", help="namelist")
-    run.add_argument("assignments", nargs="*", help="group.key=value")
+    plan = _command(commands, "plan", _plan, "mesh, load steps, time and memory for a tolerance, without running",
+                    "plan data/cd14.nml --tolerance 0.05")
+    plan.add_argument("input", help="namelist of a scene or a study")
+    plan.add_argument("--tolerance", type=float, help=f"relative error (default: that of the scene, else {planner.TOLERANCE})")
+    for sub in (run, plan):
+        sub.add_argument("assignments", nargs="*", metavar="group.key=value", help="keys that differ from the file")
     run.add_argument("--resume", action="store_true", help="go on with a stopped run of the same input")
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
                      "study data/fig13_w.nml --jobs 2")
@@ -100,9 +148,15 @@ def main(argv=None):
     plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
     plot.add_argument("folder", help="folder of a run or a study")
     report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
-    report.add_argument("folder", help="folder of a run or a study")
+    report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
     report.add_argument("--out", help="file (default: report.html in the folder)")
+    report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
     report.add_argument("--no-picture", action="store_true", help="without the 3-D picture")
+    sensitivity = _command(commands, "sensitivity", _sensitivity, "tornado, bands and shares of the variance of K_TS of a run",
+                           "sensitivity cd14.out --drive")
+    sensitivity.add_argument("folder", help="folder of a run")
+    sensitivity.add_argument("--drive", action="store_true", help="also geometry, material, wave generator (solved anew)")
+    sensitivity.add_argument("--draws", type=int, default=500, help="of the bands")
     record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
@@ -113,7 +167,15 @@ def main(argv=None):
     record.add_argument("--out", help="figure")
     add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
                          "surface data/specimen_flexspline.npz data/specimen_bearing.npz --pair"))
-    args = parser.parse_args(argv)
+    shell = _command(commands, "completion", _completion, "print a completion script for the shell",
+                     "completion bash > ~/.local/share/bash-completion/completions/hdengine")
+    shell.add_argument("shell", choices=completion.SHELLS)
+    return parser
+
+
+def main(argv=None):
+    """Entry of the command; returns the exit code of hdengine.x."""
+    args = make_parser().parse_args(argv)
     try:
         return args.action(args)
     except HdengineError as error:

@@ -2,6 +2,7 @@
 """Runs from Python: step by step with numpy arrays, or at once into a folder."""
 import json
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -61,6 +62,8 @@ class Run:
     def __init__(self, path="", out="", force=False, resume=False, **keys):
         self._handle = None
         lines = "\n".join(_assignments(keys))
+        if out:
+            Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False

@@ -67,7 +67,8 @@ def draw_cup(result, path, scale=None, size=(1400, 1000)):
     plotter.add_mesh(face, scalars="contact pressure / MPa", cmap="viridis", nan_color="gainsboro", ambient=0.6,
                      diffuse=0.4, above_color="gold",
                      clim=(0, float(np.percentile(pressure[pressure > 0], 90)) if np.any(pressure > 0) else 1),
-                     scalar_bar_args={"color": "black", "title_font_size": 28, "label_font_size": 24, "fmt": "%.0f"})
+                     scalar_bar_args={"color": "black", "above_label": "more",
+                                      "title_font_size": 28, "label_font_size": 24, "fmt": "%.0f"})
     plotter.add_text(f"displacements x {scale:g}", color="black", font_size=14, position="upper_left")
     plotter.camera_position = [(35, -75, -45), (0, 0, 7), (0, 0, -1)]
     plotter.camera.zoom(1.15)

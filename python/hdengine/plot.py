@@ -81,7 +81,7 @@ def plot_band(result):
     axis.set_xticks(range(0, 361, 45))
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; peak {p.max():.0f} MPa at the edge)")
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; highest facet {p.max():.0f} MPa)")
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
 
@@ -112,6 +112,53 @@ def plot_steps(result, most=6):
     return figure
 
 
+def animate(result, path, most=25, fps=3):
+    """Write a GIF of pressure and shear on the unrolled band over the load steps.
+
+    Parameters
+    ----------
+    result : Result
+    path : str or Path
+    most : int
+        Frames at most.
+    fps : float
+        Frames per second.
+
+    Returns
+    -------
+    Path
+    """
+    from matplotlib.animation import FuncAnimation, PillowWriter
+
+    p, q = result.contact["pressure_pa"] / 1e6, result.contact["traction_theta_pa"] / 1e6
+    frames = np.unique(np.linspace(0, len(p) - 1, most).round().astype(int))
+    extent = (0, 360, 0, 1e3 * result.scene["geometry.band_length"])
+    top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
+    shear = np.percentile(np.abs(q[p > 0]), 98) if np.any(p > 0) else 1
+    figure, axes = plt.subplots(2, 1, figsize=(8, 5.4), sharex=True)
+    images = []
+    for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), ("viridis", "coolwarm"),
+                                            ("pressure / MPa", "shear along θ / MPa")):
+        images.append(axis.imshow(np.zeros(result.shape).T, origin="lower", aspect="auto", extent=extent, vmin=low, vmax=high,
+                                  cmap=cmap))
+        axis.set_facecolor("0.9")
+        axis.grid(False)
+        axis.set_ylabel("from front edge / mm")
+        figure.colorbar(images[-1], ax=axis, label=label, extend="max" if low == 0 else "both")
+    axes[1].set_xticks(range(0, 361, 45))
+    axes[1].set_xlabel("angle from the long axis / degree")
+
+    def show(i):
+        for image, field in zip(images, (p, q)):
+            image.set_data(np.where(p[i] > 0, field[i], np.nan).reshape(result.shape).T)
+        load, torque = result.steps["load_factor"][i], result.torque_nm[i]
+        axes[0].set_title(f"torque {torque:.3g} N m" if torque else f"assembly, {100 * load:.0f} %", fontsize=13)
+
+    FuncAnimation(figure, show, frames.tolist()).save(path, PillowWriter(fps), dpi=80)
+    plt.close(figure)
+    return path
+
+
 def plot_torsion(result):
     """K_TS over torque by both forms of Eq. 45, and the FE rotation."""
     k, paper = result.torsional_stiffness()
@@ -119,8 +166,8 @@ def plot_torsion(result):
     t = result.torque_nm[select:]
     figure, axes = plt.subplots(1, 3, figsize=(13, 4.2))
     for axis, values, label in zip(
-            axes, (k[select:], paper[select:], 1e6 * result.steps["rotation_rad"][select:]),
-            ("$K_{TS}$ (Eq. 45) / (N m/rad)", "Eq. 45 as printed / N", "FE rotation of the rim / µrad")):
+            axes, (k[select:] / 1e6, paper[select:] / 1e6, 1e6 * result.steps["rotation_rad"][select:]),
+            ("$K_{TS}$ (Eq. 45) / (MN m/rad)", "Eq. 45 as printed / MN", "FE rotation / µrad")):
         axis.plot(t, values, "o-")
         axis.set_xlabel("torque / N m")
         axis.set_title(label, fontsize=12)

@@ -4,6 +4,8 @@ import itertools
 
 import numpy as np
 
+from .catalogue import UNITS
+from .paper import STATED
 from .plot import plt
 
 LABELS = {  # column: (label, unit, factor)
@@ -73,8 +75,8 @@ def _order(value):
 def _name(column, value):
     """Legend text of a value."""
     name, unit, factor = LABELS.get(column, (column.split(".")[-1], "", 1))
-    if isinstance(value, str):
-        return value
+    if isinstance(value, str) or value is None:
+        return value or "-"
     return f"{value * factor:.4g} {unit}" if unit else f"{name} {value:.4g}"
 
 
@@ -89,6 +91,8 @@ def plot_study(result):
     -------
     list of Path
     """
+    if result.summary["figure"].get("kind") == "series":
+        return [_save(plot_series(result), result)]
     x, ys, lines = axes_of(result)
     columns = min(3, len(ys))
     rows = -(-len(ys) // columns)
@@ -103,7 +107,37 @@ def plot_study(result):
     failed = result.summary["failed"]
     figure.suptitle(result.summary["title"] + (f" ({failed} of {result.summary['points']} points failed)" if failed else ""),
                     fontsize=13)
+    return [_save(figure, result)]
+
+
+def _save(figure, result):
     path = result.folder / "study.png"
     figure.savefig(path)
     plt.close(figure)
-    return [path]
+    return path
+
+
+def plot_series(result):
+    """K_TS, K_FTS and K_WTS (Eq. 46) over the torque, beside catalogue and paper (Fig. 10); a matplotlib figure."""
+    rows, unit = result.series(), UNITS[14]
+    figure, axis = plt.subplots(figsize=(9, 5.6))
+    for i, clearance in enumerate(sorted({r["tooth_clearance_m"] for r in rows})):
+        chosen = sorted((r for r in rows if r["tooth_clearance_m"] == clearance), key=lambda r: r["torque_nm"])
+        t, contact, teeth, drive = (np.array([r[c] for r in chosen]) for c in (
+            "torque_nm", "k_ts_nm_per_rad", "k_fts_nm_per_rad", "k_wts_nm_per_rad"))
+        name = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "teeth closed at the start"
+        if i == 0:
+            axis.semilogy(t, contact, "s-", color="C2", ms=4, label="$K_{TS}$, contact (Eq. 45)")
+        axis.semilogy(t, teeth, "^--", color=f"C{i}", ms=5, label=f"$K_{{FTS}}$, {name}")
+        axis.semilogy(t, drive, "o-", color=f"C{i}", ms=4, label=f"$K_{{WTS}}$ (Eq. 46), {name}")
+    if abs(result.summary["scene"]["geometry.bore_radius"] - 17.5e-3) < 0.3e-3:
+        axis.step([0, unit.t1_nm, max(t)], [unit.k1_nm_per_rad, unit.k1_nm_per_rad, unit.k2_nm_per_rad], "k-", lw=1.2,
+                  where="pre", label="catalogue, size 14: K1, K2")
+        axis.semilogy([0.5], [STATED["k_wts_theory"]], "r_", ms=14, mew=2, label="Hu et al.: theory")
+        axis.semilogy([0.5, 5], [STATED["k_wts_test"], STATED["k_wts_highest"]], "k*", ms=9, label="Hu et al.: test")
+    axis.set_xlabel("torque / N m")
+    axis.set_ylabel("torsional stiffness / (N m/rad)")
+    axis.set_ylim(top=3e8)
+    axis.legend(fontsize=10, ncols=2, loc="upper center")
+    axis.set_title(result.summary["title"], fontsize=13)
+    return figure

@@ -20,6 +20,17 @@ def read_csv(path):
         raise FileError(f"'{path}' cannot be read: {e}") from None
 
 
+def long_axis(facets, shape, positions, band_length):
+    """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
+    z = (np.arange(shape[1]) + 0.5) * band_length / shape[1]
+    values = {}
+    for i, place in enumerate(positions, 1):
+        row = int(np.argmin(abs(z - place)))
+        for name, label in (("pressure_pa", "pressure"), ("traction_theta_pa", "shear")):
+            values[f"{label}_long_{i}_pa"] = float(facets[name].reshape(shape)[[0, -1], row].mean())
+    return values
+
+
 class Result:
     """A finished run.
 
@@ -81,6 +92,33 @@ class Result:
         paper = torsion.torsional_stiffness_paper(c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0],
                                                   s["geometry.bore_radius"], s["wave_generator.w"])
         return k, paper
+
+    def rows(self):
+        """One dict per load step with the columns of a study's table."""
+        k, paper = self.torsional_stiffness()
+        steps = [{name: row[name].item() for name in self.steps.dtype.names} for row in self.steps]
+        for i, row in enumerate(steps):
+            facets = {name: column[i] for name, column in self.contact.items()}
+            row.update(k_ts_nm_per_rad=float(k[i]), k_ts_paper_n=float(paper[i]), **long_axis(
+                facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
+        return steps
+
+    def frame(self):
+        """The load steps as a pandas.DataFrame (needs pandas)."""
+        import pandas
+
+        return pandas.DataFrame(self.rows())
+
+    def dataset(self):
+        """The contact fields as an xarray.Dataset over step, theta [rad] and z [m, from the band's front edge] (needs xarray)."""
+        import xarray
+
+        length = self.scene["geometry.band_length"]
+        theta = np.arange(self.shape[0]) + 0.5, np.arange(self.shape[1]) + 0.5
+        fields = {name: (("step", "theta_rad", "z_m"), column.reshape(-1, *self.shape)) for name, column in self.contact.items()
+                  if name.endswith(("_pa", "_m", "_m2", "_per_m")) and name != "z_m"}
+        return xarray.Dataset(fields, {"step": self.steps["step"], "torque_nm": ("step", self.torque_nm),
+                                       "theta_rad": 2 * np.pi * theta[0] / self.shape[0], "z_m": length * theta[1] / self.shape[1]})
 
     @property
     def joint(self):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import _engine, namelist
+from . import _engine, namelist, torsion
 from ._engine import FileError, HdengineError, InputError
 from .contact import read_scene
 from .progress import Progress
@@ -21,7 +21,7 @@ _GROUPS = {
     "fixed": None,
     "grid": None,
     "together": None,
-    "figure": {"x", "y", "lines", "relative", "torque"},
+    "figure": {"kind", "x", "y", "lines", "relative", "torque"},
 }
 ROWS = ("torque", "last", "all")
 
@@ -45,6 +45,7 @@ class Study:
     title : str
     figure : dict
         x, y (list), lines: columns; torque (list) [N m]: those only; relative: change against the first x in per cent.
+        kind = 'series': K_TS and K_FTS in series (Eq. 46) over the torque, from points without and with support 'teeth'.
 
     Examples
     --------
@@ -167,7 +168,9 @@ class Study:
         for i, result in solve_all(tasks, jobs):
             rows[i] = result
             self._write(out, identity, scene, rows)
-            progress.step(", ".join(f"{k}={v}" for k, v in points[i].items()), result[-1]["status"] == "failed")
+            changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
+                       for k, v in points[i].items() if v != points[0][k]]
+            progress.step(", ".join(changed) or "first point", result[-1]["status"] == "failed")
         return StudyResult(out)
 
     def _earlier(self, out, identity, retry):
@@ -264,11 +267,44 @@ class StudyResult:
         """Rows of the failed points."""
         return [row for row in self.rows if row["status"] == "failed"]
 
+    def series(self):
+        """K_TS, K_FTS and both in series (Eq. 46) at every torque, for each point against the teeth.
+
+        Returns
+        -------
+        list of dict
+            tooth_clearance_m, torque_nm, k_ts_nm_per_rad, k_fts_nm_per_rad (torque over rotation), k_wts_nm_per_rad.
+        """
+        done = [r for r in self.rows if r["status"] == "done" and r["torque_nm"] > 0]
+        contact = {r["torque_nm"]: r["k_ts_nm_per_rad"] for r in done if r.get("load.support") != "teeth"}
+        rows = []
+        for r in done:
+            near = [k for t, k in contact.items() if abs(t - r["torque_nm"]) < 1e-9]
+            if r.get("load.support") == "teeth" and near:
+                k = r["k_fe_secant_nm_per_rad"]
+                rows.append({"tooth_clearance_m": r.get("load.tooth_clearance", 0.0), "torque_nm": r["torque_nm"],
+                             "k_ts_nm_per_rad": near[0], "k_fts_nm_per_rad": k, "k_wts_nm_per_rad": torsion.series(near[0], k)})
+        return rows
+
     def frame(self):
         """The table as a pandas.DataFrame (needs pandas)."""
         import pandas
 
         return pandas.read_csv(self.folder / "study.csv")
+
+    def dataset(self):
+        """Solved rows as an xarray.Dataset over the swept keys and the torque (needs pandas and xarray).
+
+        Keys that change side by side make no grid: they become coordinates along the dimension `point`.
+        """
+        varied = [k for k in self.summary["swept"] if len({str(r.get(k)) for r in self.rows}) > 1]
+        frame = self.frame().query("status == 'done'").drop(columns=["reason", "code", "status"], errors="ignore")
+        frame["torque_nm"] = frame["torque_nm"].round(9)
+        if self.summary["identity"]["rows"] == "all":
+            frame = frame[(frame["in_torque"] == 1) | (frame["load_factor"] == 1)]
+        grid = np.prod([frame[k].nunique() for k in varied], dtype=int) == self.summary["points"]
+        table = frame.set_index([*(varied if grid else ["point"]), "torque_nm"]).to_xarray()
+        return table if grid else table.assign_coords({k: table[k].isel(torque_nm=-1) for k in varied})
 
     def __repr__(self):
         s = self.summary

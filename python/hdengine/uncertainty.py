@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What K_TS owes to its inputs: bands, one-at-a-time ranges (tornado), variance-based indices."""
+import json
+import os
 import warnings
 
 import numpy as np
@@ -180,6 +182,108 @@ def drive_tornado(result, ranges=None, column="k_ts_nm_per_rad"):
     value = {row["point"]: row.get(column, np.nan) if row["status"] == "done" else np.nan for row in result.rows}
     ends = {key: (value.get(2 * i + 1, np.nan), value.get(2 * i + 2, np.nan)) for i, key in enumerate(ranges)}
     return value[0], dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
+
+
+GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
+    "D and G": (("joint.fractal_dimension", "joint.roughness"), ()),
+    "D, G, r_m, s_min, hardness": (tuple(JOINT), ()),
+    "geometry": ((), ("geometry.", "wave_generator.")),
+    "material and friction": (("joint.hardness",), ("material.", "contact.")),
+    "all": (tuple(JOINT), ("geometry.", "wave_generator.", "material.", "contact.")),
+}
+
+
+def bands(field, base=None, ends=None, draws=500, level=0.95, seed=1, ranges=None):
+    """Bands of K_TS when groups of inputs scatter over their ranges.
+
+    Keys of the joint are evaluated on the contact field. Keys of the drive act as factors, each a straight line from its low
+    end over the scene's value to its high end (`drive_tornado`): what two of them do together is their product.
+
+    Parameters
+    ----------
+    field : ContactField
+    base, ends : float and dict, optional
+        Of `drive_tornado`; without them only groups of the joint are given. Ends that failed count as no change.
+    ranges : dict, optional
+        Of the drive; default DRIVE.
+
+    Returns
+    -------
+    dict
+        group: (low, median, high) [N m/rad].
+    """
+    ranges, found = DRIVE if ranges is None else ranges, {}
+    for name, (joint, drive) in GROUPS.items():
+        keys = [k for k in ends or {} if k.startswith(drive)] if drive else []
+        if drive and not keys:
+            continue
+        generator, values = np.random.default_rng(seed), []
+        chosen = {k: JOINT[k] for k in joint}
+        for _ in range(draws):
+            value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
+            for key in keys:
+                low, high, middle = *ranges[key][:2], field.scene[key]
+                x = low + (high - low) * generator.random()
+                value *= np.interp(x, *_line((low, middle, high), (ends[key][0] / base, 1.0, ends[key][1] / base)))
+            values.append(value)
+        found[name] = tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+    return found
+
+
+def _line(x, y):
+    """Points in rising x, each once, without those that are not finite."""
+    kept = {a: b for a, b in zip(x, y) if np.isfinite(b)}
+    return sorted(kept), [kept[a] for a in sorted(kept)]
+
+
+def analyse(folder, drive=False, draws=500, sobol=128, show=True):
+    """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, tornado_drive.png.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Of the run.
+    drive : bool
+        Also solve the contact anew at both ends of each range of DRIVE (kept in drive.out, and taken from there later).
+    draws : int
+        Of the bands.
+    sobol : int
+        Base of the indices, a power of 2; 0: none. Left out where SALib is missing.
+    show : bool
+        Progress on stderr.
+
+    Returns
+    -------
+    dict
+        What sensitivity.json holds.
+    """
+    from .plot import plt
+    from .results import Result
+
+    result = Result(folder)
+    field = ContactField(result)
+    if not field.k_ts() > 0:
+        raise InputError(f"K_TS of '{folder}' is 0: nothing to vary")
+    joint, base, ends = joint_tornado(field), None, None
+    figures = {"tornado_joint.png": plot_tornado(field.k_ts(), joint, JOINT, "Joint, contact field kept")}
+    found = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint}
+    if drive or (result.folder / "drive.out/study.json").is_file():
+        study = one_at_a_time(result.folder / "echo.nml").run(result.folder / "drive.out", show=show)
+        base, ends = drive_tornado(study)
+        figures["tornado_drive.png"] = plot_tornado(base, ends, DRIVE, "Drive, contact solved anew")
+        found |= {"drive_base_nm_per_rad": base, "drive": ends, "drive_failed": len(study.failures)}
+    found["bands_95_nm_per_rad"] = bands(field, base, ends, draws)
+    try:
+        found["indices"] = joint_indices(field, base=sobol) if sobol else {}
+    except InputError as why:
+        found |= {"indices": {}, "note": str(why)}
+    part = result.folder / "sensitivity.json.part"
+    part.write_text(json.dumps(found, indent=1) + "\n")
+    os.replace(part, result.folder / "sensitivity.json")
+    for name, figure in figures.items():
+        figure.savefig(result.folder / name)
+        plt.close(figure)
+    return found
 
 
 def plot_tornado(base, ends, ranges, title=""):

@@ -8,17 +8,7 @@ import numpy as np
 from . import torsion
 from ._engine import HdengineError
 from .contact import Run, read_scene
-
-
-def _long_axis(facets, shape, positions, band_length):
-    """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
-    z = (np.arange(shape[1]) + 0.5) * band_length / shape[1]
-    values = {}
-    for i, place in enumerate(positions, 1):
-        row = int(np.argmin(abs(z - place)))
-        for name, label in (("pressure_pa", "pressure"), ("traction_theta_pa", "shear")):
-            values[f"{label}_long_{i}_pa"] = float(facets[name].reshape(shape)[[0, -1], row].mean())
-    return values
+from .results import long_axis
 
 
 def _row(step, run, scene):
@@ -33,7 +23,7 @@ def _row(step, run, scene):
         "k_ts_paper_n": float(torsion.torsional_stiffness_paper(
             f["k_n_n_per_m"], f["k_t_n_per_m"], f["theta_rad"], scene["geometry.bore_radius"], scene["wave_generator.w"])),
         "k_fe_secant_nm_per_rad": torque / rotation if torque and rotation else float("nan"),
-        **_long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),
+        **long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),
     }
 
 

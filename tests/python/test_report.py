@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reports: one file that holds everything, of runs and studies, finished or not."""
+import json
 import re
 import shutil
 import sys
@@ -8,36 +9,73 @@ import pytest
 from conftest import ROOT, call
 
 import hdengine
-from hdengine import picture
+from hdengine import paper, picture
 from hdengine.cli import main
-from hdengine.report import write_report
+from hdengine.report import write_pdf, write_report
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
 
 
-@pytest.fixture()
-def folder(small_run, tmp_path):
-    """A copy of the small run to write into."""
-    return shutil.copytree(small_run, tmp_path / "run.out")
+@pytest.fixture(scope="module")
+def folder(small_run, tmp_path_factory):
+    """A copy of the small run with its sensitivity and its report, made without PyVista."""
+    out = shutil.copytree(small_run, tmp_path_factory.mktemp("report") / "run.out")
+    assert main(["sensitivity", str(out), "--draws", "30"]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "pyvista", None)
+        write_report(out)
+    return out
 
 
 def test_report_stands_alone(folder):
-    """Nothing is fetched: every image is embedded, no script, no link; inputs, provenance, convergence and citation are there."""
-    page = write_report(folder, picture=False).read_text()
+    """Nothing is fetched: every image is embedded, no script, no link; inputs, plan, convergence, comparison, provenance are there."""
+    page = (folder / "report.html").read_text()
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-    assert len(sources) >= 5 and all(s.startswith("data:image/png;base64,") for s in sources)
-    assert "<script" not in page
-    for word in ("K_TS by Eq. 45", "wave_generator.interference", "compiler", "Convergence", "10.3389/fmats.2023.1211019",
-                 hdengine.__version__):
+    assert len(sources) >= 5 and all(s.startswith(("data:image/png;base64,", "data:image/gif;base64,")) for s in sources)
+    assert "<script" not in page and len(page) < 4e6
+    for word in ("K_TS by Eq. 45", "wave_generator.interference", "compiler", "Convergence", "Plan", "error/% expected",
+                 "Compared with Hu et al.", "10.3389/fmats.2023.1211019", hdengine.__version__):
         assert word in page, word
+
+
+def test_sensitivity_in_the_report(folder):
+    """One command leaves tornado, bands and indices in the run's folder, and the report shows them."""
+    found = json.loads((folder / "sensitivity.json").read_text())
+    low, _, high = found["bands_95_nm_per_rad"]["D and G"]
+    assert low < found["k_ts_nm_per_rad"] < high
+    assert "Uncertainty of K_TS" in (folder / "report.html").read_text() and (folder / "tornado_joint.png").exists()
 
 
 def test_picture_is_optional(folder, monkeypatch):
     """Without PyVista the report is written and names the extra to install."""
+    assert "hdengine[report]" in (folder / "report.html").read_text()
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    assert "hdengine[report]" in write_report(folder).read_text()
     with pytest.raises(picture.PictureError, match="hdengine"):
         picture.draw_cup(hdengine.load(folder), folder / "x.png")
+
+
+def test_pdf_without_weasyprint(folder, monkeypatch):
+    """Without WeasyPrint the error names what to install."""
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
+    with pytest.raises(hdengine.InputError, match=r"hdengine\[pdf\]"):
+        write_pdf(folder / "report.html")
+
+
+@pytest.mark.full
+def test_pdf(folder):
+    """`report --pdf` writes a PDF beside the HTML file."""
+    pytest.importorskip("weasyprint")
+    assert main(["report", str(folder), "--no-picture", "--pdf"]) == 0
+    assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_report_of_a_comparison(tmp_path):
+    """A folder with a comparison and studies gives one file with the table and every study."""
+    rows = [dict(zip(paper.Row.HEAD, r.cells())) for r in paper.arithmetic_rows()]
+    (tmp_path / "comparison.json").write_text(json.dumps({"rows": rows}))
+    hdengine.Study(str(ROOT / "data/cd14.nml"), fixed=KEYS, title="a study of it").run(tmp_path / "s.out", show=False)
+    page = write_report(tmp_path).read_text()
+    assert "7.30 %" in page and "a study of it" in page
 
 
 @pytest.mark.full

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""K_TS by Eq. 45 and by the joint as contact law, the causes of the difference one after the other: table and figure of
+docs/comparison.md, raw figures in bench/results/coupled_law.json.
+
+All torque goes through the contact (support 'bearing'). The coupled K_TS is the torque over the turn that the joint adds to
+that of hard contact. Slip is parted from elasticity by friction that grows to 10 when the torque sets in.
+
+Usage: python bench/coupled_law.py [--work DIR]
+"""
+import argparse
+import json
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import hdengine
+from hdengine import torsion
+from hdengine.plot import plt
+from paper_comparison import ROOT, put, table
+
+SCENE = str(ROOT / "data/cd14.nml")
+MESHES = {"86 x 15": {}, "132 x 23": {"mesh.divisions": 132, "mesh.band_facets": 23}}
+STICK = {"contact.torque_friction": 10.0}
+
+
+def runs(work, mesh, name):
+    """Runs by (law, slip allowed)."""
+    found = {}
+    for law in ("hard", "joint"):
+        for slip in (True, False):
+            folder = work / f"coupled_{name.replace(' ', '')}_{law}_{'slip' if slip else 'stick'}.out"
+            if not (folder / "summary.json").is_file():
+                keys = {"load.support": "bearing", "contact.law": law, "output.vtu": "none", **mesh, **({} if slip else STICK)}
+                hdengine.run(SCENE, folder, True, **keys)
+            found[law, slip] = hdengine.load(folder)
+    return found
+
+
+def eq45(result, sheared=True, normal=True):
+    """K_TS of every step from the stored tractions [N m/rad], with or without shear in K_T and the normal part."""
+    c = result.contact
+    shear = np.hypot(c["traction_theta_pa"], c["traction_z_pa"])
+    k_n, k_t = result.joint.stiffness(c["pressure_pa"], shear * sheared, c["area_m2"])
+    return torsion.torsional_stiffness(k_n * normal, k_t, result.vectors("x_m", "y_m", "z_m"), result.vectors("n_x", "n_y", "n_z"))
+
+
+def own_energy(result, start):
+    """T^2 / sum(q^2 / K_T): the joint's compliance under the shear that the torque adds in this run [N m/rad]."""
+    c = result.contact
+    _, k_t = result.joint.stiffness(c["pressure_pa"], 0.0, c["area_m2"])
+    square = sum((c[f"traction_{a}_pa"] - c[f"traction_{a}_pa"][start])**2 for a in ("theta", "z")) * c["area_m2"]**2
+    work = np.divide(square, k_t, out=np.zeros_like(square), where=k_t > 0).sum(axis=1)
+    return result.torque_nm[start + 1:]**2 / work[start + 1:]
+
+
+def rear_row(result):
+    """Shares of the rearmost row of facets in K_T and in the torque, in per cent."""
+    c, torque = result.contact, result.steps["torque_nm"]
+    start = int(np.flatnonzero(torque > 0)[0]) - 1
+    k_t = result.joint.stiffness(c["pressure_pa"][-1], 0.0, c["area_m2"][-1])[1].reshape(result.shape).sum(axis=0)
+    shear = ((c["traction_theta_pa"][-1] - c["traction_theta_pa"][start]) * c["area_m2"][-1]).reshape(result.shape).sum(axis=0)
+    return [float(100 * v[-1] / v.sum()) for v in (k_t, shear)]
+
+
+def separate(found):
+    """All stiffnesses over the torque [N m/rad], 'printed' in [N]."""
+    hard, joint, rigid, stuck = (found[key] for key in (("hard", True), ("joint", True), ("hard", False), ("joint", False)))
+    start = int(np.flatnonzero(hard.steps["load_factor"] >= 1 - 1e-9)[0])
+    torque, after = hard.torque_nm[start:], slice(start + 1, None)
+
+    def added(soft, stiff):
+        return (soft.steps["rotation_rad"] - stiff.steps["rotation_rad"])[start:]
+    free, held = added(joint, hard), added(stuck, rigid)
+    return {
+        "torque_nm": torque[1:], "Eq. 45, hard contact": eq45(hard)[after], "pressures of the coupled model": eq45(joint)[after],
+        "without the normal part": eq45(joint, normal=False)[after], "K_T of the first slip, no shear": eq45(joint, False, False)[after],
+        "shear as the bodies pass it on": own_energy(stuck, start), "elastic bodies, no slip: secant": torque[1:] / held[1:],
+        "slip: secant of the coupled model": torque[1:] / free[1:], "tangent of the coupled model": np.diff(torque) / np.diff(free),
+        "no slip, tangent": np.diff(torque) / np.diff(held), "printed": hard.torsional_stiffness()[1][after]}
+
+
+CHAIN = ("Eq. 45, hard contact", "pressures of the coupled model", "without the normal part", "K_T of the first slip, no shear",
+         "shear as the bodies pass it on", "elastic bodies, no slip: secant", "slip: secant of the coupled model",
+         "tangent of the coupled model")
+WHY = ("Eq. 45 on the facets of hard contact", "the joint gives way, the pressures even out", "normals of the pressed faces are radial",
+       "the contact law keeps the first loading's k_t; Eq. 45 takes that under the facet's shear",
+       "Eq. 45 turns all facets by one angle, the rear row with {:.0f} % of K_T; the bodies send it {:.0f} % of the torque",
+       "as the joint moves the shear, cup and ring themselves turn more", "facets near µp slip",
+       "the next newton metre finds more of them slipping")
+
+
+def draw(s):
+    """K_TS over the torque, and the chain of causes at the last torque."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13.5, 5), width_ratios=(1.1, 1))
+    t = s["torque_nm"]
+    for name, label, style in (("Eq. 45, hard contact", "Eq. 45 (default)", "C0o-"), ("elastic bodies, no slip: secant",
+                               "coupled, no slip, secant", "C2^--"), ("slip: secant of the coupled model", "coupled, secant", "C1s-"),
+                               ("tangent of the coupled model", "coupled, tangent", "C3v-")):
+        left.plot(t, s[name] / 1e6, style, label=label)
+    left.set_xlabel("torque / N m")
+    left.set_ylabel("$K_{TS}$ / (MN m/rad)")
+    left.set_ylim(0, 5)
+    other = left.twinx()
+    other.grid(False)
+    left.plot([], [], "k:", label="Eq. 45 as printed (right scale)")
+    other.plot(t, s["printed"] / 1e6, "k:")
+    other.set_ylabel("Eq. 45 as printed / MN")
+    other.set_ylim(0, 300)
+    left.legend(fontsize=11, loc="lower left")
+    right.grid(axis="y", visible=False)
+    values = [s[name][-1] / 1e6 for name in CHAIN]
+    for i, (name, value) in enumerate(zip(CHAIN, values)):
+        before = values[i - 1] if i else 0
+        right.barh(-i, value - before, left=before, color="0.5" if i == 0 else "C3" if value < before else "C0", height=0.6)
+        right.plot([value, value], [-i - 0.7, -i + 0.3], "k", lw=0.8)
+        right.text(max(value, before) + 0.08, -i, f"{value:.2f}", va="center", fontsize=11)
+    right.set_yticks([-i for i in range(len(CHAIN))], CHAIN, fontsize=11)
+    right.set_xlim(0, 6)
+    right.set_xlabel(f"$K_{{TS}}$ at {t[-1]:g} N m / (MN m/rad)")
+    figure.savefig(ROOT / "docs/figures/coupled.png")
+
+
+def main():
+    """Solve, write, draw."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--work", help="folder for the runs")
+    work = Path(parser.parse_args().work or tempfile.mkdtemp())
+    warnings.simplefilter("ignore", hdengine.JointWarning)
+    found = {name: runs(work, mesh, name) for name, mesh in MESHES.items()}
+    results = {name: separate(f) for name, f in found.items()}
+    rear = rear_row(found["86 x 15"]["joint", False])
+    (ROOT / "bench/results/coupled_law.json").write_text(json.dumps(
+        {"rear_row_percent_of_k_t_and_torque": rear, **{name: {k: v.tolist() for k, v in s.items()} for name, s in results.items()}},
+        indent=1) + "\n")
+    s, fine = (results[name] for name in MESHES)
+    rows = [[name, *(f"{v / 1e6:.2f}" for v in s[name]), f"{100 * (s[name][-1] / s[before][-1] - 1):+.1f} %" if before else "",
+             f"{fine[name][-1] / 1e6:.2f}", why.format(*rear)] for name, before, why in zip(CHAIN, (None, *CHAIN), WHY)]
+    rows.append(["Eq. 45 as printed / MN", *(f"{v / 1e6:.0f}" for v in s["printed"]), "", f"{fine['printed'][-1] / 1e6:.0f}",
+                 "a sum of newtons"])
+    put("coupled", table(("K_TS / (MN m/rad)", *(f"{t:g} N m" for t in s["torque_nm"]), "step at 5 N m", "5 N m, 132 x 23 facets",
+                          "what changes"), rows))
+    draw(s)
+
+
+if __name__ == "__main__":
+    main()

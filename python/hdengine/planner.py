@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh, load steps, time and memory for a tolerance, as hdengine.x --plan tells them."""
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from ._engine import FileError, InputError
+from .contact import read_scene
+from .study import Study
+
+TOLERANCE = 0.1  # where the scene names none
+
+
+def executable():
+    """Path of hdengine.x: beside this Python, else on the PATH.
+
+    Raises
+    ------
+    FileError
+        There is none.
+    """
+    beside = Path(sys.executable).with_name("hdengine.x")
+    found = str(beside) if beside.exists() else shutil.which("hdengine.x")
+    if not found:
+        raise FileError("hdengine.x is neither beside this Python nor on the PATH; it comes with the package hdengine")
+    return found
+
+
+def plan(path, tolerance=None, keys=None):
+    """The planner's text for a scene, or for the first point of a study.
+
+    Parameters
+    ----------
+    path : str or Path
+        Namelist of a scene or of a study.
+    tolerance : float, optional
+        Relative error wanted of K_TS, normal force and mid-band pressure; default: that of the scene, else 0.1.
+    keys : dict, optional
+        'group.key' to value, as on the command line.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError, FileError
+        The input is not valid; there is no hdengine.x.
+    """
+    path, keys = Path(path), dict(keys or {})
+    if not path.is_file():
+        raise FileError(f"'{path}' cannot be read")
+    head = ""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if "&study" in text or "&grid" in text:
+        study = Study.read(path)
+        head = f"{len(study.points)} points; the first of them:\n"
+        path, keys = study.scene, {**study.fixed, **study.points[0], **keys}
+    scene = read_scene(str(path), **keys)
+    if tolerance is None and not scene["run.tolerance"] > 0:
+        tolerance = TOLERANCE
+    if tolerance is not None:
+        keys["run.tolerance"] = tolerance
+    words = [f"{k}={','.join(map(str, v)) if isinstance(v, (list, tuple)) else v}" for k, v in keys.items()]
+    done = subprocess.run([executable(), str(path), "--plan", *words], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise InputError(done.stderr.strip().removeprefix("error: "))
+    return head + done.stdout.rstrip()

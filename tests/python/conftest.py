@@ -15,6 +15,11 @@ ROOT = Path(__file__).resolve().parents[2]
 SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "load.assembly_steps=1"]
 
 
+def pytest_configure(config):
+    """Known warnings of the joint are not news; named here because pytest imports the package for it, after the line above."""
+    config.addinivalue_line("filterwarnings", "ignore::hdengine.JointWarning")
+
+
 def executable():
     """hdengine.x that belongs to the installed package."""
     beside = Path(sys.executable).with_name("hdengine.x")

@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A Newton correction whose residual is checked, whichever solver made it, and refined once where it is poor.
 module hd_checked_solve
-  use hd_block_matrix, only: multiply
   use hd_error, only: error_t
   use hd_kinds, only: dp
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
   implicit none
   private
   public :: solve_checked
@@ -49,14 +48,14 @@ contains
       integer :: j
       f = 0
       call add_nodal_forces(problem%mortar, t, f)
-      left_u = r_u + multiply(problem%stiffness, v) - f
+      left_u = r_u + apply_stiffness(problem, v) - f
       where (problem%fixed) left_u = 0
       w = relative_displacement(problem%mortar, v)
       do j = 1, size(r_c, 2)
         left_c(:, j) = r_c(:, j) + matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), t(:, j))
       end do
       relative = size_of(left_u, left_c)/max(size_of(merge(0._dp, r_u, problem%fixed), r_c) + &
-        maxval(abs(problem%stiffness%val))*norm2(v), tiny(1._dp))
+        largest_stiffness(problem)*norm2(v), tiny(1._dp))
     end subroutine remainder
 
     pure real(dp) function size_of(u, c)

@@ -7,8 +7,7 @@ module hd_circulant
   use hd_kinds, only: dp, pi
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
-  use hd_fft, only: backward_real, fft_plan_t, forward_real, free_plan, execute_backward_real, execute_forward_real, &
-    plan_backward_real, plan_forward_real
+  use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
   use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, &
     amplitude
   use hd_lapack, only: invert_symmetric, multiply_dense
@@ -29,7 +28,7 @@ module hd_circulant
     complex(dp), allocatable :: factor(:, :)        !< between dofs and amplitudes (3 nodes, n/stride/2 + 1)
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
     real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
-    complex(dp), allocatable :: wave(:, :)          !< (n/stride/2 + 1, 3 nodes)
+    complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
     type(fft_plan_t) :: forward, backward
   end type side_t
 
@@ -148,6 +147,7 @@ contains
     do b = 1, 2
       call factorise_harmonics(self%bodies(b), stride, error)
       if (allocated(error)) return
+      !$omp parallel do schedule(dynamic)
       do k = 0, self%sides(b)%sectors/2, stride
         if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0)) cycle
         call face_compliance(self%bodies(b), self%sides(b)%nodes, k, self%sides(b)%hat(:, :, k))
@@ -163,7 +163,7 @@ contains
     do b = 1, size(self%parts)
       call plan_side(self%parts(b), stride, error)
       if (allocated(error)) return
-      self%apply_flops = self%apply_flops + 8*real(size(self%parts(b)%hat, 1), dp)**2*size(self%parts(b)%wave, 1) + &
+      self%apply_flops = self%apply_flops + 8*real(size(self%parts(b)%hat, 1), dp)**2*size(self%parts(b)%wave, 2) + &
         10*size(self%parts(b)%field)*log(real(size(self%parts(b)%field, 1), dp))
     end do
   end subroutine prepare_circulant
@@ -208,7 +208,7 @@ contains
     integer :: j, k, m, n
     n = side%sectors/stride
     m = size(side%hat, 1)
-    allocate (side%kernel(m, m, n), side%field(n, m), side%wave(n/2 + 1, m), wave(n/2 + 1, m), column(n, m))
+    allocate (side%kernel(m, m, n), side%field(n, m), side%wave(m, n/2 + 1), wave(n/2 + 1, m), column(n, m))
     side%factor = all_factors(side%angle, stride, n/2)
     do j = 1, m
       do k = 0, n/2
@@ -218,8 +218,7 @@ contains
       if (allocated(error)) return
       side%kernel(:, j, :) = transpose(column)
     end do
-    call plan_forward_real(n, m, side%field, side%wave, side%forward, error)
-    if (.not. allocated(error)) call plan_backward_real(n, m, side%wave, side%field, side%backward, error)
+    call plan_rows(n, m, side%field, side%wave, side%forward, side%backward, error)
   end subroutine plan_side
 
   !> u = K^-1 f.
@@ -261,7 +260,7 @@ contains
         end do
         call execute_forward_real(part%forward, part%field, part%wave)
         do k = 0, n/2
-          call multiply_harmonic(part%hat(:, :, k*self%stride), part%factor(:, k + 1), part%wave, k + 1)
+          call multiply_harmonic(part%hat(:, :, k*self%stride), part%factor(:, k + 1), part%wave(:, k + 1))
         end do
         call execute_backward_real(part%backward, part%wave, part%field)
         part%field = part%field/n
@@ -292,18 +291,15 @@ contains
   end function all_factors
 
   !> Multiply one harmonic of all fields by a real matrix of amplitudes.
-  subroutine multiply_harmonic(a, factor, wave, k)
+  subroutine multiply_harmonic(a, factor, wave)
     real(dp), intent(in), contiguous :: a(:, :)     !< matrix
     complex(dp), intent(in) :: factor(:)            !< of the dofs
-    complex(dp), intent(inout) :: wave(:, :)        !< half spectra (harmonics, dofs)
-    integer, intent(in) :: k                        !< row of wave
+    complex(dp), intent(inout) :: wave(:)           !< amplitudes of one harmonic (dofs)
     real(dp) :: x(size(factor), 2), y(size(factor), 2)
-    complex(dp) :: z(size(factor))
-    z = conjg(factor)*wave(k, :)
-    x(:, 1) = real(z)
-    x(:, 2) = aimag(z)
+    x(:, 1) = real(conjg(factor)*wave)
+    x(:, 2) = aimag(conjg(factor)*wave)
     call multiply_dense(a, x, y)
-    wave(k, :) = factor*cmplx(y(:, 1), y(:, 2), dp)
+    wave = factor*cmplx(y(:, 1), y(:, 2), dp)
   end subroutine multiply_harmonic
 
   !> Inverse of F where it is circulant, else of its mean over the sectors of the ring.
@@ -322,7 +318,7 @@ contains
       end do
       call execute_forward_real(ring%forward, ring%field, ring%wave)
       do k = 0, n/2
-        call multiply_harmonic(self%inverse(:, :, k*self%stride), ring%factor(:, k + 1), ring%wave, k + 1)
+        call multiply_harmonic(self%inverse(:, :, k*self%stride), ring%factor(:, k + 1), ring%wave(:, k + 1))
       end do
       call execute_backward_real(ring%backward, ring%wave, ring%field)
       ring%field = ring%field/n
@@ -372,10 +368,8 @@ contains
       self%inverse(:, :, k) = mean
     end do
     self%ring%factor = all_factors([(0._dp, j=1, self%rows)], self%stride, n/self%stride/2)
-    allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(n/self%stride/2 + 1, 3*self%rows))
-    call plan_forward_real(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, error)
-    if (.not. allocated(error)) &
-      call plan_backward_real(n/self%stride, 3*self%rows, self%ring%wave, self%ring%field, self%ring%backward, error)
+    allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
+    call plan_rows(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
   end subroutine invert_mean
 
   !> Add the blocks F(list, j) diag(sign) to a column of blocks.

@@ -30,6 +30,9 @@ module hd_face_system
     integer, allocatable :: list(:)              !< multipliers that are solved for
     integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
     integer, allocatable :: start(:)             !< unknowns before each of them, and their number
+    integer, allocatable :: at(:)                !< multiplier of each unknown
+    integer, allocatable :: first(:)             !< first unknown of that multiplier
+    real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
   contains
     procedure :: multiply => multiply_face
     procedure :: approximate => approximate_face
@@ -165,7 +168,10 @@ contains
     integer :: c, d, i, j, k, n
     call number(self, list)
     n = self%start(size(self%start))
-    allocate (a(n, n), b(n, 1), column(3, 3, size(list)))
+    allocate (a(n, n), b(n, 1))
+    !$omp parallel private(column, rp, c, d, j, k) if(n > 1500)
+    allocate (column(3, 3, size(list)))
+    !$omp do schedule(static)
     do i = 1, size(list)
       j = list(i)
       column = 0
@@ -182,6 +188,8 @@ contains
         end do
       end do
     end do
+    !$omp end do
+    !$omp end parallel
     b(:, 1) = right_side(self, w)
     flops = 2*real(n, dp)**3/3
     call solve_dense(a, b, error)
@@ -221,6 +229,7 @@ contains
     call number(self, list)
     n = self%start(size(self%start))
     allocate (y(n))
+    call pack_rows(self)
     call weigh(self)
     call solve_gmres(self, right_side(self, w), tolerance, most, y, steps, residual, error)
     if (.not. allocated(error)) call enter(self, y, traction)
@@ -245,24 +254,42 @@ contains
     end do
   end subroutine weigh
 
+  !> Rows and columns of the unknowns one behind the other, for fast products.
+  subroutine pack_rows(self)
+    class(face_system_t), intent(inout) :: self  !< gets at, first, rows, columns, law
+    integer :: i, j, k, l, n
+    n = self%start(size(self%start))
+    allocate (self%at(n), self%first(n), self%rows(3, n), self%columns(3, n))
+    allocate (self%law(3, n), source=0._dp)
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        l = self%start(i) + k
+        self%at(l) = j
+        self%first(l) = self%start(i) + 1
+        self%rows(:, l) = self%r(k, :, j)
+        self%columns(:, l) = self%p(:, k, j)
+        self%law(:self%rank(j), l) = self%d(k, :self%rank(j), j)
+      end do
+    end do
+  end subroutine pack_rows
+
   !> y = (R F P + T P / a) x.
   subroutine multiply_face(self, x, y)
     class(face_system_t), intent(inout) :: self  !< system
     real(dp), intent(in) :: x(:)                 !< unknowns [N]
     real(dp), intent(out) :: y(:)                !< rows [m]
-    integer :: i, j, k
+    integer :: k, l
     self%f = 0
-    do i = 1, size(self%list)
-      j = self%list(i)
-      k = self%rank(j)
-      self%f(:, j) = matmul(self%p(:, :k, j), x(self%start(i) + 1:self%start(i) + k))
+    do l = 1, size(x)
+      self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
     end do
     call self%compliance%apply(self%f, self%w)
-    do i = 1, size(self%list)
-      j = self%list(i)
-      k = self%rank(j)
-      y(self%start(i) + 1:self%start(i) + k) = matmul(self%r(:k, :, j), self%w(:, j)) + &
-        matmul(self%d(:k, :k, j), x(self%start(i) + 1:self%start(i) + k))
+    do l = 1, size(x)
+      y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
+      do k = self%first(l), min(self%first(l) + 2, size(x))
+        y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
+      end do
     end do
   end subroutine multiply_face
 
@@ -272,23 +299,15 @@ contains
     real(dp), intent(in) :: x(:)                      !< rows [m]
     real(dp), intent(out) :: y(:)                     !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    integer :: i, j, k, l
+    integer :: l
     self%w = 0
-    do i = 1, size(self%list)
-      j = self%list(i)
-      do k = 1, self%rank(j)
-        l = self%start(i) + k
-        self%w(:, j) = self%w(:, j) + self%r(k, :, j)*self%share(l)*x(l)
-      end do
+    do l = 1, size(x)
+      self%w(:, self%at(l)) = self%w(:, self%at(l)) + self%rows(:, l)*(self%share(l)*x(l))
     end do
     call self%compliance%precondition(self%w, self%f, error)
     if (allocated(error)) return
-    do i = 1, size(self%list)
-      j = self%list(i)
-      do k = 1, self%rank(j)
-        l = self%start(i) + k
-        y(l) = self%share(l)*dot_product(self%r(k, :, j), self%f(:, j)) + self%diagonal(l)*x(l)
-      end do
+    do l = 1, size(x)
+      y(l) = self%share(l)*sum(self%rows(:, l)*self%f(:, self%at(l))) + self%diagonal(l)*x(l)
     end do
   end subroutine approximate_face
 end module hd_face_system

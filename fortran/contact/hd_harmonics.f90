@@ -9,11 +9,13 @@ module hd_harmonics
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
-  use hd_fft, only: backward_real, forward_real
+  use hd_fft, only: fft_plan_t, plan_forward_real, plan_backward_real, execute_forward_real, execute_backward_real, free_plan
   use hd_lapack, only: factorise_band, solve_band
   implicit none
   private
   public :: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
+
+  integer, parameter :: long_loop = 100000  !< dofs from which two threads are worth waking
 
   type :: band_t
     real(dp), allocatable :: a(:, :)              !< factor (kd + 1, dofs)
@@ -80,12 +82,17 @@ contains
     type(harmonics_t), intent(inout) :: harmonics     !< body
     integer, intent(in) :: stride                     !< 1: all, 2: fields that repeat after half a turn
     type(error_t), allocatable, intent(out) :: error  !< body not held
+    type(error_t), allocatable :: trouble
     integer :: k
+    !$omp parallel do schedule(dynamic) private(trouble)
     do k = 0, harmonics%sectors/2, stride
       if (allocated(harmonics%factor(k)%a)) cycle
       call assemble_harmonic(harmonics, k, harmonics%factor(k)%a)
-      call factorise_band(harmonics%factor(k)%a, error)
-      if (allocated(error)) return
+      call factorise_band(harmonics%factor(k)%a, trouble)
+      if (.not. allocated(trouble)) cycle
+      !$omp critical (harmonic_failed)
+      call move_alloc(trouble, error)
+      !$omp end critical (harmonic_failed)
     end do
   end subroutine factorise_harmonics
 
@@ -158,49 +165,68 @@ contains
     real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
     real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: field(:, :)
-    real(dp), allocatable :: c(:, :)
-    complex(dp), allocatable :: wave(:, :), factor(:)
-    integer :: a, d, e, k, m, n, s
+    type(fft_plan_t) :: forward, backward
+    real(dp), allocatable :: field(:), c(:, :)
+    complex(dp), allocatable :: wave(:), all_waves(:, :)
+    complex(dp) :: factor
+    integer :: a, d, e, k, m, n
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(n, harmonics%dofs), wave(n/2 + 1, harmonics%dofs), c(harmonics%dofs, 2), factor(harmonics%dofs))
+    allocate (field(n), wave(n/2 + 1), all_waves(harmonics%dofs, n/2 + 1))
+    call plan_forward_real(n, 1, field, wave, forward, error)
+    if (allocated(error)) return
+    call plan_backward_real(n, 1, wave, field, backward, error)
+    if (allocated(error)) return
+    deallocate (field, wave)
+    !$omp parallel private(field, wave, c, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
+    allocate (field(n), wave(n/2 + 1), c(harmonics%dofs, 2))
+    !$omp do schedule(static)
     do a = 1, m
       do d = 1, 3
         e = harmonics%equation(d, a)
         if (e == 0) cycle
-        do s = 1, n
-          field(s, e) = f(d, (s - 1)*m + a)
-        end do
+        field = f(d, a:(n - 1)*m + a:m)
+        call execute_forward_real(forward, field, wave)
+        all_waves(e, :) = wave
       end do
     end do
-    call forward_real(field, wave, error)
-    if (allocated(error)) return
+    !$omp end do
+    !$omp do schedule(static)
     do k = 0, n/2
       do a = 1, m
         do d = 1, 3
           e = harmonics%equation(d, a)
-          if (e > 0) factor(e) = amplitude(k*stride, harmonics%angle(a), d)
+          if (e == 0) cycle
+          factor = conjg(amplitude(k*stride, harmonics%angle(a), d))*all_waves(e, k + 1)
+          c(e, 1) = real(factor)
+          c(e, 2) = aimag(factor)
         end do
       end do
-      wave(k + 1, :) = conjg(factor)*wave(k + 1, :)
-      c(:, 1) = real(wave(k + 1, :))
-      c(:, 2) = aimag(wave(k + 1, :))
       call solve_band(harmonics%factor(k*stride)%a, c)
-      wave(k + 1, :) = factor*cmplx(c(:, 1), c(:, 2), dp)/n
+      do a = 1, m
+        do d = 1, 3
+          e = harmonics%equation(d, a)
+          if (e > 0) all_waves(e, k + 1) = amplitude(k*stride, harmonics%angle(a), d)*cmplx(c(e, 1), c(e, 2), dp)/n
+        end do
+      end do
     end do
-    call backward_real(wave, field, error)
-    if (allocated(error)) return
-    u = 0
+    !$omp end do
+    !$omp do schedule(static)
     do a = 1, m
       do d = 1, 3
         e = harmonics%equation(d, a)
+        u(d, a::m) = 0
         if (e == 0) cycle
-        do s = 1, harmonics%sectors
-          u(d, (s - 1)*m + a) = field(modulo(s - 1, n) + 1, e)
-        end do
+        wave = all_waves(e, :)
+        call execute_backward_real(backward, wave, field)
+        u(d, a:n*m:m) = field
+        if (stride == 2) u(d, n*m + a::m) = field
       end do
     end do
+    !$omp end do
+    !$omp end parallel
+    call free_plan(forward)
+    call free_plan(backward)
   end subroutine solve_body
 
   !> Compliance of face nodes for one harmonic, between real amplitudes.

@@ -14,6 +14,7 @@ module hd_linear_solver
     integer :: unknowns = 0                    !< size of the system that is factorised
     integer(int64) :: factor_entries = 0       !< entries of its factors
     real(dp) :: flops = 0                      !< operations of the last factorisation
+    logical :: own_threads = .false.           !< runs its harmonics in parallel; BLAS gets one thread
     integer :: inner = 0                       !< steps of an inner iteration so far
     character(len=8) :: symmetry_used = 'full' !< full, half or quarter, in the present load step
     character(len=40) :: ordering_asked = 'none', ordering_used = 'none'

@@ -8,7 +8,7 @@ module hd_newton_matrix
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, assemble_stiffness
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, unsymmetric
   implicit none
@@ -32,11 +32,13 @@ contains
 
   !> Number the unknowns, lay out the pattern, order and analyse it.
   subroutine new_newton_matrix(problem, matrix, error)
-    type(problem_t), intent(in) :: problem            !< problem with supports and interface
+    type(problem_t), intent(inout) :: problem         !< problem with supports and interface; gets its sparse stiffness
     type(newton_matrix_t), intent(out) :: matrix      !< analysed matrix
     type(error_t), allocatable, intent(out) :: error  !< out of memory
     integer, allocatable :: position(:)
     integer :: a, c
+    call assemble_stiffness(problem, error)
+    if (allocated(error)) return
     allocate (matrix%equation(3, problem%n), source=0)
     do a = 1, problem%n
       do c = 1, 3

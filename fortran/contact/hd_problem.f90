@@ -6,19 +6,22 @@ module hd_problem
   use hd_body, only: body_t, sector_stiffness, cell_nodes
   use hd_block_matrix, only: block_matrix_t, graph_from_cells, add_cell, multiply
   use hd_corotation, only: corotation_t, new_corotation, cell_response
+  use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, allow_rotations, update_tangent, add_springs, internal_residual, &
-    gap_and_slip, new_state
+  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, allow_rotations, update_tangent, add_springs, &
+    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state
 
   !> Nodes of the bodies are numbered one after the other: body b starts after first(b).
   type :: problem_t
     type(body_t), allocatable :: bodies(:)     !< bodies
     integer, allocatable :: first(:)           !< nodes before each body
     integer :: n = 0                           !< nodes
-    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large rotations the tangent
+    type(sector_matrix_t), allocatable :: sector(:)   !< stiffness of the bodies, if all are revolved
+    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large rotations the tangent;
+                                               !< for revolved bodies only where a solver asked for it
     type(corotation_t), allocatable :: corotation(:)  !< of each body, if rotations may be large
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
@@ -44,47 +47,84 @@ module hd_problem
 
 contains
 
-  !> Assemble the stiffness of the bodies; supports and interface are set by the caller afterwards.
+  !> Stiffness of the bodies; supports and interface are set by the caller afterwards.
   subroutine new_problem(bodies, problem, error)
     type(body_t), intent(in) :: bodies(:)             !< bodies of one element kind
     type(problem_t), intent(out) :: problem           !< problem without supports
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     real(dp), allocatable :: ke(:, :, :)
-    integer, allocatable :: cells(:, :)
-    integer :: b, s, c, m
+    integer :: b
     problem%bodies = bodies
     allocate (problem%first(size(bodies)))
-    m = 0
     do b = 1, size(bodies)
       problem%first(b) = problem%n
       problem%n = problem%n + bodies(b)%nodes()
-      m = m + bodies(b)%sectors*size(bodies(b)%cells, 2)
     end do
-    allocate (cells(size(bodies(1)%cells, 1), m), problem%fixed(3, problem%n))
+    allocate (problem%fixed(3, problem%n))
     problem%fixed = .false.
     allocate (problem%spring(3, problem%n), source=0._dp)
-    m = 0
+    if (.not. all(bodies%revolved)) then
+      call assemble_stiffness(problem, error)
+      return
+    end if
+    allocate (problem%sector(size(bodies)))
     do b = 1, size(bodies)
-      do s = 0, bodies(b)%sectors - 1
-        do c = 1, size(bodies(b)%cells, 2)
+      call sector_stiffness(bodies(b), ke, error)
+      if (allocated(error)) return
+      call new_sector_matrix(bodies(b), ke, problem%sector(b))
+    end do
+  end subroutine new_problem
+
+  !> The sparse matrix of all bodies and springs, if it is not there yet.
+  subroutine assemble_stiffness(problem, error)
+    type(problem_t), intent(inout) :: problem         !< gets stiffness
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    real(dp), allocatable :: ke(:, :, :), spring(:, :)
+    integer, allocatable :: cells(:, :)
+    integer :: b, s, c, m
+    if (allocated(problem%stiffness%val)) return
+    m = 0
+    do b = 1, size(problem%bodies)
+      m = m + problem%bodies(b)%sectors*size(problem%bodies(b)%cells, 2)
+    end do
+    allocate (cells(size(problem%bodies(1)%cells, 1), m))
+    m = 0
+    do b = 1, size(problem%bodies)
+      do s = 0, problem%bodies(b)%sectors - 1
+        do c = 1, size(problem%bodies(b)%cells, 2)
           m = m + 1
-          cells(:, m) = problem%first(b) + cell_nodes(bodies(b), c, s)
+          cells(:, m) = problem%first(b) + cell_nodes(problem%bodies(b), c, s)
         end do
       end do
     end do
     call graph_from_cells(problem%n, cells, problem%stiffness)
     m = 0
-    do b = 1, size(bodies)
-      call sector_stiffness(bodies(b), ke, error)
+    do b = 1, size(problem%bodies)
+      call sector_stiffness(problem%bodies(b), ke, error)
       if (allocated(error)) return
-      do s = 0, bodies(b)%sectors - 1
-        do c = 1, size(bodies(b)%cells, 2)
+      do s = 0, problem%bodies(b)%sectors - 1
+        do c = 1, size(problem%bodies(b)%cells, 2)
           m = m + 1
           call add_cell(problem%stiffness, cells(:, m), ke(:, :, c))
         end do
       end do
     end do
-  end subroutine new_problem
+    spring = problem%spring
+    problem%spring = 0
+    call enter_springs(problem, spring)
+  end subroutine assemble_stiffness
+
+  !> Springs at all dofs that have one.
+  subroutine enter_springs(problem, spring)
+    type(problem_t), intent(inout) :: problem  !< without springs
+    real(dp), intent(in) :: spring(:, :)       !< (3, n) [N/m]
+    integer :: b, c
+    do b = 1, problem%n
+      do c = 1, 3
+        if (spring(c, b) > 0) call add_springs(problem, [b], c, spring(c, b))
+      end do
+    end do
+  end subroutine enter_springs
 
   !> Springs from single dofs to the ground.
   subroutine add_springs(problem, nodes, component, rate)
@@ -95,6 +135,7 @@ contains
     integer :: i, k
     do i = 1, size(nodes)
       problem%spring(component, nodes(i)) = problem%spring(component, nodes(i)) + rate
+      if (.not. allocated(problem%stiffness%val)) cycle
       do k = problem%stiffness%ptr(nodes(i)), problem%stiffness%ptr(nodes(i) + 1) - 1
         if (problem%stiffness%col(k) /= nodes(i)) cycle
         problem%stiffness%val(component, component, k) = problem%stiffness%val(component, component, k) + rate
@@ -113,8 +154,40 @@ contains
     allocate (state%contact(problem%mortar%n), source=0)
   end subroutine new_state
 
+  !> K u: forces of bodies and springs under small displacements [N]; with large rotations those of the present tangent.
+  function apply_stiffness(problem, u) result(f)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: f(3, problem%n)
+    integer :: b
+    if (allocated(problem%corotation) .or. .not. allocated(problem%sector)) then
+      f = multiply(problem%stiffness, u)
+      return
+    end if
+    f = problem%spring*u
+    do b = 1, size(problem%bodies)
+      associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
+        call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
+      end associate
+    end do
+  end function apply_stiffness
+
+  !> Largest entry of the stiffness of the bodies [N/m].
+  pure real(dp) function largest_stiffness(problem) result(k)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer :: b
+    k = 0
+    if (allocated(problem%corotation) .or. .not. allocated(problem%sector)) then
+      k = maxval(abs(problem%stiffness%val))
+      return
+    end if
+    do b = 1, size(problem%sector)
+      k = max(k, maxval(abs(problem%sector(b)%val)))
+    end do
+  end function largest_stiffness
+
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.
-  pure function internal_residual(problem, load, state) result(r)
+  function internal_residual(problem, load, state) result(r)
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
@@ -124,7 +197,7 @@ contains
     if (allocated(problem%corotation)) then
       r = rotated_forces(problem, state%u) + problem%spring*state%u - f
     else
-      r = multiply(problem%stiffness, state%u) - f
+      r = apply_stiffness(problem, state%u) - f
     end if
   end function internal_residual
 
@@ -133,6 +206,8 @@ contains
     type(problem_t), intent(inout) :: problem         !< problem
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     integer :: b
+    call assemble_stiffness(problem, error)
+    if (allocated(error)) return
     allocate (problem%corotation(size(problem%bodies)))
     do b = 1, size(problem%bodies)
       call new_corotation(problem%bodies(b), problem%corotation(b), error)
@@ -178,11 +253,7 @@ contains
     end do
     spring = problem%spring
     problem%spring = 0
-    do c = 1, 3
-      do b = 1, problem%n
-        if (spring(c, b) > 0) call add_springs(problem, [b], c, spring(c, b))
-      end do
-    end do
+    call enter_springs(problem, spring)
   end subroutine update_tangent
 
   !> Gap and total tangential displacement of the master against the slave.

@@ -8,7 +8,7 @@ module hd_schur
   use hd_lapack, only: invert_symmetric, multiply_symmetric
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, positive_definite
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, assemble_stiffness
   use hd_symmetry, only: symmetry_t
   implicit none
   private
@@ -44,11 +44,14 @@ module hd_schur
 contains
 
   !> Number the dofs of every body; factors are made by prepare.
-  subroutine new_schur(problem, schur)
-    type(problem_t), intent(in) :: problem  !< problem
-    type(schur_t), intent(out) :: schur     !< compliance
+  subroutine new_schur(problem, schur, error)
+    type(problem_t), intent(inout) :: problem         !< problem; gets its sparse stiffness
+    type(schur_t), intent(out) :: schur               !< compliance
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
     integer :: a, b, c, i, j, k, n
     logical, allocatable :: on_face(:)
+    call assemble_stiffness(problem, error)
+    if (allocated(error)) return
     schur%name = 'condensed by Schur complement'
     schur%ordering_asked = 'METIS (PERM_IN)'
     schur%ordering_used = 'METIS (PERM_IN)'

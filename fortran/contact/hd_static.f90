@@ -6,7 +6,7 @@ module hd_static
   use hd_error, only: code_linear_solver, error_t, raise
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, positive_definite
-  use hd_problem, only: problem_t
+  use hd_problem, only: problem_t, assemble_stiffness
   implicit none
   private
   public :: solve_static
@@ -15,7 +15,7 @@ contains
 
   !> Displacements under nodal forces and prescribed displacements.
   subroutine solve_static(problem, displacement, force, u, error)
-    type(problem_t), intent(in) :: problem            !< bodies and supports
+    type(problem_t), intent(inout) :: problem         !< bodies and supports; gets its sparse stiffness
     real(dp), intent(in) :: displacement(:, :)        !< values of the fixed dofs, the rest is not read (3, n) [m]
     real(dp), intent(in) :: force(:, :)               !< nodal forces (3, n) [N]
     real(dp), intent(out) :: u(:, :)                  !< displacements (3, n) [m]
@@ -27,6 +27,8 @@ contains
     real(dp), allocatable :: b(:, :), r(:, :)
     integer :: n
     u = merge(displacement, 0._dp, problem%fixed)
+    call assemble_stiffness(problem, error)
+    if (allocated(error)) return
     call number_unknowns(problem, equation, position, n, error)
     if (allocated(error) .or. n == 0) return
     call lower_triangle(problem, equation, row, col, val)

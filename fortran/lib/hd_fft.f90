@@ -12,7 +12,7 @@ module hd_fft
   implicit none
   private
   public :: forward_real, backward_real, forward_real_2d, backward_real_2d, transform_complex, transform_complex_2d
-  public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, execute_complex, execute_forward_real, &
+  public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, plan_rows, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan, smooth_size
 
   include 'fftw3.f03'
@@ -178,6 +178,21 @@ contains
     call unlock_planner()
     call check_plan(p, n, error)
   end subroutine plan_backward_real
+
+  !> Plan transforms of contiguous real columns (n, count) to rows of half spectra (count, n/2 + 1), and back.
+  subroutine plan_rows(n, count, a, s, forward, backward, error)
+    integer, intent(in) :: n, count                     !< size, number
+    real(dp), intent(inout) :: a(*)                     !< columns; kept
+    complex(dp), intent(inout) :: s(*)                  !< half spectra; kept
+    type(fft_plan_t), intent(out) :: forward, backward  !< plans
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    forward%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+    backward%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], 1, n, FFTW_ESTIMATE)
+    call unlock_planner()
+    call check_plan(forward, n, error)
+    if (.not. allocated(error)) call check_plan(backward, n, error)
+  end subroutine plan_rows
 
   !> Run a plan of `plan_complex`.
   subroutine execute_complex(p, a)

@@ -1,14 +1,21 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> LAPACK and BLAS: matrix product, dense and banded factorisations.
 module hd_lapack
+  use, intrinsic :: iso_c_binding, only: c_int
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_linear_solver
   use hd_text, only: to_text
   implicit none
   private
-  public :: multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band, invert_symmetric, multiply_symmetric
+  public :: blas_threads, multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band, invert_symmetric, &
+    multiply_symmetric
 
   interface
+    !> Let BLAS use n threads from now on; the number before.
+    integer(c_int) function c_threads(n) bind(c, name='hd_blas_threads')
+      import :: c_int
+      integer(c_int), value :: n
+    end function c_threads
     subroutine dgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
       import :: dp
       character(len=1), intent(in) :: ta, tb
@@ -61,6 +68,12 @@ module hd_lapack
   end interface
 
 contains
+
+  !> Let BLAS use n threads from now on; the number before.
+  integer function blas_threads(n) result(before)
+    integer, intent(in) :: n  !< threads
+    before = c_threads(int(n, c_int))
+  end function blas_threads
 
   !> C = A B.
   subroutine multiply_dense(a, b, c)

@@ -7,6 +7,7 @@ module hd_load_step
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_facets, only: sums_t
   use hd_log, only: say, detail
+  use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t
@@ -122,6 +123,7 @@ contains
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
     real(dp) :: ratio, start
+    integer :: threads
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = 0.05_dp*run%drive%radius
@@ -136,6 +138,7 @@ contains
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
     call run%assembly%recall(position, trial)
+    if (run%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support == 'teeth' .and. position > 1) then
       call turn_against_teeth(run, max(0._dp, position - 1)*run%scene%torque, trial, history, error)
       solved = .true.
@@ -143,6 +146,7 @@ contains
     else
       call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
     end if
+    if (run%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
     run%record%iterations = run%record%iterations + size(history) - 1

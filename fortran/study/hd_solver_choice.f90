@@ -19,7 +19,7 @@ contains
   !> Make the solver that `solver.method` asks for, or the cheaper one.
   subroutine choose_solver(scene, drive, solver, error)
     type(scene_t), intent(in) :: scene                            !< scene
-    type(drive_t), intent(in) :: drive                            !< its problem
+    type(drive_t), intent(inout) :: drive                         !< its problem
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
     class(compliance_t), pointer :: compliance
@@ -29,14 +29,15 @@ contains
     type(newton_matrix_t), allocatable :: matrix
     nullify (compliance)
     if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. scene%support /= 'teeth' .and. &
-      scene%kinematics == 'linear' .and.       has_circulant(drive%problem))) then
+      scene%kinematics == 'linear' .and. has_circulant(drive%problem))) then
       allocate (circulant)
       call new_circulant(drive%problem, circulant, error)
       if (allocated(error)) return
       compliance => circulant
     else if (scene%method == 'schur') then
       allocate (schur)
-      call new_schur(drive%problem, schur)
+      call new_schur(drive%problem, schur, error)
+      if (allocated(error)) return
       compliance => schur
     end if
     if (associated(compliance)) then

@@ -22,8 +22,7 @@ module hd_condensed
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
-  real(dp), parameter :: balanced = 1e-4_dp          !< forces out of balance that do not move the contact
-  real(dp), parameter :: krylov_tolerance = 1e-9_dp  !< residual of a Newton correction, relative; 1e-5 let the line search fail
+  real(dp), parameter :: balanced = 1e-6_dp          !< forces out of balance that do not move the contact
   real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
   real(dp), parameter :: pair_time = 15e-9_dp         !< seconds per entry to form the matrix
   real(dp), parameter :: apply_rate = 4e9_dp         !< operations per second of F
@@ -205,7 +204,7 @@ contains
       2*n**3/3/dense_rate + n**2*pair_time .or. n > largest_dense
     if (krylov) then
       reduced = system
-      call reduced%solve_krylov(list, w, krylov_tolerance, most_steps, dtraction, steps, residual, error)
+      call reduced%solve_krylov(list, w, self%accuracy, most_steps, dtraction, steps, residual, error)
       if (allocated(error)) return
       self%steps = steps
       self%flops = steps*2*self%compliance%apply_flops

@@ -15,6 +15,7 @@ module hd_linear_solver
     integer(int64) :: factor_entries = 0       !< entries of its factors
     real(dp) :: flops = 0                      !< operations of the last factorisation
     logical :: own_threads = .false.           !< runs its harmonics in parallel; BLAS gets one thread
+    real(dp) :: accuracy = 1e-9_dp             !< relative residual of a correction that an inner iteration may leave
     integer :: inner = 0                       !< steps of an inner iteration so far
     character(len=8) :: symmetry_used = 'full' !< full, half or quarter, in the present load step
     character(len=40) :: ordering_asked = 'none', ordering_used = 'none'

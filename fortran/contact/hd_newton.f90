@@ -83,6 +83,7 @@ contains
     type(globalisation_t) :: global
     type(iteration_t) :: row
     real(dp), allocatable :: du(:, :), dt(:, :)
+    logical :: search
     integer(int64) :: start, now, rate
     call system_clock(start, rate)
     allocate (history(0))
@@ -112,13 +113,14 @@ contains
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global)
       call update_tangent(problem, state%u)
+      search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0
+      solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
       if (allocated(error) .or. .not. row%linear < useless) return
       row%iteration = row%iteration + 1
-      call advance(problem, load, previous, du, dt, row%iteration - global%since > options%full_steps .or. &
-        here%law%softness > 0, state, here, row%damping)
+      call advance(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
   end subroutine iterate
 

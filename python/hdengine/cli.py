@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `hdengine`."""
 import argparse
+import subprocess
 import sys
 from pathlib import Path
+
+import numpy as np
 
 from . import completion, planner
 from ._engine import FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .cli_surface import add_options, run_surface
-from .contact import Run
+from .contact import Run, read_scene
 from .results import Result
 
 
@@ -20,9 +23,13 @@ def _keys(assignments):
 
 
 def _run(args):
-    out = args.out or Path(args.input).with_suffix(".out").name
+    out, keys = args.out or Path(args.input).with_suffix(".out").name, _keys(args.assignments)
+    if read_scene(args.input, **keys)["run.tolerance"] > 0:  # mesh and load steps are chosen by hdengine.x
+        words = [args.input, *args.assignments, "--out", out, *["--force"] * args.force, *["--resume"] * args.resume]
+        code = subprocess.run([planner.executable(), *words], check=False).returncode
+        return code or _plot(argparse.Namespace(folder=out))
     try:
-        with Run(args.input, out, args.force, args.resume, **_keys(args.assignments)) as run:
+        with Run(args.input, out, args.force, args.resume, **keys) as run:
             for step in run:
                 s = step.sums
                 phase = "torque  " if s["in_torque"] else "assembly"
@@ -108,6 +115,9 @@ def _record(args):
     for name, values in record.numbers(UNITS[args.size], args.rated_torque).items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)
+        if np.isnan(value):
+            print(f"  {name.removesuffix('_nm_per_rad'):12s} beyond the torques of the record")
+            continue
         short = name.removesuffix("_nm_per_rad").removesuffix("_rad")
         print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
     path = args.out or Path(args.input).with_suffix(".png").name

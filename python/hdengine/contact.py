@@ -31,6 +31,14 @@ class Step:
                                                  np.stack([f["x_m"], f["y_m"], f["z_m"]], -1),
                                                  np.stack([f["n_x"], f["n_y"], f["n_z"]], -1)))
 
+    def __str__(self):
+        s = self.sums
+        phase = "torque" if s["in_torque"] else f"assembly, {100 * s['load_factor']:.0f} %"
+        return (f"Step {s['step']:.0f}: {phase}, {s['torque_nm']:.4g} N m, {s['iterations']:.0f} iterations\n"
+                f"  normal force {s['normal_force_n']:.4g} N   peak {s['pressure_max_pa'] / 1e6:.4g} MPa   contact area "
+                f"{1e6 * s['contact_area_m2']:.4g} mm^2\n"
+                f"  rotation {s['rotation_rad']:.3e} rad   K_TS (Eq. 45) {self.k_ts_nm_per_rad:.4g} N m/rad")
+
 
 class Run:
     """A run that is stepped from Python.
@@ -84,6 +92,10 @@ class Run:
         sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle))))
         fields = _engine.call("run_facets", self._handle, self.facets)
         return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)))
+
+    def __repr__(self):
+        state = "closed" if self._handle is None else "solved" if self.done else "open"
+        return f"Run: {self.facets} facets, {self.dof} dof, {state}"
 
     def __iter__(self):
         while not self.done:

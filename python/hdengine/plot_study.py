@@ -15,7 +15,10 @@ LABELS = {  # column: (label, unit, factor)
     "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
     "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
     "k_fe_secant_nm_per_rad": ("FE secant torque / rotation", "kN m/rad", 1e-3),
-    "pressure_long_1_pa": ("pressure at Position I, long axis", "MPa", 1e-6),
+    **{f"pressure_long_{i}_pa": (f"pressure at Position {'I' * i}, long axis", "MPa", 1e-6) for i in (1, 2, 3)},
+    **{f"geometry.{name}": (name.replace("_", " "), "mm", 1e3) for name in (
+        "bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length", "bottom_thickness", "hub_radius",
+        "ring_thickness", "band_length")}, "load.tooth_clearance": ("clearance", "µm", 1e6),
     "wave_generator.w": ("radial deformation w", "mm", 1e3), "wave_generator.eccentricity": ("eccentricity", "µm", 1e6),
     "wave_generator.interference": ("interference", "µm", 1e6), "load.torque": ("torque", "N m", 1),
     "friction_capacity_nm": ("friction capacity", "N m", 1), "friction_torque_nm": ("torque through friction", "N m", 1),
@@ -25,6 +28,7 @@ LABELS = {  # column: (label, unit, factor)
 def label(column):
     """(axis label, factor) of a column."""
     name, unit, factor = LABELS.get(column, (column.replace("_", " "), "", 1))
+    unit = f"({unit})" if "/" in unit else unit
     return f"{name} / {unit}" if unit else name, factor
 
 
@@ -41,13 +45,27 @@ def axes_of(result):
 STYLES = ("-", "--", ":", "-.")
 
 
-def draw(axis, result, x, y, lines):
-    """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out."""
-    figure = result.summary["figure"]
-    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r]
+def draw(axis, result, x, y, lines, chosen=None):
+    """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out.
+
+    Where the other keys would take more than four styles, those that vary are held at the values of the first point.
+
+    Parameters
+    ----------
+    chosen : dict, optional
+        Values of the keys of this panel.
+    """
+    figure, chosen = result.summary["figure"], chosen or {}
+    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r and all(r.get(k) == v for k, v in chosen.items())]
+    if "torque_nm" not in (x, lines):  # the last load step stands for the point, so it must be the one asked for
+        failed = {r["point"] for r in result.failures}
+        rows = [r for r in rows if r["point"] not in failed]
     if figure.get("torque"):
         rows = [r for r in rows if any(abs(r["torque_nm"] - t) < 1e-9 for t in figure["torque"])]
-    others = [n for n in result.summary["swept"] if n not in (x, lines) and len({str(r.get(n)) for r in rows}) > 1]
+    others = [n for n in result.summary["swept"] if n not in (x, lines) and not any(_follows(rows, n, m) for m in (x, lines))]
+    if len({tuple(r.get(n) for n in others) for r in rows}) > len(STYLES):
+        first = result.rows[0]
+        rows, others = [r for r in rows if all(r.get(n) == first.get(n) for n in others)], []
     (label_x, factor_x), (label_y, factor_y) = label(x), label(y)
     colours = sorted({r.get(lines) for r in rows}, key=_order)
     styles = sorted({tuple(r.get(n) for n in others) for r in rows}, key=lambda v: [_order(w) for w in v])
@@ -64,8 +82,17 @@ def draw(axis, result, x, y, lines):
             a[:, 1] = 100 * (a[:, 1] / a[0, 1] - 1)
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4], color=ramp[i], ms=4, label=name)
+    low, high = axis.get_ylim()
+    if not figure.get("relative") and high - low < 0.02 * abs(low + high) / 2:  # no noise blown up to the height of the panel
+        axis.set_ylim((low + high) / 2 * np.array([0.99, 1.01]))
     axis.set_xlabel(label_x)
     axis.set_ylabel(label_y.split(" / ")[0] + ": change / %" if figure.get("relative") else label_y)
+
+
+def _follows(rows, name, other):
+    """The column has one value at each value of the other: it draws no line of its own."""
+    seen = {}
+    return all(seen.setdefault(str(r.get(other)), str(r.get(name))) == str(r.get(name)) for r in rows)
 
 
 def _order(value):
@@ -94,16 +121,21 @@ def plot_study(result):
     if result.summary["figure"].get("kind") == "series":
         return [_save(plot_series(result), result)]
     x, ys, lines = axes_of(result)
-    columns = min(3, len(ys))
-    rows = -(-len(ys) // columns)
+    keys = result.summary["figure"].get("panels", [])
+    panels = [(y, {}) for y in ys] if not keys else [
+        (ys[0], dict(zip(keys, values))) for values in dict.fromkeys(tuple(r.get(k) for k in keys) for r in result.rows)]
+    columns = min(3, len(panels)) if len(panels) != 4 else 2
+    rows = -(-len(panels) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 0.8 + 3.9 * rows), squeeze=False)
-    for axis, y in zip(axes.flat, ys):
-        draw(axis, result, x, y, lines)
-    for axis in axes.flat[len(ys):]:
+    for axis, (y, chosen) in zip(axes.flat, panels):
+        draw(axis, result, x, y, lines, chosen)
+        axis.set_title(", ".join(_name(k, v) for k, v in chosen.items()), fontsize=12)
+    for axis in axes.flat[len(panels):]:
         axis.remove()
     handles, names = axes.flat[0].get_legend_handles_labels()
     if len(names) > 1:
-        figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11)
+        figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11,
+                      title=label(lines)[0] if lines in LABELS else None)
     failed = result.summary["failed"]
     figure.suptitle(result.summary["title"] + (f" ({failed} of {result.summary['points']} points failed)" if failed else ""),
                     fontsize=13)

@@ -25,6 +25,12 @@ class Curve:
     low_nm_per_rad: np.ndarray
     high_nm_per_rad: np.ndarray
 
+    def __str__(self):
+        lines = ["torque / N m   K / (N m/rad)   band"]
+        for t in np.linspace(self.torque_nm[0], self.torque_nm[-1], 5):
+            lines.append("{:12.4g}   {:13.0f}   {:.0f} to {:.0f}".format(t, *self.at(t)))
+        return "\n".join(lines)
+
     def at(self, torque_nm):
         """Stiffness and its band at a torque [N m/rad]."""
         return tuple(float(np.interp(torque_nm, self.torque_nm, y))

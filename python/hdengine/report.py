@@ -75,10 +75,12 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-def _plan(folder, scene):
-    """Mesh of the run beside the planner's series."""
+def _plan(folder, scene, planned):
+    """What was planned, and the mesh of the run beside the planner's series."""
     text = f"<p>This run: {scene['mesh.divisions']} x {scene['mesh.band_facets']} facets, {scene['load.assembly_steps']} + " \
            f"{scene['load.torque_steps']} load steps. The planner of hdengine offers for the same scene:</p>"
+    if planned:
+        text = _pairs({k: str(v) if isinstance(v, (list, dict)) else v for k, v in planned.items()}) + text
     try:
         return text + f"<pre>{html.escape(planner.plan(folder / 'echo.nml'))}</pre>"
     except HdengineError as why:
@@ -129,7 +131,7 @@ def _run_parts(result, picture):
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
                          "friction_torque_nm", "torque_balance_nm", "iterations") if n in steps.dtype.names]
     yield "Load steps", _table([*names, "k_ts_nm_per_rad"], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
-    yield "Plan", _plan(result.folder, result.scene)
+    yield "Plan", _plan(result.folder, result.scene, s.get("plan"))
     yield "Convergence", _image(result.folder / "newton.png", _CAPTIONS["newton.png"]) + _pairs(
         {k: s["results"][k] for k in ("steps", "iterations", "cut_backs", "torque_balance_nm", "axial_balance_n")})
     yield "Model", _pairs({**s["model"], **{f"time {k} / s": v for k, v in s["timers_s"].items()},

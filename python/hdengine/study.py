@@ -21,7 +21,7 @@ _GROUPS = {
     "fixed": None,
     "grid": None,
     "together": None,
-    "figure": {"kind", "x", "y", "lines", "relative", "torque"},
+    "figure": {"kind", "x", "y", "lines", "panels", "relative", "torque"},
 }
 ROWS = ("torque", "last", "all")
 
@@ -44,7 +44,8 @@ class Study:
         Load steps in the table: 'torque' (end of the assembly and torque steps), 'last', 'all'.
     title : str
     figure : dict
-        x, y (list), lines: columns; torque (list) [N m]: those only; relative: change against the first x in per cent.
+        x, y (list), lines: columns; torque (list) [N m]: those only; relative: change against the first x in per cent;
+        panels (list): swept keys, one panel of the first y for each combination of their values.
         kind = 'series': K_TS and K_FTS in series (Eq. 46) over the torque, from points without and with support 'teeth'.
 
     Examples
@@ -92,7 +93,7 @@ class Study:
                 if _GROUPS[group] and key not in _GROUPS[group]:
                     raise InputError(f"unknown key '{key}' of &{group} in '{path}'; valid: {', '.join(sorted(_GROUPS[group]))}")
         head = {key: v[0] for key, v in groups.get("study", {}).items()}
-        figure = {key: v if key in ("y", "torque") else v[0] for key, v in groups.get("figure", {}).items()}
+        figure = {key: v if key in ("y", "torque", "panels") else v[0] for key, v in groups.get("figure", {}).items()}
         scene = str(Path(path).parent / head["scene"]) if head.get("scene") else ""
         fixed = {key: v[0] if len(v) == 1 else v for key, v in groups.get("fixed", {}).items()}
         return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),
@@ -103,6 +104,11 @@ class Study:
         """Keys and values of every point, a list of dict."""
         side = [dict(zip(self.together, values)) for values in zip(*self.together.values())] or [{}]
         return [{**s, **dict(zip(self.grid, values))} for s in side for values in itertools.product(*self.grid.values())]
+
+    def __str__(self):
+        keys = ", ".join([*self.together, *self.grid]) or "the torque alone"
+        scene = self.scene or "the default"
+        return f"Study {self.title!r}: {len(self.points)} points over {keys}; scene {scene}, rows {self.rows!r}"
 
     def _identity(self):
         """What a table must have been made from to be continued."""
@@ -310,4 +316,5 @@ class StudyResult:
         s = self.summary
         lines = [f"{s['title']}: {s['status']}", f"  {s['done']} of {s['points']} points, {s['failed']} failed, "
                  f"{len(self.rows)} rows over {', '.join(s['swept']) or 'torque'}"]
-        return "\n".join(lines + [f"  point {r['point']} failed: {str(r['reason']).splitlines()[0]}" for r in self.failures])
+        lines += [f"  point {r['point']} failed: {str(r['reason']).splitlines()[0]}" for r in self.failures[:8]]
+        return "\n".join(lines + ([f"  and {len(self.failures) - 8} more, see study.csv"] if len(self.failures) > 8 else []))

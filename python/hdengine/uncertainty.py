@@ -72,6 +72,9 @@ class ContactField:
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
 
+    def __repr__(self):
+        return f"ContactField: {len(self._load[0])} facets at {self.torque_nm:g} N m"
+
     def k_ts(self, **keys):
         """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
         scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
@@ -292,11 +295,16 @@ def plot_tornado(base, ends, ranges, title=""):
 
     figure, axis = plt.subplots(figsize=(9, 1.3 + 0.42 * len(ends)))
     for i, (key, values) in enumerate(reversed(ends.items())):
-        for value, end, colour in zip(values, ranges[key][:2], ("C0", "C1")):
-            change = 100 * (value / base - 1)
+        changes = 100 * (np.array(values) / base - 1)
+        right = changes >= 0
+        if right[0] == right[1]:  # both texts on one side would cover each other: that of the shorter bar goes to the other
+            short = int(np.abs(changes[1]) < np.abs(changes[0]))
+            right[short] = not right[short]
+        for change, end, colour, away in zip(changes, ranges[key][:2], ("C0", "C1"), right):
             axis.barh(i, change, color=colour, height=0.7)
-            axis.annotate(f"{end:.4g}", (change, i), xytext=(4 if change >= 0 else -4, 0), textcoords="offset points",
-                          va="center", ha="left" if change >= 0 else "right", fontsize=9)
+            place = max(change, 0) if away else min(change, 0)
+            axis.annotate(f"{end:.4g}", (place, i), xytext=(4 if away else -4, 0), textcoords="offset points",
+                          va="center", ha="left" if away else "right", fontsize=9)
     axis.set_yticks(range(len(ends)), list(reversed(ends)), fontsize=11)
     axis.axvline(0, color="k", lw=0.8)
     axis.margins(x=0.15)

@@ -94,6 +94,34 @@ def test_workers_give_the_same_table_and_may_die(tmp_path):
     assert "died" in results[0][0]["reason"] and results[1][0]["status"] == "done"
 
 
+def test_lines_of_a_figure():
+    """Keys that follow x draw no line of their own, too many keys are held at the first point, failed points are not drawn."""
+    from hdengine.plot import plt
+    from hdengine.plot_study import draw
+
+    class Table:
+        summary = {"figure": {}, "swept": ["a", "b", "c", "d"]}
+
+        def __init__(self, rows):
+            self.rows = [{"point": i, "status": "done", "torque_nm": 0.0, "k": 1.0, **r} for i, r in enumerate(rows)]
+
+        @property
+        def failures(self):
+            return [r for r in self.rows if r["status"] == "failed"]
+
+    def lines(rows, *names):
+        axis = plt.figure().subplots()
+        draw(axis, Table(rows), *names)
+        found = [len(line.get_xdata()) for line in axis.lines]
+        plt.close(axis.figure)
+        return found
+
+    assert lines([{"a": i, "b": 10 * i} for i in range(3)], "a", "k", "c") == [3]
+    grid = [{"a": a, "b": b, "c": c, "d": d} for a in range(2) for b in range(2) for c in range(3) for d in range(2)]
+    assert lines(grid, "a", "k", "b") == [2, 2]
+    assert lines([{"a": 1}, {"a": 2}, {"a": 3}, {"a": 3, "point": 2, "status": "failed"}], "a", "k", "c") == [2]
+
+
 def test_axes():
     """Lists side by side make one axis, the grid every combination, the last key fastest."""
     study = Study(together={"load.torque": [1, 2], "geometry.cup_length": [3, 4]}, grid={"wave_generator.w": [5, 6]})

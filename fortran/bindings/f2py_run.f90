@@ -7,6 +7,7 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
   use hd_job, only: resume_run
+  use hd_planner, only: plan_t, plan_scene, enter_plan
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
@@ -21,20 +22,24 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   type(error_t), allocatable :: error
   type(string_t), allocatable :: lines(:)
   type(scene_t), allocatable :: scene
+  type(plan_t) :: plan
   type(run_t), pointer :: run
   handle = 0
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
   if (.not. allocated(error)) then
-    if (scene%promise > 0) call raise(error, code_input, 'run.tolerance is planned by hdengine.x only; name a mesh instead')
+    if (scene%promise > 0 .and. resume /= 0) call raise(error, code_input, 'a planned run (run.tolerance) cannot be resumed')
   end if
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
     if (resume /= 0) then
       call resume_run(scene, trim(path), trim(folder), run, error)
     else
-      call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
+      plan%scene = scene
+      if (scene%promise > 0) call plan_scene(scene, plan, error)
+      if (.not. allocated(error)) call new_run(plan%scene, trim(path), trim(folder), force /= 0, run, error)
+      if (.not. allocated(error)) call enter_plan(plan, run)
     end if
     if (allocated(error)) call drop_run(handle)
   end if

@@ -199,7 +199,7 @@ contains
     call need(s%support /= 'bearing' .or. s%ring_tangent == 'follow' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
       'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
       'slides on the cam; otherwise', 0._dp)
-    call need(s%kinematics == 'linear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
+    call need(s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
       'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
       'hub or bearing; torque', s%torque)
     call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
@@ -239,7 +239,7 @@ contains
       mb = 60 + 100*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes + &
         24e-6_dp*(rows*s%divisions)**2
     case default
-      mb = 40 + 1e-6_dp*nodes*(9*27*8*merge(3, 1, s%element == 'hex20r') + 600) + 4e-6_dp*s%divisions*(6*rows**2 + &
+      mb = 40 + 600e-6_dp*nodes + 4e-6_dp*s%divisions*(6*rows**2 + &
         30*section*(thick + 2)*merge(3, 1, s%element == 'hex20r')) + 8e-6_dp*min(rows*s%divisions, 4000._dp)**2
     end select
   end function estimate_memory_mb

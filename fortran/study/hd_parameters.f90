@@ -131,8 +131,9 @@ contains
     call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
     call text(t, 'solver', 'method', s%method, 'auto condensed schur newton', 'condensation to the contact face by '// &
       'harmonics, or by Schur complement (any mesh), sparse Newton matrix by MUMPS, or the cheaper one that applies')
-    call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear', &
-      'small displacements, or elements that turn with the body (corotational; sparse Newton matrix only)')
+    call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear auto', &
+      'small displacements, elements that turn with the body (corotational; sparse Newton matrix only), or whichever '// &
+      'run.tolerance needs (linear without one)')
     call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
       'what the scene allows in each load step, the whole, or as much as is named in the assembly (condensed only)')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &

@@ -1,15 +1,17 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> A scene that states a tolerance: mesh and load steps are chosen from error estimates, the result is estimated and refined.
+!> A scene that states a tolerance: kinematics, mesh and load steps are chosen from error estimates; what is chosen is then
+!> run like any other scene, from the command line and from Python.
 !>
 !> Meshes of a series grow by 2^(1/2) per level in all directions. Load steps are halved on a coarse mesh until that changes
-!> little. Each level from the first guess on is compared with the two coarser ones; the run ends when the estimate,
-!> max(1.5 |q_l - q_(l-1)|, 0.75 |q_l - q_(l-2)|) relative to q_l plus the change by halved steps, is within the tolerance.
+!> little; there, too, small displacements are compared with large ones. The promise is against a mesh three refinements finer:
+!> the last change d_l = q_l - q_(l-1) goes on falling by the ratio r that three levels show, so the estimate is
+!> |d_l| (r + r^2 + r^3) relative to q_l, with r at least 0.85 and |d_l| at least half of |q_l - q_(l-2)|, plus the change by
+!> halved steps.
 module hd_planner
   use hd_kinds, only: dp, pi
   use hd_clock, only: machine_memory_mb
   use hd_error, only: error_t
   use hd_input, only: estimate_memory_mb
-  use hd_job, only: run_scene
   use hd_log, only: say
   use hd_load_step, only: advance
   use hd_run, only: run_t, new_run, finish
@@ -17,12 +19,20 @@ module hd_planner
   use hd_text, only: push, to_text
   implicit none
   private
-  public :: run_planned, plan_text
+  public :: plan_t, plan_scene, enter_plan, run_planned, plan_text
 
   integer, parameter :: band(10) = [4, 6, 8, 11, 16, 23, 32, 45, 64, 90]  !< facets along the band, by level
-  real(dp), parameter :: first_error = 0.5_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
+  real(dp), parameter :: first_error = 1.5_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
+  real(dp), parameter :: slowest = 0.85_dp      !< ratio of successive changes that K_TS shows at worst (edge pressure)
   real(dp), parameter :: shape = 1.6_dp         !< facets are so much longer round the axis than along it
-  integer, parameter :: pilot = 2               !< level on which load steps are chosen
+  integer, parameter :: pilot = 2               !< level on which kinematics and load steps are chosen
+
+  type :: plan_t
+    type(scene_t) :: scene            !< what is to be run
+    real(dp) :: estimate(3) = 0       !< estimated relative errors of K_TS, normal force, mid-band pressure
+    integer :: level = 0              !< of the series of meshes; 0: nothing could be estimated
+    logical :: met = .false.          !< the estimate is within the tolerance
+  end type plan_t
 
 contains
 
@@ -110,7 +120,87 @@ contains
     end do
   end subroutine choose_steps
 
-  !> Choose, solve, estimate, refine.
+  !> Large displacements where they change a coarse solution by more than half the tolerance; only for kinematics = 'auto'.
+  subroutine choose_kinematics(scene, error)
+    type(scene_t), intent(inout) :: scene             !< gets its kinematics
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a pilot early
+    type(scene_t) :: large
+    real(dp) :: small_q(3), large_q(3), change
+    if (scene%kinematics /= 'auto') return
+    scene%kinematics = 'linear'
+    large = scene
+    large%kinematics = 'nonlinear'
+    if (scene%support == 'teeth' .or. .not. (scene%method == 'auto' .or. scene%method == 'newton')) return
+    call probe(meshed(scene, pilot, 2), small_q, error)
+    if (.not. allocated(error)) call probe(meshed(large, pilot, 2), large_q, error)
+    if (allocated(error)) return
+    change = maxval(abs(large_q - small_q)/(abs(large_q) + tiny(1._dp)))
+    if (change > 0.5_dp*scene%promise) scene%kinematics = 'nonlinear'
+    call say('plan      kinematics '//trim(scene%kinematics)//': large displacements change '//to_text(change))
+  end subroutine choose_kinematics
+
+  !> Estimated relative errors from three levels, against a mesh three refinements finer.
+  pure function estimated(q) result(e)
+    real(dp), intent(in) :: q(:, :)  !< quantities of three levels, the finest last (3, 3)
+    real(dp) :: e(3), last(3), before(3), r(3)
+    last = abs(q(:, 3) - q(:, 2))
+    before = abs(q(:, 2) - q(:, 1))
+    r = min(max(last/(before + tiny(1._dp)), slowest), 0.95_dp)
+    e = max(last, 0.5_dp*abs(q(:, 3) - q(:, 1)))*(r + r**2 + r**3)/(abs(q(:, 3)) + tiny(1._dp))
+  end function estimated
+
+  !> Choose kinematics, load steps and mesh; refine until the estimate is within the tolerance.
+  subroutine plan_scene(scene, plan, error)
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    type(plan_t), intent(out) :: plan                 !< what to run
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a probe early
+    type(error_t), allocatable :: trouble
+    type(scene_t) :: s
+    real(dp) :: q(3, size(band)), change(3)
+    integer :: level, start, steps
+    plan%scene = scene
+    s = scene
+    call choose_kinematics(s, trouble)
+    if (.not. allocated(trouble)) call choose_steps(s, steps, change, trouble)
+    if (allocated(trouble)) then
+      call say('plan      a pilot ended early; the scene is run as it stands')
+      return
+    end if
+    call say('plan      load steps '//to_text(steps)//' + '//to_text(steps)//': halving them changes '// &
+      to_text(maxval(change)))
+    start = first_level(scene%promise)
+    do while (start > 3 .and. .not. fits(meshed(s, start, steps)))
+      start = start - 1
+    end do
+    do level = start - 2, size(band)
+      plan%scene = meshed(s, level, steps)
+      call probe(plan%scene, q(:, level), error)
+      if (allocated(error)) return
+      if (level < start) cycle
+      plan%level = level
+      plan%estimate = estimated(q(:, level - 2:level)) + change
+      plan%met = maxval(plan%estimate) <= scene%promise
+      call say('plan      level '//to_text(level)//', '//to_text(plan%scene%divisions)//' x '// &
+        to_text(plan%scene%band_facets)//' facets: estimated error '//to_text(maxval(plan%estimate))//', tolerance '// &
+        to_text(scene%promise))
+      if (plan%met .or. level == size(band)) exit
+      if (.not. fits(meshed(s, level + 1, steps))) exit
+    end do
+  end subroutine plan_scene
+
+  !> Enter a plan into the record of its run.
+  subroutine enter_plan(plan, run)
+    type(plan_t), intent(in) :: plan    !< plan
+    type(run_t), intent(inout) :: run   !< new run of its scene
+    if (plan%level == 0) return
+    run%record%promise = plan%scene%promise
+    run%record%estimate = plan%estimate
+    run%record%level = plan%level
+    if (.not. plan%met) &
+      call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(plan%estimate)))
+  end subroutine enter_plan
+
+  !> Plan a scene and run it.
   subroutine run_planned(scene, input, folder, force, error)
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     character(len=*), intent(in) :: input             !< name of the input
@@ -119,46 +209,14 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
-    real(dp) :: q(3, size(band)), change(3), estimate(3)
-    integer :: level, steps, start
-    logical :: met
-    call choose_steps(scene, steps, change, trouble)
-    if (allocated(trouble)) then
-      call say('plan      a pilot ended early; the scene is run as it stands')
-      call run_scene(scene, input, folder, force, .false., error)
-      return
-    end if
-    call say('plan      load steps '//to_text(steps)//' + '//to_text(steps)//': halving them changes '// &
-      to_text(maxval(change)))
-    start = first_level(scene%promise)
-    do level = start - 2, start - 1
-      call probe(meshed(scene, level, steps), q(:, level), error)
-      if (allocated(error)) return
-    end do
-    do level = start, size(band)
-      allocate (run)
-      call solve(meshed(scene, level, steps), input, folder, force .or. level > start, run, error)
-      if (allocated(error)) exit
-      q(:, level) = quantities(run)
-      estimate = max(1.5_dp*abs(q(:, level) - q(:, level - 1)), 0.75_dp*abs(q(:, level) - q(:, level - 2)))/ &
-        (abs(q(:, level)) + tiny(1._dp)) + change
-      met = maxval(estimate) <= scene%promise
-      call say('plan      level '//to_text(level)//', '//to_text(run%scene%divisions)//' x '//to_text(run%scene%band_facets)// &
-        ' facets: estimated error '//to_text(maxval(estimate))//', tolerance '//to_text(scene%promise))
-      if (met) exit
-      if (level == size(band)) exit
-      if (.not. fits(meshed(scene, level + 1, steps))) exit
-      call finish(run, error)
-      deallocate (run)
-      if (allocated(error)) return
-    end do
-    if (.not. allocated(run)) return
-    run%record%promise = scene%promise
-    run%record%estimate = estimate
-    run%record%level = level
-    if (.not. allocated(error) .and. .not. met) &
-      call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(estimate)))
-    if (allocated(run%drive)) call finish(run, trouble)
+    type(plan_t) :: plan
+    call plan_scene(scene, plan, error)
+    if (allocated(error)) return
+    allocate (run)
+    call solve(plan%scene, input, folder, force, run, error)
+    if (.not. allocated(run%drive)) return
+    call enter_plan(plan, run)
+    call finish(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
   end subroutine run_planned
 
@@ -186,12 +244,13 @@ contains
       s = meshed(scene, level, 4)
       dof = 3*s%divisions*((s%through_wall + 1)*(s%cup_length + s%bore_radius - s%hub_radius)/s%band_length*band(level) + &
         (s%through_ring + 1)*(band(level) + 1))
-      seconds = 1.5_dp*(dof/52890)**1.3_dp
+      seconds = 1.3_dp*(dof/52890)**1.4_dp
       write (line, '(i5,i10,i5,i9,f18.2,f9.1,f9.0,a)') level, s%divisions, band(level), nint(dof), 100*first_error/band(level), &
         seconds, estimate_memory_mb(s), trim(merge(' <- start', '         ', level == first_level(scene%promise)))
       text = text//nl//trim(line)
     end do
     text = text//nl//'element '//trim(s%element)//', solver '//trim(s%method)//', symmetry '//trim(s%symmetry)// &
+      ', kinematics '//trim(s%kinematics)// &
       '; load steps: 1 + 1, doubled while that changes more than a fifth of the tolerance'
   end function plan_text
 end module hd_planner

@@ -29,7 +29,7 @@ contains
     type(newton_matrix_t), allocatable :: matrix
     nullify (compliance)
     if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. scene%support /= 'teeth' .and. &
-      scene%kinematics == 'linear' .and. has_circulant(drive%problem))) then
+      scene%kinematics /= 'nonlinear' .and. has_circulant(drive%problem))) then
       allocate (circulant)
       call new_circulant(drive%problem, circulant, error)
       if (allocated(error)) return

@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What small displacements cost: linear against nonlinear kinematics over w, wall and torque (scene of data/cd14.nml, coarse mesh).
+
+Usage: bench/kinematics_map.py; writes bench/results/kinematics_map.json and docs/figures/kinematics_map.png.
+"""
+import json
+from pathlib import Path
+
+import numpy as np
+
+import hdengine
+
+ROOT = Path(__file__).resolve().parents[1]
+W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
+NAMES = ("k_ts", "normal_force", "mid_band_pressure")
+
+
+def solve(w, wall, kinematics):
+    """K_TS, normal force, mid-band pressure at every torque."""
+    with hdengine.Run(ROOT / "data/cd14.nml", mesh={"divisions": 40, "band_facets": 7}, geometry={"wall_thickness": wall, "rim_thickness": 1.186 * wall},
+                      wave_generator={"w": w}, load={"torque": TORQUES[-1], "assembly_steps": 2, "torque_steps": 4},
+                      solver={"kinematics": kinematics}) as run:
+        steps = {round(s.sums["torque_nm"], 6): s for s in run}
+    return np.array([[steps[t].k_ts_nm_per_rad, steps[t].sums["normal_force_n"], steps[t].sums["pressure_mid_mean_pa"]] for t in TORQUES])
+
+
+def draw(rows, path):
+    """Largest change of the three quantities over w, one line per wall and torque."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    fig, axes = plt.subplots(1, 3, figsize=(12, 4), constrained_layout=True, sharey=True)
+    for ax, i in zip(axes, range(3)):
+        for wall, color in zip(WALL, ("C0", "C1", "C2")):
+            for torque, style in zip(TORQUES, (":", "--", "-")):
+                mine = [r for r in rows if r["wall_m"] == wall and r["torque_nm"] == torque]
+                ax.plot([1e3 * r["w_m"] for r in mine], [100 * r["error"][i] for r in mine], "o" + style, color=color, ms=4,
+                        label=f"wall {1e3 * wall:.2f} mm, {torque:g} N m")
+        ax.set_xlabel("w / mm")
+        ax.set_title(NAMES[i].replace("_", " "))
+        ax.grid(alpha=0.3)
+    axes[0].set_ylabel("linear against nonlinear / %")
+    axes[2].legend(fontsize=8)
+    fig.savefig(path, dpi=110)
+
+
+def main():
+    rows = []
+    for wall in WALL:
+        for w in W:
+            try:
+                small, large = solve(w, wall, "linear"), solve(w, wall, "nonlinear")
+            except hdengine.HdengineError as e:
+                print(w, wall, str(e)[:80], flush=True)
+                continue
+            for torque, a, b in zip(TORQUES, small, large):
+                rows.append({"w_m": w, "wall_m": wall, "torque_nm": torque, "error": list(a / b - 1)})
+            print(f"w {1e3 * w:.2f} mm, wall {1e3 * wall:.2f} mm: " + ", ".join(
+                f"{t:g} N m " + "/".join(f"{100 * x:+.1f}" for x in r["error"]) for t, r in zip(TORQUES, rows[-3:])), flush=True)
+    (ROOT / "bench/results/kinematics_map.json").write_text(json.dumps(rows, indent=1) + "\n")
+    draw(rows, ROOT / "docs/figures/kinematics_map.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bias, spread and coverage of the fit of D and G over many seeds of Eq. 1: bench/results/fit_statistics.json.
 
-python bench/fit_statistics.py [SEEDS]    501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m, lags 1-20.
+python bench/fit_statistics.py [SEEDS [ESTIMATOR ...]]    501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m, lags 1-20.
 `noisy`: a tilt of 5 % and white noise of 5 % of sqrt(S(1)) are added, the plane is taken off and the noise is fitted.
 Estimators: exact = two-step GLS on the sum of Eq. 1; band = the default for unknown surfaces, least squares on the isotropic band
 with the errors of a Gaussian field and of misfit; waves = the same with the errors of random phases. Goes on where it stopped.
@@ -51,12 +51,14 @@ def study(d, ridges, noisy, name, seeds):
         "coverage_ln_g": np.mean(abs(v[:, 1]) < 1.959964 * v[:, 3]), "fractal": v[:, 4].mean()}
 
 
-def main(seeds):
+def main(seeds, names):
     """All rows not yet in the file."""
     out = Path(__file__).parent / "results/fit_statistics.json"
     rows = json.loads(out.read_text()) if out.exists() else []
     done = {(r["d"], r["ridges"], r["noisy"], r["estimator"], r["seeds"]) for r in rows}
     for name, noisy in (("exact", False), ("band", False), ("exact", True), ("waves", False), ("band", True)):
+        if names and name not in names:
+            continue
         for ridges in (10, 40):
             for d in (2.5304, 2.9, 2.1, 2.5, 2.7, 2.3):
                 if (d, ridges, noisy, name, seeds) in done:
@@ -66,4 +68,4 @@ def main(seeds):
                 out.write_text(json.dumps(rows, indent=1) + "\n")
 
 
-main(int(sys.argv[1]) if len(sys.argv) > 1 else 100)
+main(int(sys.argv[1]) if len(sys.argv) > 1 else 100, sys.argv[2:])

@@ -13,5 +13,4 @@ D, G, L = 2.5304, 2.4248e-7, 0.5e-3
 for name, share, seed in (("flexspline", 0.65, 1), ("bearing", 0.35, 2)):
     g = G * share ** (1 / (2 * (D - 2)))
     z = surface.generate(501, 1e-6, D, g, 1.5, L, 1e-6, 10, seed)
-    note = f"synthetic, Eq. 1: D = {D}, G = {g:.6e} m, M = 10, gamma = 1.5, L = {L} m, L_s = 1e-6 m, seed {seed}"
-    specimen.save(Path(__file__).parent / f"specimen_{name}.npz", specimen.Specimen(z, (1e-6, 1e-6)), note)
+    specimen.save(Path(__file__).parent / f"specimen_{name}.sdf", specimen.Specimen(z, (1e-6, 1e-6)))

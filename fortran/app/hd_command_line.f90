@@ -135,7 +135,7 @@ contains
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
-      if (scene%map_only) call check_map_run(scene, error)
+      if (scene%map_only) call check_map_run(scene, command%input, error)
       if (allocated(error)) return
       if (command%action == 'check') then
         call say(command%input//' is valid')

@@ -212,3 +212,32 @@ subroutine surface_free_heights(count, fx, fy, amplitude, phase, grid, tolerance
   end if
   call tell(error, status, message)
 end subroutine surface_free_heights
+
+!> Run an input that holds only a surface; ran = 0 and nothing is done if it holds more.
+subroutine surface_run(path, assignments, folder, force, ran, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_input, only: read_scene
+  use hd_map_run, only: run_map
+  use hd_scene, only: scene_t
+  use hd_status, only: tell, lines_of
+  use hd_text, only: string_t
+  implicit none
+  character(len=*), intent(in) :: path, assignments, folder
+  integer(c_int), intent(in) :: force
+  integer(c_int), intent(out) :: ran, status
+  character(len=8192), intent(out) :: message
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  type(string_t), allocatable :: lines(:)
+  type(scene_t), allocatable :: scene
+  ran = 0
+  allocate (scene)
+  lines = lines_of(assignments)
+  call read_scene(path, lines, scene, error)
+  if (.not. allocated(error) .and. scene%map_only) then
+    ran = 1
+    call run_map(scene, trim(path), trim(folder), force /= 0, error)
+  end if
+  call tell(error, status, message)
+end subroutine surface_run

@@ -45,14 +45,20 @@ contains
   pure logical function surface_alone(table)
     type(table_t), intent(in) :: table    !< table after reading
     integer :: i
-    surface_alone = any([(table%rows(i)%given .and. table%rows(i)%group == 'surface', i=1, size(table%rows))]) .and. &
+    surface_alone = any([(table%rows(i)%given .and. of_surface(table%rows(i)%group), i=1, size(table%rows))]) .and. &
       .not. any([(table%rows(i)%given .and. .not. with_surface(table%rows(i)%group), i=1, size(table%rows))])
   end function surface_alone
 
-  !> Groups that belong to a surface.
+  !> Groups of a surface run only.
+  pure logical function of_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    of_surface = group == 'surface' .or. group == 'fit'
+  end function of_surface
+
+  !> Groups that a surface run may have.
   pure logical function with_surface(group)
     character(len=*), intent(in) :: group    !< name
-    with_surface = group == 'surface' .or. group == 'run' .or. group == 'hd_input'
+    with_surface = of_surface(group) .or. group == 'run' .or. group == 'hd_input'
   end function with_surface
 
   !> Enter the assignments of a file into the table.
@@ -277,7 +283,7 @@ contains
     end if
     groups = groups_of(table)
     do g = 1, size(groups)
-      if (merge(.not. with_surface(groups(g)%s), groups(g)%s == 'surface', scene%map_only)) cycle
+      if (merge(.not. with_surface(groups(g)%s), of_surface(groups(g)%s), scene%map_only)) cycle
       write (unit, '(a)') '&'//groups(g)%s
       do i = 1, size(table%rows)
         if (table%rows(i)%group /= groups(g)%s) cycle

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> A run that generates a surface: heights.npy, structure.csv, summary.json. No contact.
+!> A run that generates a surface or reads specimens, and fits D and G: heights, structure.csv, fit.csv, summary.json. No contact.
 module hd_map_run
   use hd_kinds, only: dp, sp, i8, pi
   use hd_clock, only: wall_seconds, timestamp, peak_memory_mb
@@ -8,6 +8,7 @@ module hd_map_run
   use hd_input, only: write_echo
   use hd_json, only: json_t
   use hd_log, only: say
+  use hd_map_fit, only: specimen_t, found_t, read_specimens, fit_specimens, write_fits, add_fits, place_files
   use hd_npy, only: write_npy
   use hd_scene, only: scene_t, map_t
   use hd_structure_function, only: structure_line
@@ -24,67 +25,129 @@ module hd_map_run
 
 contains
 
-  !> Refuse what cannot be generated.
-  subroutine check_map_run(scene, error)
-    type(scene_t), intent(in) :: scene                !< scene with a map
+  !> Refuse what cannot be generated or read.
+  subroutine check_map_run(scene, input, error)
+    type(scene_t), intent(inout) :: scene             !< scene with a map; files get their folder
+    character(len=*), intent(in) :: input             !< name of the input
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
     type(method_t) :: method
-    call prepare(scene%map, method, error)
+    integer :: n_max
+    call place_files(scene%map_fit, input)
+    call prepare(scene%map, method, n_max, error)
   end subroutine check_map_run
 
-  !> Generate and write.
+  !> Generate or read, fit and write.
   subroutine run_map(scene, input, folder, force, error)
-    type(scene_t), intent(in) :: scene                !< scene with a map
+    type(scene_t), intent(inout) :: scene             !< scene with a map
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder
     logical, intent(in) :: force                      !< replace earlier results
     type(error_t), allocatable, intent(out) :: error  !< files, memory
     type(method_t) :: method
     type(waves_t) :: w
-    real(dp), allocatable :: z(:, :)
-    real(sp), allocatable :: z_4(:, :)
-    character(len=25) :: started
-    real(dp) :: clock
-    integer :: status
-    started = timestamp()
-    call prepare(scene%map, method, error)
-    if (.not. allocated(error)) call open_folder(folder, scene, force, error)
-    if (.not. allocated(error)) call new_waves(spectrum_of(scene%map), w, error)
+    type(specimen_t), allocatable :: s(:)
+    type(found_t), allocatable :: found(:)
+    type(json_t) :: json
+    integer :: n_max, i
+    logical :: files
+    call json%begin()
+    call json%add('status', 'complete')
+    call json%add('code', code_done)
+    call json%add('message', '')
+    call json%add('kind', 'surface')
+    call json%add('title', trim(scene%title))
+    call json%begin('provenance')
+    call json%add('hdengine', version)
+    call json%add('input', input)
+    call json%add('started', timestamp())
+    call json%finish()
+    call place_files(scene%map_fit, input)
+    call prepare(scene%map, method, n_max, error)
     if (allocated(error)) return
-    call say('surface   '//to_text(scene%map%nx)//' x '//to_text(scene%map%ny)//' points, '//to_text(size(w%fx))//' waves, '// &
+    files = len_trim(scene%map_fit%first_file) + len_trim(scene%map_fit%second_file) > 0
+    if (files) call read_specimens(scene%map_fit, s, error)
+    if (.not. allocated(error)) call open_folder(folder, scene, force, error)
+    if (allocated(error)) return
+    if (files) then
+      do i = 1, size(s)
+        if (.not. allocated(error)) call write_npy(folder//'/'//trim(s(i)%name)//'.npy', s(i)%z, error)
+      end do
+    else
+      call generate(scene%map, method, folder, w, s, json, error)
+      if (.not. allocated(error)) call write_structure(folder//'/structure.csv', scene%map, w, s(1)%z, error)
+    end if
+    if (.not. allocated(error)) call fit_specimens(scene, s, n_max, found, error)
+    if (.not. allocated(error)) call write_fits(folder//'/fit.csv', found, error)
+    if (allocated(error)) return
+    call json%add('spacing_m', [s(1)%dy, s(1)%dx])
+    call add_fits(json, found)
+    call json%add('peak_memory_mb', peak_memory_mb())
+    call json%finish()
+    call json%write_atomic(folder//'/summary.json', error)
+    if (.not. allocated(error)) call say('results   '//folder)
+  end subroutine run_map
+
+  !> Generate a surface, write heights.npy and tell of it.
+  subroutine generate(m, method, folder, w, s, json, error)
+    type(map_t), intent(in) :: m                            !< map
+    type(method_t), intent(in) :: method                    !< evaluator
+    character(len=*), intent(in) :: folder                  !< output folder
+    type(waves_t), intent(out) :: w                         !< waves
+    type(specimen_t), allocatable, intent(out) :: s(:)      !< the surface
+    type(json_t), intent(inout) :: json                     !< summary
+    type(error_t), allocatable, intent(out) :: error        !< files, memory
+    real(sp), allocatable :: z_4(:, :)
+    real(dp) :: clock, mean
+    integer :: status
+    call new_waves(spectrum_of(m), w, error)
+    if (allocated(error)) return
+    call say('surface   '//to_text(m%nx)//' x '//to_text(m%ny)//' points, '//to_text(size(w%fx))//' waves, '// &
       trim(methods(method%evaluator)))
-    allocate (z(merge(scene%map%nx, 0, scene%map%precision == 'double'), scene%map%ny), stat=status)
-    if (status == 0) allocate (z_4(merge(scene%map%nx, 0, scene%map%precision == 'single'), scene%map%ny), stat=status)
+    allocate (s(1))
+    s(1)%name = 'generated'
+    s(1)%dx = m%dx
+    s(1)%dy = m%dy
+    allocate (s(1)%z(m%nx, m%ny), stat=status)
+    if (status == 0 .and. m%precision == 'single') allocate (z_4(m%nx, m%ny), stat=status)
     if (status /= 0) then
       call raise(error, code_memory, 'not enough memory for the heights')
       return
     end if
     clock = wall_seconds()
-    if (scene%map%precision == 'double') then
-      call heights(w, grid_of(scene%map), method, z, error)
+    if (m%precision == 'double') then
+      call heights(w, grid_of(m), method, s(1)%z, error)
+      if (.not. allocated(error)) call write_npy(folder//'/heights.npy', s(1)%z, error)
     else
-      call heights_single(w, grid_of(scene%map), method, z_4, error)
+      call heights_single(w, grid_of(m), method, z_4, error)
+      if (.not. allocated(error)) call write_npy(folder//'/heights.npy', z_4, error)
+      s(1)%z = z_4
     end if
-    clock = wall_seconds() - clock
     if (allocated(error)) return
-    if (scene%map%precision == 'double') then
-      call write_npy(folder//'/heights.npy', z, error)
-    else
-      call write_npy(folder//'/heights.npy', z_4, error)
-      if (.not. allocated(error)) z = real(z_4, dp)
-    end if
-    if (.not. allocated(error)) call write_structure(folder//'/structure.csv', scene%map, w, z, error)
-    if (.not. allocated(error)) call write_map_summary(folder//'/summary.json', scene, input, started, w, method, clock, z, error)
-    if (.not. allocated(error)) call say('results   '//folder)
-  end subroutine run_map
+    clock = wall_seconds() - clock
+    associate (z => s(1)%z)
+      mean = sum(z) / size(z, kind=i8)
+      call json%begin('results')
+      call json%add('height_rms_m', sqrt(sum((z - mean)**2) / size(z, kind=i8)))
+      call json%add('height_rms_expected_m', sqrt(sum(w%amplitude**2) / 2))
+      call json%add('slope_rms_expected', 2 * pi * sqrt(sum((w%amplitude * w%fx)**2 + (w%amplitude * w%fy)**2) / 2))
+      call json%add('height_min_m', minval(z))
+      call json%add('height_max_m', maxval(z))
+      call json%finish()
+    end associate
+    call json%begin('generator')
+    call json%add('waves', size(w%fx))
+    call json%add('method', trim(methods(method%evaluator)))
+    call json%add('sum_s', clock)
+    call json%finish()
+  end subroutine generate
 
   !> Check everything and choose the evaluator.
-  subroutine prepare(m, method, error)
+  subroutine prepare(m, method, n_max, error)
     type(map_t), intent(in) :: m                      !< map
     type(method_t), intent(out) :: method             !< evaluator
+    integer, intent(out) :: n_max                     !< highest exponent of Eq. 1
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
     integer(i8) :: count
-    integer :: n_max
     call count_waves(spectrum_of(m), n_max, count, error)
     if (.not. allocated(error)) call checked_grid(grid_of(m), error)
     if (.not. allocated(error)) call choose_method(m%nx, m%ny, count, (n_max + 1_i8) * (m%ridges / 2 + 1), m%tolerance, &
@@ -151,43 +214,4 @@ contains
     end do
     call table%close()
   end subroutine write_structure
-
-  !> summary.json, written last.
-  subroutine write_map_summary(path, scene, input, started, w, method, seconds, z, error)
-    character(len=*), intent(in) :: path, input, started    !< file, name of the input, time
-    type(scene_t), intent(in) :: scene                      !< scene
-    type(waves_t), intent(in) :: w                          !< waves
-    type(method_t), intent(in) :: method                    !< evaluator
-    real(dp), intent(in) :: seconds                         !< wall clock of the sum [s]
-    real(dp), intent(in), contiguous :: z(:, :)             !< heights [m]
-    type(error_t), allocatable, intent(out) :: error        !< cannot be written
-    type(json_t) :: json
-    real(dp) :: mean
-    mean = sum(z) / size(z, kind=i8)
-    call json%begin()
-    call json%add('status', 'complete')
-    call json%add('code', code_done)
-    call json%add('message', '')
-    call json%begin('results')
-    call json%add('height_rms_m', sqrt(sum((z - mean)**2) / size(z, kind=i8)))
-    call json%add('height_rms_expected_m', sqrt(sum(w%amplitude**2) / 2))
-    call json%add('slope_rms_expected', 2 * pi * sqrt(sum((w%amplitude * w%fx)**2 + (w%amplitude * w%fy)**2) / 2))
-    call json%add('height_min_m', minval(z))
-    call json%add('height_max_m', maxval(z))
-    call json%finish()
-    call json%begin('generator')
-    call json%add('waves', size(w%fx))
-    call json%add('method', trim(methods(method%evaluator)))
-    call json%add('sum_s', seconds)
-    call json%add('peak_memory_mb', peak_memory_mb())
-    call json%finish()
-    call json%begin('provenance')
-    call json%add('title', trim(scene%title))
-    call json%add('input', input)
-    call json%add('started', trim(started))
-    call json%add('version', version)
-    call json%finish()
-    call json%finish()
-    call json%write_atomic(path, error)
-  end subroutine write_map_summary
 end module hd_map_run

@@ -3,27 +3,11 @@
 module hd_parameters
   use hd_kinds, only: dp
   use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower
-  use hd_scene, only: scene_t, map_t
+  use hd_parameter_row, only: parameter_t, table_t, whole, number, numbers, text
+  use hd_scene, only: scene_t, map_t, map_fit_t
   implicit none
   private
   public :: parameter_t, table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
-
-  !> A key: exactly one of integer, real, text and reals points into the scene.
-  type :: parameter_t
-    character(len=:), allocatable :: group, key, unit, meaning
-    integer, pointer :: integer => null()
-    real(dp), pointer :: real => null(), reals(:) => null()
-    character(len=:), pointer :: text => null()
-    real(dp) :: low = -huge(1._dp), high = huge(1._dp)   !< valid range
-    logical :: open_low = .false., open_high = .false.   !< the bound itself is not valid
-    type(string_t), allocatable :: choices(:)            !< valid texts, empty: any
-    character(len=:), allocatable :: default             !< as text
-    logical :: given = .false.                           !< set by the user
-  end type parameter_t
-
-  type :: table_t
-    type(parameter_t), allocatable :: rows(:)
-  end type table_t
 
 contains
 
@@ -36,6 +20,7 @@ contains
     call add_shape_keys(scene, table)
     call add_model_keys(scene, table)
     call add_map_keys(scene%map, table)
+    call add_fit_keys(scene%map_fit, table)
     do i = 1, size(table%rows)
       table%rows(i)%default = value_text(table%rows(i))
     end do
@@ -181,81 +166,28 @@ contains
     call text(t, 'surface', 'precision', s%precision, 'double single', 'of the heights in the file')
   end subroutine add_map_keys
 
-  !> Add a row.
-  subroutine append(table, group, key, unit, meaning, row)
-    type(table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, unit, meaning
-    type(parameter_t), intent(inout) :: row
-    type(parameter_t), allocatable :: longer(:)
-    integer :: i
-    row%group = group
-    row%key = key
-    row%unit = unit
-    row%meaning = meaning
-    if (.not. allocated(row%choices)) allocate (row%choices(0))
-    allocate (longer(size(table%rows) + 1))
-    do i = 1, size(table%rows)
-      longer(i) = table%rows(i)
-    end do
-    longer(size(longer)) = row
-    call move_alloc(longer, table%rows)
-  end subroutine append
-
-  subroutine whole(table, group, key, value, low, high, meaning)
-    type(table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, meaning
-    integer, intent(in), target :: value
-    integer, intent(in) :: low, high
-    type(parameter_t) :: row
-    row%integer => value
-    row%low = low
-    row%high = high
-    call append(table, group, key, '', meaning, row)
-  end subroutine whole
-
-  subroutine number(table, group, key, value, unit, low, high, meaning, closed)
-    type(table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, unit, meaning
-    real(dp), intent(in), target :: value
-    real(dp), intent(in) :: low, high
-    logical, intent(in), optional :: closed   !< the bounds themselves are valid
-    type(parameter_t) :: row
-    row%real => value
-    row%low = low
-    row%high = high
-    row%open_low = .not. present(closed)
-    row%open_high = row%open_low
-    call append(table, group, key, unit, meaning, row)
-  end subroutine number
-
-  subroutine numbers(table, group, key, value, unit, low, high, meaning)
-    type(table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, unit, meaning
-    real(dp), intent(in), target :: value(:)
-    real(dp), intent(in) :: low, high
-    type(parameter_t) :: row
-    row%reals => value
-    row%low = low
-    row%high = high
-    call append(table, group, key, unit, meaning, row)
-  end subroutine numbers
-
-  subroutine text(table, group, key, value, choices, meaning)
-    type(table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, choices, meaning
-    character(len=*), intent(in), target :: value
-    type(parameter_t) :: row
-    integer :: i, j
-    row%text => value
-    allocate (row%choices(0))
-    i = 1
-    do while (i <= len(choices))
-      j = i + index(choices(i:)//' ', ' ') - 2
-      call push(row%choices, choices(i:j))
-      i = j + 2
-    end do
-    call append(table, group, key, '', meaning, row)
-  end subroutine text
+  !> Fit of D and G.
+  subroutine add_fit_keys(s, t)
+    type(map_fit_t), intent(inout), target :: s  !< fit
+    type(table_t), intent(inout) :: t            !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call text(t, 'fit', 'first_file', s%first_file, '', 'specimen to fit in place of a generated surface: .sdf '// &
+      '(ISO 25178-71) or .npy (heights in m); looked for from here, then beside the input')
+    call text(t, 'fit', 'second_file', s%second_file, '', 'second specimen: S of both add up to the equivalent surface')
+    call number(t, 'fit', 'dx', s%dx, 'm', 0._dp, big, 'spacing along x of .npy files, which state none', closed=.true.)
+    call number(t, 'fit', 'dy', s%dy, 'm', 0._dp, big, 'spacing along y of .npy files; 0: dx', closed=.true.)
+    call whole(t, 'fit', 'first_lag', s%first_lag, 1, 8388608, 'first lag of the window [points]')
+    call whole(t, 'fit', 'last_lag', s%last_lag, 0, 8388608, 'last lag [points]; 0: 20, or half a row if that is less')
+    call text(t, 'fit', 'model', s%model, 'auto isotropic profile ridges paper none', 'auto: ridges (the sum of Eq. 1 by the '// &
+      'keys of &surface) of a generated surface, isotropic or profile of files; none: no fit')
+    call text(t, 'fit', 'level', s%level, 'yes no', 'take the least-squares plane off')
+    call number(t, 'fit', 'shortest', s%shortest, 'm', 0._dp, big, 'shortest wavelength of isotropic and profile; 0: L_s of a '// &
+      'generated surface, one spacing of files', closed=.true.)
+    call number(t, 'fit', 'longest', s%longest, 'm', 0._dp, big, 'longest wavelength; 0: L of a generated surface, the longer '// &
+      'side of files', closed=.true.)
+    call number(t, 'fit', 'noise', s%noise, 'm', 0._dp, big, 'known rms of white instrument noise', closed=.true.)
+    call text(t, 'fit', 'fit_noise', s%fit_noise, 'no yes', 'fit the noise too')
+  end subroutine add_fit_keys
 
   !> Names of the groups, in order.
   function groups_of(table) result(names)

@@ -105,8 +105,8 @@ contains
     type(run_t), intent(inout) :: run                 !< gets scene, record, joint
     type(error_t), allocatable, intent(out) :: error  !< no contact scene
     if (scene%map_only) then
-      call raise(error, code_input, 'the input holds only &surface: hdengine.x generates it, as does '// &
-        'hdengine.surface.generate in Python; a contact run needs another group')
+      call raise(error, code_input, 'the input holds only &surface and &fit: hdengine.x runs it, as does '// &
+        'hdengine.run_surface in Python; a contact run needs another group')
       return
     end if
     run%clock = wall_seconds()

@@ -4,10 +4,11 @@ module hd_scene
   use hd_kinds, only: dp
   implicit none
   private
-  public :: scene_t, map_t, name_length
+  public :: scene_t, map_t, map_fit_t, name_length
 
   integer, parameter :: name_length = 32   !< longest choice
   integer, parameter :: title_length = 120 !< longest title
+  integer, parameter :: path_length = 240  !< longest file name
 
   !> A generated surface.
   type :: map_t
@@ -17,6 +18,14 @@ module hd_scene
     real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 1e-12_dp
     character(len=name_length) :: method = 'auto', precision = 'double'
   end type map_t
+
+  !> Fit of D and G to a generated surface, or to one or two specimens from files.
+  type :: map_fit_t
+    character(len=path_length) :: first_file = '', second_file = ''
+    integer :: first_lag = 1, last_lag = 0
+    real(dp) :: dx = 0, dy = 0, shortest = 0, longest = 0, noise = 0
+    character(len=name_length) :: model = 'auto', fit_noise = 'no', level = 'yes'
+  end type map_fit_t
 
   type :: scene_t
     integer :: version = 1
@@ -58,6 +67,7 @@ module hd_scene
     character(len=name_length) :: closure = 'nominal'
     ! surface
     type(map_t) :: map
+    type(map_fit_t) :: map_fit
     logical :: map_only = .false.     !< the input asks for a surface alone: no contact
     ! output
     character(len=name_length) :: vtu = 'last'

@@ -5,7 +5,7 @@ module hd_measurement
   use hd_error, only: error_t
   use hd_observation, only: observation_t, observe, level_plane, add_observation
   use hd_structure_function, only: check_map
-  use hd_expectation, only: spectrum_t
+  use hd_expectation, only: spectrum_t, model_isotropic
   use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
   implicit none
@@ -35,10 +35,10 @@ contains
     type(observation_t) :: o
     type(verdict_t) :: v
     real(dp) :: tilt(2)
-    call look(z, dx, dy, first, last, level, m%o, m%verdict, m%tilt, error)
+    call look(z, dx, dy, first, last, level, p%model == model_isotropic, m%o, m%verdict, m%tilt, error)
     if (allocated(error)) return
     if (size(other) > 1) then
-      call look(other, dx, dy, first, last, level, o, v, tilt, error)
+      call look(other, dx, dy, first, last, level, p%model == model_isotropic, o, v, tilt, error)
       if (allocated(error)) return
       call add_observation(m%o, o, error)
       if (allocated(error)) return
@@ -51,11 +51,12 @@ contains
   end subroutine measure
 
   !> One map: plane, structure function, first judgement.
-  subroutine look(z, dx, dy, first, last, level, o, v, tilt, error)
+  subroutine look(z, dx, dy, first, last, level, diagonals, o, v, tilt, error)
     real(dp), intent(in), contiguous :: z(:, :)         !< heights (nx, ny) [m]
     real(dp), intent(in) :: dx, dy                      !< spacing [m]
     integer, intent(in) :: first, last                  !< window of lags in points
     logical, intent(in) :: level                        !< take the plane off
+    logical, intent(in) :: diagonals                    !< observe the diagonals too
     type(observation_t), intent(out) :: o               !< S
     type(verdict_t), intent(out) :: v                   !< what the map is
     real(dp), intent(out) :: tilt(2)                    !< of the plane [m per point]
@@ -67,9 +68,9 @@ contains
     flat = z
     call level_plane(flat, tilt)
     if (level) then
-      call observe(flat, dx, dy, first, last, .true., o, error)
+      call observe(flat, dx, dy, first, last, .true., diagonals, o, error)
     else
-      call observe(z, dx, dy, first, last, .false., o, error)
+      call observe(z, dx, dy, first, last, .false., diagonals, o, error)
     end if
     if (allocated(error)) return
     call judge_map(z, flat, first, v, error)

@@ -7,17 +7,20 @@ module hd_observation
   use hd_structure_function, only: structure_line, check_map
   implicit none
   private
-  public :: observation_t, observe, level_plane, add_observation
+  public :: observation_t, observe, level_plane, add_observation, directions
 
-  !> S at lags of a window. Lag i is share(1, i) times the mean over rows plus share(2, i) times that over columns.
+  !> Steps of the four directions, x and y: rows, columns, both diagonals.
+  integer, parameter :: directions(2, 4) = reshape([1, 0, 0, 1, 1, 1, -1, 1], [2, 4])
+
+  !> S at lags of a window. Entry i is the sum over the directions of share(d, i) times the mean at lag(i) steps along d.
   type :: observation_t
     integer :: nx = 0, ny = 0                     !< points along a row, rows
     real(dp) :: dx = 0, dy = 0                    !< spacing [m]
     logical :: levelled = .false.                 !< a least-squares plane was taken off
     real(dp) :: filled = 1                        !< share of the pairs that are not lost to holes
     real(dp) :: parts = 1                         !< sum of squares over square of sum of S of independent maps added up
-    integer, allocatable :: lag(:)                !< lag in points
-    real(dp), allocatable :: share(:, :)          !< shares of rows and columns (2, n)
+    integer, allocatable :: lag(:)                !< lag in steps
+    real(dp), allocatable :: share(:, :)          !< shares of the directions (4, n)
     real(dp), allocatable :: tau(:)               !< lag [m]
     real(dp), allocatable :: s(:)                 !< S [m^2]
     real(dp), allocatable :: s_x(:), s_y(:)       !< S along rows and along columns at the lags of the window [m^2]
@@ -76,17 +79,18 @@ contains
     end do
   end subroutine level_plane
 
-  !> Measure S over lags first to last. Square pixels: rows and columns pooled; else one after the other.
-  subroutine observe(z, dx, dy, first, last, levelled, o, error)
+  !> Measure S over lags first to last. Square pixels: rows and columns pooled, then the diagonals over the same distances if
+  !> wanted; else rows and columns one after the other.
+  subroutine observe(z, dx, dy, first, last, levelled, diagonals, o, error)
     real(dp), intent(in), contiguous :: z(:, :)       !< heights (nx, ny) [m], levelled or not
     real(dp), intent(in) :: dx, dy                    !< spacing [m]
     integer, intent(in) :: first, last                !< window in points
     logical, intent(in) :: levelled                   !< a plane was taken off
+    logical, intent(in) :: diagonals                  !< diagonals too
     type(observation_t), intent(out) :: o             !< the observation
     type(error_t), allocatable, intent(out) :: error  !< map too small, bad window
-    integer :: lags(max(1, last - first + 1)), i, n
-    real(dp), dimension(size(lags)) :: sx, sy, cx, cy
-    logical :: columns, pooled
+    integer :: i
+    logical :: square
     call check_map(z, dx, dy, error)
     if (allocated(error)) return
     if (first < 1 .or. last < first + 3 .or. last > (size(z, 1) - 1) / 2) then
@@ -94,53 +98,69 @@ contains
         ' points: a fit needs at least 4 lags, from 1 to half the length of a row')
       return
     end if
-    n = size(lags)
-    lags = [(first + i - 1, i=1, n)]
     o%nx = size(z, 1)
     o%ny = size(z, 2)
     o%dx = dx
     o%dy = dy
     o%levelled = levelled
-    columns = last <= (o%ny - 1) / 2
-    call structure_line(z, [1, 0], lags, sx, cx, error)
-    if (allocated(error)) return
-    sy = sx
-    cy = 0
-    if (columns) call structure_line(z, [0, 1], lags, sy, cy, error)
-    if (allocated(error)) return
-    if (any(cx < 1) .or. (columns .and. any(cy < 1))) then
-      call raise(error, code_input, 'some lags of the window '//to_text(first)//' to '//to_text(last)// &
-        ' have no pair of points: the map has too many holes')
-      return
-    end if
-    o%filled = (sum(cx) + sum(cy)) / (sum(real(o%nx - lags, dp)) * o%ny + &
-      merge(sum(real(o%ny - lags, dp)) * o%nx, 0._dp, columns))
-    o%s_x = sx
-    o%s_y = sy
-    pooled = columns .and. abs(dx - dy) <= 1e-3_dp * dx
-    if (pooled .or. .not. columns) then
-      o%lag = lags
-      allocate (o%share(2, n))
-      o%share(1, :) = cx / (cx + cy)
-      o%share(2, :) = cy / (cx + cy)
-      o%tau = lags * (o%share(1, :) * dx + o%share(2, :) * dy)
-      o%s = o%share(1, :) * sx + o%share(2, :) * merge(sy, 0._dp, cy > 0)
+    allocate (o%lag(0), o%tau(0), o%s(0), o%share(4, 0))
+    square = abs(dx - dy) <= 1e-3_dp * dx
+    if (last > (o%ny - 1) / 2) then
+      call add_lags(z, [1], [(i, i=first, last)], o, error)
+      o%s_y = o%s
+    else if (.not. square) then
+      call add_lags(z, [1], [(i, i=first, last)], o, error)
+      if (.not. allocated(error)) call add_lags(z, [2], [(i, i=first, last)], o, error)
     else
-      o%lag = [lags, lags]
-      allocate (o%share(2, 2 * n), source=0._dp)
-      o%share(1, :n) = 1
-      o%share(2, n + 1:) = 1
-      o%tau = [lags * dx, lags * dy]
-      o%s = [sx, sy]
+      call add_lags(z, [1, 2], [(i, i=first, last)], o, error)
+      if (diagonals .and. .not. allocated(error)) &
+        call add_lags(z, [3, 4], [(i, i=ceiling(first / sqrt(2._dp)), floor(last / sqrt(2._dp)))], o, error)
     end if
+    if (.not. allocated(error)) o%filled = o%filled / size(o%lag)
   end subroutine observe
+
+  !> Append entries pooled over directions. `filled` counts shares of pairs and is divided by the entries at the end.
+  subroutine add_lags(z, which, lags, o, error)
+    real(dp), intent(in), contiguous :: z(:, :)       !< heights (nx, ny) [m]
+    integer, intent(in) :: which(:)                   !< directions
+    integer, intent(in) :: lags(:)                    !< lags in steps
+    type(observation_t), intent(inout) :: o           !< the observation
+    type(error_t), allocatable, intent(out) :: error  !< no pairs
+    real(dp) :: s(size(lags), size(which)), pairs(size(lags), size(which)), share(4, size(lags)), whole(size(lags))
+    integer :: d, step(2)
+    share = 0
+    whole = 0
+    do d = 1, size(which)
+      step = directions(:, which(d))
+      call structure_line(z, step, lags, s(:, d), pairs(:, d), error)
+      if (allocated(error)) return
+      if (any(pairs(:, d) < 1)) then
+        call raise(error, code_input, 'some lags of the window '//to_text(lags(1))//' to '//to_text(lags(size(lags)))// &
+          ' have no pair of points: the map has too many holes')
+        return
+      end if
+      share(which(d), :) = pairs(:, d)
+      whole = whole + real(o%nx - lags * abs(step(1)), dp) * (o%ny - lags * step(2))
+      if (which(d) == 1) o%s_x = s(:, d)
+      if (which(d) == 2) o%s_y = s(:, d)
+    end do
+    if (size(o%lag) == 0) o%filled = 0
+    o%filled = o%filled + sum(sum(pairs, 2) / whole)
+    do d = 1, 4
+      share(d, :) = share(d, :) / sum(pairs, 2)
+    end do
+    o%lag = [o%lag, lags]
+    o%share = reshape([o%share, share], [4, size(o%lag)])
+    o%s = [o%s, sum(s * pairs, 2) / sum(pairs, 2)]
+    o%tau = [o%tau, lags * matmul(transpose(share), hypot(o%dx * directions(1, :), o%dy * directions(2, :)))]
+  end subroutine add_lags
 
   !> Add the S of an independent map: S_eq = S_1 + S_2. The smaller map lends its size.
   subroutine add_observation(o, other, error)
     type(observation_t), intent(inout) :: o           !< first map, then the sum
     type(observation_t), intent(in) :: other          !< second map
     type(error_t), allocatable, intent(out) :: error  !< spacings differ
-    real(dp) :: first(size(o%lag))
+    real(dp) :: first(size(o%lag)), first_x(size(o%s_x)), first_y(size(o%s_y))
     logical :: fit
     fit = size(o%lag) == size(other%lag) .and. abs(o%dx - other%dx) <= 1e-3_dp * o%dx .and. abs(o%dy - other%dy) <= 1e-3_dp * o%dy
     if (.not. fit) then
@@ -149,9 +169,13 @@ contains
       return
     end if
     first = o%s
+    first_x = o%s_x
+    first_y = o%s_y
     if (other%nx * other%ny < o%nx * o%ny) o = other
     o%parts = sum((first**2 + other%s**2) / (first + other%s)**2) / size(first)
     o%filled = min(o%filled, other%filled)
     o%s = first + other%s
+    o%s_x = first_x + other%s_x
+    o%s_y = first_y + other%s_y
   end subroutine add_observation
 end module hd_observation

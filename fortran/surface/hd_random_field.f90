@@ -5,7 +5,7 @@
 !> rings outside, where c is smooth.
 module hd_random_field
   use hd_kinds, only: dp
-  use hd_observation, only: observation_t
+  use hd_observation, only: observation_t, directions
   use hd_band_integral, only: band_integral
   implicit none
   private
@@ -115,40 +115,38 @@ contains
     end do
   end subroutine places
 
-  !> Add one displacement to all pairs of lags.
+  !> Add one displacement to all pairs of entries.
   subroutine add_place(o, t, grid, rx, ry, cell, part)
     type(observation_t), intent(in) :: o        !< geometry and lags
     type(radial_t), intent(in) :: t             !< S over distance
     real(dp), allocatable, intent(in) :: grid(:, :) !< S at displacements (0:, 0:), if it was worth it
     integer, intent(in) :: rx, ry, cell         !< displacement, places it stands for
     real(dp), intent(inout) :: part(:, :)       !< sum of c^2 [m^4]
-    real(dp) :: s0, w, c, sx(-maxval(o%lag):maxval(o%lag)), sy(-maxval(o%lag):maxval(o%lag))
-    integer :: i, j, k, l, top
-    top = maxval(o%lag)
+    real(dp) :: s0, w, c, ahead(4, size(o%lag)), behind(4, size(o%lag))
+    integer :: i, j, a, b, k(2), l(2)
     s0 = value_at(rx, ry)
-    do i = -top, top
-      sx(i) = value_at(rx + i, ry)
-      sy(i) = value_at(rx, ry + i)
+    do j = 1, size(o%lag)
+      do b = 1, 4
+        if (o%share(b, j) <= 0) cycle
+        l = o%lag(j) * directions(:, b)
+        ahead(b, j) = value_at(rx + l(1), ry + l(2))
+        behind(b, j) = value_at(rx - l(1), ry - l(2))
+      end do
     end do
     do j = 1, size(o%lag)
-      l = o%lag(j)
-      do i = 1, size(o%lag)
-        k = o%lag(i)
-        if (o%share(1, i) * o%share(1, j) > 0) then
-          w = overlap(rx, o%nx - k, o%nx - l) * overlap(ry, o%ny, o%ny) * cell
-          c = 0.5_dp * (sx(l) + sx(-k) - s0 - sx(l - k))
-          part(i, j) = part(i, j) + o%share(1, i) * o%share(1, j) * w * c**2
-        end if
-        if (o%share(2, i) * o%share(2, j) > 0) then
-          w = overlap(rx, o%nx, o%nx) * overlap(ry, o%ny - k, o%ny - l) * cell
-          c = 0.5_dp * (sy(l) + sy(-k) - s0 - sy(l - k))
-          part(i, j) = part(i, j) + o%share(2, i) * o%share(2, j) * w * c**2
-        end if
-        if (o%share(1, i) * o%share(2, j) > 0) then      ! columns with rows: the same at -r, with i and j exchanged
-          w = 2 * overlap(rx, o%nx - k, o%nx) * overlap(ry, o%ny, o%ny - l) * cell
-          c = 0.5_dp * (sy(l) + sx(-k) - s0 - value_at(rx - k, ry + l))
-          part(i, j) = part(i, j) + o%share(1, i) * o%share(2, j) * w * c**2
-        end if
+      do b = 1, 4
+        if (o%share(b, j) <= 0) cycle
+        l = o%lag(j) * directions(:, b)
+        do i = 1, size(o%lag)
+          do a = 1, b                                     ! b with a: the same at -r, with i and j exchanged
+            if (o%share(a, i) <= 0) cycle
+            k = o%lag(i) * directions(:, a)
+            w = overlap(rx, k(1), l(1), o%nx) * overlap(ry, k(2), l(2), o%ny) * cell
+            if (w <= 0) cycle
+            c = 0.5_dp * (ahead(b, j) + behind(a, i) - s0 - value_at(rx + l(1) - k(1), ry + l(2) - k(2)))
+            part(i, j) = part(i, j) + merge(1, 2, a == b) * o%share(a, i) * o%share(b, j) * w * c**2
+          end do
+        end do
       end do
     end do
   contains
@@ -162,10 +160,13 @@ contains
     end function value_at
   end subroutine add_place
 
-  !> Share of the pairs of places of two windows of a and b points that lie r apart.
-  elemental real(dp) function overlap(r, a, b) result(w)
-    integer, intent(in) :: r, a, b    !< displacement, window lengths
-    w = max(0, min(a, b - r) - max(0, -r)) / (real(a, dp) * b)
+  !> Share of the pairs of places, r apart, of the first points of lags k and l along a line of n points.
+  elemental real(dp) function overlap(r, k, l, n) result(w)
+    integer, intent(in) :: r, k, l, n   !< displacement of the second from the first, lags, points
+    integer :: low, high
+    low = max(max(0, -k), max(0, -l) - r)
+    high = min(n - max(0, k), n - max(0, l) - r)
+    w = max(0, high - low) / (real(n - abs(k), dp) * (n - abs(l)))
   end function overlap
 
   !> What white noise of a variance adds to the covariance of S, on top of a surface: 2 (2 c_s c_n + c_n^2) where c_n is not 0.
@@ -178,21 +179,14 @@ contains
     if (variance <= 0) return
     do j = 1, size(o%lag)
       do i = 1, size(o%lag)
-        do b = 1, 2
-          do a = 1, 2
+        do b = 1, 4
+          do a = 1, 4
             if (o%share(a, i) * o%share(b, j) > 0) cov(i, j) = cov(i, j) + 2 * o%share(a, i) * o%share(b, j) &
-              * noise_pair(o, t, variance, vector(o%lag(i), a), vector(o%lag(j), b))
+              * noise_pair(o, t, variance, o%lag(i) * directions(:, a), o%lag(j) * directions(:, b))
           end do
         end do
       end do
     end do
-  contains
-    pure function vector(lag, axis) result(v)
-      integer, intent(in) :: lag, axis    !< lag along an axis
-      integer :: v(2)
-      v = 0
-      v(axis) = lag
-    end function vector
   end subroutine noise_covariance
 
   !> Sum of 2 c_s c_n + c_n^2 over displacements, for increments over k and l.
@@ -213,7 +207,7 @@ contains
       if (any([(all(r(:, j) == r(:, i)), j=1, i - 1)])) cycle
       cn = variance * sum(weight, mask=[(all(r(:, j) == r(:, i)), j=1, 4)])
       cs = 0.5_dp * (s_of(r(:, i) + l) + s_of(r(:, i) - k) - s_of(r(:, i)) - s_of(r(:, i) + l - k))
-      w = overlap(r(1, i), o%nx - k(1), o%nx - l(1)) * overlap(r(2, i), o%ny - k(2), o%ny - l(2))
+      w = overlap(r(1, i), k(1), l(1), o%nx) * overlap(r(2, i), k(2), l(2), o%ny)
       total = total + w * (2 * cs * cn + cn**2)
     end do
   contains

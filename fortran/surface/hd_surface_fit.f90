@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Fit of the fractal dimension D and the roughness G to the structure function of a map: least squares of ln S, plain or with
-!> the covariance of S, with its standard errors. Amplitude and white noise are solved for at each D, so the search is along a
-!> line (or two) and cannot be lost.
+!> Fit of the fractal dimension D and the roughness G to the structure function of a map: least squares of ln S, each lag weighted
+!> by the number of patches of its size that the map holds, or all by the covariance of S; with standard errors. Amplitude and
+!> white noise are solved for at each D, so the search is along a line (or two) and cannot be lost.
 module hd_surface_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
@@ -12,7 +12,7 @@ module hd_surface_fit
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_expectation, only: spectrum_t, expectation_t, new_expectation, expected_log, check_spectrum, d_lowest, d_highest, &
-    model_profile, model_ridges
+    model_profile, model_ridges, model_paper
   implicit none
   private
   public :: fit_options_t, fit_t, fit_surface, try_noise
@@ -65,9 +65,9 @@ contains
     end if
     y = log(o%s - off)
     e = new_expectation(o, p)
-    white = identity(n)
+    white = patches(o, options%weighted .or. p%model == model_paper)
     shift = 0
-    if (.not. options%known) call split_directions(o, e, y, shift)
+    if (.not. options%known) call split_directions(o, e, y, white, shift)
     y = y - shift
     call search(e, y, white, options%fit_noise, d, b, share)
     do i = 1, merge(2, 1, options%weighted)
@@ -80,12 +80,27 @@ contains
     if (.not. allocated(error)) r%curve = r%curve * exp(shift)
   end subroutine fit_surface
 
+  !> Whitening by the number of patches of size tau that the map holds, (L/tau)^2 or L/tau of a single line: the variance of ln S is
+  !> its inverse. The first lag has 1.
+  pure function patches(o, even) result(white)
+    type(observation_t), intent(in) :: o    !< observation
+    logical, intent(in) :: even             !< all lags alike instead
+    real(dp) :: white(size(o%lag), size(o%lag))
+    integer :: i
+    white = identity(size(o%lag))
+    if (even) return
+    do i = 1, size(o%lag)
+      white(i, i) = (o%tau(1) / o%tau(i))**merge(0.5_dp, 1._dp, o%ny == 1)
+    end do
+  end function patches
+
   !> Rows and columns observed one after the other: half of what lies between their ln S, beyond the model. Taking it off fits the
   !> geometric mean of both, as pooling does where points are squares.
-  subroutine split_directions(o, e, y, shift)
+  subroutine split_directions(o, e, y, white, shift)
     type(observation_t), intent(in) :: o    !< observation
     type(expectation_t), intent(in) :: e    !< table
     real(dp), intent(in) :: y(:)            !< ln S
+    real(dp), intent(in) :: white(:, :)     !< whitening matrix
     real(dp), intent(out) :: shift(:)       !< to be taken off y
     real(dp) :: d, b, share, res(size(y))
     integer :: i, n
@@ -93,14 +108,14 @@ contains
     n = size(y) / 2
     if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
     do i = 1, 4
-      call search(e, y - shift, identity(size(y)), .false., d, b, share)
+      call search(e, y - shift, white, .false., d, b, share)
       res = y - b - shape_of(e, d, share)
       shift(:n) = 0.5_dp * (sum(res(:n)) - sum(res(n + 1:))) / n
       shift(n + 1:) = -shift(1)
     end do
   end subroutine split_directions
 
-  !> Plain least squares with white noise as a third unknown, without errors: its share of S at the first lag, and the residual.
+  !> Least squares with white noise as a third unknown, without errors: its share of S at the first lag, and the residual.
   subroutine try_noise(o, p, share, rms)
     type(observation_t), intent(in) :: o    !< S over the window, positive
     type(spectrum_t), intent(in) :: p       !< model
@@ -109,9 +124,9 @@ contains
     real(dp) :: d, b, y(size(o%lag)), shift(size(o%lag))
     e = new_expectation(o, p)
     y = log(o%s)
-    call split_directions(o, e, y, shift)
+    call split_directions(o, e, y, patches(o, .false.), shift)
     y = y - shift
-    call search(e, y, identity(size(y)), .true., d, b, share)
+    call search(e, y, patches(o, .false.), .true., d, b, share)
     rms = sqrt(sum((y - b - shape_of(e, d, share))**2) / size(y))
   end subroutine try_noise
 
@@ -264,43 +279,69 @@ contains
     real(dp), intent(in) :: d, b, share, off            !< estimate; noise taken off S [m^2]
     type(fit_t), intent(out) :: r                       !< result
     type(error_t), allocatable, intent(out) :: error    !< internal
-    real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :)
-    real(dp) :: res(size(y)), like(size(y), size(y)), v(3, 3), spare, expected, ln_tau(size(y))
+    real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :)
+    real(dp) :: res(size(y)), v(3, 3), spare
     integer :: i, n, unknowns
     n = size(y)
     unknowns = merge(3, 2, options%fit_noise)
     res = y - b - shape_of(e, d, share)
     j = jacobian(e, d, share, unknowns)
-    total = cov
     h = transpose(matmul(white, j))
     hat = matmul(h, transpose(h))
     h = matmul(h, white)
     call solve_dense(hat, h, error)                     ! estimator: d(unknowns) = h d(ln S)
     if (allocated(error)) return
     hat = identity(n) - matmul(j, h)
-    expected = trace(matmul(hat, matmul(cov, transpose(hat))))
-    if (.not. options%weighted) then
-      ln_tau = log(o%tau)
-      do i = 1, n
-        like(:, i) = exp(-0.5_dp * ((ln_tau - ln_tau(i)) / 0.3_dp)**2)
-      end do
-      spare = trace(matmul(hat, matmul(like, transpose(hat))))
-      if (p%model /= model_ridges) r%misfit = sqrt(max(0._dp, sum(res**2) - expected) / spare)
+    r%rms_expected = sqrt(max(left_over(identity(n), hat, cov), 0._dp) / n)
+    total = cov
+    sure = cov
+    if (.not. options%weighted .and. p%model /= model_ridges) then
+      like = alike(o, 0.3_dp)
+      spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
+      r%misfit = sqrt(spare / left_over(white, hat, like))
       total = cov + r%misfit**2 * like
-    else
+      sure = cov + unexplained(o, res, hat) * spare / sum(matmul(white, res)**2)
+    else if (options%weighted) then
       r%chi2 = sum(matmul(white, res)**2)
     end if
     v = 0
-    v(:unknowns, :unknowns) = matmul(h, matmul(total, transpose(h)))
+    v(:unknowns, :unknowns) = matmul(h, matmul(sure, transpose(h)))
     r%sd_curve = sqrt([(sum(j(i, :) * matmul(v(:unknowns, :unknowns), j(i, :))), i=1, n)])
     r%sd_sample = sqrt([(total(i, i), i=1, n)])
     r%curve = exp(b + shape_of(e, d, share)) + off
     r%rms = sqrt(sum(res**2) / n)
-    r%rms_expected = sqrt(max(expected, 0._dp) / n)
     r%freedom = n - unknowns
     call to_surface(e, d, b, share, v, r)
     r%noise_variance = r%noise_variance + 0.5_dp * off
   end subroutine finish
+
+  !> Correlation of what a model is off by at two lags: over a range of ln tau.
+  pure function alike(o, range) result(like)
+    type(observation_t), intent(in) :: o    !< observation
+    real(dp), intent(in) :: range           !< of ln tau
+    real(dp) :: like(size(o%lag), size(o%lag))
+    integer :: i
+    do i = 1, size(o%lag)
+      like(:, i) = exp(-0.5_dp * (log(o%tau / o%tau(i)) / range)**2)
+    end do
+  end function alike
+
+  !> Covariance of ln S as the residuals show it, whatever the model is off by (sandwich form): products of residuals, each freed
+  !> from the share that the fit took, correlated over 0.15 in ln tau - ripples of gamma = 1.5 change sign over 0.2 - and within a
+  !> direction, for ripples of few ridges differ from one to the next.
+  pure function unexplained(o, res, hat) result(cov)
+    type(observation_t), intent(in) :: o              !< observation
+    real(dp), intent(in) :: res(:), hat(:, :)         !< residuals of ln S, projection on residuals
+    real(dp) :: cov(size(res), size(res)), seen(size(res))
+    integer :: i, j
+    seen = [(res(i) / sqrt(max(hat(i, i), 0.02_dp)), i=1, size(res))]
+    cov = alike(o, 0.15_dp)
+    do j = 1, size(res)
+      do i = 1, size(res)
+        cov(i, j) = cov(i, j) * seen(i) * seen(j) * merge(1, 0, any(o%share(:, i) * o%share(:, j) > 0))
+      end do
+    end do
+  end function unexplained
 
   !> From (D, b, share) to (D, ln G, noise variance), with the covariance.
   subroutine to_surface(e, d, b, share, v, r)
@@ -351,10 +392,11 @@ contains
     end do
   end function identity
 
-  !> Sum of the diagonal.
-  pure real(dp) function trace(a)
-    real(dp), intent(in) :: a(:, :)   !< matrix
-    integer :: i
-    trace = sum([(a(i, i), i=1, size(a, 1))])
-  end function trace
+  !> Mean weighted sum of squares of the residuals of data with a covariance.
+  pure real(dp) function left_over(white, hat, cov)
+    real(dp), intent(in) :: white(:, :), hat(:, :), cov(:, :)   !< whitening, projection on residuals, covariance
+    real(dp) :: a(size(cov, 1), size(cov, 1))
+    a = matmul(white, hat)
+    left_over = sum(matmul(a, cov) * a)
+  end function left_over
 end module hd_surface_fit

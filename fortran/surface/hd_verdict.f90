@@ -176,8 +176,7 @@ contains
     real(dp) :: head, foot, share, trial, rms
     integer :: n, m
     if (v%kind /= fractal) return
-    n = size(o%s)
-    if (any(o%share(1, :) > 0) .and. any(o%share(1, :) <= 0)) n = n / 2
+    n = count(o%share(1, :) > 0)            ! along the rows
     m = max(2, n / 4)
     head = log(o%s(m) / o%s(1)) / log(o%tau(m) / o%tau(1))
     foot = log(o%s(n) / o%s(n - m)) / log(o%tau(n) / o%tau(n - m))
@@ -209,7 +208,7 @@ contains
       v%reason = 'the 95 % interval of D reaches 2, a differentiable map: G = exp(b/(D - 2)) is not determined'
     else
       v%reason = 'S follows the model within '//percent(merge(r%rms, r%misfit, p%model == model_ridges))//' over lags '// &
-        to_text(o%lag(1))//' to '//to_text(o%lag(size(o%lag)))
+        to_text(o%lag(1))//' to '//to_text(maxval(o%lag))
       if (share > 0.05_dp) v%reason = v%reason//'; white noise makes '//percent(share)//' of S at the first lag'
     end if
   end subroutine judge_fit

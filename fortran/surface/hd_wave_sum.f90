@@ -4,7 +4,7 @@
 !> product of two waves averages to real sine ratios, so no simulation is needed.
 module hd_wave_sum
   use hd_kinds, only: dp, pi
-  use hd_observation, only: observation_t
+  use hd_observation, only: observation_t, directions
   implicit none
   private
   public :: ridges_t, wave_numbers, levels_of, wave_expectation, wave_covariance
@@ -17,15 +17,14 @@ module hd_wave_sum
     real(dp) :: length = 0          !< L [m]
   end type ridges_t
 
-  !> Waves along lines of n points in w rows, per wave and lag.
-  type :: line_t
-    integer :: n = 0, w = 0
-    real(dp), allocatable :: u(:), v(:)                   !< phases per point along and across
-    integer, allocatable :: left(:)                       !< pairs in a line at each lag
-    real(dp), allocatable :: half(:, :)                   !< sin(lag u/2)
-    real(dp), allocatable :: sine(:, :), cosine(:, :)     !< of left u/2
-    real(dp), allocatable :: mean(:, :), tilt(:, :)       !< mean increment and lag times slope; 0 if not levelled
-  end type line_t
+  !> Waves over the pairs of one direction, per wave and entry that uses it.
+  type :: pairs_t
+    integer, allocatable :: pick(:)                       !< entries of the observation
+    integer, allocatable :: nx(:), ny(:)                  !< places of the first point of a pair, along x and y
+    real(dp), allocatable :: half(:, :)                   !< sin of half the phase over the lag
+    real(dp), allocatable :: sx(:, :), cx(:, :), sy(:, :), cy(:, :)   !< sin and cos of nx u/2 and ny v/2
+    real(dp), allocatable :: mean(:, :), tilt(:, :)       !< mean increment and that of the plane; 0 if not levelled
+  end type pairs_t
 
 contains
 
@@ -86,28 +85,37 @@ contains
     end if
   end function slope
 
+  !> Rise of the least-squares plane through a wave over a lag vector, times i.
+  pure real(dp) function plane_rise(o, u, v, p, q) result(b)
+    type(observation_t), intent(in) :: o    !< geometry
+    real(dp), intent(in) :: u, v            !< phases per point
+    integer, intent(in) :: p, q             !< lag vector
+    b = 0
+    if (.not. o%levelled) return
+    if (p /= 0) b = p * slope(u, o%nx) * ratio(v, o%ny)
+    if (q /= 0) b = b + q * slope(v, o%ny) * ratio(u, o%nx)
+  end function plane_rise
+
   !> What one wave of unit amplitude adds to S at each lag, over its phase.
-  subroutine wave_expectation(o, qx, qy, s)
+  pure subroutine wave_expectation(o, qx, qy, s)
     type(observation_t), intent(in) :: o    !< geometry and lags
     real(dp), intent(in) :: qx, qy          !< wave number [1/m]
     real(dp), intent(out) :: s(:)           !< expectation per amplitude squared, size of o%lag
-    real(dp) :: u, v, b, m
-    integer :: i, k
+    real(dp) :: u, v, b, m, half
+    integer :: i, d, p, q
     u = qx * o%dx
     v = qy * o%dy
     do i = 1, size(s)
-      k = o%lag(i)
       s(i) = 0
-      if (o%share(1, i) > 0) then
-        b = merge(slope(u, o%nx) * ratio(v, o%ny), 0._dp, o%levelled)
-        m = 2 * sin(u * k / 2) * ratio(u, o%nx - k) * ratio(v, o%ny)
-        s(i) = s(i) + o%share(1, i) * (2 * sin(u * k / 2)**2 - k * b * m + 0.5_dp * (k * b)**2)
-      end if
-      if (o%share(2, i) > 0) then
-        b = merge(slope(v, o%ny) * ratio(u, o%nx), 0._dp, o%levelled)
-        m = 2 * sin(v * k / 2) * ratio(v, o%ny - k) * ratio(u, o%nx)
-        s(i) = s(i) + o%share(2, i) * (2 * sin(v * k / 2)**2 - k * b * m + 0.5_dp * (k * b)**2)
-      end if
+      do d = 1, 4
+        if (o%share(d, i) <= 0) cycle
+        p = o%lag(i) * directions(1, d)
+        q = o%lag(i) * directions(2, d)
+        half = sin(0.5_dp * (p * u + q * v))
+        b = plane_rise(o, u, v, p, q)
+        m = 2 * half * ratio(u, o%nx - abs(p)) * ratio(v, o%ny - q)
+        s(i) = s(i) + o%share(d, i) * (2 * half**2 - b * m + 0.5_dp * b**2)
+      end do
     end do
   end subroutine wave_expectation
 
@@ -118,18 +126,21 @@ contains
     real(dp), intent(in) :: a2(:)           !< squares of the amplitudes (waves) [m^2]
     real(dp), intent(out) :: cov(:, :)      !< covariance (n, n) [m^4]
     real(dp), allocatable :: terms(:, :), part(:, :, :)
-    type(line_t) :: rows, columns
-    real(dp) :: scale
-    integer :: i, n
+    type(pairs_t) :: t(4)
+    real(dp) :: scale, u(size(qx)), v(size(qx))
+    integer :: i, n, d
     scale = sum(a2)
-    rows = new_line(o%lag, o%nx, o%ny, qx * o%dx, qy * o%dy, o%levelled)
-    columns = new_line(o%lag, o%ny, o%nx, qy * o%dy, qx * o%dx, o%levelled)
+    u = qx * o%dx
+    v = qy * o%dy
+    do d = 1, 4
+      t(d) = new_pairs(o, d, u, v)
+    end do
     allocate (part(size(o%lag), size(o%lag), size(a2)))
     !$omp parallel private(terms, n)
     allocate (terms(size(o%lag), 2 * size(a2)))
     !$omp do schedule(dynamic, 4)
     do i = 1, size(a2)
-      call pair_terms(o, rows, columns, a2 / scale, i, terms)
+      call pair_terms(o, t, u, v, a2 / scale, i, terms)
       n = 2 * (size(a2) - i + 1)
       part(:, :, i) = matmul(terms(:, :n), transpose(terms(:, :n)))
     end do
@@ -137,81 +148,84 @@ contains
     cov = 0.5_dp * sum(part, 3) * scale**2
   end subroutine wave_covariance
 
-  !> Per wave and lag, along lines of n points in w rows.
-  function new_line(lag, n, w, u, v, levelled) result(t)
-    integer, intent(in) :: lag(:), n, w       !< lags; points along and across
-    real(dp), intent(in) :: u(:), v(:)        !< phases per point along and across (waves)
-    logical, intent(in) :: levelled           !< a plane was taken off
-    type(line_t) :: t
-    integer :: j
-    t%n = n
-    t%w = w
-    t%u = u
-    t%v = v
-    t%left = n - lag
-    allocate (t%half(size(lag), size(u)), t%sine(size(lag), size(u)), t%cosine(size(lag), size(u)))
-    allocate (t%mean(size(lag), size(u)), t%tilt(size(lag), size(u)), source=0._dp)
+  !> Per wave and entry, along direction d.
+  function new_pairs(o, d, u, v) result(t)
+    type(observation_t), intent(in) :: o      !< geometry and lags
+    integer, intent(in) :: d                  !< direction
+    real(dp), intent(in) :: u(:), v(:)        !< phases per point along x and y (waves)
+    type(pairs_t) :: t
+    integer :: i, j, p, q
+    t%pick = pack([(i, i=1, size(o%lag))], o%share(d, :) > 0)
+    t%nx = o%nx - o%lag(t%pick) * abs(directions(1, d))
+    t%ny = o%ny - o%lag(t%pick) * directions(2, d)
+    allocate (t%half(size(t%pick), size(u)), t%mean(size(t%pick), size(u)), t%tilt(size(t%pick), size(u)))
     do j = 1, size(u)
-      t%half(:, j) = sin(0.5_dp * lag * u(j))
-      t%sine(:, j) = sin(0.5_dp * (n - lag) * u(j))
-      t%cosine(:, j) = cos(0.5_dp * (n - lag) * u(j))
-      if (.not. levelled) cycle
-      t%mean(:, j) = 2 * t%half(:, j) * ratio(u(j), n - lag) * ratio(v(j), w)
-      t%tilt(:, j) = lag * slope(u(j), n) * ratio(v(j), w)
+      do i = 1, size(t%pick)
+        p = o%lag(t%pick(i)) * directions(1, d)
+        q = o%lag(t%pick(i)) * directions(2, d)
+        t%half(i, j) = sin(0.5_dp * (p * u(j) + q * v(j)))
+        t%tilt(i, j) = plane_rise(o, u(j), v(j), p, q)
+        t%mean(i, j) = 2 * t%half(i, j) * ratio(u(j), t%nx(i)) * ratio(v(j), t%ny(i))
+      end do
     end do
-  end function new_line
+    t%sx = sin(0.5_dp * spread(t%nx, 2, size(u)) * spread(u, 1, size(t%pick)))
+    t%cx = cos(0.5_dp * spread(t%nx, 2, size(u)) * spread(u, 1, size(t%pick)))
+    t%sy = sin(0.5_dp * spread(t%ny, 2, size(u)) * spread(v, 1, size(t%pick)))
+    t%cy = cos(0.5_dp * spread(t%ny, 2, size(u)) * spread(v, 1, size(t%pick)))
+  end function new_pairs
 
-  !> Products of wave i with itself and all later ones: columns of P and R in turn, weighted.
-  subroutine pair_terms(o, rows, columns, a2, i, terms)
+  !> Products of wave i with itself and all later ones: columns by the difference and by the sum of their phases in turn, weighted.
+  subroutine pair_terms(o, t, u, v, a2, i, terms)
     type(observation_t), intent(in) :: o            !< geometry and lags
-    type(line_t), intent(in) :: rows, columns       !< waves along rows and along columns
+    type(pairs_t), intent(in) :: t(:)               !< waves along the directions
+    real(dp), intent(in) :: u(:), v(:)              !< phases per point along x and y (waves)
     real(dp), intent(in) :: a2(:)                   !< squares of the amplitudes
     integer, intent(in) :: i                        !< first wave
     real(dp), intent(inout) :: terms(:, :)          !< (lags, 2 (waves - i + 1)) set
-    real(dp) :: minus(size(o%lag)), plus(size(o%lag)), m(size(o%lag)), p(size(o%lag)), weight
-    integer :: j
+    real(dp) :: m(size(o%lag)), p(size(o%lag)), weight
+    integer :: j, d, k, n
     do j = i, size(a2)
-      minus = 0
-      plus = 0
-      if (any(o%share(1, :) > 0)) then
-        call line_product(rows, i, j, m, p)
-        minus = o%share(1, :) * m
-        plus = o%share(1, :) * p
-      end if
-      if (any(o%share(2, :) > 0)) then
-        call line_product(columns, i, j, m, p)
-        minus = minus + o%share(2, :) * m
-        plus = plus + o%share(2, :) * p
-      end if
+      k = 2 * (j - i) + 1
+      terms(:, k:k + 1) = 0
       weight = sqrt(a2(i) * a2(j))
-      terms(:, 2 * (j - i) + 1) = merge(0._dp, weight, j == i) * minus
-      terms(:, 2 * (j - i) + 2) = merge(0.5_dp, 1._dp, j == i) * weight * plus
+      do d = 1, size(t)
+        n = size(t(d)%pick)
+        if (n == 0) cycle
+        call products(t(d), u, v, i, j, m(:n), p(:n))
+        terms(t(d)%pick, k) = terms(t(d)%pick, k) + merge(0._dp, weight, j == i) * o%share(d, t(d)%pick) * m(:n)
+        terms(t(d)%pick, k + 1) = terms(t(d)%pick, k + 1) + merge(0.5_dp, 1._dp, j == i) * weight * o%share(d, t(d)%pick) * p(:n)
+      end do
     end do
   end subroutine pair_terms
 
-  !> Mean products of the increments of two waves at each lag: by the difference and by the sum of their phases.
-  pure subroutine line_product(t, i, j, minus, plus)
-    type(line_t), intent(in) :: t               !< waves along a line
+  !> Mean products of the increments of two waves: by the difference and by the sum of their phases.
+  pure subroutine products(t, u, v, i, j, minus, plus)
+    type(pairs_t), intent(in) :: t              !< waves along a direction
+    real(dp), intent(in) :: u(:), v(:)          !< phases per point along x and y (waves)
     integer, intent(in) :: i, j                 !< which two
-    real(dp), intent(out) :: minus(:), plus(:)  !< means (lags)
-    real(dp) :: s, across
-    s = sin(0.5_dp * (t%u(i) - t%u(j)))
-    across = 4 * ratio(t%v(i) - t%v(j), t%w)
-    if (abs(s) > 1e-6_dp) then
-      minus = (t%sine(:, i) * t%cosine(:, j) - t%cosine(:, i) * t%sine(:, j)) / (t%left * s)
-    else
-      minus = ratio(t%u(i) - t%u(j), t%left)
-    end if
-    minus = across * t%half(:, i) * t%half(:, j) * minus
-    s = sin(0.5_dp * (t%u(i) + t%u(j)))
-    across = 4 * ratio(t%v(i) + t%v(j), t%w)
-    if (abs(s) > 1e-6_dp) then
-      plus = (t%sine(:, i) * t%cosine(:, j) + t%cosine(:, i) * t%sine(:, j)) / (t%left * s)
-    else
-      plus = ratio(t%u(i) + t%u(j), t%left)
-    end if
-    plus = -across * t%half(:, i) * t%half(:, j) * plus
+    real(dp), intent(out) :: minus(:), plus(:)  !< means (entries)
+    minus = 4 * t%half(:, i) * t%half(:, j)
+    plus = -minus * both(t%sx(:, i), t%cx(:, i), t%sx(:, j), t%cx(:, j), u(i), u(j), t%nx, +1) &
+      * both(t%sy(:, i), t%cy(:, i), t%sy(:, j), t%cy(:, j), v(i), v(j), t%ny, +1)
+    minus = minus * both(t%sx(:, i), t%cx(:, i), t%sx(:, j), t%cx(:, j), u(i), u(j), t%nx, -1) &
+      * both(t%sy(:, i), t%cy(:, i), t%sy(:, j), t%cy(:, j), v(i), v(j), t%ny, -1)
     minus = minus - t%tilt(:, j) * t%mean(:, i) - t%tilt(:, i) * t%mean(:, j) + t%tilt(:, i) * t%tilt(:, j)
     plus = plus + t%tilt(:, j) * t%mean(:, i) + t%tilt(:, i) * t%mean(:, j) - t%tilt(:, i) * t%tilt(:, j)
-  end subroutine line_product
+  end subroutine products
+
+  !> ratio(q_1 + sign q_2, n) from sin and cos of n q/2.
+  pure function both(s_1, c_1, s_2, c_2, q_1, q_2, n, sign) result(r)
+    real(dp), intent(in) :: s_1(:), c_1(:), s_2(:), c_2(:)    !< sin and cos of n q_1/2, n q_2/2
+    real(dp), intent(in) :: q_1, q_2                          !< phases per point
+    integer, intent(in) :: n(:), sign                         !< points, +1 or -1
+    real(dp) :: r(size(n)), s
+    s = sin(0.5_dp * (q_1 + sign * q_2))
+    if (n(1) == n(size(n))) then                              ! the same along the whole direction
+      r = ratio(q_1 + sign * q_2, n(1))
+    else if (abs(s) > 1e-6_dp) then
+      r = (s_1 * c_2 + sign * c_1 * s_2) / (n * s)
+    else
+      r = ratio(q_1 + sign * q_2, n)
+    end if
+  end function both
 end module hd_wave_sum

@@ -16,10 +16,11 @@ from .contact import Run, Step, forget, read_scene, run
 from .joint import Joint, JointWarning
 from .results import Result, load
 from .study import Study, StudyResult
+from .surface_run import SurfaceResult, run_surface
 
 __version__ = _version()
 __all__ = [
     "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
-    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "forget", "load",
-    "read_scene", "roughness", "run", "specimen",
+    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "SurfaceResult",
+    "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen",
 ]

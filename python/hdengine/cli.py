@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `hdengine`."""
 import argparse
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,8 @@ from ._engine import FileError, HdengineError, InputError, NotConvergedError, St
 from .cli_surface import add_options, run_surface
 from .contact import Run, read_scene
 from .results import Result
+from .surface_run import SurfaceResult
+from .surface_run import _run as _run_surface_alone
 
 
 def _keys(assignments):
@@ -24,6 +27,8 @@ def _keys(assignments):
 
 def _run(args):
     out, keys = args.out or Path(args.input).with_suffix(".out").name, _keys(args.assignments)
+    if _run_surface_alone(args.input, out, args.force, keys):
+        return _plot(argparse.Namespace(folder=out))
     if read_scene(args.input, **keys)["run.tolerance"] > 0:  # mesh and load steps are chosen by hdengine.x
         words = [args.input, *args.assignments, "--out", out, *["--force"] * args.force, *["--resume"] * args.resume]
         code = subprocess.run([planner.executable(), *words], check=False).returncode
@@ -67,6 +72,9 @@ def _plot(args):
 
         result, paths = StudyResult(folder), [folder / "study.csv"]
         paths += plot_study(result)
+    elif (folder / "summary.json").is_file() and json.loads((folder / "summary.json").read_text()).get("kind") == "surface":
+        result = SurfaceResult(folder)
+        paths = result.plot()
     elif (folder / "summary.json").is_file():
         from .plot import plot_run
 
@@ -138,7 +146,7 @@ def make_parser():
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
     commands = parser.add_subparsers(dest="command", required=True)
-    run = _command(commands, "run", _run, "run a scene, then plot it", "run data/cd14.nml load.torque=3 --force")
+    run = _command(commands, "run", _run, "run a scene or a surface, then plot it", "run data/cd14.nml load.torque=3 --force")
     run.add_argument("input", help="namelist")
     plan = _command(commands, "plan", _plan, "mesh, load steps, time and memory for a tolerance, without running",
                     "plan data/cd14.nml --tolerance 0.05")

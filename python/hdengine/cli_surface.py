@@ -8,7 +8,7 @@ from ._engine import InputError
 
 def add_options(parser):
     """Options of the command."""
-    parser.add_argument("files", nargs="+", help="files of hdengine (.npz), or any that SurfaceTopography reads")
+    parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
     parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um")
     parser.add_argument("--spacing", type=float, help="distance of points [m] of files that state no size")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measured specimens: read files, level, fit, and two of them as one equivalent joint surface (Fig. 5)."""
+import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -63,8 +64,9 @@ def _factor(unit, path):
 def read(path, unit=None, spacing=None, channel=None):
     """Read a height map or profile.
 
-    `.npz` written by `save` is read as it is; every other format by the package SurfaceTopography (`pip install hdengine[io]`):
-    VK4, VK6, X3P, OPD, PLU, AL3D, SUR, plain text and more. Nothing is guessed: a unit or size that the file lacks must be given.
+    SDF (ISO 25178-71, binary; `save` writes it) is read as it is; every other format by the package SurfaceTopography
+    (`pip install hdengine[io]`): VK4, VK6, X3P, OPD, PLU, AL3D, SUR, plain text and more. Nothing is guessed: a unit or size
+    that the file lacks must be given.
 
     Parameters
     ----------
@@ -91,8 +93,9 @@ def read(path, unit=None, spacing=None, channel=None):
     path = Path(path)
     if not path.is_file():
         raise FileError(f"{path}: no such file")
-    if path.suffix == ".npz":
-        return _load(path)
+    with open(path, "rb") as file:
+        if file.read(8) == b"bISO-1.0":
+            return _load(path)
     try:
         import SurfaceTopography
     except ImportError as e:
@@ -137,20 +140,30 @@ def _profile(path, map_, heights, lateral, height, spacing, notes):
     return Specimen(heights * height, (float(step), float(step)), path.stem, tuple(notes))
 
 
+_HEADER = struct.Struct("<8s10s12s12sHHddddBBB")  # ISO 25178-71: version, maker, dates, points, rows, scales, kinds
+_NUMBERS = {3: "<f4", 5: "<i2", 6: "<i4", 7: "<f8"}
+
+
 def _load(path):
-    """Read what `save` wrote."""
+    """Read what `save` wrote, and other binary SDF files."""
+    data = path.read_bytes()
     try:
-        with np.load(path) as data:
-            heights = data["heights"] * float(data["step_m"])
-            if data["heights"].dtype.kind == "i":
-                heights[data["heights"] == np.iinfo(data["heights"].dtype).min] = np.nan
-            return Specimen(heights, tuple(map(float, data["spacing_m"])), path.stem, (str(data["note"]),))
-    except (KeyError, ValueError, OSError) as e:
-        raise FileError(f"{path.name} is not a specimen of hdengine: it needs heights, step_m, spacing_m and note") from e
+        *_, nx, ny, dx, dy, dz, _, packed, kind, _ = _HEADER.unpack_from(data)
+        z = np.frombuffer(data, _NUMBERS[kind], nx * ny, _HEADER.size).reshape(ny, nx)
+    except (struct.error, KeyError, ValueError) as e:
+        raise FileError(f"{path.name} is a damaged surface data file (ISO 25178-71)") from e
+    if packed or min(nx, ny) < 1 or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
+        raise FileError(f"{path.name}: compressed heights, or sizes or scales that are not positive")
+    heights = z * dz
+    if z.dtype.kind == "i":
+        heights[z == np.iinfo(z.dtype).min] = np.nan
+    return Specimen(heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), path.stem)
 
 
-def save(path, specimen, note=""):
-    """Write a specimen as compressed .npz with heights in 16-bit steps of 1/64000 of the range.
+def save(path, specimen):
+    """Write a specimen as binary SDF (ISO 25178-71, metres) with heights in 16-bit steps of 1/64000 of the range.
+
+    hdengine.x, SurfaceTopography and Gwyddion read it.
 
     Parameters
     ----------
@@ -158,14 +171,22 @@ def save(path, specimen, note=""):
         File to write.
     specimen : Specimen
         What to write.
-    note : str
-        Where it comes from.
+
+    Raises
+    ------
+    InputError
+        More than 65535 points in a direction.
     """
-    z = specimen.heights
+    z = np.atleast_2d(specimen.heights)
+    if max(z.shape) > 65535:
+        raise InputError(f"{z.shape[0]} x {z.shape[1]} points: SDF holds up to 65535 in a direction")
     low, high = np.nanmin(z), np.nanmax(z)
     step = max((high - low) / 64000, np.finfo(float).tiny)
-    steps = np.where(np.isnan(z), np.iinfo(np.int16).min, np.rint((z - 0.5 * (low + high)) / step)).astype(np.int16)
-    np.savez_compressed(path, heights=steps, step_m=step, spacing_m=np.array(specimen.spacing), note=note)
+    steps = np.where(np.isnan(z), np.iinfo(np.int16).min, np.rint((z - 0.5 * (low + high)) / step)).astype("<i2")
+    dates = (b" " * 12, b" " * 12)
+    head = _HEADER.pack(b"bISO-1.0", b"hdengine  ", *dates, z.shape[1], z.shape[0], specimen.spacing[1], specimen.spacing[0], step,
+                        -1.0, 0, 5, 0)
+    Path(path).write_bytes(head + steps.tobytes())
 
 
 @dataclass(frozen=True)

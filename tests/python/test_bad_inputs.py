@@ -14,7 +14,7 @@ error: unknown group &geometri
   --> {f}:1:1
  1 | &geometri bore_radius = 1 /
    | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, material, mesh, wave_generator, contact, load, \
-solver, joint, output, surface
+solver, joint, output, surface, fit
 """),
     "misspelt_key": ("&contact\n  frictoin = 0.2\n/\n", 2, """\
 error: unknown key 'frictoin' in &contact

@@ -18,7 +18,7 @@ KNOWN = roughness.Ridges(0.5e-3, 1e-6)
 
 @pytest.fixture(scope="module")
 def pair():
-    return [specimen.read(ROOT / f"data/specimen_{name}.npz") for name in ("flexspline", "bearing")]
+    return [specimen.read(ROOT / f"data/specimen_{name}.sdf") for name in ("flexspline", "bearing")]
 
 
 def test_specimens_give_the_paper_surface(pair):
@@ -38,7 +38,7 @@ def test_specimens_are_those_of_the_script(pair, tmp_path):
     (tmp_path / "make_specimens.py").write_text((ROOT / "data/make_specimens.py").read_text())
     subprocess.run([sys.executable, tmp_path / "make_specimens.py"], check=True)
     for old in pair:
-        new = specimen.read(tmp_path / f"{old.name}.npz")
+        new = specimen.read(tmp_path / f"{old.name}.sdf")
         assert np.max(abs(new.heights - old.heights)) < 2e-9
 
 
@@ -46,9 +46,9 @@ def test_saved_specimen_reads_back(tmp_path):
     """A map with holes comes back within half a step of 1/64000 of its range, holes in place."""
     z = np.random.default_rng(1).standard_normal((20, 30))
     z[3, 4] = np.nan
-    specimen.save(tmp_path / "a.npz", specimen.Specimen(z, (2e-6, 1e-6)), "random")
-    back = specimen.read(tmp_path / "a.npz")
-    assert back.spacing == (2e-6, 1e-6) and back.notes == ("random",) and np.isnan(back.heights[3, 4])
+    specimen.save(tmp_path / "a.sdf", specimen.Specimen(z, (2e-6, 1e-6)))
+    back = specimen.read(tmp_path / "a.sdf")
+    assert back.spacing == (2e-6, 1e-6) and np.isnan(back.heights[3, 4])
     shift = np.nanmean(back.heights - z)
     assert np.nanmax(abs(back.heights - z - shift)) < 1e-4
 
@@ -104,10 +104,11 @@ def test_measured_files_read(name):
 
 
 def test_bad_files_are_named(tmp_path):
-    """A missing file, a foreign npz and an unreadable file are one FileError each, with the file's name."""
-    np.savez(tmp_path / "foreign.npz", a=1)
+    """A missing file, damaged ones and an unreadable one are one FileError each, with the file's name."""
+    (tmp_path / "cut.sdf").write_bytes((ROOT / "data/specimen_bearing.sdf").read_bytes()[:-1])
+    (tmp_path / "zeros.sdf").write_bytes(b"bISO-1.0" + bytes(200))
     (tmp_path / "noise.x3p").write_bytes(b"no surface")
-    for name in ("missing.vk4", "foreign.npz", "noise.x3p"):
+    for name in ("missing.vk4", "cut.sdf", "zeros.sdf", "noise.x3p"):
         if name.endswith("x3p"):
             pytest.importorskip("SurfaceTopography")
         with pytest.raises(hdengine.FileError, match=name):
@@ -117,7 +118,7 @@ def test_bad_files_are_named(tmp_path):
 def test_command_reads_fits_and_plots(tmp_path, capsys):
     """`hdengine surface` prints verdict, D and G of both specimens and of their sum and writes three figures; bad calls are one line
     on stderr and the code of the error."""
-    files = [str(ROOT / f"data/specimen_{n}.npz") for n in ("flexspline", "bearing")]
+    files = [str(ROOT / f"data/specimen_{n}.sdf") for n in ("flexspline", "bearing")]
     assert main(["surface", *files, "--pair", "--ridges", "5e-4,1e-6,10,1.5", "--out", str(tmp_path)]) == 0
     text = capsys.readouterr().out
     assert text.count("verdict   fractal") == 3 and "D         2.53" in text

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surface runs: a namelist with &surface or &fit alone, and its results."""
+import json
+from pathlib import Path
+
+import numpy as np
+
+from . import _engine
+from ._engine import FileError, InputError
+from .contact import _assignments
+from .results import read_csv
+from .roughness import Fit
+from .specimen import JointSurface, Specimen
+
+
+def run_surface(path="", out="surface.out", force=False, **keys):
+    """Generate a surface, or read one or two specimens, and fit D and G, as hdengine.x does.
+
+    Parameters
+    ----------
+    path : str, optional
+        Namelist with no groups but &surface, &fit, &run.
+    out : str
+        Folder for the results.
+    force : bool
+        Replace earlier results in the folder.
+    **keys
+        Keys as fit__last_lag=10, or one dict per group.
+
+    Returns
+    -------
+    SurfaceResult
+
+    Raises
+    ------
+    InputError
+        The input asks for a contact run, or holds mistakes.
+    FileError
+        A specimen is missing or cannot be read.
+    """
+    if not _run(path, out, force, keys):
+        raise InputError("the input asks for a contact run: use hdengine.run")
+    return SurfaceResult(out)
+
+
+def _run(path, out, force, keys):
+    """True if the input was a surface alone, which then has run."""
+    return bool(_engine.call("surface_run", str(path), "\n".join(_assignments(keys)) or " ", str(out), int(force)))
+
+
+class SurfaceResult:
+    """A finished surface run.
+
+    Attributes
+    ----------
+    folder : Path
+    summary : dict
+        summary.json.
+    specimens : tuple of Specimen
+        The generated surface, or what was read.
+    fits : dict of Fit
+        By name: generated; or first, second, equivalent. Empty if no fit was asked for.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        path = self.folder / "summary.json"
+        if not path.is_file():
+            raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
+        self.summary = json.loads(path.read_text())
+        fits, spacing = self.summary["fits"], tuple(self.summary["spacing_m"])
+        specimens = []
+        for file, name in (("heights.npy", "generated"), ("first.npy", "first"), ("second.npy", "second")):
+            if (self.folder / file).is_file():
+                z = np.load(self.folder / file)
+                specimens.append(Specimen(z if len(z) > 1 else z[0], spacing, Path(fits.get(name, {}).get("file", name)).stem))
+        self.specimens = tuple(specimens)
+        table = read_csv(self.folder / "fit.csv") if fits else None
+        self.fits = {name: _fit(name, s, table) for name, s in fits.items()}
+
+    @property
+    def joint(self):
+        """Both specimens with their equivalent surface, or None."""
+        if "equivalent" not in self.fits:
+            return None
+        return JointSurface(self.specimens, (self.fits["first"], self.fits["second"]), self.fits["equivalent"])
+
+    def __str__(self):
+        return "\n\n".join(f"{name}\n{fit}" for name, fit in self.fits.items()) or f"{self.folder}: surface without a fit"
+
+    def plot(self):
+        """Draw fit.png in the folder: maps, middle rows, structure functions with fit and 95 % band (Fig. 5).
+
+        Returns
+        -------
+        list of Path
+            Files written, none without a fit.
+        """
+        from .plot import plt
+        from .plot_surface import plot_joint_surface, plot_specimen
+
+        if not self.fits:
+            return []
+        name = next(iter(self.fits))
+        figure = plot_joint_surface(self.joint) if self.joint else plot_specimen(self.specimens[0], self.fits[name])
+        path = self.folder / "fit.png"
+        figure.savefig(path)
+        plt.close(figure)
+        return [path]
+
+
+def _fit(name, s, table):
+    """Fit of the summary and of the rows of fit.csv."""
+    rows = table[table["surface"] == name]
+    nan = float("nan")
+    return Fit(
+        fractal_dimension=s.get("fractal_dimension", nan), roughness_m=s.get("roughness_m", nan),
+        fractal_dimension_error=s.get("fractal_dimension_error", nan), ln_roughness_error=s.get("ln_roughness_error", nan),
+        covariance=np.reshape(s.get("covariance", [nan] * 9), (3, 3)), noise_m=s.get("noise_m", nan), verdict=s["verdict"],
+        kind=s["kind"], reason=s["reason"], model=s["model"], weighted=s["weighted"],
+        ensemble="random phases" if s["weighted"] else "Gaussian field", lags=tuple(map(int, s["lags"])), band_m=tuple(s["band_m"]),
+        rms=s.get("residual_rms", nan), rms_expected=s.get("residual_rms_expected", nan), misfit=s.get("misfit", nan),
+        chi2=s.get("chi2", nan), freedom=s.get("freedom", 0), anisotropy=s.get("anisotropy", nan), tilt=tuple(s["tilt"]),
+        levelled=s["levelled"], tau_m=rows["lag_m"], s_m2=rows["s_m2"], curve_m2=rows["model_m2"],
+        curve_error=rows["model_error_ln"], sample_error=rows["sample_error_ln"])

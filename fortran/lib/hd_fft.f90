@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> FFTW in double precision: real and complex transforms, 1-D batched and 2-D, unscaled.
+!> FFTW: real and complex transforms, 1-D batched and 2-D, unscaled, in double precision; plans in single precision too.
 !>
 !> Plans are estimated, never measured: the same sizes give the same algorithm and so the same bits in every run. The planner is
 !> behind a process-wide lock; executing a plan needs none. The sign is -1 forward (exp(-i...)), +1 backward.
 module hd_fft
   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_associated, c_int, c_double, c_double_complex, c_float, &
     c_float_complex, c_size_t, c_intptr_t, c_char, c_funptr, c_int32_t
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_memory
   use hd_text, only: to_text
   implicit none
@@ -14,6 +14,7 @@ module hd_fft
   public :: forward_real, backward_real, forward_real_2d, backward_real_2d, transform_complex, transform_complex_2d
   public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, plan_rows, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan, smooth_size
+  public :: plan_complex_single, plan_backward_real_single, execute_complex_single, execute_backward_real_single
 
   include 'fftw3.f03'
 
@@ -21,6 +22,7 @@ module hd_fft
   type :: fft_plan_t
     private
     type(c_ptr) :: plan = c_null_ptr
+    logical :: single = .false.    !< of FFTW in single precision
   end type fft_plan_t
 
   interface
@@ -153,6 +155,21 @@ contains
     call check_plan(p, n, error)
   end subroutine plan_complex
 
+  !> The same in single precision.
+  subroutine plan_complex_single(n, count, stride, distance, sign, a, p, error)
+    integer, intent(in) :: n, count, stride, distance   !< size, number, strides
+    integer, intent(in) :: sign                         !< -1 or +1
+    complex(sp), intent(inout) :: a(*)                  !< array of the kind to be transformed; kept
+    type(fft_plan_t), intent(out) :: p                  !< plan
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    p%plan = fftwf_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
+      FFTW_ESTIMATE)
+    call unlock_planner()
+    p%single = .true.
+    call check_plan(p, n, error)
+  end subroutine plan_complex_single
+
   !> Plan `count` transforms of contiguous real columns (n) to contiguous half spectra (n/2 + 1).
   subroutine plan_forward_real(n, count, a, s, p, error)
     integer, intent(in) :: n, count                     !< size, number
@@ -179,6 +196,20 @@ contains
     call check_plan(p, n, error)
   end subroutine plan_backward_real
 
+  !> The same in single precision.
+  subroutine plan_backward_real_single(n, count, s, a, p, error)
+    integer, intent(in) :: n, count                     !< size, number
+    complex(sp), intent(inout) :: s(*)                  !< half spectra; kept
+    real(sp), intent(inout) :: a(*)                     !< columns; kept
+    type(fft_plan_t), intent(out) :: p                  !< plan
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    p%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+    call unlock_planner()
+    p%single = .true.
+    call check_plan(p, n, error)
+  end subroutine plan_backward_real_single
+
   !> Plan transforms of contiguous real columns (n, count) to rows of half spectra (count, n/2 + 1), and back.
   subroutine plan_rows(n, count, a, s, forward, backward, error)
     integer, intent(in) :: n, count                     !< size, number
@@ -201,6 +232,13 @@ contains
     call fftw_execute_dft(p%plan, a, a)
   end subroutine execute_complex
 
+  !> The same in single precision.
+  subroutine execute_complex_single(p, a)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    complex(sp), intent(inout) :: a(*)      !< transformed in place
+    call fftwf_execute_dft(p%plan, a, a)
+  end subroutine execute_complex_single
+
   !> Run a plan of `plan_forward_real`.
   subroutine execute_forward_real(p, a, s)
     type(fft_plan_t), intent(in) :: p       !< plan
@@ -217,12 +255,24 @@ contains
     call fftw_execute_dft_c2r(p%plan, s, a)
   end subroutine execute_backward_real
 
+  !> The same in single precision.
+  subroutine execute_backward_real_single(p, s, a)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    complex(sp), intent(inout) :: s(*)      !< half spectra; destroyed
+    real(sp), intent(inout) :: a(*)         !< real columns
+    call fftwf_execute_dft_c2r(p%plan, s, a)
+  end subroutine execute_backward_real_single
+
   !> Give a plan back.
   subroutine free_plan(p)
     type(fft_plan_t), intent(inout) :: p    !< plan
     if (.not. c_associated(p%plan)) return
     call lock_planner()
-    call fftw_destroy_plan(p%plan)
+    if (p%single) then
+      call fftwf_destroy_plan(p%plan)
+    else
+      call fftw_destroy_plan(p%plan)
+    end if
     call unlock_planner()
     p%plan = c_null_ptr
   end subroutine free_plan

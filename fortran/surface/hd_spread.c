@@ -40,18 +40,6 @@ static inline __attribute__((always_inline)) double turns(double phase, double h
   return t - rint(t);
 }
 
-/* out = a exp(2 pi i (phase + step u)), n waves. */
-CLONES void hd_phases(int n, const double *restrict phase, const double *restrict high, const double *restrict low, int step,
-                      const double *restrict a, double *restrict out)
-{
-  for (int j = 0; j < n; j++) {
-    double c, s;
-    cis(turns(phase[j], high[j], low[j], step), &c, &s);
-    out[2 * j] = a[j] * c;
-    out[2 * j + 1] = a[j] * s;
-  }
-}
-
 /* even += a cos, odd += b sin of 2 pi (phase + step u) at the steps first, first + 2, ...: n points of one wave. */
 CLONES void hd_add_row(int n, double phase, double high, double low, int first, double a, double b, double *restrict even,
                        double *restrict odd)
@@ -111,71 +99,11 @@ CLONES void hd_turns(int n, const double *restrict fx, const double *restrict fx
   }
 }
 
-/* Piecewise polynomials (padded width, 0..degree) at s in [-1, 1]: weights (padded width, n). */
-typedef double four __attribute__((vector_size(32), aligned(8)));
-
-#define WEIGHTS(W) \
-  for (int j = 0; j < n; j += 2) { /* two at once: each waits for its own sums */ \
-    int m = j + 1 < n ? j + 1 : j; \
-    const four *row = (const four *)(piece + degree * W); \
-    four u[W / 4], v[W / 4]; \
-    _Pragma("GCC unroll 8") for (int i = 0; i < W / 4; i++) u[i] = v[i] = row[i]; \
-    for (int l = degree - 1; l >= 0; l--) { \
-      row -= W / 4; \
-      _Pragma("GCC unroll 8") for (int i = 0; i < W / 4; i++) { \
-        u[i] = u[i] * s[j] + row[i]; \
-        v[i] = v[i] * s[m] + row[i]; \
-      } \
-    } \
-    _Pragma("GCC unroll 8") for (int i = 0; i < W / 4; i++) { \
-      ((four *)(weight + (long)j * W))[i] = u[i]; \
-      ((four *)(weight + (long)m * W))[i] = v[i]; \
-    } \
-  }
-
-CLONES void hd_weights(int n, int padded, int degree, const double *restrict piece, const double *restrict s,
-                       double *restrict weight)
-{
-  switch (padded) {
-  case 4: WEIGHTS(4) break;
-  case 8: WEIGHTS(8) break;
-  case 12: WEIGHTS(12) break;
-  case 16: WEIGHTS(16) break;
-  case 20: WEIGHTS(20) break;
-  case 24: WEIGHTS(24) break;
-  case 28: WEIGHTS(28) break;
-  }
-}
-
-/* Add the waves c (complex) to the fine points f (complex, rows `height` apart): the row of weights in x, once for each in y. */
-#define SPREAD(W) \
-  for (int j = 0; j < n; j++) { \
-    double g[2 * W]; \
-    const double *w = wx + (long)j * W; \
-    for (int i = 0; i < W; i++) { \
-      g[2 * i] = c[2 * j] * w[i]; \
-      g[2 * i + 1] = c[2 * j + 1] * w[i]; \
-    } \
-    int q = ky[j]; \
-    double *start = f + 2L * kx[j]; \
-    for (int k = 0; k < width_y; k++) { \
-      double *row = start + 2L * height * q, v = wy[(long)j * padded_y + k]; \
-      for (int i = 0; i < 2 * W; i++) row[i] += v * g[i]; \
-      if (++q == fine_y) q = 0; \
-    } \
-  }
-
-CLONES void hd_spread_rows(int n, int padded_x, int padded_y, int width_y, int fine_y, int height, const int *restrict kx,
-                      const int *restrict ky, const double *restrict c, const double *restrict wx,
-                      const double *restrict wy, double *restrict f)
-{
-  switch (padded_x) {
-  case 4: SPREAD(4) break;
-  case 8: SPREAD(8) break;
-  case 12: SPREAD(12) break;
-  case 16: SPREAD(16) break;
-  case 20: SPREAD(20) break;
-  case 24: SPREAD(24) break;
-  case 28: SPREAD(28) break;
-  }
-}
+#define REAL double
+#define NAME(name) name
+#include "hd_spread_kernels.h"
+#undef REAL
+#undef NAME
+#define REAL float
+#define NAME(name) name##_single
+#include "hd_spread_kernels.h"

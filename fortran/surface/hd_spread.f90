@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Inner loops in C, compiled for several widths of vector register.
+!> Inner loops in C, compiled for several widths of vector register; those of the NUFFT in double and in single precision.
 module hd_spread
-  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_double_complex
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_double_complex, c_float, c_float_complex
   implicit none
   private
   public :: exact_products, turns_at_point, wave_phases, add_row, window_rows, spread_rows
+  public :: wave_phases_single, window_rows_single, spread_rows_single
 
   interface
     !> p + p_2 = (a + a_2) (b + b_2) to about 100 bits.
@@ -26,6 +27,13 @@ module hd_spread
       real(c_double), intent(inout) :: ux(*), ux_2(*), uy(*), uy_2(*)       !< turns per step
       real(c_double), intent(inout) :: at(*)                                !< phases at the point [turns]
     end subroutine turns_at_point
+    !> even + a cos, odd + b sin of 2 pi (phase + step (high + low)) at steps first, first + 2, ...
+    subroutine add_row(n, phase, high, low, first, a, b, even, odd) bind(c, name='hd_add_row')
+      import :: c_int, c_double
+      integer(c_int), value, intent(in) :: n, first                         !< points, first step
+      real(c_double), value, intent(in) :: phase, high, low, a, b           !< turns, factors
+      real(c_double), intent(inout) :: even(*), odd(*)                      !< added to (n)
+    end subroutine add_row
     !> out = a exp(2 pi i (phase + step (high + low))) for each wave.
     subroutine wave_phases(n, phase, high, low, step, a, out) bind(c, name='hd_phases')
       import :: c_int, c_double, c_double_complex
@@ -34,13 +42,14 @@ module hd_spread
       integer(c_int), value, intent(in) :: step                             !< steps
       complex(c_double_complex), intent(inout) :: out(*)                    !< result
     end subroutine wave_phases
-    !> even + a cos, odd + b sin of 2 pi (phase + step (high + low)) at steps first, first + 2, ...
-    subroutine add_row(n, phase, high, low, first, a, b, even, odd) bind(c, name='hd_add_row')
-      import :: c_int, c_double
-      integer(c_int), value, intent(in) :: n, first                         !< points, first step
-      real(c_double), value, intent(in) :: phase, high, low, a, b           !< turns, factors
-      real(c_double), intent(inout) :: even(*), odd(*)                      !< added to (n)
-    end subroutine add_row
+    !> out = a exp(2 pi i (phase + step (high + low))) for each wave.
+    subroutine wave_phases_single(n, phase, high, low, step, a, out) bind(c, name='hd_phases_single')
+      import :: c_int, c_double, c_float_complex
+      integer(c_int), value, intent(in) :: n                                !< waves
+      real(c_double), intent(in) :: phase(*), high(*), low(*), a(*)         !< turns, amplitude
+      integer(c_int), value, intent(in) :: step                             !< steps
+      complex(c_float_complex), intent(inout) :: out(*)                     !< result
+    end subroutine wave_phases_single
     !> Weights of a window at s in [-1, 1] of the fine interval.
     subroutine window_rows(n, padded, degree, piece, s, weight) bind(c, name='hd_weights')
       import :: c_int, c_double
@@ -48,6 +57,14 @@ module hd_spread
       real(c_double), intent(in) :: piece(*), s(*)                          !< coefficients (padded, 0:degree), places (n)
       real(c_double), intent(inout) :: weight(*)                            !< weights (padded, n)
     end subroutine window_rows
+    !> Weights of a window at s in [-1, 1] of the fine interval.
+    subroutine window_rows_single(n, padded, degree, piece, s, weight) bind(c, name='hd_weights_single')
+      import :: c_int, c_double, c_float
+      integer(c_int), value, intent(in) :: n, padded, degree                !< waves, padded width, degree
+      real(c_float), intent(in) :: piece(*)                                 !< coefficients (padded, 0:degree)
+      real(c_double), intent(in) :: s(*)                                    !< places (n)
+      real(c_float), intent(inout) :: weight(*)                             !< weights (padded, n)
+    end subroutine window_rows_single
     !> Add waves to the fine points.
     subroutine spread_rows(n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) bind(c, name='hd_spread_rows')
       import :: c_int, c_double, c_double_complex
@@ -58,5 +75,16 @@ module hd_spread
       real(c_double), intent(in) :: wx(*), wy(*)                            !< weights (padded, n)
       complex(c_double_complex), intent(inout) :: f(*)                      !< fine points (height, fine_y)
     end subroutine spread_rows
+    !> Add waves to the fine points.
+    subroutine spread_rows_single(n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) &
+      bind(c, name='hd_spread_rows_single')
+      import :: c_int, c_float, c_float_complex
+      integer(c_int), value, intent(in) :: n, padded_x, padded_y, width_y   !< waves, padded and true widths
+      integer(c_int), value, intent(in) :: fine_y, height                   !< fine points in y, fine columns
+      integer(c_int), intent(in) :: kx(*), ky(*)                            !< first column and row of each wave, from 0
+      complex(c_float_complex), intent(in) :: c(*)                          !< waves
+      real(c_float), intent(in) :: wx(*), wy(*)                             !< weights (padded, n)
+      complex(c_float_complex), intent(inout) :: f(*)                       !< fine points (height, fine_y)
+    end subroutine spread_rows_single
   end interface
 end module hd_spread

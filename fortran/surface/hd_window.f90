@@ -4,14 +4,14 @@
 !> Its transform w sinh(r) / (r I0(b)), r^2 = b^2 - (pi w x)^2, is closed. With b = pi w (1 - 1/(2s)), s the ratio of fine to
 !> wanted points, the first alias starts where the transform of the window has just become small: Error ~ exp(-pi w sqrt(1 - 1/s)).
 module hd_window
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, sp, pi
   implicit none
   private
-  public :: window_t, new_window, place_in_window, window_error, window_gain, window_width, widest
+  public :: window_t, new_window, window_error, window_gain, window_width, widest
 
   integer, parameter :: widest = 28    !< largest width
   integer, parameter :: nodes = 24     !< Chebyshev nodes of the fit
-  real(dp), parameter :: rounding = 1e-15_dp    !< error of a weight
+  real(dp), parameter :: rounding(2) = [1e-15_dp, 6e-8_dp]   !< error of a weight in double, in single precision
 
   !> Window for n wanted of `fine` points.
   type :: window_t
@@ -20,6 +20,7 @@ module hd_window
     integer :: padded = 0                            !< w filled up with zero weights to a multiple of four
     integer :: degree = 0                            !< degree of the pieces
     real(dp), allocatable :: piece(:, :)             !< coefficients (padded, 0:degree) of s in [-1, 1] across each unit interval
+    real(sp), allocatable :: piece_single(:, :)      !< the same
     real(dp), allocatable :: correction(:)           !< 1 / transform at 0 .. (n + 1)/2 points from the middle
   end type window_t
 
@@ -54,7 +55,7 @@ contains
     do i = 0, (n + 1) / 2
       win%correction(i) = scaled_i0(b) * exp(b) / (width * sinhc2(b**2 - (pi * width * real(i, dp) / fine)**2))
     end do
-    s = max(rounding, 0.02_dp * tolerance * win%correction(0) / win%correction(n / 2))
+    s = max(rounding(1), 0.02_dp * tolerance * win%correction(0) / win%correction(n / 2))
     do l = 1, nodes - 1                                   ! the first two coefficients in a row that are small
       win%degree = l - 1
       if (maxval(abs(all_c(:, l:min(l + 1, nodes - 1)))) < s) exit
@@ -72,41 +73,34 @@ contains
       older = t
       t = newer
     end do
+    win%piece_single = real(win%piece, sp)
   end subroutine new_window
 
-  !> First of the fine points around p, and the place s in [-1, 1] that gives their weights psi(k - p).
-  elemental subroutine place_in_window(win, p, first, s)
-    type(window_t), intent(in) :: win       !< window
-    real(dp), intent(in) :: p               !< position [fine points]
-    integer, intent(out) :: first           !< first fine point
-    real(dp), intent(out) :: s              !< place
-    first = ceiling(p - 0.5_dp * win%width)
-    s = 2 * (first - p + 0.5_dp * win%width) - 1
-  end subroutine place_in_window
-
   !> Smallest width whose error stays below the tolerance; 0 if there is none.
-  pure integer function window_width(n, fine, tolerance) result(width)
+  pure integer function window_width(n, fine, tolerance, precision) result(width)
     integer, intent(in) :: n, fine            !< wanted points, fine points
     real(dp), intent(in) :: tolerance         !< error wanted
+    integer, intent(in) :: precision          !< 1 double, 2 single
     integer :: guess
     guess = floor(-log(tolerance) / (pi * sqrt(1 - real(n, dp) / fine))) - 1
     do width = max(2, guess), widest
-      if (window_error(n, fine, width) <= tolerance) return
+      if (window_error(n, fine, width, precision) <= tolerance) return
     end do
     width = 0
   end function window_width
 
   !> Root mean square over the wanted points of the relative error: aliases and rounding. The error grows steeply towards the
   !> ends, so the points are x = end (1 - t^2), and the end itself counts as the one point it is.
-  pure real(dp) function window_error(n, fine, width) result(error)
+  pure real(dp) function window_error(n, fine, width, precision) result(error)
     integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    integer, intent(in) :: precision          !< 1 double, 2 single
     integer, parameter :: samples = 8
     real(dp) :: t, total
     integer :: i
-    total = point_error(n, fine, width, 1._dp) / n
+    total = point_error(n, fine, width, 1._dp, precision) / n
     do i = 1, samples
       t = (i - 0.5_dp) / samples
-      total = total + 2 * t / samples * point_error(n, fine, width, 1 - t**2)
+      total = total + 2 * t / samples * point_error(n, fine, width, 1 - t**2, precision)
     end do
     error = sqrt(total)
   end function window_error
@@ -127,14 +121,15 @@ contains
   end function window_gain
 
   !> Squared relative error at a part x of the way from the middle to the end. The further aliases add a fifth of the near ones.
-  pure real(dp) function point_error(n, fine, width, part) result(square)
+  pure real(dp) function point_error(n, fine, width, part, precision) result(square)
     integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
     real(dp), intent(in) :: part              !< 0 middle .. 1 end
+    integer, intent(in) :: precision          !< 1 double, 2 single
     real(dp) :: b2, x
     b2 = shape_of(n, fine, width)**2
     x = part * 0.5_dp * n / fine
     square = (1.2_dp * (sinhc2(b2 - (pi * width * (1 - x))**2)**2 + sinhc2(b2 - (pi * width * (1 + x))**2)**2) + &
-      (rounding * sinhc2(b2))**2) / sinhc2(b2 - (pi * width * x)**2)**2
+      (rounding(precision) * sinhc2(b2))**2) / sinhc2(b2 - (pi * width * x)**2)**2
   end function point_error
 
   !> b of the window.

@@ -8,6 +8,7 @@ import numpy as np
 from . import _engine
 
 METHODS = ("auto", "direct", "product", "nufft")
+_LARGE = 1 << 24  # points from which the engine is asked before memory is taken
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,15 @@ def _grid(shape, spacing, origin, method, dtype):
     return (nx, ny), np.array([dx, dy, x_0, y_0]), METHODS.index(method), dtype
 
 
-def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
+def _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype):
     size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype)
     if not -(2**31) < ridges < 2**31:
         raise _engine.InputError(f"ridges = {ridges}: must be below 2^31")
-    head = (np.array(spectrum, dtype=float), ridges, _seed(seed), grid)
+    return (np.array(spectrum, dtype=float), ridges, _seed(seed), grid), size, dtype, wanted
+
+
+def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
+    head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
     found = _engine.call("surface_method", *head, *size, tolerance, dtype.itemsize, wanted)
     n_max, waves, evaluator, seconds, memory = found
     predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < 1e300}
@@ -140,10 +145,12 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
         The machine's memory does not hold it; the message says how much is needed.
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
-    head, size, dtype, evaluator, _ = _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)
+    head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
+    if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
+        _engine.call("surface_method", *head, *size, tolerance, dtype.itemsize, wanted)
     heights = np.empty(size, dtype=dtype, order="F")
     entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, tolerance, evaluator, heights)
+    _engine.call(entry, *head, tolerance, wanted, heights)
     return heights.T
 
 
@@ -219,9 +226,10 @@ def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance
         raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
     if not all(np.isfinite(v).all() for v in lists):
         raise _engine.InputError("fx, fy, amplitude, phase: must be finite")
-    evaluator = _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance, wanted)
+    if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
+        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance, wanted)
     heights = np.empty(size, order="F")
-    _engine.call("surface_free_heights", *lists, grid, tolerance, int(evaluator), heights)
+    _engine.call("surface_free_heights", *lists, grid, tolerance, wanted, heights)
     return heights.T
 
 

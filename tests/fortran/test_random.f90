@@ -35,7 +35,7 @@ contains
     integer(i8) :: a(1), b(1)
     a = counter(1)
     b = counter(2)
-    call threefry(a, b, key)
+    call threefry(1, a, b, key)
     call check(a(1) == expected(1) .and. b(1) == expected(2), 'Threefry-2x32-20 gives the published words of '//name)
   end subroutine published
 end module test_random

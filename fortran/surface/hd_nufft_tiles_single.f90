@@ -1,0 +1,22 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Tiles of the non-uniform FFT in single precision.
+module hd_nufft_tiles_single
+  use hd_kinds, only: dp, rk => sp
+  use hd_error, only: error_t
+  use hd_fft, only: fft_plan_t, free_plan, plan_complex => plan_complex_single, &
+    plan_backward_real => plan_backward_real_single, &
+    execute_complex => execute_complex_single, &
+    execute_backward_real => execute_backward_real_single
+  use hd_nufft_waves, only: nufft_t, panel
+  use hd_spread, only: wave_phases => wave_phases_single, &
+    window_rows => window_rows_single, &
+    spread_rows => spread_rows_single
+  use hd_window, only: widest
+  implicit none
+  private
+  public :: sum_tiles
+
+contains
+
+  include 'hd_nufft_tiles.inc'
+end module hd_nufft_tiles_single

@@ -43,9 +43,10 @@ def main(folder):
     table = ["| file | points | Sq / µm | lags | D ± 95 % | G / m | S_x/S_y | verdict |", "|---|---|---|---|---|---|---|---|"]
     for row in rows:
         for w in row.get("windows", ()):
+            ratio = f"{w['anisotropy']:.2f}" if w["anisotropy"] == w["anisotropy"] else "-"
             verdict = w["verdict"] + (f" ({w['kind']})" if w["kind"] not in w["verdict"] else "")
             table.append(f"| {row['file']} | {row['points']} | {1e6 * row['sq_m']:.3g} | {w['lags'][0]}-{w['lags'][1]} | "
-                         f"{w['d']:.2f} ± {1.96 * w['d_error']:.2f} | {w['g_m']:.2g} | {w['anisotropy']:.2f} | {verdict} |")
+                         f"{w['d']:.2f} ± {1.96 * w['d_error']:.2f} | {w['g_m']:.2g} | {ratio} | {verdict} |")
     print("\n".join(table))
 
 

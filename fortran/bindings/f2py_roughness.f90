@@ -133,3 +133,25 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
   end if
   call tell(error, status, message)
 end subroutine surface_fit
+
+!> S of a continuous band per G^(2(D-2)).
+subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_band_integral, only: band_integral
+  use hd_error, only: error_t
+  use hd_expectation, only: spectrum_t, check_spectrum
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: model, n
+  real(c_double), intent(in) :: d, f_lo, f_hi, tau(n)
+  real(c_double), intent(out) :: s(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(tau) :: n = len(tau)
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  s = 0
+  call check_spectrum(spectrum_t(model, f_lo, f_hi), error)
+  if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
+  call tell(error, status, message)
+end subroutine structure_expected

@@ -19,6 +19,13 @@ module hd_random_field
     real(dp), allocatable :: v(:)           !< S [m^2]
   end type radial_t
 
+  !> Lag vectors.
+  type :: lags_t
+    integer, allocatable :: entry(:)            !< entry of the observation
+    integer, allocatable :: x(:), y(:)          !< lag vector [points]
+    real(dp), allocatable :: share(:)           !< share of the direction in the entry, per pair of points
+  end type lags_t
+
 contains
 
   !> Tabulate S of a band between two distances.
@@ -61,10 +68,12 @@ contains
     integer, allocatable :: rx(:), ry(:), cell(:)
     real(dp), allocatable :: part(:, :, :), grid(:, :)
     integer, parameter :: blocks = 64
+    type(lags_t) :: g
     integer :: b, i, j, mx, my
     call places(o, rx, ry, cell)
-    mx = o%nx + maxval(o%lag)
-    my = o%ny + maxval(o%lag)
+    g = lags_of(o)
+    mx = o%nx + 2 * maxval(o%lag)
+    my = o%ny + 2 * maxval(o%lag)
     if (real(mx, dp) * my < 4e6_dp) then        ! S at every displacement; of larger maps only few are visited
       allocate (grid(0:mx, 0:my))
       !$omp parallel do
@@ -76,12 +85,26 @@ contains
     !$omp parallel do private(i) schedule(dynamic)
     do b = 1, blocks
       do i = b, size(rx), blocks
-        call add_place(o, t, grid, rx(i), ry(i), cell(i), part(:, :, b))
+        call add_place(o, t, g, grid, rx(i), ry(i), cell(i), part(:, :, b))
       end do
     end do
-    cov = 2 * sum(part, 3)
-    cov = 0.5_dp * (cov + transpose(cov))
+    cov = sum(part, 3)
+    cov = cov + transpose(cov)
   end subroutine field_covariance
+
+  !> Lag vectors of all entries along all their directions.
+  pure type(lags_t) function lags_of(o) result(g)
+    type(observation_t), intent(in) :: o    !< geometry and lags
+    integer, allocatable :: way(:)
+    integer :: i, d
+    g%share = reshape(transpose(o%share), [4 * size(o%lag)])
+    g%entry = pack([((i, i=1, size(o%lag)), d=1, 4)], g%share > 0)
+    way = pack([((d, i=1, size(o%lag)), d=1, 4)], g%share > 0)
+    g%share = pack(g%share, g%share > 0)
+    g%x = o%lag(g%entry) * directions(1, way)
+    g%y = o%lag(g%entry) * directions(2, way)
+    g%share = g%share / ((o%nx - abs(g%x)) * real(o%ny - abs(g%y), dp))
+  end function lags_of
 
   !> Displacements to visit and the number of places each stands for.
   subroutine places(o, rx, ry, cell)
@@ -99,11 +122,12 @@ contains
         do y = -(min(outer, o%ny - 1) / step) * step, min(outer, o%ny - 1), step
           do x = -(min(outer, o%nx - 1) / step) * step, min(outer, o%nx - 1), step
             if (step > 1 .and. max(abs(x), abs(y)) <= outer / 2) cycle
+            if (y < 0 .or. (y == 0 .and. x < 0)) cycle        ! the same at -r, with lags exchanged
             n = n + 1
             if (pass == 2) then
               rx(n) = x
               ry(n) = y
-              cell(n) = step * min(step, o%ny)
+              cell(n) = step * min(step, o%ny) * merge(1, 2, x == 0 .and. y == 0)
             end if
           end do
         end do
@@ -115,38 +139,28 @@ contains
     end do
   end subroutine places
 
-  !> Add one displacement to all pairs of entries.
-  subroutine add_place(o, t, grid, rx, ry, cell, part)
-    type(observation_t), intent(in) :: o        !< geometry and lags
+  !> Add one displacement to all pairs of lag vectors.
+  subroutine add_place(o, t, g, grid, rx, ry, cell, part)
+    type(observation_t), intent(in) :: o        !< geometry
     type(radial_t), intent(in) :: t             !< S over distance
+    type(lags_t), intent(in) :: g               !< lag vectors
     real(dp), allocatable, intent(in) :: grid(:, :) !< S at displacements (0:, 0:), if it was worth it
     integer, intent(in) :: rx, ry, cell         !< displacement, places it stands for
     real(dp), intent(inout) :: part(:, :)       !< sum of c^2 [m^4]
-    real(dp) :: s0, w, c, ahead(4, size(o%lag)), behind(4, size(o%lag))
-    integer :: i, j, a, b, k(2), l(2)
+    real(dp) :: s0, c, w, ahead(size(g%x)), behind(size(g%x))
+    integer :: i, j
     s0 = value_at(rx, ry)
-    do j = 1, size(o%lag)
-      do b = 1, 4
-        if (o%share(b, j) <= 0) cycle
-        l = o%lag(j) * directions(:, b)
-        ahead(b, j) = value_at(rx + l(1), ry + l(2))
-        behind(b, j) = value_at(rx - l(1), ry - l(2))
-      end do
+    do j = 1, size(g%x)
+      ahead(j) = value_at(rx + g%x(j), ry + g%y(j))
+      behind(j) = value_at(rx - g%x(j), ry - g%y(j))
     end do
-    do j = 1, size(o%lag)
-      do b = 1, 4
-        if (o%share(b, j) <= 0) cycle
-        l = o%lag(j) * directions(:, b)
-        do i = 1, size(o%lag)
-          do a = 1, b                                     ! b with a: the same at -r, with i and j exchanged
-            if (o%share(a, i) <= 0) cycle
-            k = o%lag(i) * directions(:, a)
-            w = overlap(rx, k(1), l(1), o%nx) * overlap(ry, k(2), l(2), o%ny) * cell
-            if (w <= 0) cycle
-            c = 0.5_dp * (ahead(b, j) + behind(a, i) - s0 - value_at(rx + l(1) - k(1), ry + l(2) - k(2)))
-            part(i, j) = part(i, j) + merge(1, 2, a == b) * o%share(a, i) * o%share(b, j) * w * c**2
-          end do
-        end do
+    do j = 1, size(g%x)
+      do i = 1, size(g%x)
+        w = real(pairs(rx, g%x(i), g%x(j), o%nx), dp) * pairs(ry, g%y(i), g%y(j), o%ny)
+        if (w <= 0) cycle
+        c = 0.5_dp * (ahead(j) + behind(i) - s0 - value_at(rx + g%x(j) - g%x(i), ry + g%y(j) - g%y(i)))
+        part(g%entry(i), g%entry(j)) = part(g%entry(i), g%entry(j)) &
+          + (g%share(i) * g%share(j) * w) * cell * c**2
       end do
     end do
   contains
@@ -160,14 +174,11 @@ contains
     end function value_at
   end subroutine add_place
 
-  !> Share of the pairs of places, r apart, of the first points of lags k and l along a line of n points.
-  elemental real(dp) function overlap(r, k, l, n) result(w)
+  !> Pairs of first points, r apart, of the lags k and l along a line of n points.
+  elemental integer function pairs(r, k, l, n)
     integer, intent(in) :: r, k, l, n   !< displacement of the second from the first, lags, points
-    integer :: low, high
-    low = max(max(0, -k), max(0, -l) - r)
-    high = min(n - max(0, k), n - max(0, l) - r)
-    w = max(0, high - low) / (real(n - abs(k), dp) * (n - abs(l)))
-  end function overlap
+    pairs = max(0, min(n - max(0, k), n - max(0, l) - r) - max(max(0, -k), max(0, -l) - r))
+  end function pairs
 
   !> What white noise of a variance adds to the covariance of S, on top of a surface: 2 (2 c_s c_n + c_n^2) where c_n is not 0.
   subroutine noise_covariance(o, t, variance, cov)
@@ -207,9 +218,10 @@ contains
       if (any([(all(r(:, j) == r(:, i)), j=1, i - 1)])) cycle
       cn = variance * sum(weight, mask=[(all(r(:, j) == r(:, i)), j=1, 4)])
       cs = 0.5_dp * (s_of(r(:, i) + l) + s_of(r(:, i) - k) - s_of(r(:, i)) - s_of(r(:, i) + l - k))
-      w = overlap(r(1, i), k(1), l(1), o%nx) * overlap(r(2, i), k(2), l(2), o%ny)
+      w = real(pairs(r(1, i), k(1), l(1), o%nx), dp) * pairs(r(2, i), k(2), l(2), o%ny)
       total = total + w * (2 * cs * cn + cn**2)
     end do
+    total = total / (real(o%nx - abs(k(1)), dp) * (o%ny - abs(k(2)))) / (real(o%nx - abs(l(1)), dp) * (o%ny - abs(l(2))))
   contains
     pure real(dp) function s_of(v)
       integer, intent(in) :: v(2)     !< displacement

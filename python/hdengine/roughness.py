@@ -85,6 +85,42 @@ def structure_function(heights, spacing, lags=None, direction="rows", second=Fal
     return lags * np.hypot(p * dx, q * dy), s, pairs
 
 
+def expected_structure(tau, fractal_dimension, roughness, band, model="isotropic"):
+    """Mean structure function of a continuous band with the power of Eq. 1 (isotropic) or Eq. 2 (profile).
+
+    S = G^(2(D-2)) times the integral of f^(-a-1) (1 - c(2 pi f tau)) over the band, a = 6 - 2D, c = J0 or cos.
+
+    Parameters
+    ----------
+    tau : array_like
+        Lags [m], > 0.
+    fractal_dimension, roughness : float
+        D in (2, 3), G [m].
+    band : (float, float)
+        Shortest and longest wavelength [m]; the first may be 0.
+    model : {"isotropic", "profile"}
+        All directions of a surface, or one profile.
+
+    Returns
+    -------
+    ndarray
+        S [m^2].
+
+    Raises
+    ------
+    InputError
+        A number is out of range.
+    """
+    tau = np.asarray(tau, dtype=float)
+    if model not in ("isotropic", "profile"):
+        raise InputError(f'model = {model!r}: "isotropic" or "profile"')
+    if not (2 < fractal_dimension < 3 and roughness > 0 and np.all((tau > 0) & (tau < inf)) and 0 <= band[0] < band[1]):
+        raise InputError("2 < D < 3, G > 0, lags > 0 and 0 <= shortest < longest wavelength are needed")
+    top = 1 / band[0] if band[0] > 0 else inf
+    s = _engine.call("structure_expected", _MODELS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
+    return roughness ** (2 * (fractal_dimension - 2)) * s.reshape(tau.shape)
+
+
 def level(heights):
     """Heights less their least-squares plane (a profile: line); holes stay holes.
 

@@ -5,21 +5,25 @@
 Needs the Python package finufft. The peers get the list of waves for nothing and are timed from there: FINUFFT with its phase
 factors (double precision; single too from a tolerance of 1e-5 on), numpy wave by wave over the whole grid (timed on a few waves
 and scaled, on all at 1024^2 and 160 waves). hdengine is timed twice: `sum_waves` on the same list, and `generate`, which makes
-the waves as well. One thread each, processor time, so that a shared machine does not decide; the best of several, methods in
-turn. HD_THREADS=2 takes two threads and wall clock. Errors: root mean square over 128 x 128 points spread over
-the grid, edges included, relative to the heights; the reference is the direct sum.
-Usage: bench/surface_generator.py [--sizes 256 512 1024 2048 4096] [--output bench/results/surface_generator.json]
+the waves as well. The best of up to 15 (2048^2: of 2, 4096^2: one), methods in turn: first one thread each and processor time, so
+that a shared machine does not decide, then two threads each and wall clock, on fewer numbers of waves; each in a process of its
+own. Errors: root mean square over 128 x 128 points spread over the grid, edges included, relative to the heights; the reference
+is the direct sum.
+Usage: bench/surface_generator.py [--sizes 256 512 1024 2048 4096] [--limit 0.7] [--output bench/results/surface_generator.json]
 """
 import os
 
-THREADS = int(os.environ.get("HD_THREADS", "1"))
+THREADS = int(os.environ.get("HD_THREADS", "0"))  # 0: run this script with 1 and with 2
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ[name] = str(THREADS)
+    os.environ[name] = str(max(THREADS, 1))
 
 import argparse
 import json
 import platform
 import re
+import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -29,7 +33,7 @@ import numpy as np
 import hdengine
 from hdengine import surface
 
-clock = time.thread_time if THREADS == 1 else time.perf_counter
+clock = time.thread_time if THREADS < 2 else time.perf_counter
 ROOT = Path(__file__).resolve().parents[1]
 LENGTH = 0.5e-3
 WAVES = ((4, 4), (10, 16), (40, 16), (100, 16), (400, 16), (1000, 20))  # ridges, n_max + 1
@@ -67,18 +71,19 @@ def by_numpy(w, n, count):
     return z
 
 
-def times(calls, repeats, limit):
-    """Best time of each call [s], calls in turn."""
-    best = {name: np.inf for name in calls}
+def times(calls, repeats, limit, step):
+    """Best time of each call [s], calls in turn, and every step-th height of each in both directions."""
+    best, some = {name: np.inf for name in calls}, {}
     start = clock()
     for done in range(repeats):
         for name, call in calls.items():
             t = clock()
-            call()
+            z = call()
             best[name] = min(best[name], clock() - t)
+            some[name] = z[::step, ::step].copy()
         if done > 0 and clock() - start > limit:
             break
-    return best
+    return best, some
 
 
 def compare(n, ridges, count, tolerance, numpy_too, limit):
@@ -96,17 +101,17 @@ def compare(n, ridges, count, tolerance, numpy_too, limit):
     }
     if tolerance >= 1e-5:
         calls["finufft_single"] = lambda: by_finufft(w, n, tolerance, np.complex64)
-    best = times(calls, 15 if n <= 1024 else 2, limit)
     step = n // 128
+    best, some = times(calls, 15 if n <= 1024 else 4096 // n, limit, step)
     exact = surface.generate(128, h * step, **s, method="direct")
     size = exact.std()
-    errors = {name: float(np.sqrt(np.mean((call()[::step, ::step] + (0 if name == "generate" else w["offset_m"]) - exact) ** 2)) / size)
-              for name, call in calls.items()}
+    errors = {name: float(np.sqrt(np.mean((z + (0 if name == "generate" else w["offset_m"]) - exact) ** 2)) / size)
+              for name, z in some.items()}
     if numpy_too:
-        some = chosen.waves if (n, chosen.waves) == (1024, 160) else min(chosen.waves, 4)
+        count = chosen.waves if (n, chosen.waves) == (1024, 160) else min(chosen.waves, 4)
         t = clock()
-        by_numpy(w, n, some)
-        best["numpy"] = (clock() - t) * chosen.waves / some
+        by_numpy(w, n, count)
+        best["numpy"] = (clock() - t) * chosen.waves / count
     return {"n": n, "waves": chosen.waves, "tolerance": tolerance, "method": chosen.method, "time_s": best, "error": errors}
 
 
@@ -123,9 +128,9 @@ def evaluators(n, ridges, count, tolerances, limit):
                  "finufft": lambda t=tolerance: by_finufft(w, n, t, complex) + w["offset_m"]}
         if tolerance == tolerances[-1]:
             calls["product"] = lambda o=options: surface.generate(**o, method="product")
-        best = times(calls, 10, limit)
-        for name, call in calls.items():
-            error = float(np.sqrt(np.mean((call()[::step, ::step] - exact) ** 2)) / exact.std())
+        best, some = times(calls, 10, limit, step)
+        for name, z in some.items():
+            error = float(np.sqrt(np.mean((z - exact) ** 2)) / exact.std())
             rows.append({"n": n, "waves": len(w["fx_per_m"]), "method": name, "tolerance": tolerance, "time_s": best[name],
                          "error": error})
     return rows
@@ -154,40 +159,69 @@ def draw(result, path):
             right.loglog([r["waves"] for r in rows], [r["ratio"] for r in rows], line, color=f"C{k}", marker=".",
                          label=f"{n} x {n}" if tolerance == 1e-12 else None)
     right.axhline(1, color="k", linewidth=1)
-    right.set(xlabel="waves J", ylabel="time hdengine / best peer", title="same waves; tolerance 1e-12 (—), 1e-6 (- -), 1e-3 (···)")
+    right.set(xlabel="waves J", ylabel="time hdengine / best peer",
+              title="same waves; tolerance 1e-12 (—), 1e-6 (- -), 1e-3 (···)")
     right.grid(alpha=0.3)
     right.legend(fontsize=9)
     figure.savefig(path, dpi=110)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sizes", type=int, nargs="+", default=[256, 512, 1024, 2048, 4096])
-    parser.add_argument("--limit", type=float, default=1.0, help="seconds spent repeating one cell")
-    parser.add_argument("--output", default=ROOT / "bench/results/surface_generator.json")
-    parser.add_argument("--figure", default=ROOT / "docs/figures/surface_generator.png")
-    a = parser.parse_args()
+def measure(sizes, limit):
+    """All cells of the chart with THREADS threads, and with one thread the work-precision rows."""
     cells = []
     for tolerance in (1e-12, 1e-6, 1e-3):
-        for n in a.sizes:
-            for ridges, count in WAVES if n < 4096 else WAVES[1::2]:
-                cell = compare(n, ridges, count, tolerance, tolerance == 1e-12, a.limit)
+        for n in sizes:
+            for ridges, count in WAVES if THREADS == 1 and n < 4096 else WAVES[1::2]:
+                cell = compare(n, ridges, count, tolerance, THREADS == 1 and tolerance == 1e-12, limit)
                 t = cell["time_s"]
                 peer = min(v for k, v in t.items() if k in ("finufft", "finufft_single", "numpy"))
                 cell["ratio"] = t["sum_waves"] / peer
                 cell["ratio_generate"] = t["generate"] / peer
                 cells.append(cell)
-                print(f"{tolerance:7.0e} {n:5d} {cell['waves']:6d} {cell['method']:8s}", {k: f"{1e3 * v:.2f}" for k, v in t.items()},
+                print(f"{THREADS} {tolerance:7.0e} {n:5d} {cell['waves']:6d} {cell['method']:8s}",
+                      {k: f"{1e3 * v:.2f}" for k, v in t.items()},
                       f"ratio {cell['ratio']:.2f} generate {cell['ratio_generate']:.2f}",
                       {k: f"{v:.0e}" for k, v in cell["error"].items()}, flush=True)
     rows = []
-    for ridges, count in ((10, 16), (400, 16)):
-        rows += evaluators(1024, ridges, count, [1e-3, 1e-6, 1e-9, 1e-12], a.limit)
+    for ridges, count in ((10, 16), (400, 16)) if THREADS == 1 else ():
+        rows += evaluators(1024, ridges, count, [1e-3, 1e-6, 1e-9, 1e-12], limit)
+    return {"cells": cells, "work_precision": rows}
+
+
+def tables(result):
+    """Ratios to the best peer as they stand in docs/verification.md."""
+    for key in ("cells", "cells_two_threads"):
+        waves = sorted({r["waves"] for r in result[key]})
+        print(f"\n{key}\n| tolerance | points | " + " | ".join(f"J = {j}" for j in waves) + " |")
+        print("|---" * (len(waves) + 2) + "|")
+        for tolerance, n in sorted({(r["tolerance"], r["n"]) for r in result[key]}):
+            found = {r["waves"]: r for r in result[key] if (r["tolerance"], r["n"]) == (tolerance, n)}
+            print(f"| {tolerance:g} | {n}² | " + " | ".join(
+                f"{found[j]['ratio']:.2f} ({found[j]['ratio_generate']:.2f})" if j in found else "-" for j in waves) + " |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sizes", type=int, nargs="+", default=[256, 512, 1024, 2048, 4096])
+    parser.add_argument("--limit", type=float, default=0.7, help="seconds spent repeating one cell")
+    parser.add_argument("--output", default=ROOT / "bench/results/surface_generator.json")
+    parser.add_argument("--figure", default=ROOT / "docs/figures/surface_generator.png")
+    a = parser.parse_args()
+    if THREADS:
+        Path(a.output).write_text(json.dumps(measure(a.sizes, a.limit)))
+        return
+    parts, start = [], time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        for threads in (1, 2):
+            words = ["--sizes", *map(str, a.sizes), "--limit", str(a.limit), "--output", f"{folder}/part.json"]
+            subprocess.run([sys.executable, __file__, *words], env=dict(os.environ, HD_THREADS=str(threads)), check=True)
+            parts.append(json.loads(Path(folder, "part.json").read_text()))
     result = {"machine": machine(), "hdengine": hdengine.__version__, "finufft": finufft.__version__, "numpy": np.__version__,
-              "python": platform.python_version(), "threads": THREADS, "clock": clock.__name__, "cells": cells,
-              "work_precision": rows}
+              "python": platform.python_version(), "seconds": round(time.perf_counter() - start), "cells": parts[0]["cells"],
+              "cells_two_threads": parts[1]["cells"], "work_precision": parts[0]["work_precision"]}
     Path(a.output).write_text(json.dumps(result, indent=1) + "\n")
     draw(result, a.figure)
+    tables(result)
 
 
 if __name__ == "__main__":

@@ -6,14 +6,14 @@
 !> difference of two products of half the width.
 module hd_product
   use hd_kinds, only: dp
-  use hd_lapack, only: multiply_transposed
+  use hd_lapack, only: multiply_transposed, blas_threads
   use hd_spread, only: add_row
   use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
   private
   public :: product_t, new_product, product_sum
 
-  integer, parameter :: tile_points = 524288    !< heights of a tile
+  integer, parameter :: tile_points = 131072    !< heights of a tile
 
   !> Factors in x, and what the factors in y are made of.
   type :: product_t
@@ -70,16 +70,20 @@ contains
     end do
   end subroutine new_product
 
-  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache.
+  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache. Tiles do not depend on the number of threads,
+  !> and BLAS uses one for each, so heights do not either.
   subroutine product_sum(p, j_1, z)
     type(product_t), intent(in) :: p                  !< factors
     integer, intent(in) :: j_1                        !< first row
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
-    integer :: j, rows
-    rows = max(64, min(size(z, 2), tile_points / size(z, 1)))
+    integer :: j, rows, threads
+    rows = max(64, tile_points / size(z, 1))
+    threads = blas_threads(1)
+    !$omp parallel do schedule(dynamic) if (size(z, 2) > rows)
     do j = 1, size(z, 2), rows
       call product_tile(p, j_1 + j - 1, z(:, j:min(j + rows - 1, size(z, 2))))
     end do
+    threads = blas_threads(threads)
   end subroutine product_sum
 
   !> Heights of a tile.
@@ -94,7 +98,6 @@ contains
     half = size(p%even, 1)
     groups = size(p%even, 2)
     allocate (a(rows, groups), b(rows, groups), e(half, rows), o(half, rows))
-    !$omp parallel do private(l, j) schedule(static) if (size(a) > 200000)
     do k = 1, groups
       a(:, k) = 0
       b(:, k) = 0
@@ -106,7 +109,6 @@ contains
     end do
     call multiply_transposed(p%even, a, e)
     call multiply_transposed(p%odd, b, o)
-    !$omp parallel do private(i) schedule(static) if (size(z) > 200000)
     do j = 1, rows
       do i = 1, nx / 2
         z(i, j) = p%offset + e(half + 1 - i, j) - o(half + 1 - i, j)

@@ -184,7 +184,7 @@ def make_parser():
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="figure")
     add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
-                         "surface data/specimen_flexspline.npz data/specimen_bearing.npz --pair"))
+                         "surface data/specimen_flexspline.sdf data/specimen_bearing.sdf --pair"))
     shell = _command(commands, "completion", _completion, "print a completion script for the shell",
                      "completion bash > ~/.local/share/bash-completion/completions/hdengine")
     shell.add_argument("shell", choices=completion.SHELLS)

@@ -2,6 +2,9 @@
 """Generated surfaces."""
 import csv
 import json
+import os
+import subprocess
+import sys
 from math import gamma, pi
 
 import numpy as np
@@ -246,3 +249,41 @@ def test_surface_alone_is_no_contact_run():
     """Asked for a contact run, the engine says where surfaces are made."""
     with pytest.raises(hdengine.InputError, match="only &surface"):
         hdengine.run(str(ROOT / "data/surface.nml"))
+
+
+def run_python(script, threads, *args):
+    """Output of a script in a process of its own with so many threads."""
+    env = dict(os.environ, OMP_NUM_THREADS=str(threads), OPENBLAS_NUM_THREADS=str(threads))
+    done = subprocess.run([sys.executable, "-c", script, *map(str, args)], capture_output=True, text=True, env=env, timeout=600)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_threads_do_not_change_a_bit():
+    """Heights of every evaluator, of both precisions of the NUFFT and of the periodic surface are the same bytes with 1, 2 and 3
+    threads."""
+    script = f"""
+import hashlib
+from hdengine import surface
+keys = dict(spacing=1e-6, fractal_dimension={D}, roughness={G}, gamma=1.5, length=0.5e-3, shortest_wavelength=1e-6, ridges=40)
+maps = [surface.generate((70, 90), method="direct", **keys), surface.periodic(128, 1e-3, {D}, {G}, 2e-5, 1)]
+maps += [surface.generate((500, 700), method="product", dtype=kind, **keys) for kind in ("f8", "f4")]
+maps += [surface.generate((500, 700), method="nufft", tolerance=t, **keys) for t in (1e-3, 1e-6)]
+print([hashlib.md5(z.tobytes()).hexdigest() for z in maps])
+"""
+    assert len({run_python(script, threads) for threads in (1, 2, 3)}) == 1
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("method, tolerance", [("product", 1e-12), ("nufft", 1e-3)])
+def test_large_map_needs_little_more_than_the_result(method, tolerance):
+    """16384 x 16384 heights in single precision, 160 waves: less than 150 MB beside the 1024 MB of the result."""
+    script = f"""
+import resource, sys
+from hdengine import surface
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+options = dict(method={method!r}, tolerance={tolerance}, dtype="f4")
+z = surface.generate(16384, 0.5e-3 / 16384, {D}, {G}, 1.5, 0.5e-3, 1e-6, 10, 1, **options)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
+"""
+    assert float(run_python(script, 2)) < 1024 + 150

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The harmonic drive scene as a contact problem: flexspline cup, bearing ring, wave generator, supports and torque.
 !>
-!> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 is the ring (slave), body 2 the cup (master).
+!> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 carries the multipliers (slave): the ring, or the cup
+!> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
   use hd_kinds, only: dp, pi
   use hd_cam, only: cam_deformation, cam_displacement, form_body
@@ -22,7 +23,8 @@ module hd_drive
   type :: drive_t
     type(problem_t) :: problem               !< bodies, supports, interface
     type(strip_t) :: ring, cup               !< meridian sections
-    type(face_t) :: face                     !< contact face of the ring
+    integer :: b_ring = 1, b_cup = 2         !< their bodies
+    type(face_t) :: face                     !< contact face of the slave
     integer :: axial_facets = 0              !< facets of that face along the axis
     real(dp) :: radius = 0                   !< contact radius [m]
     real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
@@ -45,7 +47,7 @@ contains
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
     type(body_t) :: bodies(2)
-    type(face_t) :: master, rim
+    type(face_t) :: slave, master, rim
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -53,16 +55,30 @@ contains
     call ring_strip(scene, drive%ring)
     call cup_strip(scene, drive%cup, first, last)
     sectors = merge(scene%ring_divisions, scene%divisions, scene%ring_divisions > 0)
-    call revolve(drive%ring, sectors, kind, bodies(1))
-    call revolve(drive%cup, scene%divisions, kind, bodies(2))
-    bodies%young = [scene%ring_e, scene%flexspline_e]
-    bodies%poisson = [scene%ring_nu, scene%flexspline_nu]
-    drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
+    if (scene%slave == 'cup') then
+      drive%b_ring = 2
+      drive%b_cup = 1
+    end if
+    associate (ring => bodies(drive%b_ring), cup => bodies(drive%b_cup))
+      call revolve(drive%ring, sectors, kind, ring)
+      call revolve(drive%cup, scene%divisions, kind, cup)
+      ring%young = scene%ring_e
+      ring%poisson = scene%ring_nu
+      cup%young = scene%flexspline_e
+      cup%poisson = scene%flexspline_nu
+      call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
+      call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
+      call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, rim)
+    end associate
     drive%axial_facets = size(drive%ring%inner, 2) - 1
-    call strip_face(drive%ring, bodies(1), drive%ring%layers + 1, 1, drive%axial_facets + 1, drive%radius, drive%face)
-    call strip_face(drive%cup, bodies(2), 1, first, last, drive%radius, master)
+    if (scene%slave == 'cup') then
+      drive%axial_facets = last - first
+      slave = master
+      master = drive%face
+      drive%face = slave
+    end if
     master%nodes = master%nodes + bodies(1)%nodes()
-    call strip_face(drive%cup, bodies(2), drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, rim)
+    drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
     if (scene%shape == 'as_formed') then
       call form_body(scene, bodies(1))
       call form_body(scene, bodies(2))
@@ -70,6 +86,7 @@ contains
     call new_problem(bodies, drive%problem, error)
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
+    if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
     call load_rim(scene, rim, drive)
@@ -176,19 +193,19 @@ contains
     integer, allocatable :: hub(:), inner(:)
     real(dp) :: z, corner
     associate (problem => drive%problem)
-      inner = nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness)
+      inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
       problem%fixed(1, inner) = .true.
       if (scene%ring_tangent == 'follow') then
         problem%fixed(2, inner) = .true.
       else if (scene%contact_mode /= 'bonded') then
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
       end if
-      z = drive%ring%inner(2, (drive%axial_facets + 2)/2)
-      problem%fixed(3, nodes_at(drive, 1, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
+      z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
+      problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
       corner = scene%cup_length - scene%bottom_thickness
       drive%hub_radius = scene%hub_radius
       allocate (drive%sprung(0))
-      hub = nodes_at(drive, 2, scene%hub_radius, corner, scene%cup_length)
+      hub = nodes_at(drive, drive%b_cup, scene%hub_radius, corner, scene%cup_length)
       problem%fixed(3, hub) = .true.
       drive%hub = hub
       if (scene%support /= 'bearing') then
@@ -205,7 +222,7 @@ contains
   !> Nodes of a body on a cylinder, between two heights.
   function nodes_at(drive, b, r, z_low, z_high) result(list)
     type(drive_t), intent(in) :: drive              !< drive
-    integer, intent(in) :: b                        !< body, 1 ring or 2 cup
+    integer, intent(in) :: b                        !< body
     real(dp), intent(in) :: r                       !< radius [m]
     real(dp), intent(in), optional :: z_low, z_high !< heights, default all [m]
     integer, allocatable :: list(:)
@@ -231,8 +248,8 @@ contains
     angle = scene%eccentricity_angle_deg*pi/180
     r = scene%bore_radius - scene%ring_thickness
     drive%assembly = reshape([(0._dp, i=1, 3*drive%problem%n)], [3, drive%problem%n])
-    inner = nodes_at(drive, 1, r)
-    t = drive%problem%bodies(1)%angle(inner)
+    inner = nodes_at(drive, drive%b_ring, r)
+    t = drive%reference(2, inner)
     drive%assembly(1, inner) = scene%eccentricity*cos(t - angle)
     drive%assembly(2, inner) = -scene%eccentricity*sin(t - angle)
     if (scene%shape == 'as_formed') return
@@ -248,14 +265,14 @@ contains
     type(face_t), intent(in) :: rim        !< outside of the rim
     type(drive_t), intent(inout) :: drive  !< gets torque, squeeze, gauge
     integer :: first
-    first = drive%problem%first(2)
+    first = drive%problem%first(drive%b_cup)
     allocate (drive%gauge(3, drive%problem%n), source=0._dp)
     drive%squeeze = drive%gauge
-    associate (body => drive%problem%bodies(2))
-      drive%gauge(:, first + 1:) = even_shear(body, rim)
+    associate (body => drive%problem%bodies(drive%b_cup), last => first + drive%problem%bodies(drive%b_cup)%nodes())
+      drive%gauge(:, first + 1:last) = even_shear(body, rim)
       drive%torque = drive%gauge
       if (scene%torque_load == 'teeth') &
-        call tooth_forces(scene, body, rim, drive%torque(:, first + 1:), drive%squeeze(:, first + 1:))
+        call tooth_forces(scene, body, rim, drive%torque(:, first + 1:last), drive%squeeze(:, first + 1:last))
     end associate
   end subroutine load_rim
 

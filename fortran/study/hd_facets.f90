@@ -75,8 +75,8 @@ contains
     n = size(drive%face%nodes, 2)
     allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
     allocate (response(n))
-    associate (mortar => drive%problem%mortar, ring => drive%problem%bodies(1))
-      x = ring%x + cartesian(ring, state%u(:, :ring%nodes()))
+    associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
+      x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
       facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
       facets%area = sum(mortar%share, 1)
       facets%gap = facet_mean(mortar, state%gap)
@@ -115,7 +115,7 @@ contains
     type(sums_t), intent(out) :: sums       !< sums
     real(dp), allocatable :: r(:, :), theta(:)
     type(state_t) :: free
-    integer :: row, rows
+    integer :: first, row, rows
     associate (problem => drive%problem, a => drive%problem%mortar%area, p => state%traction(1, :))
       theta = problem%bodies(1)%angle(problem%mortar%node)
       sums%rotation = sum(drive%gauge*state%u)
@@ -130,7 +130,7 @@ contains
         (2*(size(facets%area)/rows))
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
-      sums%friction_torque = moment(drive, state, r, 2)
+      sums%friction_torque = moment(drive, state, r, drive%b_cup)
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact == stick_state)
       r = internal_residual(problem, load, state)
@@ -142,7 +142,8 @@ contains
       free%traction = 0
       r = internal_residual(problem, load, free)
       where (problem%fixed) r = 0
-      sums%reaction_force = sum(r(1, problem%first(2) + 1:))
+      first = problem%first(drive%b_cup)
+      sums%reaction_force = sum(r(1, first + 1:first + problem%bodies(drive%b_cup)%nodes()))
     end associate
   end subroutine sum_up
 

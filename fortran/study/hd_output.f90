@@ -226,7 +226,7 @@ contains
             do c = 1, size(body%cells, 2)
               m = m + 1
               cells(:, m) = range + cell_nodes(body, c, s)
-              tag(1, m) = b
+              tag(1, m) = merge(1, 2, b == drive%b_ring)
             end do
           end do
         end associate

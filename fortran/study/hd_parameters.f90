@@ -97,6 +97,7 @@ contains
       'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential)')
     call number(t, 'contact', 'zero_pressure', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &
       "pressure at which the gap counts as 0 with the law 'joint'")
+    call text(t, 'contact', 'slave', s%slave, 'ring cup', 'side that carries the multipliers and the facets of the results')
     call text(t, 'load', 'support', s%support, 'hub bearing teeth', 'cup bottom held (the torque leaves at the output), '// &
       'free to turn (all torque through the contact), or turned against the teeth of the circular spline')
     call text(t, 'load', 'torque_load', s%torque_load, 'uniform teeth', &

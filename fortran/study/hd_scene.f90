@@ -48,7 +48,7 @@ module hd_scene
     character(len=name_length) :: cam = 'ellipse', ring_tangent = 'follow', shape = 'pressed'
     real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
     ! contact
-    character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard'
+    character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
     real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp
     ! load
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'

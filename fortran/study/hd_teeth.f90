@@ -87,7 +87,7 @@ contains
     integer :: i, f, g, k, rows, sector, last
     last = max(2, count(drive%cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. &
       drive%cup%outer(1, :) >= scene%bore_radius))
-    call strip_face(drive%cup, drive%problem%bodies(2), drive%cup%layers + 1, 1, last, drive%radius, rim)
+    call strip_face(drive%cup, drive%problem%bodies(drive%b_cup), drive%cup%layers + 1, 1, last, drive%radius, rim)
     rows = last - 1
     angle = scene%pressure_angle_deg*pi/180
     teeth%pattern = 0
@@ -99,7 +99,7 @@ contains
           w = shape_facet(size(rim%nodes, 1), [2*(place - sector) - 1, eta(g)])* &
             (rim%chart(2, 4, f) - rim%chart(2, 1, f))/2
           do k = 1, size(w)
-            associate (node => drive%problem%first(2) + rim%nodes(k, f))
+            associate (node => drive%problem%first(drive%b_cup) + rim%nodes(k, f))
               teeth%pattern(:2, node, i) = teeth%pattern(:2, node, i) + w(k)*[sin(angle), sense*cos(angle)]
             end associate
           end do

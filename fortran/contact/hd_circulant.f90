@@ -57,7 +57,8 @@ contains
   pure logical function has_circulant(problem) result(yes)
     type(problem_t), intent(in) :: problem  !< problem
     yes = size(problem%bodies) == 2
-    if (yes) yes = all(problem%bodies%revolved) .and. modulo(problem%mortar%n, problem%bodies(1)%sectors) == 0
+    if (yes) yes = all(problem%bodies%revolved) .and. modulo(problem%mortar%n, problem%bodies(1)%sectors) == 0 .and. &
+      all(problem%mortar%node <= problem%bodies(1)%nodes())
   end function has_circulant
 
   !> Number the faces; factors are made by prepare.

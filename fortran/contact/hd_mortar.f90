@@ -11,11 +11,12 @@ module hd_mortar
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
-  public :: mortar_t, new_mortar, relative_displacement, add_nodal_forces, facet_mean
+  public :: mortar_t, new_mortar, add_rigid, relative_displacement, add_nodal_forces, facet_mean
 
   !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
   type :: mortar_t
     integer :: n = 0                           !< multipliers
+    integer :: rigid = 0                       !< the last of them: nodes that meet a rigid surface, without friction
     integer, allocatable :: node(:)            !< slave node of each multiplier
     real(dp), allocatable :: area(:)           !< a_j, 0 where no master facet lies opposite [m^2]
     integer, allocatable :: ptr(:), col(:)     !< rows by multiplier, columns are nodes
@@ -76,6 +77,34 @@ contains
       nnz = nnz + n
     end subroutine append
   end subroutine new_mortar
+
+  !> Let the nodes of a face of trilinear cells meet a rigid surface behind it: w is their displacement against it.
+  subroutine add_rigid(mortar, face)
+    type(mortar_t), intent(inout) :: mortar  !< complete coupling of the deformable faces
+    type(face_t), intent(in) :: face         !< face whose outward normal is the opposite of the first dof
+    integer, allocatable :: number(:)
+    real(dp), allocatable :: area(:)
+    integer :: f, k, a
+    allocate (number(maxval(face%nodes)), source=0)
+    allocate (area(0))
+    do f = 1, size(face%nodes, 2)
+      do k = 1, 4
+        a = face%nodes(k, f)
+        if (number(a) == 0) then
+          area = [area, 0._dp]
+          number(a) = size(area)
+          mortar%node = [mortar%node, a]
+        end if
+        area(number(a)) = area(number(a)) + product(face%chart(:, 3, f) - face%chart(:, 1, f))/4
+      end do
+    end do
+    mortar%rigid = size(area)
+    mortar%ptr = [mortar%ptr, (mortar%ptr(mortar%n + 1) + k, k=1, mortar%rigid)]
+    mortar%col = [mortar%col, mortar%node(mortar%n + 1:)]
+    mortar%val = [mortar%val, spread(1._dp, 1, mortar%rigid)]
+    mortar%area = [mortar%area, area]
+    mortar%n = mortar%n + mortar%rigid
+  end subroutine add_rigid
 
   !> Number the corner nodes of the slave face as multipliers, in the order in which the facets meet them.
   subroutine number_multipliers(slave, mortar)

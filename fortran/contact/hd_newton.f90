@@ -11,7 +11,7 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent
-  use hd_contact_law, only: contact_law_t, evaluate_law, open_state, stick_state, slip_state
+  use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   implicit none
   private
@@ -274,8 +274,14 @@ contains
     end if
     call gap_and_slip(problem, load, state)
     do j = 1, problem%mortar%n
-      call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
-        here%anchor(:, j), here%lead(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      if (j > problem%mortar%n - problem%mortar%rigid) then
+        call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &
+          [state%gap(j), 0._dp, 0._dp], here%anchor(:, j), here%lead(:, j), here%r_c(:, j), &
+          here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      else
+        call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
+          here%anchor(:, j), here%lead(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      end if
       do c = 1, 3
         if (.not. here%idle(c, j)) cycle
         here%r_c(c, j) = state%traction(c, j)

@@ -12,7 +12,7 @@ module hd_drive
   use hd_face, only: face_t
   use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
   use hd_hexahedron, only: element_kind
-  use hd_mortar, only: new_mortar
+  use hd_mortar, only: add_rigid, new_mortar
   use hd_problem, only: problem_t, load_t, new_problem, add_springs
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
@@ -47,7 +47,7 @@ contains
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
     type(body_t) :: bodies(2)
-    type(face_t) :: slave, master, rim
+    type(face_t) :: slave, master, inside, rim
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -67,6 +67,7 @@ contains
       cup%young = scene%flexspline_e
       cup%poisson = scene%flexspline_nu
       call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
+      call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
       call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, rim)
     end associate
@@ -87,6 +88,10 @@ contains
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
     if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
+    if (scene%ring_contact == 'unilateral') then
+      inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
+      call add_rigid(drive%problem%mortar, inside)
+    end if
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
     call load_rim(scene, rim, drive)
@@ -194,7 +199,7 @@ contains
     real(dp) :: z, corner
     associate (problem => drive%problem)
       inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
-      problem%fixed(1, inner) = .true.
+      problem%fixed(1, inner) = scene%ring_contact == 'tied'
       if (scene%ring_tangent == 'follow') then
         problem%fixed(2, inner) = .true.
       else if (scene%contact_mode /= 'bonded') then
@@ -282,8 +287,12 @@ contains
     real(dp), intent(in) :: assembly      !< fraction of the assembly, 0 to 1
     real(dp), intent(in) :: torque        !< torque on the rim [N m]
     type(load_t), intent(out) :: load     !< load
+    integer :: m
     load%displacement = assembly*drive%assembly
     load%force = torque*drive%torque + abs(torque)*drive%squeeze
-    load%gap = spread(-assembly*drive%interference, 1, drive%problem%mortar%n)
+    associate (mortar => drive%problem%mortar)
+      m = mortar%n - mortar%rigid
+      load%gap = [spread(-assembly*drive%interference, 1, m), -load%displacement(1, mortar%node(m + 1:))]
+    end associate
   end subroutine drive_load
 end module hd_drive

@@ -43,6 +43,11 @@ module hd_facets
     real(dp) :: torque_balance = 0     !< sum of all moments about the axis [N m]
     real(dp) :: axial_balance = 0      !< sum of all axial forces [N]
     integer :: sticking = 0            !< multipliers that stick
+    real(dp) :: cam_force = 0          !< int p dA of the wave generator on a ring that may lift off [N]
+    real(dp) :: cam_force_x = 0        !< its resultant along the long axis [N]
+    real(dp) :: cam_area = 0           !< where it presses [m^2]
+    real(dp) :: cam_pressure_min = 0   !< never negative [Pa]
+    real(dp) :: cam_gap_max = 0        !< largest distance of the ring from it [m]
   end type sums_t
 
 contains
@@ -113,16 +118,19 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
-    real(dp), allocatable :: r(:, :), theta(:)
+    real(dp), allocatable :: r(:, :), theta(:), p(:)
     type(state_t) :: free
     integer :: first, row, rows
-    associate (problem => drive%problem, a => drive%problem%mortar%area, p => state%traction(1, :))
-      theta = problem%bodies(1)%angle(problem%mortar%node)
+    associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
+      p = state%traction(1, :)
+      theta = drive%reference(2, problem%mortar%node)
+      if (m < size(p)) call sum_cam(drive, state, m, sums)
+      p(m + 1:) = 0
       sums%rotation = sum(drive%gauge*state%u)
       sums%normal_force = sum(a*p)
       sums%facet_force = sum(facets%area*facets%traction(1, :))
       sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
-      sums%contact_area = sum(a, mask=state%contact /= open_state)
+      sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)
       rows = drive%axial_facets
       row = (rows + 1)/2
@@ -132,7 +140,7 @@ contains
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
-      sums%sticking = count(state%contact == stick_state)
+      sums%sticking = count(state%contact(:m) == stick_state)
       r = internal_residual(problem, load, state)
       where (.not. problem%fixed) r = 0
       sums%torque_balance = moment(drive, state, r + load%force, 1) + moment(drive, state, r + load%force, 2) - &
@@ -146,6 +154,21 @@ contains
       sums%reaction_force = sum(r(1, first + 1:first + problem%bodies(drive%b_cup)%nodes()))
     end associate
   end subroutine sum_up
+
+  !> Sums over the contact of ring and wave generator.
+  subroutine sum_cam(drive, state, m, sums)
+    type(drive_t), intent(in) :: drive    !< drive
+    type(state_t), intent(in) :: state    !< converged state
+    integer, intent(in) :: m              !< multipliers before those of the wave generator
+    type(sums_t), intent(inout) :: sums   !< gets its sums
+    associate (a => drive%problem%mortar%area(m + 1:), p => state%traction(1, m + 1:), node => drive%problem%mortar%node(m + 1:))
+      sums%cam_force = sum(a*p)
+      sums%cam_force_x = sum(a*p*cos(drive%reference(2, node)))
+      sums%cam_area = sum(a, mask=state%contact(m + 1:) /= open_state)
+      sums%cam_pressure_min = minval(p)
+      sums%cam_gap_max = maxval(state%gap(m + 1:))
+    end associate
+  end subroutine sum_cam
 
   !> Moment about the axis of the nodal forces on one body [N m].
   pure real(dp) function moment(drive, state, force, b) result(m)

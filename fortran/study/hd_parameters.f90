@@ -73,6 +73,8 @@ contains
     call text(t, 'wave_generator', 'cam', s%cam, 'ellipse cosine', 'ellipse with semi-axes r + w, r - w, or w cos 2 theta')
     call text(t, 'wave_generator', 'ring_tangent', s%ring_tangent, 'follow free', &
       'inner face of the ring: inextensible displacement -(w/2) sin 2 theta, or free to slide')
+    call text(t, 'wave_generator', 'ring_contact', s%ring_contact, 'tied unilateral', &
+      'ring held on the wave generator, or pressed against it without tension and friction (hex8, hex8i)')
     call text(t, 'wave_generator', 'shape', s%shape, 'pressed as_formed', &
       'round flexspline pressed onto the wave generator, or flexspline and ring stress-free in its shape')
     call number(t, 'wave_generator', 'cone_angle_deg', s%cone_angle_deg, 'deg', -10._dp, 10._dp, &

@@ -127,6 +127,13 @@ contains
     call json%add('friction_capacity_nm', sums%friction_capacity)
     call json%add('torque_balance_nm', sums%torque_balance)
     call json%add('axial_balance_n', sums%axial_balance)
+    if (sums%cam_force > 0) then
+      call json%add('cam_force_n', sums%cam_force)
+      call json%add('cam_force_x_n', sums%cam_force_x)
+      call json%add('cam_contact_area_m2', sums%cam_area)
+      call json%add('cam_pressure_min_pa', sums%cam_pressure_min)
+      call json%add('cam_gap_max_m', sums%cam_gap_max)
+    end if
     if (record%slip_torque > 0) call json%add('gross_slip_torque_nm', record%slip_torque)
     call json%finish()
   end subroutine add_results

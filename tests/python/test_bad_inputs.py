@@ -20,13 +20,13 @@ solver, joint, output, surface, fit
 error: unknown key 'frictoin' in &contact
   --> {f}:2:3
  2 |   frictoin = 0.2
-   |   ^^^^^^^^ did you mean 'friction'?  valid: mode, friction, torque_friction, law, zero_pressure
+   |   ^^^^^^^^ did you mean 'friction'?  valid: mode, friction, torque_friction, law, zero_pressure, slave
 """),
     "key_without_neighbour": ("&contact qqqqqqqqq = 1 /\n", 2, """\
 error: unknown key 'qqqqqqqqq' in &contact
   --> {f}:1:10
  1 | &contact qqqqqqqqq = 1 /
-   |          ^^^^^^^^^ valid: mode, friction, torque_friction, law, zero_pressure
+   |          ^^^^^^^^^ valid: mode, friction, torque_friction, law, zero_pressure, slave
 """),
     "word_for_number": ("&load torque = abc /\n", 2, """\
 error: 'torque' is not a number: 'abc'

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sides of the contact: slave and master swapped."""
+"""Sides of the contact: slave and master swapped; the ring pressed against the wave generator, not tied to it."""
+import csv
 import json
 
+import numpy as np
 import pytest
 from conftest import ROOT, call
 
@@ -23,3 +25,21 @@ def test_swapped_slave(exe, tmp_path, keys, tolerance):
         assert cup[key] == pytest.approx(ring[key], rel=tolerance), key
     assert cup["facet_force_n"] == pytest.approx(cup["reaction_force_n"], rel=1e-9)
     assert abs(cup["torque_balance_nm"]) < 1e-9
+
+
+def test_ring_lifts_off_the_wave_generator(exe, tmp_path):
+    """A ring that is not tied feels no tension, lifts off near the short axis, hands the cup's pressure on to the cam in balance, and both
+    linear solvers agree."""
+    keys = ["wave_generator.ring_contact=unilateral", "wave_generator.ring_tangent=free", "wave_generator.eccentricity=20e-6",
+            "load.torque_steps=0"]
+    r = results(exe, tmp_path / "a", *keys)
+    face = 2 * np.pi * 16.8e-3 * 6e-3
+    assert r["cam_pressure_min_pa"] == 0 and r["cam_gap_max_m"] > 1e-6
+    assert 0.1 * face < r["cam_contact_area_m2"] < 0.7 * face
+    with (tmp_path / "a/contact.csv").open() as f:
+        rows = [row for row in csv.DictReader(f) if row["step"] == "4"]
+    area, theta, p, tau = (np.array([float(row[k]) for row in rows]) for k in ("area_m2", "theta_rad", "pressure_pa", "traction_theta_pa"))
+    assert r["cam_force_x_n"] == pytest.approx((area * (p * np.cos(theta) - tau * np.sin(theta))).sum(), rel=0.02)
+    b = results(exe, tmp_path / "b", *keys, "solver.method=newton")
+    for key in ("cam_force_n", "cam_force_x_n", "cam_gap_max_m", "normal_force_n"):
+        assert b[key] == pytest.approx(r[key], rel=1e-6), key

@@ -51,6 +51,18 @@ def draw(seed, i):
     if r.random() < 0.3:
         keys["mesh.ring_divisions"] = int(divisions * r.uniform(0.6, 1.5))
         keys["mesh.ring_facets"] = int(r.integers(2, 8))
+    if r.random() < 0.15:
+        keys["contact.law"] = "joint"
+    if r.random() < 0.1:
+        keys["wave_generator.shape"] = "as_formed"
+    elif r.random() < 0.15:
+        keys["wave_generator.ring_contact"] = "unilateral"
+    if r.random() < 0.15:
+        keys["load.torque_load"] = "teeth"
+    if r.random() < 0.1:
+        keys["solver.kinematics"] = "nonlinear"
+    if r.random() < 0.2:
+        keys["contact.slave"] = "cup"
     return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in keys.items()}
 
 
@@ -93,7 +105,7 @@ def main():
         print(" ".join(f"{k}={v}" for k, v in keys.items()))
         print(json.dumps(solve(keys), indent=1))
         return
-    rows = []
+    rows, options = [], ("contact.law", "wave_generator.shape", "wave_generator.ring_contact", "load.torque_load", "solver.kinematics", "contact.slave")
     for i in range(args.start, args.start + args.count):
         keys = draw(args.seed, i)
         rows.append({"scene": i, "keys": keys} | solve(keys))
@@ -101,7 +113,8 @@ def main():
             print(i, outcome(rows[-1]), rows[-1]["message"][:100], flush=True)
     classes = Counter(map(outcome, rows))
     steps = [n for row in rows for n in row.get("iterations", [])]
-    record = {"seed": args.seed, "count": args.count, "outcomes": dict(classes), "iterations_per_step_median": statistics.median(steps),
+    by_option = {o: dict(Counter(outcome(r) for r in rows if o in r["keys"])) for o in options}
+    record = {"seed": args.seed, "count": args.count, "outcomes": dict(classes), "outcomes_by_option": by_option, "iterations_per_step_median": statistics.median(steps),
               "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_max": max(steps),
               "cut_backs": sum(row.get("cut_backs", 0) for row in rows if row["code"] == 0), "scenes": rows}
     if args.start == 0:

@@ -33,6 +33,7 @@ module hd_newton
     real(dp) :: damping = 1            !< length of the step that led here
     real(dp) :: linear = 0             !< backward error of the linear equations behind that step
     real(dp) :: seconds = 0            !< wall clock since the start of the step
+    integer :: period = 0              !< iterations since the same contact states stood before without a better residual, 0: new
   end type iteration_t
 
   !> Residuals and derivatives of an iterate.
@@ -111,7 +112,7 @@ contains
       converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
-      call globalise(problem, load, previous, row%iteration, state, here, global)
+      call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       call update_tangent(problem, state%u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
@@ -151,7 +152,7 @@ contains
   end subroutine respond
 
   !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
-  subroutine globalise(problem, load, previous, iteration, state, here, global)
+  subroutine globalise(problem, load, previous, iteration, state, here, global, period)
     type(problem_t), intent(in) :: problem            !< problem
     type(load_t), intent(in) :: load                  !< load
     type(state_t), intent(in) :: previous             !< beginning of the load step
@@ -159,6 +160,7 @@ contains
     type(state_t), intent(inout) :: state             !< iterate
     type(linearisation_t), intent(inout) :: here      !< its linearisation
     type(globalisation_t), intent(inout) :: global    !< memory
+    integer, intent(inout) :: period                  !< of a cycle of the contact states
     if (allocated(problem%law%joint)) return
     if (here%law%softness > 0) then
       if (here%merit > inner_tolerance) return
@@ -177,7 +179,7 @@ contains
       end if
       return
     end if
-    if (.not. cycles(here, state, iteration, global)) return
+    if (.not. cycles(here, state, iteration, global, period)) return
     if (allocated(global%saved)) state = global%saved
     here%anchor = state%traction
     if (global%outer == 0) global%softness = softest/here%law%scale
@@ -186,24 +188,25 @@ contains
   end subroutine globalise
 
   !> The contact states repeat an earlier iterate's without a lower residual, or no lower residual comes for long.
-  logical function cycles(here, state, iteration, global)
+  logical function cycles(here, state, iteration, global, period)
     type(linearisation_t), intent(in) :: here         !< linearisation
     type(state_t), intent(in) :: state                !< iterate
     integer, intent(in) :: iteration                  !< iterations so far
     type(globalisation_t), intent(inout) :: global    !< memory, gets this iterate
+    integer, intent(inout) :: period                  !< iterations since the same states, if they repeat
     integer :: k
     cycles = .false.
     if (.not. allocated(global%seen)) allocate (global%seen(size(here%contact), 0), global%merits(0))
     do k = 1, size(global%seen, 2) - 1
       if (.not. all(global%seen(:, k) == here%contact)) cycle
-      cycles = cycles .or. here%merit > 0.5_dp*global%merits(k)
+      if (here%merit > 0.5_dp*global%merits(k)) period = size(global%merits) + 1 - k
     end do
     if (here%merit < global%lowest) then
       global%lowest = here%merit
       global%best = iteration
       if (global%outer == 0) global%saved = state
     end if
-    cycles = cycles .or. iteration - global%best >= patience
+    cycles = period > 0 .or. iteration - global%best >= patience
     global%merits = [global%merits, here%merit]
     global%seen = reshape([global%seen, here%contact], [size(here%contact), size(global%merits)])
   end function cycles

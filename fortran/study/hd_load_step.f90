@@ -156,6 +156,8 @@ contains
     if (run%writes) call write_history(run%output, step, attempt, history, error)
     if (allocated(error)) return
     call log_iterations(history)
+    run%period = maxval(history%period)
+    if (run%period > 0) run%record%cycles = run%record%cycles + 1
     run%step%iterations = run%step%iterations + size(history) - 1
     run%easy = size(history) <= few_iterations
     if (solved) then
@@ -229,7 +231,10 @@ contains
   subroutine not_converged(run, error)
     type(run_t), intent(in) :: run                    !< run
     type(error_t), allocatable, intent(out) :: error  !< the message
-    call raise(error, code_not_converged, 'no convergence in the '//trim(run%step%phase)//' step beyond load factor '// &
+    character(len=:), allocatable :: cause
+    cause = 'no convergence'
+    if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
+    call raise(error, code_not_converged, cause//' in the '//trim(run%step%phase)//' step beyond load factor '// &
       to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
       to_text(run%scene%max_cuts)//' halvings; history.csv shows the residuals, the last converged state is kept')
   end subroutine not_converged

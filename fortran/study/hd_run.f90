@@ -33,6 +33,7 @@ module hd_run
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
     type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
     logical :: easy = .true.                !< the last part took few iterations
+    integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     real(dp) :: stride = 2                  !< longest part of a load step that is tried
     type(step_t) :: step                    !< last converged step
     type(facets_t) :: facets                !< its facets

@@ -27,6 +27,7 @@ module hd_summary
     character(len=25) :: started = ''
     character(len=:), allocatable :: input
     integer :: steps = 0, iterations = 0, cuts = 0
+    integer :: cycles = 0              !< attempts in which the contact states ran in a cycle and friction was softened
     logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
     logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
@@ -115,6 +116,7 @@ contains
     call json%add('steps', record%steps)
     call json%add('iterations', record%iterations)
     call json%add('cut_backs', record%cuts)
+    call json%add('cycles', record%cycles)
     call json%add('rotation_rad', sums%rotation)
     call json%add('normal_force_n', sums%normal_force)
     call json%add('reaction_force_n', sums%reaction_force)

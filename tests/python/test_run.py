@@ -281,3 +281,14 @@ def test_check_and_explain(exe, tmp_path):
     assert done.returncode == 0 and "is valid" in done.stdout and not list(tmp_path.iterdir())
     done = call(exe, "--explain", "friction")
     assert done.stdout.startswith("&contact friction = 0.15")
+
+
+def test_cycling_states_are_named(exe, tmp_path):
+    """A pressed ring (w = 0) whose contact states run in a cycle: softened friction finds the solution and says so; without the iterations
+    for it the run ends with code 4, its own message and the history."""
+    keys = [*SMALL, "wave_generator.w=0", "load.torque_steps=0"]
+    done = call(exe, CD14, *keys, "--out", tmp_path / "a", "-q")
+    assert done.returncode == 0 and summary(tmp_path / "a")["results"]["cycles"] > 0
+    done = call(exe, CD14, *keys, "solver.max_iterations=10", "solver.max_cuts=0", "--out", tmp_path / "b", "-q")
+    assert done.returncode == 4 and "the contact states run in a cycle of 2 iterations" in done.stderr
+    assert summary(tmp_path / "b")["code"] == 4 and (tmp_path / "b/history.csv").stat().st_size > 0

@@ -363,6 +363,7 @@ contains
       end do
       do j = 1, size(mean, 1)
         mean(j, j) = mean(j, j)*(1 + 1e-12_dp)
+        if (.not. mean(j, j) > 0) mean(j, j) = 1       ! prescribed dofs of points that meet the wave generator: never asked for
       end do
       call invert_symmetric(mean, error)
       if (allocated(error)) return

@@ -40,14 +40,17 @@ def value(result, column="k_ts_nm_per_rad", **keys):
 
 def trend(name, result, **keys):
     """Rise from 1 to 5 N m, change by 10 um of eccentricity, place and height of the maximum over w, slip torque of one scene."""
+    varied = "wave_generator.w" in result.summary["swept"]
+
     def k(torque, w=0.2e-3, e=0.0):
-        found = value(result, torque_nm=torque, wave_generator__w=w, wave_generator__eccentricity=e, **keys)
+        place = {"wave_generator__w": w, "wave_generator__eccentricity": e} if varied else {}
+        found = value(result, torque_nm=torque, **place, **keys) if varied or (w, e) == (0.2e-3, 0.0) else np.nan
         return found if found > 0 else np.nan
     curve = np.array([[k(t, w=w) for w in W] for t in paper.TORQUES_NM])
     solved = np.all(np.isfinite(curve))
     top = curve.argmax(axis=1)
-    slip = [r for r in result.failures if "gross slip" in r["reason"] and r["wave_generator.w"] == 0.2e-3
-            and r["wave_generator.eccentricity"] == 0 and all(r[key.replace("__", ".")] == v for key, v in keys.items())]
+    slip = [r for r in result.failures if "gross slip" in r["reason"] and r.get("wave_generator.w", 0.2e-3) == 0.2e-3
+            and not r.get("wave_generator.eccentricity") and all(r[key.replace("__", ".")] == v for key, v in keys.items())]
     return {"name": name, "rise_percent": 100 * (k(5.0) / k(1.0) - 1),
             "fall_percent": [100 * (k(t, e=10e-6) / k(t) - 1) for t in paper.TORQUES_NM],
             "top_mm": [1e3 * W[i] for i in top] if solved else None,
@@ -59,12 +62,14 @@ def trend(name, result, **keys):
 
 def trends(work):
     """All scenes explored."""
-    keys = ("load.support", "load.torque_load", "wave_generator.interference")
-    for name, shape in (("explore_trends", "pressed"), ("explore_formed", "formed")):
+    for name, shape in (("explore_trends", "pressed"), ("explore_slip", "formed"), ("explore_formed", "formed")):
         result = study(name, work)
+        keys = [k for k in ("load.support", "load.torque_load", "wave_generator.interference") if k in result.summary["swept"]]
         for case in sorted(dict.fromkeys(tuple(row[k] for k in keys) for row in result.rows)):
-            label = f"{shape}, {case[0]}, {case[1]}, {1e6 * case[2]:g} µm"
-            yield trend(label, result, **{k.replace(".", "__"): v for k, v in zip(keys, case)})
+            chosen = dict(zip(keys, case))
+            place = chosen.get("load.support") or result.summary["scene"]["load.support"]
+            label = f"{shape}, {place}, {chosen['load.torque_load']}, {1e6 * chosen['wave_generator.interference']:g} µm"
+            yield trend(label, result, **{k.replace(".", "__"): v for k, v in chosen.items()})
 
 
 def trend_line(t):

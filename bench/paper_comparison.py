@@ -29,6 +29,7 @@ def study(name, work, suffix="", **fixed):
     """A study of data/, solved or continued."""
     chosen = hdengine.Study.read(ROOT / f"data/{name}.nml")
     chosen.fixed.update({k.replace("__", "."): v for k, v in fixed.items()})
+    chosen.title += ", Eq. 28 as printed" if fixed.get("joint__closure") == "paper" else ""
     return chosen.run(work / f"{name}{suffix}.out", jobs=1)
 
 

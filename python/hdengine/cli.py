@@ -2,7 +2,6 @@
 """The command `hdengine`."""
 import argparse
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from . import completion, planner
 from ._engine import FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .cli_surface import add_options, run_surface
-from .contact import Run, read_scene
+from .contact import Run
 from .results import Result
 from .surface_run import SurfaceResult
 from .surface_run import _run as _run_surface_alone
@@ -29,10 +28,6 @@ def _run(args):
     out, keys = args.out or Path(args.input).with_suffix(".out").name, _keys(args.assignments)
     if _run_surface_alone(args.input, out, args.force, keys):
         return _plot(argparse.Namespace(folder=out))
-    if read_scene(args.input, **keys)["run.tolerance"] > 0:  # mesh and load steps are chosen by hdengine.x
-        words = [args.input, *args.assignments, "--out", out, *["--force"] * args.force, *["--resume"] * args.resume]
-        code = subprocess.run([planner.executable(), *words], check=False).returncode
-        return code or _plot(argparse.Namespace(folder=out))
     try:
         with Run(args.input, out, args.force, args.resume, **keys) as run:
             for step in run:

@@ -15,6 +15,7 @@ from ._engine import FileError, HdengineError, InputError
 from .picture import PictureError, draw_cup
 from .results import Result
 from .study import StudyResult
+from .surface_run import SurfaceResult
 from .uncertainty import scene_joint
 
 _STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}
@@ -189,6 +190,15 @@ def _study_parts(result):
     yield "Provenance", _pairs({"hdengine": s["hdengine"], "SHA-256 of the scene": s["identity"]["scene_sha256"]})
 
 
+def _surface_parts(result):
+    """(heading, HTML) of a surface run."""
+    yield "Result", f"<pre>{html.escape(str(result))}</pre>"
+    yield "Figures", "".join(_image(p, Path(p).stem.replace("_", " ")) for p in result.plot() if Path(p).suffix == ".png")
+    for name in ("scene", "provenance"):
+        if result.summary.get(name):
+            yield name.capitalize().replace("Scene", "Inputs"), _pairs(result.summary[name])
+
+
 def _collection_parts(folder):
     """(heading, HTML) of a comparison and of the studies beside it."""
     from .plot_study import plot_study
@@ -211,6 +221,9 @@ def _parts(folder, picture):
         result = StudyResult(folder)
         return result.summary["title"], [*_study_parts(result)]
     if (folder / "summary.json").is_file():
+        summary = json.loads((folder / "summary.json").read_text())
+        if summary.get("kind") == "surface":
+            return summary.get("title"), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
         return result.summary["title"], [*_run_parts(result, picture)]
     if (folder / "comparison.json").is_file():

@@ -3,7 +3,7 @@
 """The scene data/peer_hub.nml in hdengine and in CalculiX, on the same mesh, in one run.
 
 Needs the Debian package calculix-ccx and the Python package meshio. CalculiX solves the mesh that hdengine wrote: C3D8I,
-surface-to-surface contact, the same steps, supports and loads. Usage: bench/peer_hub.py [--divisions 80] [--limit 1500]
+surface-to-surface contact, the same steps, supports and loads. Usage: bench/peer_hub.py [--divisions 80] [--stick 2e5 ...] [--limit 1500]
 """
 import argparse
 import json
@@ -58,7 +58,7 @@ def blocks(values, per_line=8):
     return "\n".join(", ".join(values[i:i + per_line]) for i in range(0, len(values), per_line))
 
 
-def write_deck(path, points, cells, body, rim_force, stiffness=2e6, stick=2e5):
+def write_deck(path, points, cells, body, rim_force, stick, stiffness=2e6):
     """CalculiX deck [mm, N, MPa] of the scene on a given mesh; steps of 4 increments each."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
     angle = np.arctan2(points[:, 1], points[:, 0])
@@ -108,12 +108,12 @@ def rim_weights(points, cells, body):
     return TORQUE * f / np.sum(f * r)
 
 
-def calculix(folder, mesh, limit):
-    """Solve the mesh in CalculiX; times, iterations, rotation."""
+def calculix(folder, mesh, limit, stick):
+    """Solve the mesh in CalculiX; times, iterations, rotation. `stick`: its stick slope [N/mm3]."""
     points, cells = 1e3 * mesh.points, mesh.cells[0].data
     body = np.asarray(mesh.cell_data["body"][0]).ravel().astype(int)
     force = rim_weights(points, cells, body)
-    write_deck(folder / "peer.inp", points, cells, body, force)
+    write_deck(folder / "peer.inp", points, cells, body, force, stick=stick)
     result = timed(["ccx", "-i", "peer"], folder, limit)
     history = (folder / "peer.cvg").read_text().split("\n") if (folder / "peer.cvg").exists() else []
     result["iterations"] = sum(1 for line in history if re.match(r"\s*\d+\s+\d+\s+\d+", line))
@@ -133,6 +133,7 @@ def calculix(folder, mesh, limit):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--divisions", type=int, default=215)
+    parser.add_argument("--stick", type=float, nargs="+", default=[2e5], help="stick slopes of CalculiX [N/mm3]")
     parser.add_argument("--limit", type=float, default=1500, help="seconds for CalculiX")
     args = parser.parse_args()
     exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
@@ -151,12 +152,13 @@ def main():
                 provenance = summary["provenance"]
         provenance.pop("input")
         mesh = meshio.read(sorted((folder / "newton").glob("bodies_*.vtu"))[-1])
-        runs["CalculiX, s2s, C3D8I"] = calculix(folder, mesh, args.limit)
+        for stick in args.stick:
+            runs[f"CalculiX, s2s, C3D8I, stick slope {stick:.0e} N/mm3"] = calculix(folder, mesh, args.limit, stick)
     for x in runs.values():
         x.pop("text")
     record = {"machine": machine(), "hdengine": provenance, "calculix": version,
               "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "runs": runs, "results": r}
-    out = ROOT / f"bench/results/peer_hub_{args.divisions}.json"
+    out = ROOT / f"bench/results/peer_hub_{args.divisions}{'_slopes' if len(args.stick) > 1 else ''}.json"
     out.parent.mkdir(exist_ok=True)
     out.write_text(json.dumps(record, indent=1) + "\n")
     print(f"{record['dof']} dof, {record['facets']} facets; {version}")

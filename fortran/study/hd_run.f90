@@ -92,6 +92,7 @@ contains
     run%record%steps = mark%steps
     run%record%iterations = mark%iterations
     run%record%cuts = mark%cuts
+    run%record%cycles = mark%cycles
     run%record%symmetry = mark%symmetry
     run%step%number = mark%steps
     call place(run, run%position, run%step)
@@ -212,6 +213,7 @@ contains
     mark%steps = run%record%steps
     mark%iterations = run%record%iterations
     mark%cuts = run%record%cuts
+    mark%cycles = run%record%cycles
     mark%symmetry = run%record%symmetry
     mark%sizes = table_sizes(run%output)
     call save_checkpoint(run%output%folder, mark, run%before, run%state, error)

@@ -7,7 +7,7 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
   use hd_job, only: resume_run
-  use hd_planner, only: plan_t, plan_scene, enter_plan
+  use hd_planner, only: new_planned_run
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
@@ -22,7 +22,6 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   type(error_t), allocatable :: error
   type(string_t), allocatable :: lines(:)
   type(scene_t), allocatable :: scene
-  type(plan_t) :: plan
   type(run_t), pointer :: run
   handle = 0
   allocate (scene)
@@ -35,11 +34,10 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   if (.not. allocated(error)) then
     if (resume /= 0) then
       call resume_run(scene, trim(path), trim(folder), run, error)
+    else if (scene%promise > 0) then
+      call new_planned_run(scene, trim(path), trim(folder), force /= 0, run, error)
     else
-      plan%scene = scene
-      if (scene%promise > 0) call plan_scene(scene, plan, error)
-      if (.not. allocated(error)) call new_run(plan%scene, trim(path), trim(folder), force /= 0, run, error)
-      if (.not. allocated(error)) call enter_plan(plan, run)
+      call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
     end if
     if (allocated(error)) call drop_run(handle)
   end if

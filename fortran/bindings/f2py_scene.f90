@@ -29,3 +29,25 @@ subroutine scene_read(path, assignments, text, status, message)
   end if
   call tell(error, status, message)
 end subroutine scene_read
+
+!> The planner's text for a scene with a tolerance.
+subroutine scene_plan(path, assignments, text, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_input, only: read_scene
+  use hd_planner, only: plan_text
+  use hd_scene, only: scene_t
+  use hd_status, only: tell, lines_of
+  implicit none
+  character(len=*), intent(in) :: path, assignments
+  character(len=16384), intent(out) :: text
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  type(scene_t), allocatable :: scene
+  text = ''
+  allocate (scene)
+  call read_scene(path, lines_of(assignments), scene, error)
+  if (.not. allocated(error)) text = plan_text(scene)
+  call tell(error, status, message)
+end subroutine scene_plan

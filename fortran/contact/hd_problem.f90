@@ -79,7 +79,7 @@ contains
   subroutine assemble_stiffness(problem, error)
     type(problem_t), intent(inout) :: problem         !< gets stiffness
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: ke(:, :, :), spring(:, :)
+    real(dp), allocatable :: ke(:, :, :)
     integer, allocatable :: cells(:, :)
     integer :: b, s, c, m
     if (allocated(problem%stiffness%val)) return
@@ -109,19 +109,16 @@ contains
         end do
       end do
     end do
-    spring = problem%spring
-    problem%spring = 0
-    call enter_springs(problem, spring)
+    call enter_springs(problem)
   end subroutine assemble_stiffness
 
-  !> Springs at all dofs that have one.
-  subroutine enter_springs(problem, spring)
-    type(problem_t), intent(inout) :: problem  !< without springs
-    real(dp), intent(in) :: spring(:, :)       !< (3, n) [N/m]
+  !> Springs at all dofs that have one, into a stiffness without them.
+  subroutine enter_springs(problem)
+    type(problem_t), intent(inout) :: problem  !< problem
     integer :: b, c
     do b = 1, problem%n
       do c = 1, 3
-        if (spring(c, b) > 0) call add_springs(problem, [b], c, spring(c, b))
+        if (problem%spring(c, b) > 0) call add_to_diagonal(problem%stiffness, b, c, problem%spring(c, b))
       end do
     end do
   end subroutine enter_springs
@@ -132,16 +129,23 @@ contains
     integer, intent(in) :: nodes(:)            !< nodes
     integer, intent(in) :: component           !< dof 1 to 3
     real(dp), intent(in) :: rate               !< stiffness at each node [N/m]
-    integer :: i, k
+    integer :: i
     do i = 1, size(nodes)
       problem%spring(component, nodes(i)) = problem%spring(component, nodes(i)) + rate
-      if (.not. allocated(problem%stiffness%val)) cycle
-      do k = problem%stiffness%ptr(nodes(i)), problem%stiffness%ptr(nodes(i) + 1) - 1
-        if (problem%stiffness%col(k) /= nodes(i)) cycle
-        problem%stiffness%val(component, component, k) = problem%stiffness%val(component, component, k) + rate
-      end do
+      if (allocated(problem%stiffness%val)) call add_to_diagonal(problem%stiffness, nodes(i), component, rate)
     end do
   end subroutine add_springs
+
+  !> Add a stiffness to the diagonal entry of a dof.
+  pure subroutine add_to_diagonal(matrix, node, component, rate)
+    type(block_matrix_t), intent(inout) :: matrix  !< matrix
+    integer, intent(in) :: node, component         !< dof
+    real(dp), intent(in) :: rate                   !< [N/m]
+    integer :: k
+    do k = matrix%ptr(node), matrix%ptr(node + 1) - 1
+      if (matrix%col(k) == node) matrix%val(component, component, k) = matrix%val(component, component, k) + rate
+    end do
+  end subroutine add_to_diagonal
 
   !> State of rest.
   pure subroutine new_state(problem, state)
@@ -238,7 +242,7 @@ contains
     type(problem_t), intent(inout) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
     real(dp) :: part(3, size(problem%bodies(1)%cells, 1))
-    real(dp) :: tangent(3*size(problem%bodies(1)%cells, 1), 3*size(problem%bodies(1)%cells, 1)), spring(3, problem%n)
+    real(dp) :: tangent(3*size(problem%bodies(1)%cells, 1), 3*size(problem%bodies(1)%cells, 1))
     integer :: b, c, s, list(size(problem%bodies(1)%cells, 1))
     if (.not. allocated(problem%corotation)) return
     problem%stiffness%val = 0
@@ -251,9 +255,7 @@ contains
         end do
       end do
     end do
-    spring = problem%spring
-    problem%spring = 0
-    call enter_springs(problem, spring)
+    call enter_springs(problem)
   end subroutine update_tangent
 
   !> Gap and total tangential displacement of the master against the slave.

@@ -19,13 +19,13 @@ module hd_checkpoint
     real(dp) :: position = 0, position_before = 0  !< of the last two converged states
     real(dp) :: stride = 0                         !< longest part of a load step that is tried
     real(dp) :: rotation_assembled = 0             !< [rad]
-    integer :: easy = 0                            !< 1: the last part took few iterations
+    logical :: easy = .true.                       !< the last part took few iterations
     integer :: steps = 0, iterations = 0, cuts = 0, cycles = 0 !< so far
     character(len=8) :: symmetry(2) = ''           !< used in assembly and torque
     integer(int64) :: sizes(4) = 0                 !< of the tables [bytes]
   end type mark_t
 
-  character(len=*), parameter :: magic = 'hdengine checkpoint 2'
+  character(len=*), parameter :: magic = 'hdengine checkpoint 3'
 
 contains
 

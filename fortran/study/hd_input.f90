@@ -10,7 +10,7 @@ module hd_input
   use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
-  public :: read_scene, write_echo, explain, estimate_memory_mb
+  public :: read_scene, write_echo, explain, estimate_memory_mb, allowed_memory_mb
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -252,14 +252,20 @@ contains
     end select
   end function estimate_memory_mb
 
+  !> Memory that a run may take: as the scene says, else four fifths of the machine's [MB]; 0 where nobody knows.
+  real(dp) function allowed_memory_mb(s) result(mb)
+    type(scene_t), intent(in) :: s  !< scene
+    mb = s%memory_limit_mb
+    if (mb <= 0) mb = 0.8_dp*machine_memory_mb()
+  end function allowed_memory_mb
+
   !> Refuse a mesh that does not fit before it is tried.
   subroutine check_memory(s, error)
     type(scene_t), intent(in) :: s                    !< scene
     type(error_t), allocatable, intent(out) :: error  !< too large
     real(dp) :: need, limit
     need = estimate_memory_mb(s)
-    limit = s%memory_limit_mb
-    if (limit <= 0) limit = 0.8_dp*machine_memory_mb()
+    limit = allowed_memory_mb(s)
     if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(anint(need))// &
       ' MB, the limit is '//to_text(anint(limit))//' MB'//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
       ') or mesh.band_facets ('//to_text(s%band_facets)//'), or raise mesh.memory_limit_mb')

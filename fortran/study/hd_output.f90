@@ -19,7 +19,7 @@ module hd_output
   use hd_vtu, only: field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, open_output, reopen_output, table_sizes, write_step, write_teeth, write_history, &
+  public :: output_t, step_t, check_folder, open_output, reopen_output, table_sizes, write_step, write_teeth, write_history, &
     write_grids, close_output
 
   !> Where a step stands in the run.
@@ -41,6 +41,20 @@ module hd_output
 
 contains
 
+  !> A folder may be used: absent, without a run, or `force`.
+  subroutine check_folder(folder, force, error)
+    character(len=*), intent(in) :: folder            !< folder
+    logical, intent(in) :: force                      !< replace earlier results
+    type(error_t), allocatable, intent(out) :: error  !< exists already
+    if (path_kind(folder) == path_absent) return
+    if (path_kind(folder) /= path_directory) then
+      call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
+    else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
+      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
+        'folder with --out DIR')
+    end if
+  end subroutine check_folder
+
   !> Prepare the folder; earlier results are only replaced with `force`.
   subroutine open_output(folder, scene, force, output, error)
     character(len=*), intent(in) :: folder            !< folder
@@ -49,17 +63,10 @@ contains
     type(output_t), intent(out) :: output             !< open tables
     type(error_t), allocatable, intent(out) :: error  !< exists already, cannot be written
     character(len=*), parameter :: place = 'step,phase,load_factor,torque_nm'
+    call check_folder(folder, force, error)
+    if (allocated(error)) return
     output%folder = folder
     allocate (output%grids(0), output%times(0))
-    if (path_kind(folder) /= path_absent) then
-      if (path_kind(folder) /= path_directory) then
-        call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
-      else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
-        call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
-          'folder with --out DIR')
-      end if
-      if (allocated(error)) return
-    end if
     call make_directory(folder, error)
     if (allocated(error)) return
     call remove_file(folder//'/summary.json')

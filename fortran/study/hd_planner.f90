@@ -9,17 +9,17 @@
 !> halved steps.
 module hd_planner
   use hd_kinds, only: dp, pi
-  use hd_clock, only: machine_memory_mb
   use hd_error, only: error_t
-  use hd_input, only: estimate_memory_mb
+  use hd_input, only: estimate_memory_mb, allowed_memory_mb
   use hd_log, only: say
   use hd_load_step, only: advance
+  use hd_output, only: check_folder
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
   use hd_text, only: push, to_text
   implicit none
   private
-  public :: plan_t, plan_scene, enter_plan, run_planned, plan_text
+  public :: new_planned_run, run_planned, plan_text
 
   integer, parameter :: band(10) = [4, 6, 8, 11, 16, 23, 32, 45, 64, 90]  !< facets along the band, by level
   real(dp), parameter :: first_error = 1.5_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
@@ -72,19 +72,14 @@ contains
     end associate
   end function quantities
 
-  !> Solve a scene to its end; the run stays open.
-  subroutine solve(scene, input, folder, force, run, error)
-    type(scene_t), intent(in) :: scene                !< scene
-    character(len=*), intent(in) :: input, folder     !< for the record; '' writes nothing
-    logical, intent(in) :: force                      !< replace earlier results
-    type(run_t), intent(inout) :: run                 !< empty run, then at its end
+  !> Solve the load steps of a new run; it stays open.
+  subroutine solve(run, error)
+    type(run_t), intent(inout) :: run                 !< new run, then at its end
     type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
     logical :: done
-    call new_run(scene, input, folder, force, run, error)
-    done = allocated(error)
-    do while (.not. done)
+    done = .false.
+    do while (.not. (done .or. allocated(error)))
       call advance(run, done, error)
-      done = done .or. allocated(error)
     end do
   end subroutine solve
 
@@ -97,7 +92,8 @@ contains
     type(error_t), allocatable :: trouble
     allocate (run)
     q = 0
-    call solve(scene, '', '', .false., run, error)
+    call new_run(scene, '', '', .false., run, error)
+    if (.not. allocated(error)) call solve(run, error)
     if (.not. allocated(error)) q = quantities(run)
     if (allocated(run%drive)) call finish(run, trouble)
   end subroutine probe
@@ -188,17 +184,25 @@ contains
     end do
   end subroutine plan_scene
 
-  !> Enter a plan into the record of its run.
-  subroutine enter_plan(plan, run)
-    type(plan_t), intent(in) :: plan    !< plan
-    type(run_t), intent(inout) :: run   !< new run of its scene
-    if (plan%level == 0) return
-    run%record%promise = plan%scene%promise
+  !> Plan a scene and set up its run.
+  subroutine new_planned_run(scene, input, folder, force, run, error)
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    character(len=*), intent(in) :: input             !< name of the input, for the record
+    character(len=*), intent(in) :: folder            !< output folder or ''
+    logical, intent(in) :: force                      !< replace earlier results
+    type(run_t), intent(inout) :: run                 !< run at rest
+    type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a probe early
+    type(plan_t) :: plan
+    if (len(folder) > 0) call check_folder(folder, force, error)  ! before the long work
+    if (.not. allocated(error)) call plan_scene(scene, plan, error)
+    if (.not. allocated(error)) call new_run(plan%scene, input, folder, force, run, error)
+    if (allocated(error) .or. plan%level == 0) return
+    run%record%promise = scene%promise
     run%record%estimate = plan%estimate
     run%record%level = plan%level
     if (.not. plan%met) &
       call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(plan%estimate)))
-  end subroutine enter_plan
+  end subroutine new_planned_run
 
   !> Plan a scene and run it.
   subroutine run_planned(scene, input, folder, force, error)
@@ -209,13 +213,10 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
-    type(plan_t) :: plan
-    call plan_scene(scene, plan, error)
-    if (allocated(error)) return
     allocate (run)
-    call solve(plan%scene, input, folder, force, run, error)
-    if (.not. allocated(run%drive)) return
-    call enter_plan(plan, run)
+    call new_planned_run(scene, input, folder, force, run, error)
+    if (allocated(error)) return
+    call solve(run, error)
     call finish(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
   end subroutine run_planned
@@ -224,9 +225,8 @@ contains
   logical function fits(scene)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp) :: limit
-    limit = scene%memory_limit_mb
-    if (limit <= 0) limit = 0.8_dp*machine_memory_mb()
-    fits = estimate_memory_mb(scene) < limit
+    limit = allowed_memory_mb(scene)
+    fits = estimate_memory_mb(scene) < limit .or. limit <= 0
   end function fits
 
   !> The plan, with predicted time and memory, before anything is solved.

@@ -86,7 +86,7 @@ contains
     run%position = mark%position
     run%position_before = mark%position_before
     run%stride = mark%stride
-    run%easy = mark%easy == 1
+    run%easy = mark%easy
     run%rotation_assembled = mark%rotation_assembled
     run%record%resumed = .true.
     run%record%steps = mark%steps
@@ -208,7 +208,7 @@ contains
     mark%position = run%position
     mark%position_before = run%position_before
     mark%stride = run%stride
-    mark%easy = merge(1, 0, run%easy)
+    mark%easy = run%easy
     mark%rotation_assembled = run%rotation_assembled
     mark%steps = run%record%steps
     mark%iterations = run%record%iterations

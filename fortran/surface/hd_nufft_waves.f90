@@ -100,7 +100,8 @@ contains
     if (u < -0.5_dp) nearest_turn = u + 1
   end function nearest_turn
 
-  !> Nearest whole number, for sizes below 2^51: unlike anint a few operations that compilers vectorise.
+  !> Nearest whole number, for sizes below 2^51: unlike anint a few operations that compilers
+  !> vectorise; here again because they do not across files.
   elemental real(dp) function whole(x)
     real(dp), intent(in) :: x    !< number
     whole = (x + 6755399441055744._dp) - 6755399441055744._dp

@@ -1,30 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mesh, load steps, time and memory for a tolerance, as hdengine.x --plan tells them."""
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
-from ._engine import FileError, InputError
-from .contact import read_scene
+from . import _engine
+from ._engine import FileError
+from .contact import _assignments, read_scene
 from .study import Study
 
 TOLERANCE = 0.1  # where the scene names none
-
-
-def executable():
-    """Path of hdengine.x: beside this Python, else on the PATH.
-
-    Raises
-    ------
-    FileError
-        There is none.
-    """
-    beside = Path(sys.executable).with_name("hdengine.x")
-    found = str(beside) if beside.exists() else shutil.which("hdengine.x")
-    if not found:
-        raise FileError("hdengine.x is neither beside this Python nor on the PATH; it comes with the package hdengine")
-    return found
 
 
 def plan(path, tolerance=None, keys=None):
@@ -46,7 +29,7 @@ def plan(path, tolerance=None, keys=None):
     Raises
     ------
     InputError, FileError
-        The input is not valid; there is no hdengine.x.
+        The input is not valid or cannot be read.
     """
     path, keys = Path(path), dict(keys or {})
     if not path.is_file():
@@ -62,8 +45,5 @@ def plan(path, tolerance=None, keys=None):
         tolerance = TOLERANCE
     if tolerance is not None:
         keys["run.tolerance"] = tolerance
-    words = [f"{k}={','.join(map(str, v)) if isinstance(v, (list, tuple)) else v}" for k, v in keys.items()]
-    done = subprocess.run([executable(), str(path), "--plan", *words], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise InputError(done.stderr.strip().removeprefix("error: "))
-    return head + done.stdout.rstrip()
+    text = _engine.call("scene_plan", str(path), "\n".join(_assignments(keys)))
+    return head + text.decode().rstrip()

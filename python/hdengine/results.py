@@ -20,6 +20,20 @@ def read_csv(path):
         raise FileError(f"'{path}' cannot be read: {e}") from None
 
 
+def read_summary(folder):
+    """summary.json of a finished run.
+
+    Raises
+    ------
+    FileError
+        There is none.
+    """
+    path = Path(folder) / "summary.json"
+    if not path.is_file():
+        raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
+    return json.loads(path.read_text())
+
+
 def long_axis(facets, shape, positions, band_length):
     """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
     z = (np.arange(shape[1]) + 0.5) * band_length / shape[1]
@@ -49,10 +63,7 @@ class Result:
 
     def __init__(self, folder):
         self.folder = Path(folder)
-        path = self.folder / "summary.json"
-        if not path.is_file():
-            raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
-        self.summary = json.loads(path.read_text())
+        self.summary = read_summary(folder)
         self.steps = read_csv(self.folder / "steps.csv")
         self.history = read_csv(self.folder / "history.csv")
         table = read_csv(self.folder / "contact.csv")

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from . import _engine
-from ._engine import FileError, InputError
+from ._engine import InputError
 from .contact import _assignments
-from .results import read_csv
+from .results import read_csv, read_summary
 from .roughness import Fit
 from .specimen import JointSurface, Specimen
 
@@ -64,10 +64,7 @@ class SurfaceResult:
 
     def __init__(self, folder):
         self.folder = Path(folder)
-        path = self.folder / "summary.json"
-        if not path.is_file():
-            raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
-        self.summary = json.loads(path.read_text())
+        self.summary = read_summary(folder)
         fits, spacing = self.summary["fits"], tuple(self.summary["spacing_m"])
         specimens = []
         for file, name in (("heights.npy", "generated"), ("first.npy", "first"), ("second.npy", "second")):

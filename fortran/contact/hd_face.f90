@@ -4,7 +4,7 @@ module hd_face
   use hd_kinds, only: dp
   implicit none
   private
-  public :: face_t, shape_facet, shape_corner, facet_weights
+  public :: face_t, shape_facet, shape_corner
 
   !> Facets are quadrilaterals of 4 or 8 nodes; geometry on the chart is bilinear in the corners.
   type :: face_t
@@ -35,12 +35,4 @@ contains
     n(5:7:2) = (1 - xi(1)**2)*(1 + xi(2)*[-1, 1])/2
     n(6:8:2) = (1 - xi(2)**2)*(1 + xi(1)*[1, -1])/2
   end function shape_facet
-
-  !> Shares of a uniform load that the nodes of a rectangular facet take (sum 1).
-  pure function facet_weights(nodes) result(w)
-    integer, intent(in) :: nodes  !< 4 or 8
-    real(dp) :: w(nodes)
-    w = 0.25_dp
-    if (nodes == 8) w = [spread(-1/12._dp, 1, 4), spread(1/3._dp, 1, 4)]
-  end function facet_weights
 end module hd_face

@@ -25,6 +25,7 @@ module hd_drive
     type(strip_t) :: ring, cup               !< meridian sections
     integer :: b_ring = 1, b_cup = 2         !< their bodies
     type(face_t) :: face                     !< contact face of the slave
+    type(face_t) :: rim                      !< outside of the rim, nodes numbered in the cup
     integer :: axial_facets = 0              !< facets of that face along the axis
     real(dp) :: radius = 0                   !< contact radius [m]
     real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
@@ -47,7 +48,7 @@ contains
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
     type(body_t) :: bodies(2)
-    type(face_t) :: slave, master, inside, rim
+    type(face_t) :: slave, master, inside
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -69,7 +70,7 @@ contains
       call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
-      call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, rim)
+      call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
     end associate
     drive%axial_facets = size(drive%ring%inner, 2) - 1
     if (scene%slave == 'cup') then
@@ -94,7 +95,7 @@ contains
     end if
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
-    call load_rim(scene, rim, drive)
+    call load_rim(scene, drive)
     call renew_drive(scene, drive, error)
   end subroutine new_drive
 
@@ -119,11 +120,11 @@ contains
     c(3, :) = body%x(3, :)
   end function cylindrical
 
-  !> Last station of the cup that belongs to the rim.
+  !> First station of the cup at or behind the end of the rim.
   pure integer function rim_end(scene, cup)
     type(scene_t), intent(in) :: scene  !< scene
     type(strip_t), intent(in) :: cup    !< section
-    rim_end = max(2, count(cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. cup%outer(1, :) >= scene%bore_radius))
+    rim_end = 1 + count(cup%outer(2, :) < scene%rim_length*(1 - 1e-9_dp) .and. cup%outer(1, :) >= scene%bore_radius)
   end function rim_end
 
   !> Meridian section of the ring.
@@ -265,19 +266,18 @@ contains
   end subroutine turn_cam
 
   !> Unit torque on the rim's outer face.
-  subroutine load_rim(scene, rim, drive)
+  subroutine load_rim(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
-    type(face_t), intent(in) :: rim        !< outside of the rim
     type(drive_t), intent(inout) :: drive  !< gets torque, squeeze, gauge
     integer :: first
     first = drive%problem%first(drive%b_cup)
     allocate (drive%gauge(3, drive%problem%n), source=0._dp)
     drive%squeeze = drive%gauge
     associate (body => drive%problem%bodies(drive%b_cup), last => first + drive%problem%bodies(drive%b_cup)%nodes())
-      drive%gauge(:, first + 1:last) = even_shear(body, rim)
+      drive%gauge(:, first + 1:last) = even_shear(scene, body, drive%rim)
       drive%torque = drive%gauge
       if (scene%torque_load == 'teeth') &
-        call tooth_forces(scene, body, rim, drive%torque(:, first + 1:last), drive%squeeze(:, first + 1:last))
+        call tooth_forces(scene, body, drive%rim, drive%torque(:, first + 1:last), drive%squeeze(:, first + 1:last))
     end associate
   end subroutine load_rim
 

@@ -3,26 +3,28 @@
 module hd_rim_load
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, axial_moment
-  use hd_face, only: face_t, facet_weights, shape_facet
+  use hd_face, only: face_t, shape_facet
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: even_shear, tooth_forces
+  public :: even_shear, tooth_forces, add_rim_line
+
+  real(dp), parameter :: gauss(2) = [-1, 1]/sqrt(3._dp)
 
 contains
 
   !> Even shear with a unit moment about the axis.
-  pure function even_shear(body, face) result(force)
-    type(body_t), intent(in) :: body  !< flexspline
-    type(face_t), intent(in) :: face  !< outside of the rim, nodes numbered in the body
-    real(dp) :: force(3, body%nodes()), area
-    integer :: f
+  pure function even_shear(scene, body, face) result(force)
+    type(scene_t), intent(in) :: scene  !< where the rim ends
+    type(body_t), intent(in) :: body    !< flexspline
+    type(face_t), intent(in) :: face    !< outside of the rim, nodes numbered in the body
+    real(dp) :: force(3, body%nodes())
+    integer :: s, g
     force = 0
-    do f = 1, size(face%nodes, 2)
-      area = (face%chart(1, 2, f) - face%chart(1, 1, f))*(face%chart(2, 4, f) - face%chart(2, 1, f))
-      associate (list => face%nodes(:, f))
-        force(2, list) = force(2, list) + facet_weights(size(list))*area
-      end associate
+    do s = 0, scene%divisions - 1
+      do g = 1, 2
+        call add_rim_line(scene, body, face, s + (1 + gauss(g))/2, force(2, :))
+      end do
     end do
     force = force/axial_moment(body, force)
   end function even_shear
@@ -31,32 +33,44 @@ contains
   pure subroutine tooth_forces(scene, body, face, tangential, radial)
     type(scene_t), intent(in) :: scene              !< scene
     type(body_t), intent(in) :: body                !< flexspline
-    type(face_t), intent(in) :: face                !< outside of the rim, axial facets first, then round the axis
+    type(face_t), intent(in) :: face                !< outside of the rim, nodes numbered in the body
     real(dp), intent(out) :: tangential(:, :)       !< forces along the rim with a unit moment (3, nodes) [1/m]
     real(dp), intent(out) :: radial(:, :)           !< inward forces that go with them (3, nodes) [1/m]
-    real(dp), parameter :: eta(2) = [-1, 1]/sqrt(3._dp)
-    real(dp) :: place, xi, n(size(face%nodes, 1))
-    integer :: tooth, lobe, sector, rows, sectors, f, g, i, half
+    integer :: tooth, lobe, half
     tangential = 0
     radial = 0
     half = scene%tooth_pairs/2
-    sectors = scene%divisions
-    rows = size(face%nodes, 2)/sectors
     do lobe = 0, 1
       do tooth = 1, half
-        place = sectors*(0.5_dp*lobe + (tooth - 0.5_dp*(half + 1))/scene%teeth)
-        sector = floor(place + 1e-9_dp)
-        xi = 2*(place - sector) - 1
-        do i = 1, rows
-          f = rows*modulo(sector, sectors) + i
-          do g = 1, 2
-            n = shape_facet(size(n), [xi, eta(g)])*(face%chart(2, 4, f) - face%chart(2, 1, f))/2
-            tangential(2, face%nodes(:, f)) = tangential(2, face%nodes(:, f)) + n
-          end do
-        end do
+        call add_rim_line(scene, body, face, scene%divisions*(0.5_dp*lobe + (tooth - 0.5_dp*(half + 1))/scene%teeth), &
+          tangential(2, :))
       end do
     end do
     tangential = tangential/axial_moment(body, tangential)
     radial(1, :) = -tan(scene%pressure_angle_deg*pi/180)*tangential(2, :)
   end subroutine tooth_forces
+
+  !> Add the nodal weights of an even load along one meridian of the rim, from the opening to where the rim ends.
+  pure subroutine add_rim_line(scene, body, face, place, weight)
+    type(scene_t), intent(in) :: scene  !< where the rim ends
+    type(body_t), intent(in) :: body    !< flexspline
+    type(face_t), intent(in) :: face    !< outside of the rim, axial facets first, then round the axis
+    real(dp), intent(in) :: place        !< meridian, in sectors from theta = 0
+    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by the length of the rim [m]
+    real(dp) :: z(2), part, xi(2)
+    integer :: sector, rows, f, g
+    rows = size(face%nodes, 2)/body%sectors
+    sector = floor(place + 1e-9_dp)
+    xi(1) = 2*(place - sector) - 1
+    do f = rows*modulo(sector, body%sectors) + 1, rows*modulo(sector, body%sectors) + rows
+      z = face%chart(2, [1, 4], f)
+      part = min((scene%rim_length - z(1))/(z(2) - z(1)), 1._dp)
+      do g = 1, 2
+        xi(2) = part*(1 + gauss(g)) - 1
+        associate (list => face%nodes(:, f))
+          weight(list) = weight(list) + shape_facet(size(list), xi)*part*(z(2) - z(1))/2
+        end associate
+      end do
+    end do
+  end subroutine add_rim_line
 end module hd_rim_load

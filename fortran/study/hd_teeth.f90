@@ -7,14 +7,14 @@
 !> phi rotation of the hub, c closing of the free teeth per rotation, F compliance, K_0 stiffness of the hub without teeth.
 module hd_teeth
   use hd_kinds, only: dp, pi
+  use hd_body, only: axial_moment
   use hd_drive, only: drive_t, drive_load
   use hd_error, only: error_t, raise, code_not_converged
-  use hd_face, only: face_t, shape_facet
   use hd_lapack, only: solve_dense
   use hd_linear_solver, only: linear_solver_t
   use hd_newton, only: respond
   use hd_problem, only: state_t, load_t, gap_and_slip, internal_residual
-  use hd_revolution, only: strip_face
+  use hd_rim_load, only: add_rim_line
   use hd_scene, only: scene_t
   implicit none
   private
@@ -74,39 +74,26 @@ contains
     teeth%hub_rate = sum(r(2, drive%hub)*load%displacement(2, drive%hub))
   end subroutine new_teeth
 
-  !> Unit forces: even along the rim, between two meridians of the mesh by their shape functions, along the tooth's normal.
+  !> Unit forces: even along the rim, between two meridians of the mesh by their shape functions, along the tooth's normal,
+  !> with the arm of the rim's outside.
   subroutine place_teeth(scene, drive, sense, teeth)
     type(scene_t), intent(in) :: scene       !< scene
     type(drive_t), intent(in) :: drive       !< its cup
     real(dp), intent(in) :: sense            !< sense of the torque, +1 or -1
     type(teeth_t), intent(inout) :: teeth    !< gets pattern
-    type(face_t) :: rim
-    real(dp), parameter :: eta(2) = [-1, 1]/sqrt(3._dp)
-    real(dp) :: place, angle
-    real(dp), allocatable :: w(:)
-    integer :: i, f, g, k, rows, sector, last
-    last = max(2, count(drive%cup%outer(2, :) <= scene%rim_length*(1 + 1e-9_dp) .and. &
-      drive%cup%outer(1, :) >= scene%bore_radius))
-    call strip_face(drive%cup, drive%problem%bodies(drive%b_cup), drive%cup%layers + 1, 1, last, drive%radius, rim)
-    rows = last - 1
+    real(dp) :: angle
+    integer :: i
     angle = scene%pressure_angle_deg*pi/180
     teeth%pattern = 0
-    do i = 1, teeth%n
-      place = scene%divisions*modulo(teeth%theta(i)/(2*pi), 1._dp)
-      sector = min(int(place), scene%divisions - 1)
-      do f = rows*sector + 1, rows*(sector + 1)
-        do g = 1, 2
-          w = shape_facet(size(rim%nodes, 1), [2*(place - sector) - 1, eta(g)])* &
-            (rim%chart(2, 4, f) - rim%chart(2, 1, f))/2
-          do k = 1, size(w)
-            associate (node => drive%problem%first(drive%b_cup) + rim%nodes(k, f))
-              teeth%pattern(:2, node, i) = teeth%pattern(:2, node, i) + w(k)*[sin(angle), sense*cos(angle)]
-            end associate
-          end do
-        end do
+    associate (cup => drive%problem%bodies(drive%b_cup), first => drive%problem%first(drive%b_cup))
+      do i = 1, teeth%n
+        associate (line => teeth%pattern(:, first + 1:first + cup%nodes(), i))
+          call add_rim_line(scene, cup, drive%rim, scene%divisions*modulo(teeth%theta(i)/(2*pi), 1._dp), line(2, :))
+          line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(cup, line)
+          line = spread([sin(angle), sense*cos(angle), 0._dp], 2, cup%nodes())*spread(line(2, :), 1, 3)
+        end associate
       end do
-      teeth%pattern(:, :, i) = teeth%pattern(:, :, i)/(sum(abs(teeth%pattern(2, :, i)))/cos(angle))
-    end do
+    end associate
   end subroutine place_teeth
 
   !> Approach of the flanks by a displacement field [m].

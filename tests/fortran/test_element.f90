@@ -3,7 +3,7 @@ module test_element
   use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_face, only: face_t, facet_weights
+  use hd_face, only: face_t
   use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i, nodes_per_element, shape_hexahedron
   use hd_kinds, only: dp
   use hd_newton, only: iterate, iteration_t, newton_options_t
@@ -194,4 +194,12 @@ contains
     f = -2*(1 + nu)*m(1, 5)*r - 4*nu*m(2, 5)*r**3 + 2*(1 + nu)*m(3, 5)/r**3 + 4*m(4, 5)/r
     michell = f/e
   end function michell
+
+  !> Shares of a uniform load that the nodes of a rectangular facet of 4 or 8 nodes take (sum 1).
+  pure function facet_weights(nodes) result(w)
+    integer, intent(in) :: nodes
+    real(dp) :: w(nodes)
+    w = 0.25_dp
+    if (nodes == 8) w = [spread(-1/12._dp, 1, 4), spread(1/3._dp, 1, 4)]
+  end function facet_weights
 end module test_element

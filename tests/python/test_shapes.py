@@ -82,3 +82,9 @@ def test_free_ring_is_held_softly(exe, tmp_path):
     solve(exe, tmp_path / "r.out", "wave_generator.ring_tangent=free", "contact.friction=0.5")
     done = call(exe, CD14, *SMALL, "wave_generator.ring_tangent=free", "load.support=bearing", "--out", tmp_path / "x", "-q")
     assert done.returncode == 2 and "nothing takes the torque" in done.stderr
+
+
+def test_rim_ends_between_rows(exe, tmp_path):
+    """The loaded rim ends where the scene says, not at a row of nodes: 7, 10 and 16 rows give one rotation to 1 %."""
+    rotation = [solve(exe, tmp_path / f"{rows}.out", f"mesh.band_facets={rows}").steps["rotation_rad"][-1] for rows in (7, 10, 16)]
+    assert max(rotation) < 1.01 * min(rotation)

@@ -57,14 +57,15 @@ def test_both_senses_of_torque_are_alike(exe, tmp_path):
 
 
 def test_stiff_teeth_leave_the_cup(exe, tmp_path):
-    """Softer pairs lower K_FTS; with rigid ones and a held ring what remains lies below tube and bottom in series."""
+    """Softer pairs lower K_FTS; with rigid ones what remains lies below the tube behind the held ring and the bottom in series."""
     stiffness = []
     for k in ("1e7", "1.25e8", "1e13"):
         steps, _ = solve(exe, tmp_path / k, f"load.tooth_stiffness={k}")
         stiffness.append(steps["torque_nm"][-1] / steps["rotation_rad"][-1])
     assert stiffness[0] < stiffness[1] < stiffness[2]
     g, r, s = 209e9 / 2.59, 17.5e-3, hdengine.load(tmp_path / "1e13").scene
-    tube = 2 * np.pi * g * r**3 * s["geometry.wall_thickness"] / (s["geometry.cup_length"] - s["geometry.rim_length"])
+    tube = 2 * np.pi * g * r**3 * s["geometry.wall_thickness"] / (
+        s["geometry.cup_length"] - s["geometry.band_start"] - s["geometry.band_length"])
     bottom = 4 * np.pi * g * s["geometry.bottom_thickness"] / (1 / s["geometry.hub_radius"]**2 - 1 / r**2)
     assert 0.5 < stiffness[2] * (1 / tube + 1 / bottom) < 1.05
 

@@ -141,14 +141,32 @@ contains
     end do
   end subroutine strip_face
 
-  !> Append n equal intervals after the last entry of a list of coordinates.
-  pure subroutine append_intervals(list, last, n)
-    real(dp), allocatable, intent(inout) :: list(:)  !< coordinates, grows by n [m]
+  !> Append n equal intervals after the last entry of a list of coordinates. The first and the last may be divided further, each
+  !> part about half as long as the one before, down to a given length at their outer ends.
+  pure subroutine append_intervals(list, last, n, first_end, last_end)
+    real(dp), allocatable, intent(inout) :: list(:)  !< coordinates [m]
     real(dp), intent(in) :: last                     !< new last coordinate [m]
-    integer, intent(in) :: n                         !< intervals (nothing is added for 0)
-    real(dp) :: start
+    integer, intent(in) :: n                         !< equal intervals (nothing is added for 0)
+    real(dp), intent(in) :: first_end, last_end      !< shortest parts of the first and the last; 0: whole [m]
+    real(dp) :: start, length
     integer :: i
+    if (n == 0) return
     start = list(size(list))
-    list = [list, [(start + (last - start)*i/n, i=1, n)]]
+    length = (last - start)/n
+    list = [list, start + parts(merge(length, 0.5_dp*length, n > 1 .or. last_end <= 0), first_end), &
+      [(start + length*i, i=1, n - 1)]]
+    associate (back => parts(merge(length, 0.5_dp*length, n > 1 .or. first_end <= 0), last_end))
+      list = [list, last - back(size(back):1:-1), last]
+    end associate
+  contains
+    !> Lengths from the outer end, the shortest first.
+    pure function parts(whole, shortest) result(x)
+      real(dp), intent(in) :: whole, shortest  !< [m]
+      real(dp), allocatable :: x(:)
+      integer :: k
+      k = 0
+      if (shortest > 0) k = max(0, nint(log(whole/shortest)/log(2._dp)))
+      x = [(whole*(shortest/whole)**(real(i, dp)/k), i=k, 1, -1)]
+    end function parts
   end subroutine append_intervals
 end module hd_revolution

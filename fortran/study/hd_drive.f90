@@ -134,7 +134,7 @@ contains
     real(dp), allocatable :: z(:)
     z = [scene%band_start]
     call append_intervals(z, scene%band_start + scene%band_length, &
-      merge(scene%ring_facets, scene%band_facets, scene%ring_facets > 0))
+      merge(scene%ring_facets, scene%band_facets, scene%ring_facets > 0), scene%edge_length, scene%edge_length)
     allocate (strip%inner(2, size(z)), strip%outer(2, size(z)))
     strip%inner(1, :) = scene%bore_radius - scene%ring_thickness
     strip%outer(1, :) = scene%bore_radius
@@ -149,25 +149,27 @@ contains
     type(strip_t), intent(out) :: strip     !< section
     integer, intent(out) :: first, last     !< stations at the ends of the contact band
     real(dp), allocatable :: z(:), r(:)
-    real(dp) :: h, corner, wall_start
+    real(dp) :: h, corner, wall_start, behind
     integer :: i, wall, bottom
     h = scene%band_length/scene%band_facets
     corner = scene%cup_length - scene%bottom_thickness
     z = [0._dp]
-    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)))
+    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)), 0._dp, scene%edge_length)
     first = size(z)
-    call append_intervals(z, scene%band_start + scene%band_length, scene%band_facets)
+    call append_intervals(z, scene%band_start + scene%band_length, scene%band_facets, scene%edge_length, scene%edge_length)
     last = size(z)
     wall_start = z(last)
+    behind = scene%edge_length
     if (scene%rim_length > wall_start .and. scene%rim_length < corner) then
-      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)))
+      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)), behind, 0._dp)
       wall_start = scene%rim_length
+      behind = 0
     end if
     wall = merge(scene%wall_elements, max(1, nint((corner - wall_start)/h)), scene%wall_elements > 0)
-    call append_intervals(z, corner, wall)
+    call append_intervals(z, corner, wall, behind, 0._dp)
     r = [scene%bore_radius]
     bottom = merge(scene%bottom_elements, max(1, nint((scene%bore_radius - scene%hub_radius)/h)), scene%bottom_elements > 0)
-    call append_intervals(r, scene%hub_radius, bottom)
+    call append_intervals(r, scene%hub_radius, bottom, 0._dp, 0._dp)
     wall = size(z)
     allocate (strip%inner(2, wall + bottom), strip%outer(2, wall + bottom))
     do i = 1, wall

@@ -37,7 +37,7 @@ module hd_facets
     real(dp) :: lobe_force_x = 0       !< int p |cos theta| dA within 45 degrees of the long axis [N]
     real(dp) :: contact_area = 0       !< [m^2]
     real(dp) :: pressure_max = 0       !< at a node [Pa]
-    real(dp) :: pressure_middle = 0    !< mean over the middle of the band [Pa]
+    real(dp) :: pressure_middle = 0    !< mean over the middle fifth of the band [Pa]
     real(dp) :: friction_torque = 0    !< of the ring on the flexspline, pressure on a formed bore included [N m]
     real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
     real(dp) :: torque_balance = 0     !< sum of all moments about the axis [N m]
@@ -105,11 +105,32 @@ contains
         end associate
       end do
     end associate
-    call evaluate_joint(joint, facets%traction(1, :), hypot(facets%traction(2, :), facets%traction(3, :)), facets%area, &
-      response)
+    call evaluate_joint(joint, facets%traction(1, :), below_slip(joint%mu*facets%traction(1, :), &
+      hypot(facets%traction(2, :), facets%traction(3, :))), facets%area, response)
     facets%k_n = response%k_n
     facets%k_t = response%k_t
   end subroutine evaluate_facets
+
+  !> Shear of a facet for its joint. All its points slip where it equals mu p but for rounding: K_T jumps to 0 there, so that
+  !> rounding would decide; the facet counts with the limit from below, as its neighbours do whose points slip apart.
+  elemental real(dp) function below_slip(limit, shear) result(q)
+    real(dp), intent(in) :: limit  !< mu p [Pa]
+    real(dp), intent(in) :: shear  !< of the facet [Pa]
+    q = shear
+    if (abs(shear - limit) <= 1e-6_dp*limit) q = (1 - 1e-6_dp)*limit
+  end function below_slip
+
+  !> Mean pressure of the middle fifth of the band: a region that does not change with the mesh.
+  pure real(dp) function middle_pressure(drive, facets) result(p)
+    type(drive_t), intent(in) :: drive    !< drive
+    type(facets_t), intent(in) :: facets  !< its facets
+    real(dp) :: z(2, size(facets%area)), middle, half, part(size(facets%area))
+    z = drive%face%chart(2, [1, 3], :)
+    middle = 0.5_dp*(minval(z) + maxval(z))
+    half = 0.1_dp*(maxval(z) - minval(z))
+    part = max(0._dp, min(z(2, :), middle + half) - max(z(1, :), middle - half))/(z(2, :) - z(1, :))*facets%area
+    p = sum(part*facets%traction(1, :))/sum(part)
+  end function middle_pressure
 
   !> Sums over the contact, and the balance of the whole.
   subroutine sum_up(drive, load, state, facets, sums)
@@ -120,7 +141,7 @@ contains
     type(sums_t), intent(out) :: sums       !< sums
     real(dp), allocatable :: r(:, :), theta(:), p(:)
     type(state_t) :: free
-    integer :: first, row, rows
+    integer :: first
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)
       theta = drive%reference(2, problem%mortar%node)
@@ -132,10 +153,7 @@ contains
       sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
       sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)
-      rows = drive%axial_facets
-      row = (rows + 1)/2
-      sums%pressure_middle = sum(facets%traction(1, row::rows) + facets%traction(1, rows + 1 - row::rows))/ &
-        (2*(size(facets%area)/rows))
+      sums%pressure_middle = middle_pressure(drive, facets)
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)

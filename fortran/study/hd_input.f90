@@ -229,11 +229,14 @@ contains
   !> reference scenes); condensation by harmonics keeps the stiffness, one band per harmonic and the compliance of the face.
   pure real(dp) function estimate_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
-    real(dp) :: h, stations, nodes, section, thick, rows
+    real(dp) :: h, stations, nodes, section, thick, rows, edge
     h = s%band_length/s%band_facets
-    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h
-    section = stations*(s%through_wall + 1) + (s%band_facets + 1)*(s%through_ring + 1)
-    rows = 3*(s%band_facets + 1)
+    edge = 0
+    if (s%edge_length > 0) edge = max(0._dp, anint(log(h/s%edge_length)/log(2._dp)))
+    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h + 4*edge
+    rows = s%band_facets + 1 + 2*edge
+    section = stations*(s%through_wall + 1) + rows*(s%through_ring + 1)
+    rows = 3*rows
     thick = max(s%through_wall, s%through_ring)
     if (s%element == 'hex20r') then
       section = 3.5_dp*section

@@ -41,6 +41,7 @@ module hd_scene
     ! mesh
     integer :: divisions = 86, band_facets = 15, ring_divisions = 0, ring_facets = 0, wall_elements = 0
     integer :: bottom_elements = 0, through_wall = 1, through_ring = 1
+    real(dp) :: edge_length = 0
     character(len=name_length) :: element = 'hex8i'
     real(dp) :: memory_limit_mb = 0
     ! wave generator

@@ -45,8 +45,14 @@ def _grid(result, name, step=-1):
 
 def _reference_z(result):
     """Distance of the facet rows from the front edge of the band [m]."""
-    length = result.scene["geometry.band_length"]
-    return (np.arange(result.shape[1]) + 0.5) * length / result.shape[1]
+    edges = result.row_edges()
+    return 0.5 * (edges[1:] + edges[:-1])
+
+
+def _band(axis, result, field, **keys):
+    """Colours of the facets (axis, angle) on the unrolled band; angle in degrees, axis in mm."""
+    angle = np.linspace(0, 360, result.shape[0] + 1)
+    return axis.pcolormesh(angle, 1e3 * result.row_edges(), field, **keys)
 
 
 def plot_positions(result):
@@ -72,10 +78,8 @@ def plot_band(result):
     """Contact pressure on the unrolled band, last step."""
     figure, axis = plt.subplots(figsize=(9, 4))
     p = _grid(result, "pressure_pa").T / 1e6
-    extent = (0, 360, 0, 1e3 * result.scene["geometry.band_length"])
     top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
-    image = axis.imshow(np.where(p > 0, p, np.nan), origin="lower", extent=extent, aspect="auto", cmap="viridis", vmin=0,
-                        vmax=top)
+    image = _band(axis, result, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top)
     axis.set_facecolor("0.9")
     axis.grid(False)
     axis.set_xticks(range(0, 361, 45))
@@ -98,8 +102,7 @@ def plot_steps(result, most=6):
     top = np.percentile(p[steps][p[steps] > 0], 98) if np.any(p[steps] > 0) else 1
     for axis, i in zip(axes.flat, steps):
         field = p[i].reshape(result.shape).T
-        image = axis.imshow(np.where(field > 0, field, np.nan), origin="lower", aspect="auto", vmin=0, vmax=top,
-                            extent=(0, 360, 0, 1e3 * result.scene["geometry.band_length"]))
+        image = _band(axis, result, np.where(field > 0, field, np.nan), vmin=0, vmax=top)
         axis.set_facecolor("0.9")
         axis.grid(False)
         axis.set_xticks(range(0, 361, 90))
@@ -132,15 +135,13 @@ def animate(result, path, most=25, fps=3):
 
     p, q = result.contact["pressure_pa"] / 1e6, result.contact["traction_theta_pa"] / 1e6
     frames = np.unique(np.linspace(0, len(p) - 1, most).round().astype(int))
-    extent = (0, 360, 0, 1e3 * result.scene["geometry.band_length"])
     top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
     shear = np.percentile(np.abs(q[p > 0]), 98) if np.any(p > 0) else 1
     figure, axes = plt.subplots(2, 1, figsize=(8, 5.4), sharex=True)
     images = []
     for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), ("viridis", "coolwarm"),
                                             ("pressure / MPa", "shear along θ / MPa")):
-        images.append(axis.imshow(np.zeros(result.shape).T, origin="lower", aspect="auto", extent=extent, vmin=low, vmax=high,
-                                  cmap=cmap))
+        images.append(_band(axis, result, np.zeros(result.shape).T, vmin=low, vmax=high, cmap=cmap))
         axis.set_facecolor("0.9")
         axis.grid(False)
         axis.set_ylabel("from front edge / mm")
@@ -150,7 +151,7 @@ def animate(result, path, most=25, fps=3):
 
     def show(i):
         for image, field in zip(images, (p, q)):
-            image.set_data(np.where(p[i] > 0, field[i], np.nan).reshape(result.shape).T)
+            image.set_array(np.where(p[i] > 0, field[i], np.nan).reshape(result.shape).T)
         load, torque = result.steps["load_factor"][i], result.torque_nm[i]
         axes[0].set_title(f"torque {torque:.3g} N m" if torque else f"assembly, {100 * load:.0f} %", fontsize=13)
 

@@ -34,9 +34,22 @@ def read_summary(folder):
     return json.loads(path.read_text())
 
 
+def row_edges(area, shape, band_length):
+    """Ends of the facet rows, from the front edge of the band [m]; rows may be shorter towards its edges (mesh.edge_length)."""
+    share = area.reshape(shape).sum(axis=0)
+    return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
+
+
+def facet_shear(facets, friction):
+    """Shear of the facets as the engine gives it to the joint [Pa]: where all points slip, just below mu p, not at it."""
+    shear, limit = np.hypot(facets["traction_theta_pa"], facets["traction_z_pa"]), friction * facets["pressure_pa"]
+    return np.where(abs(shear - limit) <= 1e-6 * limit, (1 - 1e-6) * limit, shear)
+
+
 def long_axis(facets, shape, positions, band_length):
     """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
-    z = (np.arange(shape[1]) + 0.5) * band_length / shape[1]
+    edges = row_edges(facets["area_m2"], shape, band_length)
+    z = 0.5 * (edges[1:] + edges[:-1])
     values = {}
     for i, place in enumerate(positions, 1):
         row = int(np.argmin(abs(z - place)))
@@ -104,6 +117,10 @@ class Result:
                                                   s["geometry.bore_radius"], s["wave_generator.w"])
         return k, paper
 
+    def row_edges(self):
+        """Ends of the facet rows, from the front edge of the band [m]."""
+        return row_edges(self.contact["area_m2"][0], self.shape, self.scene["geometry.band_length"])
+
     def rows(self):
         """One dict per load step with the columns of a study's table."""
         k, paper = self.torsional_stiffness()
@@ -124,12 +141,11 @@ class Result:
         """The contact fields as an xarray.Dataset over step, theta [rad] and z [m, from the band's front edge] (needs xarray)."""
         import xarray
 
-        length = self.scene["geometry.band_length"]
-        theta = np.arange(self.shape[0]) + 0.5, np.arange(self.shape[1]) + 0.5
+        theta, edges = np.arange(self.shape[0]) + 0.5, self.row_edges()
         fields = {name: (("step", "theta_rad", "z_m"), column.reshape(-1, *self.shape)) for name, column in self.contact.items()
                   if name.endswith(("_pa", "_m", "_m2", "_per_m")) and name != "z_m"}
         return xarray.Dataset(fields, {"step": self.steps["step"], "torque_nm": ("step", self.torque_nm),
-                                       "theta_rad": 2 * np.pi * theta[0] / self.shape[0], "z_m": length * theta[1] / self.shape[1]})
+                                       "theta_rad": 2 * np.pi * theta / self.shape[0], "z_m": 0.5 * (edges[1:] + edges[:-1])})
 
     @property
     def joint(self):
@@ -158,7 +174,7 @@ class Result:
             Low, median, high [N m/rad].
         """
         c = self.contact
-        shear = np.hypot(c["traction_theta_pa"], c["traction_z_pa"])
+        shear = facet_shear(c, self.scene["contact.friction"])
         place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("n_x", "n_y", "n_z")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)

@@ -10,6 +10,7 @@ from . import torsion
 from ._engine import InputError
 from .contact import read_scene
 from .joint import Joint
+from .results import facet_shear
 from .study import Study
 
 # key: (low, high, why); docs/sensitivity.md has the sources
@@ -68,7 +69,7 @@ class ContactField:
     def __init__(self, result, step=-1):
         self.scene = dict(result.scene)
         c = {name: column[step] for name, column in result.contact.items()}
-        self._load = c["pressure_pa"], np.hypot(c["traction_theta_pa"], c["traction_z_pa"]), c["area_m2"]
+        self._load = c["pressure_pa"], facet_shear(c, self.scene["contact.friction"]), c["area_m2"]
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
 

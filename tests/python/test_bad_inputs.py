@@ -211,7 +211,7 @@ error: unknown key 'divisons' in &mesh
   --> {f}:2:7
  2 | &mesh divisons = 20 /
    |       ^^^^^^^^ did you mean 'divisions'?  valid: divisions, band_facets, ring_divisions, ring_facets, wall_elements, \
-bottom_elements, through_wall, through_ring, element, memory_limit_mb
+bottom_elements, through_wall, through_ring, edge_length, element, memory_limit_mb
 """),
     "too_large": ("&mesh divisions = 100000, band_facets = 5000, memory_limit_mb = 1000 /\n", 6, None),
 }

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cells at the edges of the band, and what does not depend on the mesh."""
+import numpy as np
+import pytest
+
+import hdengine
+from conftest import ROOT
+
+CD14 = ROOT / "data/cd14.nml"
+ONE = {"load__assembly_steps": 1, "load__torque_steps": 1}
+
+
+def last(**keys):
+    """Last load step of the reference scene."""
+    with hdengine.Run(CD14, **ONE, **keys) as run:
+        for step in run:
+            pass
+    return step, (run.facets // run.axial_facets, run.axial_facets)
+
+
+def test_cells_halve_towards_the_edges():
+    """mesh.edge_length: each outer row is half its neighbour down to that length, the rows between and the area stay."""
+    plain, shape = last(mesh={"divisions": 24, "band_facets": 6})
+    fine, more = last(mesh={"divisions": 24, "band_facets": 6, "edge_length": 0.25e-3})
+    assert shape == (24, 6) and more == (24, 12)
+    rows = np.diff(hdengine.results.row_edges(fine.facets["area_m2"], more, 12e-3))
+    np.testing.assert_allclose(rows, 1e-3 * np.array([0.25, 0.25, 0.5, 1, 2, 2, 2, 2, 1, 0.5, 0.25, 0.25]), rtol=1e-9)
+    assert fine.facets["area_m2"].sum() == pytest.approx(plain.facets["area_m2"].sum(), rel=1e-12)
+
+
+def test_edge_cells_take_the_error_from_k_ts():
+    """Eight rows with cells of 30 um at the edges are nearer to K_TS = 2.64 MN m/rad (32 rows, same edges) than 16 rows without."""
+    edges, _ = last(mesh={"divisions": 44, "band_facets": 8, "edge_length": 30e-6})
+    plain, _ = last(mesh={"divisions": 92, "band_facets": 16})
+    assert abs(edges.k_ts_nm_per_rad - 2.64e6) < 0.75 * abs(plain.k_ts_nm_per_rad - 2.64e6)
+
+
+def test_rounding_does_not_decide_k_ts():
+    """Facets that slip as a whole count with the limit from below: none that is pressed has K_T = 0, half and full model agree."""
+    full, _ = last(mesh={"divisions": 44, "band_facets": 8}, solver={"symmetry": "full"})
+    half, _ = last(mesh={"divisions": 44, "band_facets": 8})
+    f = full.facets
+    assert np.all(f["k_t_n_per_m"][f["pressure_pa"] > 1e3] > 0)
+    assert half.k_ts_nm_per_rad == pytest.approx(full.k_ts_nm_per_rad, rel=1e-6)
+
+
+def test_mid_band_pressure_is_of_a_fixed_region():
+    """The mean pressure of the middle fifth of the band changes by less than 4 % from 10 to 20 rows of equal length."""
+    coarse, _ = last(mesh={"divisions": 44, "band_facets": 10})
+    fine, _ = last(mesh={"divisions": 92, "band_facets": 20})
+    assert coarse.sums["pressure_mid_mean_pa"] == pytest.approx(fine.sums["pressure_mid_mean_pa"], rel=0.04)

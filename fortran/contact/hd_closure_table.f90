@@ -6,6 +6,7 @@
 module hd_closure_table
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
+  use hd_micro_slip, only: micro_slip_t, new_micro_slip
   use hd_text, only: to_text
   implicit none
   private
@@ -16,7 +17,8 @@ module hd_closure_table
     real(dp), allocatable :: pressure(:)  !< rising [Pa]
     real(dp), allocatable :: log_p(:)     !< its logarithm
     real(dp), allocatable :: slope(:)     !< d ln p / d closure [1/m]
-    real(dp), allocatable :: log_kt(:)    !< ln of the tangential stiffness [Pa/m]
+    real(dp), allocatable :: log_kt(:)    !< ln of the tangential stiffness without shear [Pa/m]
+    type(micro_slip_t), allocatable :: micro   !< its fall under shear; absent: none before sliding
     real(dp) :: start = 0                 !< closure at which the pressure vanishes [m]
   end type closure_table_t
 
@@ -27,7 +29,8 @@ contains
     real(dp), intent(in) :: closure(:)                !< rising [m]
     real(dp), intent(in) :: pressure(:)               !< rising, > 0 [Pa]
     real(dp), intent(in) :: normal(:)                 !< dp / dclosure, > 0 [Pa/m]
-    real(dp), intent(in) :: tangential(:)             !< initial tangential stiffness, > 0 [Pa/m]
+    real(dp), intent(in) :: tangential(:, :)          !< k_t under shear [Pa/m]: one row > 0, without shear, or hd_micro_slip's
+    !< sampled_shares() of the bound; second index as pressure
     type(closure_table_t), intent(out) :: table       !< table
     type(error_t), allocatable, intent(out) :: error  !< not monotone
     real(dp) :: secant
@@ -36,14 +39,15 @@ contains
     if (n < 2) then
       call raise(error, code_input, 'the table of the interface law has '//to_text(n)//' rows; valid: 2 or more')
     else if (.not. (all(closure(2:) > closure(:n - 1)) .and. all(pressure(2:) > pressure(:n - 1)) .and. pressure(1) > 0 .and. &
-        all(normal > 0) .and. all(tangential > 0))) then
+        all(normal > 0) .and. all(tangential(1, :) > 0))) then
       call raise(error, code_input, 'closure and pressure of the interface law must rise, its stiffness must be above 0')
     end if
     if (allocated(error)) return
     table%closure = closure
     table%pressure = pressure
     table%log_p = log(pressure)
-    table%log_kt = log(tangential)
+    table%log_kt = log(tangential(1, :))
+    if (size(tangential, 1) > 1) table%micro = new_micro_slip(table%log_p, tangential)
     table%slope = normal/pressure
     do i = 1, n - 1
       secant = (table%log_p(i + 1) - table%log_p(i))/(closure(i + 1) - closure(i))

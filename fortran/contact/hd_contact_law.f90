@@ -9,6 +9,7 @@
 !> A rough joint takes the same form. Its pressure P(x) over the closure x = -gap gives  p - P(x*) = 0  with x* from
 !> P(x*) + c x* = p^ (the resolvent; max(0, p^) is its limit for a stiff joint). Shear follows the slip with the stiffness
 !> k_t(p) from the last step's tau_0 until Coulomb's bound:  tau - proj((k_t tau^ + c tau_0) / (k_t + c); mu P(x*)) = 0.
+!> Where the table knows how k_t falls as shear grows, the projection shortens by that slip too (hd_micro_slip): a radial return.
 !>
 !> A point that slipped along e_0 = tau_0/|tau_0| when the step began and slips by s = -|s| d turns meanwhile: d is the direction in
 !> the middle of the step, 2 d - e_0 that at its end (error of second order; d itself would be implicit Euler, of first order).
@@ -19,6 +20,7 @@ module hd_contact_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_closure_table, only: closure_table_t, resolve_pressure, stiffness_at_pressure
+  use hd_micro_slip, only: return_shear
   implicit none
   private
   public :: contact_law_t, contact_mode, evaluate_law
@@ -118,30 +120,50 @@ contains
     real(dp), intent(in) :: flex, flex_slope   !< tangential flexibility [m/Pa] and its derivative by p [m/Pa^2]
     real(dp), intent(inout) :: r(3), dw(3, 3), dt(3, 3)
     integer, intent(inout) :: state
-    real(dp) :: share, trial(2), by_p(2), tangent(2, 2), e(2), size, bound, slip(2), turned(2), turn(2, 2)
+    real(dp) :: share, trial(2), by_p(2), tangent(2, 2), e(2), size, turned(2), turn(2, 2), shear, by_size, shear_by_p
     real(dp), parameter :: one(2, 2) = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
     share = law%scale/(1 + law%scale*flex)
-    slip = w(2:) + flex*(t(2:) - anchor(2:))
-    call turn_slip(slip, lead, law%scale, turned, turn)
+    call turn_slip(w(2:) + flex*(t(2:) - anchor(2:)), lead, law%scale, turned, turn)
     trial = t(2:) - share*turned
     by_p = share*flex_slope*(share*turned - matmul(turn, t(2:) - anchor(2:)))
     size = norm2(trial)
-    bound = law%friction*p
+    call limit_shear(law, p, size, norm2(anchor(2:)), share*flex, share**2*flex_slope/law%scale, shear, by_size, &
+      shear_by_p, state)
     tangent = one
-    if (size <= bound) then
-      state = stick_state
+    if (shear >= size) then
       r(2:) = share*turned
     else
       e = trial/size
-      r(2:) = t(2:) - bound*e
-      tangent = bound/size*(tangent - spread(e, 2, 2)*spread(e, 1, 2))
-      by_p = matmul(tangent, by_p) + law%friction*e
+      r(2:) = t(2:) - shear*e
+      tangent = shear/size*one + (by_size - shear/size)*spread(e, 2, 2)*spread(e, 1, 2)
+      by_p = matmul(tangent, by_p) + shear_by_p*e
     end if
     dt(2:, 2:) = one - matmul(tangent, one - share*flex*turn)
     dw(2:, 2:) = share*matmul(tangent, turn)
     dt(2:, 1) = -by_p*lean
     dw(2:, 1) = by_p*lean*law%scale
   end subroutine add_friction
+
+  !> Shear under a trial shear: itself while it does not grow, shortened by micro-slip, or the bound.
+  pure subroutine limit_shear(law, p, trial, start, rigid, by_rigid, shear, by_trial, by_p, state)
+    type(contact_law_t), intent(in) :: law      !< law
+    real(dp), intent(in) :: p                   !< pressure [Pa]
+    real(dp), intent(in) :: trial, start        !< trial shear, and shear when the step began [Pa]
+    real(dp), intent(in) :: rigid, by_rigid     !< c / (k_t + c), 1 for the hard law, and its derivative by p [1/Pa]
+    real(dp), intent(out) :: shear              !< shear [Pa]
+    real(dp), intent(out) :: by_trial, by_p     !< its derivatives
+    integer, intent(out) :: state               !< stick or slip
+    real(dp) :: bound
+    bound = law%friction*p
+    shear = min(trial, bound)
+    by_trial = merge(1, 0, trial <= bound)
+    by_p = merge(0._dp, law%friction, trial <= bound)
+    if (allocated(law%joint) .and. start < min(trial, bound)) then
+      if (allocated(law%joint%micro)) call return_shear(law%joint%micro, p, bound, start, trial, rigid, by_rigid, shear, &
+        by_trial, by_p)
+    end if
+    state = merge(slip_state, stick_state, shear >= bound .and. shear < trial)
+  end subroutine limit_shear
 
   !> s' (see above), or s where nothing led, and its derivative.
   pure subroutine turn_slip(slip, lead, scale, turned, turn)

@@ -213,7 +213,7 @@ contains
     call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
       "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
     call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &
-      "joint.closure = 'nominal' with contact.law = 'joint'", s%zero_pressure)
+      "joint.closure = 'nominal' with a contact.law other than 'hard'", s%zero_pressure)
   contains
     subroutine need(condition, name, value, rule, limit)
       logical, intent(in) :: condition

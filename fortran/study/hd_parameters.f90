@@ -97,8 +97,9 @@ contains
     call number(t, 'contact', 'friction', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
     call number(t, 'contact', 'torque_friction', s%torque_friction, '', 0._dp, 10._dp, &
       'mu while the torque acts (large: no slip, to part slip from elasticity); 0: as friction', closed=.true.)
-    call text(t, 'contact', 'law', s%contact_law, 'hard joint', &
-      'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential)')
+    call text(t, 'contact', 'law', s%contact_law, 'hard joint joint_elastic', &
+      'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential); joint_elastic: k_t without ' // &
+      'its fall under shear')
     call number(t, 'contact', 'zero_pressure', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &
       "pressure at which the gap counts as 0 with the law 'joint'")
     call text(t, 'contact', 'slave', s%slave, 'ring cup', 'side that carries the multipliers and the facets of the results')

@@ -126,7 +126,7 @@ contains
     call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, error)
     if (.not. allocated(error)) then
       if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
-      if (run%scene%contact_law == 'joint') then
+      if (run%scene%contact_law /= 'hard') then
         allocate (run%drive%problem%law%joint)
         call scene_interface(run%scene, run%joint, run%drive%problem%law%joint, error)
       end if

@@ -8,6 +8,7 @@ module test_interface
   use hd_error, only: error_t
   use hd_face, only: face_t
   use hd_kinds, only: dp
+  use hd_micro_slip, only: sampled_shares
   use hd_problem, only: load_t, problem_t, state_t
   use test_contact, only: block, block_face, new_problem_of, solve
   implicit none
@@ -20,8 +21,10 @@ contains
 
   subroutine run_interface()
     call table_is_exact()
-    call law_tangent()
+    call law_tangent(exponential())
+    call law_tangent(mindlin())
     call shear_loop()
+    call mindlin_curve()
     call turning_shear()
     call pressed_blocks()
   end subroutine run_interface
@@ -33,9 +36,24 @@ contains
     real(dp) :: x(41)
     integer :: i
     x = [(h*0.4_dp*i, i=0, 40)]
-    call new_closure_table(x, p0*exp(x/h), p0*exp(x/h)/h, 0.8_dp*p0*exp(x/h)/h, table, error)
+    call new_closure_table(x, p0*exp(x/h), p0*exp(x/h)/h, reshape(0.8_dp*p0*exp(x/h)/h, [1, 41]), table, error)
     call check(.not. allocated(error), 'a rising table is accepted')
   end function exponential
+
+  !> The same, its k_t falling under shear as (1 - q/(mu p))^a; a = 1/3 (spheres, Mindlin) at x = 8 h, growing with x.
+  function mindlin() result(table)
+    type(closure_table_t) :: table
+    type(error_t), allocatable :: error
+    real(dp) :: x(41), share(size(sampled_shares())), k(size(share), 41)
+    integer :: i
+    share = sampled_shares()
+    do i = 1, 41
+      x(i) = h*0.4_dp*(i - 1)
+      k(:, i) = 0.8_dp*p0*exp(x(i)/h)/h*(1 - share)**((i - 1)/60._dp)
+    end do
+    call new_closure_table(x, p0*exp(x/h), p0*exp(x/h)/h, k, table, error)
+    call check(.not. allocated(error), 'a table over the shear is accepted')
+  end function mindlin
 
   !> The interpolation reproduces the exponential, its tangent and the resolvent; falling tables are refused.
   subroutine table_is_exact()
@@ -61,26 +79,29 @@ contains
     call check_close(worst(3), 0._dp, 1e-6_dp, 'the resolvent finds the closure under a trial pressure')
     call pressure_at_closure(table, -1.001_dp*h, p, k)
     call check_close(p, 0._dp, 0._dp, 'the faces part where the tangent of the first entry ends')
-    call new_closure_table([0._dp, 1._dp], [2._dp, 1._dp], [1._dp, 1._dp], [1._dp, 1._dp], bad, error)
+    call new_closure_table([0._dp, 1._dp], [2._dp, 1._dp], [1._dp, 1._dp], reshape([1._dp, 1._dp], [1, 2]), bad, error)
     call check(allocated(error), 'a falling table is refused')
   end subroutine table_is_exact
 
   !> The derivatives of the joint law agree with central differences in every state.
-  subroutine law_tangent()
+  subroutine law_tangent(table)
+    type(closure_table_t), intent(in) :: table
     type(contact_law_t) :: law
-    real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 4), c
-    real(dp) :: lead(2, 4)
+    real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 5), c
+    real(dp) :: lead(2, 5)
     integer :: i, k, state, seen(0:2)
     c = 1e13_dp
-    law = contact_law_t(frictional, 0.3_dp, c, exponential())
+    law = contact_law_t(frictional, 0.3_dp, c)
+    law%joint = table
     cases = reshape([-1e6_dp, 0.1e6_dp, 0.05e6_dp, 1e-6_dp, 0.1e-6_dp, 0.2e-6_dp, 0._dp, 0._dp, &       ! open
       20e6_dp, 1e6_dp, -1e6_dp, -4e-6_dp, 0.01e-6_dp, 0.02e-6_dp, 2e6_dp, 1e6_dp, &                     ! stick
       20e6_dp, 9e6_dp, -4e6_dp, -4e-6_dp, 3e-6_dp, -2e-6_dp, 2e6_dp, 1e6_dp, &                          ! slip
-      1e6_dp, -7e6_dp, 6e6_dp, -3e-6_dp, -5e-6_dp, 9e-6_dp, 0._dp, -1e6_dp], [8, 4])
-    lead = 1e6_dp*reshape([0._dp, 0._dp, 0.6_dp, 0.8_dp, 0.6_dp, -0.8_dp, 0._dp, 0._dp], [2, 4])
+      1e6_dp, -7e6_dp, 6e6_dp, -3e-6_dp, -5e-6_dp, 9e-6_dp, 0._dp, -1e6_dp, &
+      20e6_dp, 3e6_dp, 2e6_dp, -4e-6_dp, -0.1e-6_dp, 0.02e-6_dp, 2e6_dp, 1e6_dp], [8, 5])               ! stick, shear grows
+    lead = 1e6_dp*reshape([0._dp, 0._dp, 0.6_dp, 0.8_dp, 0.6_dp, -0.8_dp, 0._dp, 0._dp, 0._dp, 0._dp], [2, 5])
     worst = 0
     seen = 0
-    do k = 1, 4
+    do k = 1, 5
       t = cases(:3, k)
       w = cases(4:6, k)
       before = [0._dp, cases(7:, k)]
@@ -107,7 +128,8 @@ contains
     type(contact_law_t) :: law
     real(dp) :: t(3), u, old, tau, kt, p, worst, path(8)
     integer :: i, state, seen(0:2)
-    law = contact_law_t(frictional, 0.3_dp, 1e13_dp, exponential())
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp)
+    law%joint = exponential()
     p = p0*exp(8._dp)
     kt = 0.8_dp*p/h
     path = [0.2_dp, 0.35_dp, 0.6_dp, 0.4_dp, 0.1_dp, -0.5_dp, -0.4_dp, 0.7_dp]*h
@@ -128,6 +150,35 @@ contains
     call check(seen(stick_state) > 2 .and. seen(slip_state) > 2 .and. seen(open_state) == 0, 'the shear loop sticks and slips')
     call check_close(worst, 0._dp, 1e-10_dp, 'the joint law follows the elastoplastic loop of stiffness k_t and bound mu p')
   end subroutine shear_loop
+
+  !> Sheared from zero, Mindlin's joint follows q = mu p (1 - (1 - u/u_1)^(3/2)), u_1 = 3/2 mu p/k_t, whatever the steps, and slides
+  !> beyond; unloaded, it goes back with k_t.
+  subroutine mindlin_curve()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), u, exact, kt, p, worst, last
+    integer :: i, n, state
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp)
+    law%joint = mindlin()
+    p = p0*exp(8._dp)
+    kt = 0.8_dp*p/h
+    last = 1.5_dp*0.3_dp*p/kt
+    worst = 0
+    do n = 1, 9, 4
+      t = [p, 0._dp, 0._dp]
+      state = open_state
+      do i = 1, n + 1
+        u = last*i/n
+        call converge(law, [-8*h, -0.6_dp*last/n, -0.8_dp*last/n], t, state)
+        exact = 0.3_dp*p*(1 - max(0._dp, 1 - u/last)**1.5_dp)
+        worst = max(worst, norm2(t(2:) - exact*[0.6_dp, 0.8_dp])/p)
+        if (i < n) call check(state == stick_state, 'micro-slip is not sliding')
+      end do
+      call check(state == slip_state, 'past 3/2 mu p/k_t the joint slides')
+    end do
+    call check_close(worst, 0._dp, 1e-9_dp, "the joint law follows Mindlin's curve under growing shear, whatever the steps")
+    call converge(law, [-8*h, 0.06_dp*last, 0.08_dp*last], t, state)
+    call check_close(norm2(t(2:))/p, 0.3_dp*(1 - 0.15_dp), 1e-9_dp, 'unloaded, the joint goes back with k_t')
+  end subroutine mindlin_curve
 
   !> Tractions of a point whose gap and slip are given.
   subroutine converge(law, w, t, state)
@@ -151,7 +202,8 @@ contains
     type(contact_law_t) :: law
     real(dp) :: t(3), p, u, error(3), exact
     integer :: i, k, n, state
-    law = contact_law_t(frictional, 0.3_dp, 1e13_dp, exponential())
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp)
+    law%joint = exponential()
     p = p0*exp(8._dp)
     u = 1.5_dp*0.3_dp*h/0.8_dp
     exact = 2*atan(tan(0.6_dp)*exp(-1.5_dp))

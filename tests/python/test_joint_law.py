@@ -33,6 +33,25 @@ def test_facets_lie_on_the_curve_of_the_joint(exe, tmp_path):
     assert p.min() > 1e5 and np.abs(joint.closure(p)[0] + gap).max() < 2e-7 and np.ptp(gap) > 2e-7
 
 
+def test_shear_follows_the_partial_slip_of_the_asperities(exe, tmp_path):
+    """Pressed round and turned from no shear (no friction before), the facets of the front row follow u = int dq / k_T(P, q), to 1 %
+    of mu P, past half the slip limit; without the fall of k_t they miss it by 5 %, and the whole joint turns less."""
+    keys = ["wave_generator.w=0", "wave_generator.interference=1e-5", "load.support=bearing", "load.torque=9",
+            "load.torque_steps=4", "contact.friction=1e-9", "contact.torque_friction=0.15"]
+    runs = {law: solve(exe, tmp_path / law, *keys, f"contact.law={law}") for law in ("joint", "joint_elastic")}
+    joint = hdengine.Joint(fractal_dimension=2.5304, roughness=2.4248e-7, asperity_radius=5e-6, friction=0.15)
+    error = {}
+    for law, r in runs.items():
+        c, half = r.contact, -3
+        p, q = c["pressure_pa"][half], np.hypot(c["traction_theta_pa"], c["traction_z_pa"])[half]
+        u = np.hypot(c["slip_theta_m"][half] - c["slip_theta_m"][-5], c["slip_z_m"][half] - c["slip_z_m"][-5])
+        front = c["i_z"][half] == c["i_z"].min()
+        assert np.all(q[front] > 0.5 * 0.15 * p[front])
+        error[law] = np.abs(q - joint.shear(p, u)[0])[front].max() / (0.15 * p[front].max())
+    assert error["joint"] < 0.01 and error["joint_elastic"] > 0.05
+    assert np.all(runs["joint"].steps["rotation_rad"][-4:] > runs["joint_elastic"].steps["rotation_rad"][-4:])
+
+
 def test_a_stiff_joint_is_hard(exe, small_run, tmp_path):
     """The smaller zero_pressure's closure and the stiffer the joint, the closer to hard contact: G / 100 gives its force to 1 %."""
     hard = hdengine.load(small_run).steps["normal_force_n"][-1]

@@ -11,32 +11,15 @@ import numpy as np
 import hdengine
 from hdengine.catalogue import UNITS
 from hdengine.plot import plt
-from paper_comparison import ROOT, put, table
+from paper_comparison import BALLS, ROOT, ball_stiffness, put, table
 
 SCENE = str(ROOT / "data/teeth.nml")
-BALLS, DIAMETER, LOAD = 21, 3.2e-3, 15.0  # estimates: no source for this bearing; 15 N: radial tooth forces of 5 N m on five balls a lobe
-
-
-def ball_layer():
-    """Young's modulus of a ring that gives way radially as the balls do [Pa], and the stiffness of one ball [N/m].
-
-    Hertz, sphere between two planes: F = 4/3 E* sqrt(R) (d/2)^1.5; the layer is laterally confined.
-    """
-    e_star, scene = 209e9 / 2 / (1 - 0.3**2), hdengine.read_scene(SCENE)
-    factor = 4 / 3 * e_star * np.sqrt(DIAMETER / 2) / 2**1.5
-    ball = 1.5 * LOAD**(1 / 3) * factor**(2 / 3)
-    area = 2 * np.pi * scene["geometry.bore_radius"] * scene["geometry.band_length"]
-    nu = scene["material.ring_nu"]
-    return float(BALLS * ball / area * scene["geometry.ring_thickness"] * (1 + nu) * (1 - 2 * nu) / (1 - nu)), float(ball)
-
-
-LAYER, BALL = ball_layer()
 PARTS = (("flexspline rigid", {"material.flexspline_e": 2.09e14}), ("ring rigid", {"material.ring_e": 2.19e14}),
          ("pairs of teeth rigid", {"load.tooth_stiffness": 1e13}), ("ring held on the cam", {"wave_generator.ring_tangent": "follow"}),
          ("pressure angle 20°", {"load.pressure_angle_deg": 20.0}), ("pressure angle 30°", {"load.pressure_angle_deg": 30.0}),
          ("wall 0.32 mm", {"geometry.wall_thickness": 0.32e-3}))
 CAUSES = (("bonded ring adds no stiffness (E / 100)", {"material.ring_e": 2.19e9}),
-          (f"balls give way, {BALL / 1e6:.0f} N/µm each (soft ring, E = {LAYER / 1e6:.0f} MPa)", {"material.ring_e": LAYER}),
+          (f"balls give way, {ball_stiffness() / BALLS / 1e6:.0f} N/µm each", {"wave_generator.ball_stiffness": ball_stiffness()}),
           ("outermost teeth 10 µm open", {"load.tooth_clearance": 10e-6}), ("20 pairs in mesh", {"load.tooth_pairs": 20}),
           ("pairs half as stiff", {"load.tooth_stiffness": 6.25e7}), ("bottom 0.4 mm", {"geometry.bottom_thickness": 0.4e-3}),
           ("cup 26.7 mm long", {"geometry.cup_length": 26.7e-3}), ("hub radius 6 mm", {"geometry.hub_radius": 6e-3}))
@@ -75,7 +58,7 @@ def main():
     for _, change in CAUSES:
         keys.update(change)
         chain.append((solve(**keys), solve(**keys, **{"load.torque": 1.0})))
-    facts = {"base_nm_per_rad": base, "k3_nm_per_rad": k3, "ball_n_per_m": BALL, "alone_nm_per_rad": alone,
+    facts = {"base_nm_per_rad": base, "k3_nm_per_rad": k3, "ball_stiffness_n_per_m": ball_stiffness(), "alone_nm_per_rad": alone,
              "one_after_the_other_5_nm_1_nm": dict(zip((name for name, _ in CAUSES), chain))}
     (ROOT / "bench/results/tooth_causes.json").write_text(json.dumps(facts, indent=1) + "\n")
 

@@ -194,7 +194,8 @@ contains
     thickness = (1 - f)*scene%rim_thickness + f*scene%wall_thickness
   end function thickness
 
-  !> Supports. The wave generator prescribes the ring's inner face; the ring is held axially along the middle of that face.
+  !> Supports. The wave generator prescribes the ring's inner face, or the ends of the balls' springs that pull it. The ring is held
+  !> axially along the middle of that face.
   subroutine hold(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
@@ -202,7 +203,8 @@ contains
     real(dp) :: z, corner
     associate (problem => drive%problem)
       inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
-      problem%fixed(1, inner) = scene%ring_contact == 'tied'
+      problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
+      if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
       if (scene%ring_tangent == 'follow') then
         problem%fixed(2, inner) = .true.
       else if (scene%contact_mode /= 'bonded') then
@@ -226,6 +228,22 @@ contains
       end if
     end associate
   end subroutine hold
+
+  !> Springs of the balls between wave generator and ring, even over the ring's inner face (nodes at its edges hold half a row).
+  subroutine set_on_balls(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets springs
+    integer :: i, n
+    real(dp) :: rate
+    n = size(drive%ring%inner, 2)
+    associate (r => scene%bore_radius - scene%ring_thickness, z => drive%ring%inner(2, :))
+      rate = scene%ball_stiffness/(n - 1)/size(nodes_at(drive, drive%b_ring, r, z(1), z(1)))
+      do i = 1, n
+        call add_springs(drive%problem, nodes_at(drive, drive%b_ring, r, z(i), z(i)), 1, &
+          merge(0.5_dp, 1._dp, i == 1 .or. i == n)*rate)
+      end do
+    end associate
+  end subroutine set_on_balls
 
   !> Nodes of a body on a cylinder, between two heights.
   function nodes_at(drive, b, r, z_low, z_high) result(list)
@@ -292,6 +310,7 @@ contains
     integer :: m
     load%displacement = assembly*drive%assembly
     load%force = torque*drive%torque + abs(torque)*drive%squeeze
+    load%force(1, :) = load%force(1, :) + drive%problem%spring(1, :)*load%displacement(1, :)
     associate (mortar => drive%problem%mortar)
       m = mortar%n - mortar%rigid
       load%gap = [spread(-assembly*drive%interference, 1, m), -load%displacement(1, mortar%node(m + 1:))]

@@ -204,6 +204,8 @@ contains
       "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
     call need(s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), 'wave_generator.ring_contact', &
       s%w, "ring_contact = 'tied' with element = 'hex20r' or support = 'teeth'; w", s%w)
+    call need(.not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
+      'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i", 0._dp)
     call need(s%support /= 'bearing' .or. s%ring_tangent == 'follow' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
       'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
       'slides on the cam; otherwise', 0._dp)

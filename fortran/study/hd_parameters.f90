@@ -77,6 +77,8 @@ contains
       'inner face of the ring: inextensible displacement -(w/2) sin 2 theta, or free to slide')
     call text(t, 'wave_generator', 'ring_contact', s%ring_contact, 'tied unilateral', &
       'ring held on the wave generator, or pressed against it without tension and friction (hex8, hex8i)')
+    call number(t, 'wave_generator', 'ball_stiffness', s%ball_stiffness, 'N/m', 0._dp, big, &
+      'radial stiffness of all balls together, even over the inner face of a tied ring, linear; 0: rigid', closed=.true.)
     call text(t, 'wave_generator', 'shape', s%shape, 'pressed as_formed', &
       'round flexspline pressed onto the wave generator, or flexspline and ring stress-free in its shape')
     call number(t, 'wave_generator', 'cone_angle_deg', s%cone_angle_deg, 'deg', -10._dp, 10._dp, &

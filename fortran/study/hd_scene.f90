@@ -48,6 +48,7 @@ module hd_scene
     real(dp) :: w = 0.2e-3_dp
     character(len=name_length) :: cam = 'ellipse', ring_tangent = 'follow', ring_contact = 'tied', shape = 'pressed'
     real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
+    real(dp) :: ball_stiffness = 0
     ! contact
     character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
     real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp

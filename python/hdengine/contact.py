@@ -35,7 +35,7 @@ class Step:
         s = self.sums
         phase = "torque" if s["in_torque"] else f"assembly, {100 * s['load_factor']:.0f} %"
         return (f"Step {s['step']:.0f}: {phase}, {s['torque_nm']:.4g} N m, {s['iterations']:.0f} iterations\n"
-                f"  normal force {s['normal_force_n']:.4g} N   peak {s['pressure_max_pa'] / 1e6:.4g} MPa   contact area "
+                f"  normal force {s['normal_force_n']:.4g} N   peak {s['pressure_max_pa'] / 1e6:.4g} MPa (node)   contact area "
                 f"{1e6 * s['contact_area_m2']:.4g} mm^2\n"
                 f"  rotation {s['rotation_rad']:.3e} rad   K_TS (Eq. 45) {self.k_ts_nm_per_rad:.4g} N m/rad")
 

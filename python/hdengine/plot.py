@@ -85,7 +85,9 @@ def plot_band(result):
     axis.set_xticks(range(0, 361, 45))
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; highest facet {p.max():.0f} MPa)")
+    node = result.steps["pressure_max_pa"][-1] / 1e6
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; largest facet mean {p.max():.0f}, at a node "
+                   f"{node:.0f} MPa)", fontsize=13)
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
 

@@ -11,7 +11,7 @@ from .plot import plt
 LABELS = {  # column: (label, unit, factor)
     "torque_nm": ("torque", "N m", 1), "k_ts_nm_per_rad": ("$K_{TS}$ (Eq. 45)", "MN m/rad", 1e-6),
     "k_ts_normal_nm_per_rad": ("$K_{TS}$, normal part", "MN m/rad", 1e-6),
-    "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure", "MPa", 1e-6),
+    "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure at a node", "MPa", 1e-6),
     "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
     "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
     "k_fe_secant_nm_per_rad": ("FE secant torque / rotation", "kN m/rad", 1e-3),

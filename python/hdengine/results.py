@@ -201,7 +201,7 @@ class Result:
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
             f"{self.summary['model']['facets']} facets",
             f"  torque {self.torque_nm[-1]:.4g} N m   normal force {r['normal_force_n']:.4g} N   "
-            f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa   rotation {r['rotation_rad']:.3e} rad",
+            f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  K_TS (Eq. 45) {k[-1]:.4g} N m/rad   as printed {paper[-1]:.4g} N",
         ]
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])

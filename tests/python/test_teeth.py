@@ -87,3 +87,19 @@ def test_chords_of_a_catalogue_curve():
     t = np.array([0, 2, 5])
     k = stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm)
     assert k[:2] == pytest.approx([4.7e3, 6.1e3]) and np.isnan(k[2])
+
+
+def test_balls_between_wave_generator_and_ring(exe, tmp_path):
+    """Stiff balls (1e14 N/m) give the rigid wave generator's K_FTS to 1e-4, real ones (1.3e8 N/m) between 0.5 and 0.9 of it."""
+    rigid, stiff, real = (solve(exe, tmp_path / k, f"wave_generator.ball_stiffness={k}")[0]["rotation_rad"][-1] for k in ("0", "1e14", "1.3e8"))
+    assert stiff == pytest.approx(rigid, rel=1e-4) and 1 / 0.9 < real / rigid < 1 / 0.5
+
+
+def test_soft_balls_pull_with_their_stiffness(exe, tmp_path):
+    """Frictionless and round, an eccentricity e on balls of 1e4 N/m together pulls the cup sideways by 1e4 e / 2, to 2 %."""
+    keys = ["wave_generator.w=0", "wave_generator.eccentricity=1e-5", "wave_generator.ring_tangent=free", "contact.mode=frictionless",
+            "wave_generator.ball_stiffness=1e4", "load.torque=0", "load.assembly_steps=1"]
+    done = call(exe, ROOT / "data/cd14.nml", *MESH, *keys, "--out", tmp_path / "e", "-q")
+    assert done.returncode == 0, done.stderr
+    c = {name: field[-1] for name, field in hdengine.load(tmp_path / "e").contact.items()}
+    assert (c["pressure_pa"] * c["area_m2"] * np.cos(c["theta_rad"])).sum() == pytest.approx(1e4 * 1e-5 / 2, rel=0.02)

@@ -115,7 +115,8 @@ def main():
     steps = [n for row in rows for n in row.get("iterations", [])]
     by_option = {o: dict(Counter(outcome(r) for r in rows if o in r["keys"])) for o in options}
     record = {"seed": args.seed, "count": args.count, "outcomes": dict(classes), "outcomes_by_option": by_option, "iterations_per_step_median": statistics.median(steps),
-              "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_max": max(steps),
+              "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_95": float(np.quantile(steps, 0.95)),
+              "iterations_per_step_max": max(steps), "first_step_median": statistics.median(row["iterations"][0] for row in rows if row.get("iterations")),
               "cut_backs": sum(row.get("cut_backs", 0) for row in rows if row["code"] == 0), "scenes": rows}
     if args.start == 0:
         lines = ",\n".join(json.dumps(row) for row in rows)

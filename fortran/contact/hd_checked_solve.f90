@@ -10,7 +10,7 @@ module hd_checked_solve
   private
   public :: solve_checked
 
-  real(dp), parameter :: refine_above = 1e-2_dp  !< backward error from which a correction is refined
+  real(dp), parameter :: refine_above = 1e-4_dp  !< backward error from which a correction is refined
 
 contains
 

@@ -131,6 +131,7 @@ contains
     integer, allocatable :: list(:), mirrored(:)
     integer :: j
     f = r_c
+    call copy_to_images(self, f)
     if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
     call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
@@ -166,6 +167,31 @@ contains
     real(dp), intent(inout) :: f(:, :)      !< nodal vectors (3, n)
     if (self%symmetry%mirror > 0) f = (f + spread(mirror_sign, 2, size(f, 2))*f(:, self%image))/2
   end subroutine balance
+
+  !> Give images the law of the points they are images of: where the law bends, rounding would close a point and open its image.
+  subroutine copy_to_images(self, r_c)
+    class(condensed_t), intent(inout) :: self  !< gets the law of the images
+    real(dp), intent(inout) :: r_c(:, :)       !< residuals of the law
+    integer, allocatable :: list(:)
+    integer :: j
+    list = pack([(j, j=1, size(r_c, 2))], .not. self%symmetry%half_turn .or. self%sector < self%sectors/2)
+    if (self%symmetry%mirror > 0) call copy(pack(list, list < images(self, list, self%symmetry%mirror)), self%symmetry%mirror)
+    if (self%symmetry%half_turn) call copy(list, 0)
+  contains
+    subroutine copy(list, mirror)
+      integer, intent(in) :: list(:)  !< multipliers to copy from
+      integer, intent(in) :: mirror   !< operation, see images
+      integer :: image(size(list)), i
+      real(dp) :: sign(3)
+      image = images(self, list, mirror)
+      sign = merge(mirror_sign, [1._dp, 1._dp, 1._dp], mirror > 0)
+      do i = 1, size(list)
+        r_c(:, image(i)) = sign*r_c(:, list(i))
+        self%dw(:, :, image(i)) = self%dw(:, :, list(i))*spread(sign, 1, 3)*spread(sign, 2, 3)
+        self%dt(:, :, image(i)) = self%dt(:, :, list(i))*spread(sign, 1, 3)*spread(sign, 2, 3)
+      end do
+    end subroutine copy
+  end subroutine copy_to_images
 
   !> Points on the mirror plane get no circumferential shear, for the same reason.
   subroutine hold_on_plane(self, r_c)

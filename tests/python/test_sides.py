@@ -43,3 +43,16 @@ def test_ring_lifts_off_the_wave_generator(exe, tmp_path):
     b = results(exe, tmp_path / "b", *keys, "solver.method=newton")
     for key in ("cam_force_n", "cam_force_x_n", "cam_gap_max_m", "normal_force_n"):
         assert b[key] == pytest.approx(r[key], rel=1e-6), key
+
+
+def test_symmetric_scene_on_a_bend_of_the_law(exe, tmp_path):
+    """Where the cam neither presses nor opens (cos 2 theta = 0), rounding must not close a point and open its image: a quarter gives what the
+    whole face does, in as many iterations."""
+    keys = ["wave_generator.ring_contact=unilateral", "wave_generator.cam=cosine", "wave_generator.w=1e-5", "wave_generator.interference=48e-6",
+            "geometry.ring_thickness=2e-4", "mesh.divisions=32", "mesh.band_facets=4", "contact.friction=0.5", "load.assembly_steps=2",
+            "load.torque_steps=0"]
+    quarter, full = (results(exe, tmp_path / s, *keys, f"solver.symmetry={s}") for s in ("quarter", "full"))
+    for key in ("normal_force_n", "cam_force_n", "cam_gap_max_m"):
+        assert quarter[key] == pytest.approx(full[key], rel=1e-6), key
+    with (tmp_path / "quarter/steps.csv").open() as f:
+        assert sum(int(step["iterations"]) for step in csv.DictReader(f)) <= 30

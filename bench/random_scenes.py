@@ -66,7 +66,7 @@ def draw(seed, i):
     return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in keys.items()}
 
 
-def solve(keys, limit=120):
+def solve(keys, limit=400):
     """Outcome of a scene."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.out"

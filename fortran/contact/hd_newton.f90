@@ -301,11 +301,16 @@ contains
     here%merit = here%distance/scale
   end subroutine linearise
 
-  !> Shear of points that slip.
+  !> Shear of points that slip; without friction it is rounding and leads nowhere.
   pure function leads(state) result(lead)
     type(state_t), intent(in) :: state  !< beginning of a load step
     real(dp) :: lead(2, size(state%contact))
-    lead = merge(state%traction(2:, :), 0._dp, spread(state%contact == slip_state, 1, 2))
+    integer :: j
+    lead = 0
+    do j = 1, size(state%contact)
+      if (state%contact(j) /= slip_state) cycle
+      if (norm2(state%traction(2:, j)) > epsilon(lead)*state%traction(1, j)) lead(:, j) = state%traction(2:, j)
+    end do
   end function leads
 
   !> Traction components that act on prescribed dofs only, or on no facet opposite.

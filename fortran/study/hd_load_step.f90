@@ -171,6 +171,7 @@ contains
     else if (sliding) then
       sums%friction_torque = sum(run%drive%problem%mortar%area*trial%traction(2, :))*run%drive%radius
       slip_torque = abs(sums%friction_torque)
+      if (slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0  ! rounding: friction holds nothing
     end if
   end subroutine solve_part
 

@@ -173,7 +173,7 @@ contains
     integer :: i
     turned = slip
     turn = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
-    if (.not. any(abs(lead) > 0)) return
+    if (.not. norm2(lead) > 0) return   ! squares may vanish before numbers do
     e = lead/norm2(lead)
     size = norm2(slip)
     d = slip/max(size, tiny(size))

@@ -301,16 +301,11 @@ contains
     here%merit = here%distance/scale
   end subroutine linearise
 
-  !> Shear of points that slip; without friction it is rounding and leads nowhere.
+  !> Shear of points that slip.
   pure function leads(state) result(lead)
     type(state_t), intent(in) :: state  !< beginning of a load step
     real(dp) :: lead(2, size(state%contact))
-    integer :: j
-    lead = 0
-    do j = 1, size(state%contact)
-      if (state%contact(j) /= slip_state) cycle
-      if (norm2(state%traction(2:, j)) > epsilon(lead)*state%traction(1, j)) lead(:, j) = state%traction(2:, j)
-    end do
+    lead = merge(state%traction(2:, :), 0._dp, spread(state%contact == slip_state, 1, 2))
   end function leads
 
   !> Traction components that act on prescribed dofs only, or on no facet opposite.

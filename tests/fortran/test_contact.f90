@@ -60,6 +60,8 @@ contains
     end do
     call check(all(seen > 0), 'the cases of the tangent test cover open, stick and slip')
     call check_close(worst, 0._dp, 1e-8_dp, 'the derivatives of the contact law agree with differences')
+    call evaluate_law(law, [2._dp, 0._dp, 0._dp], none, none, [1e-170_dp, 0._dp], r, dw, dt, state)
+    call check(all(abs(r) <= 0) .and. all(abs(dw) < huge(worst)), 'a shear whose square vanishes leads nowhere')
   end subroutine law_tangent
 
   !> On cylinders that do not match, equal rigid motions give no relative displacement and the areas add up.

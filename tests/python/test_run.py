@@ -202,6 +202,15 @@ def test_no_body_is_held(exe, tmp_path):
     assert done.returncode == 4 and done.stderr.startswith("error: the flexspline is not held")
 
 
+def test_shear_of_rounding_holds_nothing(exe, tmp_path):
+    """A free flexspline without friction on an eccentric cam is not held; the load step is not cut to nothing for ever."""
+    done = call(exe, CD14, "mesh.divisions=24", "mesh.band_facets=4", "contact.friction=0", "load.assembly_steps=2", "load.support=bearing",
+                "wave_generator.shape=as_formed", "wave_generator.eccentricity=36e-6", "wave_generator.eccentricity_angle_deg=139",
+                "geometry.ring_thickness=1.3e-4", "geometry.wall_thickness=7.2e-4", "geometry.rim_thickness=9e-4", "wave_generator.w=8.5e-5",
+                "load.torque=-0.23", "output.vtu=none", "solver.time_limit_s=30", "--out", tmp_path / "b", "-q")
+    assert done.returncode == 4 and "not held" in done.stderr, done.stderr
+
+
 def test_time_limit_stops_in_order(exe, tmp_path):
     """A run past its time limit ends with code 7 and a summary that says so."""
     done = call(exe, CD14, *SMALL, "solver.time_limit_s=1e-6", "--out", tmp_path / "t.out", "-q")

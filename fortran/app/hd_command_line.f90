@@ -146,7 +146,9 @@ contains
           call raise(error, code_input, '--plan needs a tolerance: run.tolerance=0.02, or &run tolerance = 0.02 / in the input')
           return
         end if
-        call print_text(plan_text(scene))
+        call set_log_level(quiet)
+        call plan_text(scene, answer, error)
+        if (.not. allocated(error)) call print_text(answer)
         return
       end if
       folder = command%folder
@@ -154,7 +156,7 @@ contains
       if (scene%map_only) then
         call run_map(scene, command%input, folder, command%force, error)
       else if (scene%promise > 0) then
-        call run_planned(scene, command%input, folder, command%force, error)
+        call run_planned(scene, command%input, folder, command%force, command%resume, error)
       else
         call run_scene(scene, command%input, folder, command%force, command%resume, error)
       end if

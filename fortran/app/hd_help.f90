@@ -20,7 +20,7 @@ contains
       '  --force         replace earlier results'//nl// &
       '  --resume        go on with a stopped run of the same input'//nl// &
       '  --check         read and check the input, then stop'//nl// &
-      '  --plan          print meshes, time and memory for run.tolerance, then stop'//nl// &
+      '  --plan          print what run.tolerance needs, with time and memory, then stop'//nl// &
       '  --explain KEY   meaning, unit and default of a key (group.key, group, all)'//nl// &
       '  -q, -v          no log, log with Newton iterations'//nl// &
       '  --version  --license  --citation  --help'//nl//nl// &

@@ -4,7 +4,7 @@
 !> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing; `resume`: go on with a stopped run.
 subroutine run_open(path, assignments, folder, force, resume, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
-  use hd_error, only: error_t, raise, code_input
+  use hd_error, only: error_t
   use hd_input, only: read_scene
   use hd_job, only: resume_run
   use hd_planner, only: new_planned_run
@@ -27,15 +27,12 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
-  if (.not. allocated(error)) then
-    if (scene%promise > 0 .and. resume /= 0) call raise(error, code_input, 'a planned run (run.tolerance) cannot be resumed')
-  end if
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
-    if (resume /= 0) then
+    if (scene%promise > 0) then
+      call new_planned_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, error)
+    else if (resume /= 0) then
       call resume_run(scene, trim(path), trim(folder), run, error)
-    else if (scene%promise > 0) then
-      call new_planned_run(scene, trim(path), trim(folder), force /= 0, run, error)
     else
       call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
     end if

@@ -43,11 +43,14 @@ subroutine scene_plan(path, assignments, text, status, message)
   character(len=16384), intent(out) :: text
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py threadsafe
   type(error_t), allocatable :: error
   type(scene_t), allocatable :: scene
+  character(len=:), allocatable :: answer
   text = ''
   allocate (scene)
   call read_scene(path, lines_of(assignments), scene, error)
-  if (.not. allocated(error)) text = plan_text(scene)
+  if (.not. allocated(error)) call plan_text(scene, answer, error)
+  if (.not. allocated(error)) text = answer
   call tell(error, status, message)
 end subroutine scene_plan

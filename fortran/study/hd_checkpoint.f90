@@ -110,15 +110,16 @@ contains
   end subroutine read_state
 
   !> A run goes on only with the scene it began with; limits and output may change.
-  subroutine check_same_scene(folder, scene, error)
+  subroutine check_same_scene(folder, file, scene, error)
     character(len=*), intent(in) :: folder            !< of a run
+    character(len=*), intent(in) :: file              !< in it: the scene it began with
     type(scene_t), intent(in) :: scene                !< asked for now
     type(error_t), allocatable, intent(out) :: error  !< the first key that differs
     type(scene_t), target :: began, now
     type(table_t) :: one, two
     type(string_t) :: none(0)
     integer :: i
-    call read_scene(folder//'/echo.nml', none, began, error)
+    call read_scene(folder//'/'//file, none, began, error)
     if (allocated(error)) return
     now = scene
     call new_table(began, one)

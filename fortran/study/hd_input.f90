@@ -10,7 +10,7 @@ module hd_input
   use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
-  public :: read_scene, write_echo, explain, estimate_memory_mb, allowed_memory_mb
+  public :: read_scene, write_echo, explain, band_rows, estimate_memory_mb, allowed_memory_mb
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -38,6 +38,7 @@ contains
       call raise(error, code_input, join(list%faults, nl))
       return
     end if
+    if (.not. scene%promise > 0 .and. scene%kinematics == 'auto') scene%kinematics = 'linear'
     if (.not. scene%map_only) call check_memory(scene, error)
   end subroutine read_scene
 
@@ -226,17 +227,23 @@ contains
     end subroutine need
   end subroutine check_scene
 
+  !> Rows of facets along the band, those at its edges included.
+  pure integer function band_rows(s) result(rows)
+    type(scene_t), intent(in) :: s  !< scene
+    rows = s%band_facets
+    if (s%edge_length > 0) rows = rows + 2*max(0, nint(log(s%band_length/s%band_facets/s%edge_length)/log(2._dp)))
+  end function band_rows
+
   !> Memory that a run of the scene will need, from the size of its mesh [MB].
   !> Factor entries of the sparse matrix grow as n^1.15 for meshes one cell thick and n^1.35 for solid ones (measured on the
   !> reference scenes); condensation by harmonics keeps the stiffness, one band per harmonic and the compliance of the face.
   pure real(dp) function estimate_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
-    real(dp) :: h, stations, nodes, section, thick, rows, edge
+    real(dp) :: h, stations, nodes, section, thick, rows
+    character(len=8) :: method
     h = s%band_length/s%band_facets
-    edge = 0
-    if (s%edge_length > 0) edge = max(0._dp, anint(log(h/s%edge_length)/log(2._dp)))
-    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h + 4*edge
-    rows = s%band_facets + 1 + 2*edge
+    rows = band_rows(s) + 1
+    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h + 2*(band_rows(s) - s%band_facets)
     section = stations*(s%through_wall + 1) + rows*(s%through_ring + 1)
     rows = 3*rows
     thick = max(s%through_wall, s%through_ring)
@@ -245,7 +252,9 @@ contains
       rows = 3*rows
     end if
     nodes = real(s%divisions, dp)*section
-    select case (s%method)
+    method = s%method
+    if (s%kinematics == 'nonlinear') method = 'newton'
+    select case (method)
     case ('newton')
       mb = 60 + 196*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes
     case ('schur')

@@ -11,7 +11,7 @@ module hd_job
   use hd_text, only: to_text
   implicit none
   private
-  public :: run_scene, resume_run
+  public :: run_scene, resume_run, is_complete
 
 contains
 
@@ -27,7 +27,7 @@ contains
     type(run_t), allocatable :: run
     logical :: done
     if (resume .and. is_complete(folder)) then
-      call check_same_scene(folder, scene, error)
+      call check_same_scene(folder, 'echo.nml', scene, error)
       if (.not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
       return
     end if
@@ -59,7 +59,7 @@ contains
       call new_run(scene, input, folder, .false., run, error)
       return
     end if
-    call check_same_scene(folder, scene, error)
+    call check_same_scene(folder, 'echo.nml', scene, error)
     if (allocated(error)) return
     if (is_complete(folder)) then
       call raise(error, code_input, "the run in '"//folder//"' is complete: nothing to resume")

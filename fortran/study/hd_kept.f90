@@ -14,9 +14,9 @@ module hd_kept
   private
   public :: take_model, keep_model, forget_model, assembly_t
 
-  !> Converged states of an assembly, for later runs that differ in their torque only.
+  !> Converged states of an assembly, for later runs that differ in their torque only; of a planned run also those under torque.
   type :: assembly_t
-    real(dp), allocatable :: position(:)     !< fractions of the assembly
+    real(dp), allocatable :: place(:, :)     !< fractions of the assembly, torques [N m] (2, states)
     type(state_t), allocatable :: state(:)   !< states there
   contains
     procedure :: add => add_state
@@ -81,34 +81,44 @@ contains
   end subroutine forget_model
 
   !> Keep a converged state, once.
-  subroutine add_state(self, position, state)
+  subroutine add_state(self, fraction, torque, state)
     class(assembly_t), intent(inout) :: self  !< grows
-    real(dp), intent(in) :: position          !< fraction of the assembly
+    real(dp), intent(in) :: fraction          !< of the assembly
+    real(dp), intent(in) :: torque            !< [N m]
     type(state_t), intent(in) :: state        !< state there
     type(state_t), allocatable :: longer(:)
     integer :: i, n
-    if (.not. allocated(self%position)) allocate (self%position(0), self%state(0))
-    if (any(abs(self%position - position) < 1e-12_dp)) return
-    n = size(self%position)
+    if (.not. allocated(self%place)) allocate (self%place(2, 0), self%state(0))
+    if (find(self, fraction, torque) > 0) return
+    n = size(self%state)
     allocate (longer(n + 1))
     do i = 1, n
       longer(i) = self%state(i)
     end do
     longer(n + 1) = state
     call move_alloc(longer, self%state)
-    self%position = [self%position, position]
+    self%place = reshape([self%place, fraction, torque], [2, n + 1])
   end subroutine add_state
 
-  !> Replace a first guess by the state that was found at the same position before.
-  subroutine recall(self, position, state)
+  !> Replace a first guess by the state that was found at the same place before.
+  subroutine recall(self, fraction, torque, state)
     class(assembly_t), intent(in) :: self   !< states
-    real(dp), intent(in) :: position        !< fraction of the assembly
+    real(dp), intent(in) :: fraction        !< of the assembly
+    real(dp), intent(in) :: torque          !< [N m]
     type(state_t), intent(inout) :: state   !< guess
     integer :: i
-    if (.not. allocated(self%position)) return
-    i = findloc(abs(self%position - position) < 1e-12_dp, .true., 1)
+    if (.not. allocated(self%place)) return
+    i = find(self, fraction, torque)
     if (i > 0) state = self%state(i)
   end subroutine recall
+
+  !> Number of the state at a place, 0 if there is none.
+  pure integer function find(self, fraction, torque)
+    type(assembly_t), intent(in) :: self       !< states
+    real(dp), intent(in) :: fraction, torque   !< place
+    find = findloc(abs(self%place(1, :) - fraction) < 1e-12_dp .and. abs(self%place(2, :) - torque) <= 1e-12_dp*abs(torque), &
+      .true., 1)
+  end function find
 
   !> Two scenes share mesh, supports, elasticity and method (and the assembly); unknown keys count as part of the model.
   logical function same_model(a, b, assembly, joint)

@@ -122,14 +122,15 @@ contains
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    real(dp) :: ratio, start
+    real(dp) :: ratio, start, torque
     integer :: threads
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = 0.05_dp*run%drive%radius
     run%drive%problem%law%friction = merge(run%scene%torque_friction, run%scene%friction, &
       position > 1 + 1e-12_dp .and. run%scene%torque_friction > 0)
-    call drive_load(run%drive, min(position, 1._dp), max(0._dp, position - 1)*run%scene%torque, load)
+    torque = max(0._dp, position - 1)*run%scene%torque
+    call drive_load(run%drive, min(position, 1._dp), torque, load)
     trial = run%state
     ratio = 0
     if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
@@ -137,10 +138,10 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
-    call run%assembly%recall(position, trial)
+    call run%assembly%recall(min(position, 1._dp), torque, trial)
     if (run%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support == 'teeth' .and. position > 1) then
-      call turn_against_teeth(run, max(0._dp, position - 1)*run%scene%torque, trial, history, error)
+      call turn_against_teeth(run, torque, trial, history, error)
       solved = .true.
       sliding = .false.
     else
@@ -165,7 +166,7 @@ contains
       run%state = trial
       run%position_before = run%position
       run%position = position
-      if (position < 1 + 1e-12_dp) call run%assembly%add(position, trial)
+      if (position < 1 + 1e-12_dp .or. run%scene%promise > 0) call run%assembly%add(min(position, 1._dp), torque, trial)
       run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
       call place(run, position, run%step)
     else if (sliding) then

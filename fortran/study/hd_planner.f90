@@ -1,37 +1,40 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> A scene that states a tolerance: kinematics, mesh and load steps are chosen from error estimates; what is chosen is then
-!> run like any other scene, from the command line and from Python.
+!> A scene that states a tolerance: element, kinematics, load steps, cells at the band's edges, layers and mesh are chosen from
+!> error estimates; what is chosen is then run like any other scene, from the command line and from Python.
 !>
-!> Meshes of a series grow by 2^(1/2) per level in all directions. Load steps are halved on a coarse mesh until that changes
-!> little; there, too, small displacements are compared with large ones. The promise is against a mesh three refinements finer:
-!> the last change d_l = q_l - q_(l-1) goes on falling by the ratio r that three levels show, so the estimate is
-!> |d_l| (r + r^2 + r^3) relative to q_l, with r at least 0.85 and |d_l| at least half of |q_l - q_(l-2)|, plus the change by
-!> halved steps.
+!> Meshes of a series grow by about 2^(1/2) per level in all directions. Everything but the mesh is chosen on a coarse one: what
+!> is made finer there until that changes little. The promise is against a mesh three refinements finer. K_TS converges in
+!> proportion to the facets' length h at worst, so each of the last three differences |q_l - q_(l-k)| gives an estimate
+!> |q_l - q_(l-k)| (h_l - h_(l+3)) / (h_(l-k) - h_l); the largest counts, with a margin for what is not that regular.
 module hd_planner
   use hd_kinds, only: dp, pi
-  use hd_error, only: error_t
-  use hd_input, only: estimate_memory_mb, allowed_memory_mb
+  use hd_error, only: error_t, code_not_converged
+  use hd_input, only: band_rows, estimate_memory_mb, allowed_memory_mb
+  use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_load_step, only: advance
   use hd_output, only: check_folder
+  use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
-  use hd_text, only: push, to_text
+  use hd_text, only: string_t, push, to_text
   implicit none
   private
   public :: new_planned_run, run_planned, plan_text
 
-  integer, parameter :: band(10) = [4, 6, 8, 11, 16, 23, 32, 45, 64, 90]  !< facets along the band, by level
-  real(dp), parameter :: first_error = 1.5_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
-  real(dp), parameter :: slowest = 0.85_dp      !< ratio of successive changes that K_TS shows at worst (edge pressure)
-  real(dp), parameter :: shape = 1.6_dp         !< facets are so much longer round the axis than along it
-  integer, parameter :: pilot = 2               !< level on which kinematics and load steps are chosen
+  integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
+  real(dp), parameter :: first_error = 1.3_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
+  real(dp), parameter :: margin = 1.3_dp        !< on the estimate
+  real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
+  integer, parameter :: coarse = 2              !< level on which everything but the mesh is chosen
+  real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
 
   type :: plan_t
-    type(scene_t) :: scene            !< what is to be run
-    real(dp) :: estimate(3) = 0       !< estimated relative errors of K_TS, normal force, mid-band pressure
-    integer :: level = 0              !< of the series of meshes; 0: nothing could be estimated
-    logical :: met = .false.          !< the estimate is within the tolerance
+    type(scene_t) :: scene                      !< what is to be run
+    type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
+    real(dp) :: change(3) = 0                   !< of K_TS, normal force, mid-band pressure by what was not made finer
+    real(dp) :: estimate(3) = 0                 !< estimated relative errors of the same
+    integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
+    logical :: met = .false.                    !< the estimate is within the tolerance
   end type plan_t
 
 contains
@@ -39,182 +42,247 @@ contains
   !> Level that is expected to meet the tolerance.
   pure integer function first_level(tolerance) result(level)
     real(dp), intent(in) :: tolerance  !< relative
-    do level = 3, size(band) - 1
+    do level = 4, size(band) - 1
       if (first_error/band(level) <= tolerance) return
     end do
   end function first_level
 
-  !> Scene on a mesh of the series; the user's sections, element and cells through the thickness stay.
-  pure type(scene_t) function meshed(scene, level, steps) result(s)
-    type(scene_t), intent(in) :: scene  !< scene
+  !> Scene on a mesh of the series; the user's sections stay.
+  pure type(scene_t) function meshed(scene, level) result(s)
+    type(scene_t), intent(in) :: scene  !< scene with its load steps, edge cells and layers
     integer, intent(in) :: level        !< of the series
-    integer, intent(in) :: steps        !< load steps of the assembly, and of the torque
     s = scene
     s%band_facets = band(level)
-    s%divisions = max(16, 2*nint(pi*scene%bore_radius*band(level)/(shape*scene%band_length)))
+    s%divisions = max(16, 4*nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)))
     s%ring_divisions = 0
     s%ring_facets = 0
     s%wall_elements = 0
     s%bottom_elements = 0
-    s%assembly_steps = steps
-    s%torque_steps = merge(steps, 0, scene%torque_steps > 0)
   end function meshed
 
-  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
-  pure function quantities(run) result(q)
-    type(run_t), intent(in) :: run  !< finished run
-    real(dp) :: q(3)
-    real(dp), allocatable :: lever(:)
-    associate (f => run%facets)
-      lever = f%x(1, :)*f%normal(2, :) - f%x(2, :)*f%normal(1, :)
-      q = [sum(f%k_n*lever**2 + f%k_t*(f%x(1, :)**2 + f%x(2, :)**2 - lever**2)), run%sums%normal_force, &
-        run%sums%pressure_middle]
-    end associate
-  end function quantities
-
-  !> Solve the load steps of a new run; it stays open.
-  subroutine solve(run, error)
-    type(run_t), intent(inout) :: run                 !< new run, then at its end
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
-    logical :: done
-    done = .false.
-    do while (.not. (done .or. allocated(error)))
-      call advance(run, done, error)
-    end do
-  end subroutine solve
-
-  !> Results of a scene, nothing written.
-  subroutine probe(scene, q, error)
-    type(scene_t), intent(in) :: scene                !< scene
-    real(dp), intent(out) :: q(3)                     !< quantities
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
-    type(run_t), allocatable :: run
-    type(error_t), allocatable :: trouble
-    allocate (run)
-    q = 0
-    call new_run(scene, '', '', .false., run, error)
-    if (.not. allocated(error)) call solve(run, error)
-    if (.not. allocated(error)) q = quantities(run)
-    if (allocated(run%drive)) call finish(run, trouble)
-  end subroutine probe
-
-  !> Load steps whose halving changes little, and that change.
-  subroutine choose_steps(scene, steps, change, error)
-    type(scene_t), intent(in) :: scene                !< scene
-    integer, intent(out) :: steps                     !< of the assembly, and of the torque
-    real(dp), intent(out) :: change(3)                !< relative change of the quantities by halved steps
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended a pilot early
-    real(dp) :: coarse(3), fine(3)
-    steps = 1
-    call probe(meshed(scene, pilot, 1), coarse, error)
-    do while (.not. allocated(error))
-      call probe(meshed(scene, pilot, 2*steps), fine, error)
-      change = abs(fine - coarse)/(abs(fine) + tiny(1._dp))
-      if (maxval(change) <= 0.2_dp*scene%promise .or. steps >= 16) exit
-      steps = 2*steps
-      coarse = fine
-    end do
-  end subroutine choose_steps
-
-  !> Large displacements where they change a coarse solution by more than half the tolerance; only for kinematics = 'auto'.
-  subroutine choose_kinematics(scene, error)
-    type(scene_t), intent(inout) :: scene             !< gets its kinematics
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended a pilot early
-    type(scene_t) :: large
-    real(dp) :: small_q(3), large_q(3), change
-    if (scene%kinematics /= 'auto') return
-    scene%kinematics = 'linear'
-    large = scene
-    large%kinematics = 'nonlinear'
-    if (scene%support == 'teeth' .or. .not. (scene%method == 'auto' .or. scene%method == 'newton')) return
-    call probe(meshed(scene, pilot, 2), small_q, error)
-    if (.not. allocated(error)) call probe(meshed(large, pilot, 2), large_q, error)
-    if (allocated(error)) return
-    change = maxval(abs(large_q - small_q)/(abs(large_q) + tiny(1._dp)))
-    if (change > 0.5_dp*scene%promise) scene%kinematics = 'nonlinear'
-    call say('plan      kinematics '//trim(scene%kinematics)//': large displacements change '//to_text(change))
-  end subroutine choose_kinematics
-
-  !> Estimated relative errors from three levels, against a mesh three refinements finer.
-  pure function estimated(q) result(e)
-    real(dp), intent(in) :: q(:, :)  !< quantities of three levels, the finest last (3, 3)
-    real(dp) :: e(3), last(3), before(3), r(3)
-    last = abs(q(:, 3) - q(:, 2))
-    before = abs(q(:, 2) - q(:, 1))
-    r = min(max(last/(before + tiny(1._dp)), slowest), 0.95_dp)
-    e = max(last, 0.5_dp*abs(q(:, 3) - q(:, 1)))*(r + r**2 + r**3)/(abs(q(:, 3)) + tiny(1._dp))
-  end function estimated
-
-  !> Choose kinematics, load steps and mesh; refine until the estimate is within the tolerance.
-  subroutine plan_scene(scene, plan, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    type(plan_t), intent(out) :: plan                 !< what to run
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended a probe early
-    type(error_t), allocatable :: trouble
-    type(scene_t) :: s
-    real(dp) :: q(3, size(band)), change(3)
-    integer :: level, start, steps
-    plan%scene = scene
+  !> The same scene with small displacements: errors of the mesh are estimated with them, large ones have much the same.
+  pure type(scene_t) function small_displacements(scene) result(s)
+    type(scene_t), intent(in) :: scene  !< scene
     s = scene
-    call choose_kinematics(s, trouble)
-    if (.not. allocated(trouble)) call choose_steps(s, steps, change, trouble)
-    if (allocated(trouble)) then
-      call say('plan      a pilot ended early; the scene is run as it stands')
+    s%kinematics = 'linear'
+  end function small_displacements
+
+  !> Say and keep what was chosen, and why.
+  subroutine note(plan, text)
+    type(plan_t), intent(inout) :: plan   !< gets a reason
+    character(len=*), intent(in) :: text  !< reason
+    call push(plan%reasons, text)
+    call say('plan      '//text)
+  end subroutine note
+
+  !> Large displacements where they change a coarse solution by more than half the tolerance.
+  subroutine choose_kinematics(pilot, plan, error)
+    type(pilot_t), intent(inout) :: pilot             !< runs
+    type(plan_t), intent(inout) :: plan               !< gets its kinematics
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(scene_t) :: s
+    real(dp) :: small_q(3), large_q(3), change
+    if (plan%scene%kinematics /= 'auto') then
+      call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': as the scene says')
       return
     end if
-    call say('plan      load steps '//to_text(steps)//' + '//to_text(steps)//': halving them changes '// &
-      to_text(maxval(change)))
+    plan%scene%kinematics = 'linear'
+    if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
+      call note(plan, 'kinematics linear: support and method allow no other')
+      return
+    end if
+    s = meshed(plan%scene, coarse)
+    call pilot%probe(s, small_q, error)
+    s%kinematics = 'nonlinear'
+    if (.not. allocated(error)) call pilot%probe(s, large_q, error)
+    if (allocated(error)) return
+    change = maxval(abs(large_q - small_q)/(abs(large_q) + tiny(1._dp)))
+    if (change > 0.5_dp*plan%scene%promise) plan%scene%kinematics = 'nonlinear'
+    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//to_text(change)// &
+      ', half the tolerance is '//to_text(0.5_dp*plan%scene%promise))
+  end subroutine choose_kinematics
+
+  !> A scene with one of its choices finer.
+  pure type(scene_t) function finer(scene, choice) result(s)
+    type(scene_t), intent(in) :: scene       !< scene
+    character(len=*), intent(in) :: choice   !< load steps, edge cells, layers
+    s = scene
+    select case (choice)
+    case ('load steps')
+      s%assembly_steps = 2*s%assembly_steps
+      s%torque_steps = 2*s%torque_steps
+    case ('edge cells')
+      s%edge_length = merge(s%edge_length, s%band_length/s%band_facets, s%edge_length > 0)/4
+    case ('layers')
+      s%through_wall = 2*s%through_wall
+      s%through_ring = 2*s%through_ring
+    end select
+  end function finer
+
+  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements.
+  subroutine choose(pilot, choice, most, plan, error)
+    type(pilot_t), intent(inout) :: pilot             !< runs
+    character(len=*), intent(in) :: choice            !< load steps, edge cells, layers
+    integer, intent(in) :: most                       !< refinements
+    type(plan_t), intent(inout) :: plan               !< gets it
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(scene_t) :: now, next
+    real(dp) :: q(3), new(3), change(3)
+    integer :: i
+    now = small_displacements(meshed(plan%scene, coarse))
+    call pilot%probe(now, q, error)
+    do i = 1, most
+      next = finer(now, choice)
+      if (.not. allocated(error)) call pilot%probe(next, new, error)
+      if (allocated(error)) return
+      change = abs(new - q)/(abs(new) + tiny(1._dp))
+      if (maxval(change) <= small*plan%scene%promise) exit
+      now = next
+      q = new
+    end do
+    plan%change = plan%change + change
+    plan%scene%assembly_steps = now%assembly_steps
+    plan%scene%torque_steps = now%torque_steps
+    plan%scene%edge_length = now%edge_length
+    plan%scene%through_wall = now%through_wall
+    plan%scene%through_ring = now%through_ring
+    call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//to_text(maxval(change)))
+  end subroutine choose
+
+  !> A choice in words.
+  pure function choice_text(s, choice) result(text)
+    type(scene_t), intent(in) :: s           !< scene
+    character(len=*), intent(in) :: choice   !< load steps, edge cells, layers
+    character(len=:), allocatable :: text
+    select case (choice)
+    case ('load steps'); text = to_text(s%assembly_steps)//' + '//to_text(s%torque_steps)
+    case ('edge cells'); text = 'of '//to_text(s%edge_length)//' m'
+    case default; text = to_text(s%through_wall)//' in the wall, '//to_text(s%through_ring)//' in the ring'
+    end select
+  end function choice_text
+
+  !> Everything but the mesh.
+  subroutine choose_all(pilot, plan, error)
+    type(pilot_t), intent(inout) :: pilot             !< runs
+    type(plan_t), intent(inout) :: plan               !< gets its choices
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    plan%scene%element = 'hex8i'
+    call note(plan, 'element hex8i: hex8 locks, hex20r takes ten times the time for the same error')
+    plan%scene%assembly_steps = 1
+    plan%scene%torque_steps = min(1, plan%scene%torque_steps)
+    plan%scene%edge_length = 0
+    call choose_kinematics(pilot, plan, error)
+    if (.not. allocated(error)) call choose(pilot, 'load steps', 4, plan, error)
+    if (.not. allocated(error)) call choose(pilot, 'edge cells', 5, plan, error)
+    if (.not. allocated(error)) call choose(pilot, 'layers', 3, plan, error)
+  end subroutine choose_all
+
+  !> Estimated relative errors from up to four levels, against a mesh three refinements finer.
+  pure function estimated(q, level) result(e)
+    real(dp), intent(in) :: q(:, :)  !< quantities by level (3, levels)
+    integer, intent(in) :: level     !< the finest that is known
+    real(dp) :: e(3), h(level)
+    integer :: k
+    h = 1._dp/band(:level)
+    e = 0
+    do k = 1, min(3, level - 1)
+      e = max(e, abs(q(:, level) - q(:, level - k))*h(level)*(1 - 2**(-1.5_dp))/(h(level - k) - h(level)))
+    end do
+    e = margin*e/(abs(q(:, level)) + tiny(1._dp))
+  end function estimated
+
+  !> Choose everything; refine until the estimate is within the tolerance.
+  subroutine plan_scene(pilot, scene, plan, error)
+    type(pilot_t), intent(inout) :: pilot             !< runs
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    type(plan_t), intent(out) :: plan                 !< what to run
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(scene_t) :: now
+    real(dp) :: q(3, size(band))
+    integer :: level, start
+    plan%scene = scene
+    allocate (plan%reasons(0))
+    call choose_all(pilot, plan, error)
+    if (allocated(error)) then
+      if (error%code /= code_not_converged) return
+      deallocate (error)
+      plan%scene = scene
+      if (scene%kinematics == 'auto') plan%scene%kinematics = 'linear'
+      call note(plan, 'a coarse run ended early: the scene is run as it stands')
+      return
+    end if
     start = first_level(scene%promise)
-    do while (start > 3 .and. .not. fits(meshed(s, start, steps)))
+    do while (start > 4 .and. .not. fits(meshed(plan%scene, start)))
       start = start - 1
     end do
-    do level = start - 2, size(band)
-      plan%scene = meshed(s, level, steps)
-      call probe(plan%scene, q(:, level), error)
+    do level = start - 3, size(band)
+      now = meshed(plan%scene, level)
+      call pilot%probe(small_displacements(now), q(:, level), error)
       if (allocated(error)) return
       if (level < start) cycle
       plan%level = level
-      plan%estimate = estimated(q(:, level - 2:level)) + change
+      plan%estimate = estimated(q, level) + plan%change
       plan%met = maxval(plan%estimate) <= scene%promise
-      call say('plan      level '//to_text(level)//', '//to_text(plan%scene%divisions)//' x '// &
-        to_text(plan%scene%band_facets)//' facets: estimated error '//to_text(maxval(plan%estimate))//', tolerance '// &
-        to_text(scene%promise))
+      call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
+        ': estimated error '//to_text(maxval(plan%estimate))//', tolerance '//to_text(scene%promise))
       if (plan%met .or. level == size(band)) exit
-      if (.not. fits(meshed(s, level + 1, steps))) exit
+      if (.not. fits(meshed(plan%scene, level + 1))) exit
     end do
+    plan%scene = now
   end subroutine plan_scene
 
-  !> Plan a scene and set up its run.
-  subroutine new_planned_run(scene, input, folder, force, run, error)
+  !> Plan a scene and set up its run, or take up both.
+  subroutine new_planned_run(scene, input, folder, force, resume, run, error)
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder or ''
     logical, intent(in) :: force                      !< replace earlier results
-    type(run_t), intent(inout) :: run                 !< run at rest
-    type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a probe early
+    logical, intent(in) :: resume                     !< go on where plan or run were stopped
+    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped
+    type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a run early
+    type(pilot_t) :: pilot
     type(plan_t) :: plan
-    if (len(folder) > 0) call check_folder(folder, force, error)  ! before the long work
-    if (.not. allocated(error)) call plan_scene(scene, plan, error)
-    if (.not. allocated(error)) call new_run(plan%scene, input, folder, force, run, error)
-    if (allocated(error) .or. plan%level == 0) return
+    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
+    if (.not. allocated(error)) call new_pilot(scene, folder, resume, pilot, error)
+    if (.not. allocated(error)) call plan_scene(pilot, scene, plan, error)
+    if (allocated(error)) return
+    if (resume) then
+      call resume_run(plan%scene, input, folder, run, error)
+    else
+      call new_run(plan%scene, input, folder, force, run, error)
+    end if
+    if (allocated(error)) return
+    run%clock = pilot%begun
+    call note(plan, 'solver '//trim(run%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
+      ': found from load and state, step by step')
     run%record%promise = scene%promise
     run%record%estimate = plan%estimate
     run%record%level = plan%level
-    if (.not. plan%met) &
+    run%record%reasons = plan%reasons
+    if (plan%level > 0 .and. .not. plan%met) &
       call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(plan%estimate)))
   end subroutine new_planned_run
 
   !> Plan a scene and run it.
-  subroutine run_planned(scene, input, folder, force, error)
+  subroutine run_planned(scene, input, folder, force, resume, error)
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     character(len=*), intent(in) :: input             !< name of the input
     character(len=*), intent(in) :: folder            !< output folder
     logical, intent(in) :: force                      !< replace earlier results
+    logical, intent(in) :: resume                     !< go on where plan or run were stopped
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
+    type(pilot_t) :: pilot
+    logical :: complete
     allocate (run)
-    call new_planned_run(scene, input, folder, force, run, error)
+    complete = is_complete(folder)
+    if (resume .and. complete) then
+      call new_pilot(scene, folder, resume, pilot, error)  ! the same scene, and planned
+      if (.not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
+      return
+    end if
+    call new_planned_run(scene, input, folder, force, resume, run, error)
     if (allocated(error)) return
     call solve(run, error)
     call finish(run, trouble)
@@ -229,28 +297,50 @@ contains
     fits = estimate_memory_mb(scene) < limit .or. limit <= 0
   end function fits
 
-  !> The plan, with predicted time and memory, before anything is solved.
-  function plan_text(scene) result(text)
-    type(scene_t), intent(in) :: scene  !< scene
-    character(len=:), allocatable :: text
+  !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
+  !> Time grows as facets^1.4 (condensed) and ^1.3 (sparse matrix); a linear run repeats its estimate from known states.
+  subroutine plan_text(scene, text, error)
+    type(scene_t), intent(in) :: scene                       !< scene with a tolerance
+    character(len=:), allocatable, intent(out) :: text       !< plan
+    type(error_t), allocatable, intent(out) :: error         !< whatever ended a run early
+    type(pilot_t) :: pilot
+    type(plan_t) :: plan
     type(scene_t) :: s
+    real(dp) :: q(3), base(2), facets(2), seconds(2), before
     character(len=100) :: line
     character(len=1), parameter :: nl = new_line('a')
-    real(dp) :: dof, seconds
-    integer :: level
-    text = 'series of meshes; a run starts at the level marked and refines until its estimated error is below '// &
-      to_text(scene%promise)//nl//'level divisions band      dof  error/% expected  seconds       MB'
+    integer :: level, start, i
+    plan%scene = scene
+    text = ''
+    allocate (plan%reasons(0))
+    call new_pilot(scene, '', .false., pilot, error)
+    if (.not. allocated(error)) call choose_all(pilot, plan, error)
+    s = meshed(plan%scene, coarse)
+    if (s%kinematics == 'nonlinear') s%edge_length = 0
+    if (.not. allocated(error)) call pilot%probe(s, q, error)
+    if (allocated(error)) return
+    base = [pilot%seconds_of(small_displacements(meshed(plan%scene, coarse))), pilot%seconds_of(s)]
+    facets = [s%divisions*band_rows(meshed(plan%scene, coarse)), s%divisions*band_rows(s)]
+    do i = 1, size(plan%reasons)
+      text = text//plan%reasons(i)%s//nl
+    end do
+    text = text//'solver '//trim(s%method)//': the least predicted time; symmetry '//trim(s%symmetry)// &
+      ': as load and state allow'//nl// &
+      'series of meshes: estimates begin three levels before the one marked; from there the mesh is refined until its'//nl// &
+      'estimated error is below '//to_text(scene%promise)//'; that mesh is run ('//trim(plan%scene%kinematics)// &
+      ' kinematics)'//nl// &
+      'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
+    start = first_level(scene%promise)
+    before = sum(pilot%known%seconds)
     do level = 1, size(band)
-      s = meshed(scene, level, 4)
-      dof = 3*s%divisions*((s%through_wall + 1)*(s%cup_length + s%bore_radius - s%hub_radius)/s%band_length*band(level) + &
-        (s%through_ring + 1)*(band(level) + 1))
-      seconds = 1.3_dp*(dof/52890)**1.4_dp
-      write (line, '(i5,i10,i5,i9,f18.2,f9.1,f9.0,a)') level, s%divisions, band(level), nint(dof), 100*first_error/band(level), &
-        seconds, estimate_memory_mb(s), trim(merge(' <- start', '         ', level == first_level(scene%promise)))
+      s = meshed(plan%scene, level)
+      seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
+      if (s%kinematics == 'linear') seconds(2) = 0.5_dp*seconds(1)
+      if (level >= start - 3 .and. level /= coarse) before = before + seconds(1)
+      write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
+        100*first_error/band(level), seconds, before + seconds(2), estimate_memory_mb(s), &
+        trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do
-    text = text//nl//'element '//trim(s%element)//', solver '//trim(s%method)//', symmetry '//trim(s%symmetry)// &
-      ', kinematics '//trim(s%kinematics)// &
-      '; load steps: 1 + 1, doubled while that changes more than a fifth of the tolerance'
-  end function plan_text
+  end subroutine plan_text
 end module hd_planner

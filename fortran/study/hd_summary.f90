@@ -36,6 +36,7 @@ module hd_summary
     real(dp) :: promise = 0            !< tolerance that was planned for, 0: none
     real(dp) :: estimate(3) = 0        !< estimated relative errors of K_TS, normal force, mid-band pressure
     integer :: level = 0               !< of the series of meshes
+    type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -97,10 +98,11 @@ contains
       call json%add('estimated_error_normal_force', record%estimate(2))
       call json%add('estimated_error_mid_band_pressure', record%estimate(3))
       call json%add('level', record%level)
-      call json%add('met', trim(merge('yes', 'no ', maxval(record%estimate) <= record%promise)))
+      call add_lines(json, 'reasons', record%reasons)
+      call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%promise)))
       call json%finish()
     end if
-    call add_warnings(json, record)
+    call add_lines(json, 'warnings', record%warnings)
     call add_provenance(json, solver, record)
     call add_scene(json, scene)
     call json%finish()
@@ -156,16 +158,18 @@ contains
     call json%finish()
   end subroutine add_joint
 
-  subroutine add_warnings(json, record)
-    type(json_t), intent(inout) :: json    !< document
-    type(record_t), intent(in) :: record   !< warnings
-    character(len=400) :: lines(size(record%warnings))
+  !> A list of lines.
+  subroutine add_lines(json, key, list)
+    type(json_t), intent(inout) :: json      !< document
+    character(len=*), intent(in) :: key      !< name
+    type(string_t), intent(in) :: list(:)    !< lines
+    character(len=400) :: lines(size(list))
     integer :: i
     do i = 1, size(lines)
-      lines(i) = record%warnings(i)%s
+      lines(i) = list(i)%s
     end do
-    call json%add('warnings', lines)
-  end subroutine add_warnings
+    call json%add(key, lines)
+  end subroutine add_lines
 
   !> Versions, input, dates.
   subroutine add_provenance(json, solver, record)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import _engine, paper, planner
-from ._engine import FileError, HdengineError, InputError
+from . import _engine, paper
+from ._engine import FileError, InputError
 from .picture import PictureError, draw_cup
 from .results import Result
 from .study import StudyResult
@@ -76,16 +76,14 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-def _plan(folder, scene, planned):
-    """What was planned, and the mesh of the run beside the planner's series."""
-    text = f"<p>This run: {scene['mesh.divisions']} x {scene['mesh.band_facets']} facets, {scene['load.assembly_steps']} + " \
-           f"{scene['load.torque_steps']} load steps. The planner of hdengine offers for the same scene:</p>"
-    if planned:
-        text = _pairs({k: str(v) if isinstance(v, (list, dict)) else v for k, v in planned.items()}) + text
-    try:
-        return text + f"<pre>{html.escape(planner.plan(folder / 'echo.nml'))}</pre>"
-    except HdengineError as why:
-        return text + _warnings([f"no plan: {why}"])
+def _plan(scene, planned):
+    """What was planned and why, or the mesh alone."""
+    text = f"<p>{scene['mesh.divisions']} x {scene['mesh.band_facets']} facets, {scene['load.assembly_steps']} + " \
+           f"{scene['load.torque_steps']} load steps"
+    if not planned:
+        return text + ", as the scene says: no tolerance was stated (<code>run.tolerance</code>; <code>hdengine plan</code>).</p>"
+    reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
+    return text + ".</p>" + _pairs({k: str(v) for k, v in planned.items() if k != "reasons"}) + f"<ul>{reasons}</ul>"
 
 
 def _sensitivity(folder):
@@ -132,7 +130,7 @@ def _run_parts(result, picture):
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
                          "friction_torque_nm", "torque_balance_nm", "iterations") if n in steps.dtype.names]
     yield "Load steps", _table([*names, "k_ts_nm_per_rad"], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
-    yield "Plan", _plan(result.folder, result.scene, s.get("plan"))
+    yield "Plan", _plan(result.scene, s.get("plan"))
     yield "Convergence", _image(result.folder / "newton.png", _CAPTIONS["newton.png"]) + _pairs(
         {k: s["results"][k] for k in ("steps", "iterations", "cut_backs", "torque_balance_nm", "axial_balance_n")})
     yield "Model", _pairs({**s["model"], **{f"time {k} / s": v for k, v in s["timers_s"].items()},

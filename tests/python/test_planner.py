@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stated tolerance: the plan is printed, the run says what it chose and how large its error is estimated."""
+"""A stated tolerance: the plan is printed, the run says what it chose and why and how large its error is, and can be resumed."""
 import json
+import re
 
 import pytest
 
@@ -9,41 +10,124 @@ import hdengine
 from conftest import ROOT, call
 
 CD14 = ROOT / "data/cd14.nml"
+NARROW = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "output.vtu=none"]  # few facets round the axis
+QUICK = [*NARROW, "run.tolerance=0.3", "solver.kinematics=linear"]
 
 
-def test_a_run_meets_its_tolerance(exe, tmp_path):
-    """run.tolerance = 0.2: mesh and load steps are chosen, the estimate is within it and stands in the summary."""
-    done = call(exe, CD14, "run.tolerance=0.2", "output.vtu=none", "--out", tmp_path / "p")
+def planned(folder):
+    """Summary of a run, and its reasons in one text."""
+    s = json.loads((folder / "summary.json").read_text())
+    return s, "\n".join(s["plan"]["reasons"])
+
+
+@pytest.fixture(scope="module")
+def whole(exe, tmp_path_factory):
+    """A planned run that was never stopped."""
+    folder = tmp_path_factory.mktemp("planned") / "whole"
+    done = call(exe, CD14, *QUICK, "--out", folder)
     assert done.returncode == 0, done.stderr
-    s = json.loads((tmp_path / "p/summary.json").read_text())
+    return folder, done.stdout
+
+
+def test_a_run_meets_its_tolerance_and_says_why(whole):
+    """Element, kinematics, load steps, edge cells, layers, mesh and solver stand in log and summary with their reasons."""
+    s, reasons = planned(whole[0])
     assert s["status"] == "complete" and s["plan"]["met"] == "yes"
-    assert max(v for k, v in s["plan"].items() if k.startswith("estimated")) <= 0.2
-    assert "load steps" in done.stdout and "estimated error" in done.stdout
-    assert s["scene"]["mesh.band_facets"] <= 16
+    assert max(v for k, v in s["plan"].items() if k.startswith("estimated")) <= 0.3
+    for word in ("element hex8i", "kinematics linear", "load steps", "edge cells", "layers", "mesh", "solver condensed"):
+        assert word in reasons and word in whole[1], word
+    assert f"{s['scene']['mesh.divisions']} x " in reasons and s["scene"]["mesh.band_facets"] <= 16
 
 
-def test_plan_is_printed_and_nothing_is_solved(exe, tmp_path):
-    """--plan: one line per mesh with dof, time and memory; without a tolerance code 2."""
-    done = call(exe, "--plan", CD14, "run.tolerance=0.03", cwd=tmp_path)
-    assert done.returncode == 0 and "<- start" in done.stdout and not list(tmp_path.iterdir())
+def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
+    """--plan: choices with reasons, one line per mesh with facets, time and memory; without a tolerance code 2."""
+    done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)
+    assert done.returncode == 0 and "<- start" in done.stdout and "edge cells" in done.stdout and not list(tmp_path.iterdir())
     done = call(exe, "--plan", CD14)
     assert done.returncode == 2 and "run.tolerance" in done.stderr
 
 
-def test_python_plans_as_the_program_does(exe, tmp_path):
+def test_python_plans_as_the_program_does(whole, tmp_path):
     """run.tolerance through the bindings: the same mesh, estimate and force as hdengine.x."""
-    call(exe, CD14, "run.tolerance=0.3", "output.vtu=none", "--out", tmp_path / "x")
-    one = json.loads((tmp_path / "x/summary.json").read_text())
-    two = hdengine.run(CD14, out=tmp_path / "p", run__tolerance=0.3, output__vtu="none").summary
+    one, _ = planned(whole[0])
+    keys = dict(k.split("=") for k in QUICK)
+    two = hdengine.run(CD14, out=tmp_path / "p", **{k.replace(".", "__"): v for k, v in keys.items()}).summary
     assert one["plan"]["met"] == two["plan"]["met"] == "yes"
     assert one["scene"]["mesh.divisions"] == two["scene"]["mesh.divisions"]
     assert two["results"]["normal_force_n"] == pytest.approx(one["results"]["normal_force_n"], rel=1e-9)
 
 
-def test_kinematics_are_chosen(exe, tmp_path):
-    """kinematics = auto: large displacements, which change this scene by some 7 %, are left out at tolerance 0.5 only."""
-    done = call(exe, CD14, "run.tolerance=0.5", "solver.kinematics=auto", "wave_generator.w=5e-5", "output.vtu=none", "--out",
-                tmp_path / "p")
+def test_a_stopped_plan_goes_on(exe, whole, tmp_path):
+    """Stopped between coarse runs: --resume takes those from plan.csv, solves the others, and ends with the same results."""
+    folder = tmp_path / "r"
+    lines = (whole[0] / "plan.csv").read_text().splitlines()
+    stopped = call(exe, CD14, *QUICK, "solver.time_limit_s=1e-3", "--out", folder)
+    assert stopped.returncode == 7 and not (folder / "summary.json").exists()
+    (folder / "plan.csv").write_text("\n".join(lines[:5]) + "\n" + lines[5][:30])  # as a killed process leaves it
+    other = call(exe, CD14, *QUICK, "load.torque=4", "--out", folder, "--resume")
+    assert other.returncode == 2 and "load.torque" in other.stderr
+    done = call(exe, CD14, *QUICK, "--out", folder, "--resume")
     assert done.returncode == 0, done.stderr
-    assert "plan      kinematics linear" in done.stdout
-    assert json.loads((tmp_path / "p/summary.json").read_text())["scene"]["solver.kinematics"] == "linear"
+    assert done.stdout.count("mesh      ") == whole[1].count("mesh      ") - 4
+    one, two = (planned(f)[0] for f in (whole[0], folder))
+    assert two["plan"] == one["plan"] and two["results"]["normal_force_n"] == pytest.approx(one["results"]["normal_force_n"], rel=1e-7)
+    again = call(exe, CD14, *QUICK, "--out", folder, "--resume")
+    assert again.returncode == 0 and "nothing to do" in again.stdout
+
+
+def test_a_stopped_planned_run_goes_on(exe, whole, tmp_path):
+    """Left after a load step of the mesh that was chosen: --resume plans from plan.csv alone and goes on from the checkpoint."""
+    folder = tmp_path / "r"
+    keys = {k.replace(".", "__"): v for k, v in (k.split("=") for k in QUICK)}
+    hdengine.forget()
+    with hdengine.Run(CD14, folder, **keys) as run:
+        run.advance()
+    assert planned(folder)[0]["status"] == "stopped_at_limit"
+    hdengine.forget()
+    with hdengine.Run(CD14, folder, resume=True, **keys) as run:
+        for _ in run:
+            pass
+    s, reasons = planned(folder)
+    assert s["status"] == "complete" and s["model"]["resumed"] and s["plan"]["met"] == "yes" and "mesh" in reasons
+    one = planned(whole[0])[0]
+    assert s["results"]["normal_force_n"] == pytest.approx(one["results"]["normal_force_n"], rel=1e-7)
+
+
+def test_an_unplanned_run_is_not_resumed_with_a_plan(exe, small_run):
+    """A tolerance cannot be added to a run that began without: code 2, and what to do."""
+    done = call(exe, CD14, *QUICK, "--out", small_run, "--resume")
+    assert done.returncode == 2 and "was not planned" in done.stderr
+
+
+def test_linear_where_that_is_enough(exe, tmp_path):
+    """No word on kinematics: small displacements at w = 20 um, where large ones change 0.2 %; no mirror plane that a shift of
+    1 nm takes away."""
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "wave_generator.w=2e-5", "wave_generator.eccentricity=1e-9",
+                "wave_generator.eccentricity_angle_deg=30", "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, reasons = planned(tmp_path / "p")
+    assert "kinematics linear: large displacements change" in reasons and s["scene"]["solver.kinematics"] == "linear"
+    assert s["model"]["symmetry_assembly"] == "full" == s["model"]["symmetry_torque"]
+
+
+def test_without_a_tolerance_kinematics_stay_linear(small_run):
+    """solver.kinematics = 'auto', the default, means small displacements where nothing is promised."""
+    assert json.loads((small_run / "summary.json").read_text())["scene"]["solver.kinematics"] == "linear"
+
+
+@pytest.mark.full
+def test_nonlinear_where_that_is_needed(exe, tmp_path):
+    """w = 0.3 mm at tolerance 0.3: large displacements change more than half of it, the run is nonlinear; time and memory of the
+    run are within a factor of 2 of what --plan says (time: 3, as other work shares the machine)."""
+    keys = [*NARROW, "run.tolerance=0.3", "wave_generator.w=3e-4"]
+    plan = call(exe, "--plan", CD14, *keys)
+    assert "kinematics nonlinear" in plan.stdout, plan.stderr
+    start = re.search(r"^ +(\d+) .*<- start", plan.stdout, re.M).group(0).split()
+    seconds, memory = float(start[5]), float(start[7])
+    done = call(exe, CD14, *keys, "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, reasons = planned(tmp_path / "p")
+    assert s["scene"]["solver.kinematics"] == "nonlinear" and "kinematics nonlinear" in reasons
+    assert s["plan"]["level"] == int(start[0]) and s["model"]["solver"].startswith("Newton")
+    assert 0.5 < s["peak_memory_mb"] / memory < 2
+    assert 1 / 3 < s["timers_s"]["newton"] / seconds < 3

@@ -1,0 +1,180 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Runs that a plan rests on: K_TS, normal force and mid-band pressure of a mesh, and the time it took. What has been solved is
+!> remembered, and kept in plan.csv of the run's folder, so that a stopped plan goes on where it was.
+module hd_pilot
+  use hd_kinds, only: dp
+  use hd_checkpoint, only: check_same_scene
+  use hd_clock, only: wall_seconds
+  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_input, only: write_echo
+  use hd_load_step, only: advance
+  use hd_run, only: run_t, new_run, finish
+  use hd_scene, only: scene_t
+  use hd_system, only: make_directory, path_kind, path_absent, remove_file
+  use hd_text, only: string_t, push, to_text
+  implicit none
+  private
+  public :: pilot_t, new_pilot, solve
+
+  !> Results of a mesh.
+  type :: probe_t
+    real(dp) :: q(3) = 0      !< K_TS [N m/rad], normal force [N], mid-band pressure [Pa]
+    real(dp) :: seconds = 0   !< wall clock
+  end type probe_t
+
+  type :: pilot_t
+    character(len=:), allocatable :: folder  !< '' for none
+    real(dp) :: begun = 0                    !< wall clock [s]
+    type(string_t), allocatable :: name(:)   !< meshes that are solved
+    type(probe_t), allocatable :: known(:)   !< and their results
+  contains
+    procedure :: probe
+    procedure :: seconds_of
+  end type pilot_t
+
+contains
+
+  !> Begin a plan, or take up one that was stopped.
+  subroutine new_pilot(scene, folder, resume, self, error)
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    character(len=*), intent(in) :: folder            !< of the run, '' for none
+    logical, intent(in) :: resume                     !< go on with the plan in the folder, if there is one
+    type(pilot_t), intent(out) :: self                !< what is known
+    type(error_t), allocatable, intent(out) :: error  !< another scene, files
+    self%folder = folder
+    self%begun = wall_seconds()
+    allocate (self%name(0), self%known(0))
+    if (len(folder) == 0) return
+    if (resume .and. path_kind(folder//'/plan.nml') /= path_absent) then
+      call check_same_scene(folder, 'plan.nml', scene, error)
+      if (.not. allocated(error)) call read_known(self)
+    else if (resume .and. path_kind(folder//'/echo.nml') /= path_absent) then
+      call raise(error, code_input, "the run in '"//folder//"' was not planned: resume it without run.tolerance, or "// &
+        'begin anew with --force')
+    else
+      call make_directory(folder, error)
+      call remove_file(folder//'/plan.csv')
+      if (.not. allocated(error)) call write_echo(folder//'/plan.nml', scene, error)
+    end if
+  end subroutine new_pilot
+
+  !> Results of a scene; nothing else is written.
+  subroutine probe(self, scene, q, error)
+    class(pilot_t), intent(inout) :: self             !< remembers them
+    type(scene_t), intent(in) :: scene                !< scene on its mesh
+    real(dp), intent(out) :: q(3)                     !< K_TS, normal force, mid-band pressure
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    type(error_t), allocatable :: trouble
+    type(run_t), allocatable :: run
+    type(scene_t) :: s
+    type(probe_t) :: new
+    integer :: i
+    i = place_of(self, scene)
+    q = 0
+    if (i > 0) q = self%known(i)%q
+    if (i > 0) return
+    s = scene
+    if (s%time_limit_s > 0) s%time_limit_s = max(1e-3_dp, s%time_limit_s - (wall_seconds() - self%begun))
+    new%seconds = wall_seconds()
+    allocate (run)
+    call new_run(s, '', '', .false., run, error)
+    if (.not. allocated(error)) call solve(run, error)
+    if (.not. allocated(error)) q = quantities(run)
+    if (allocated(run%drive)) call finish(run, trouble)
+    if (allocated(error)) return
+    new%q = q
+    new%seconds = wall_seconds() - new%seconds
+    call push(self%name, name_of(scene))
+    self%known = [self%known, new]
+    call keep(self, error)
+  end subroutine probe
+
+  !> Time that a mesh took; 0 if it was not solved [s].
+  real(dp) function seconds_of(self, scene) result(seconds)
+    class(pilot_t), intent(in) :: self  !< results
+    type(scene_t), intent(in) :: scene  !< scene on its mesh
+    integer :: i
+    i = place_of(self, scene)
+    seconds = 0
+    if (i > 0) seconds = self%known(i)%seconds
+  end function seconds_of
+
+  !> Solve the load steps of a run.
+  subroutine solve(run, error)
+    type(run_t), intent(inout) :: run                 !< run, then at its end
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    logical :: done
+    done = .false.
+    do while (.not. (done .or. allocated(error)))
+      call advance(run, done, error)
+    end do
+  end subroutine solve
+
+  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
+  pure function quantities(run) result(q)
+    type(run_t), intent(in) :: run  !< finished run
+    real(dp) :: q(3)
+    real(dp), allocatable :: lever(:)
+    associate (f => run%facets)
+      lever = f%x(1, :)*f%normal(2, :) - f%x(2, :)*f%normal(1, :)
+      q = [sum(f%k_n*lever**2 + f%k_t*(f%x(1, :)**2 + f%x(2, :)**2 - lever**2)), run%sums%normal_force, &
+        run%sums%pressure_middle]
+    end associate
+  end function quantities
+
+  !> Everything a plan may choose, in one word.
+  pure function name_of(s) result(name)
+    type(scene_t), intent(in) :: s  !< scene on its mesh
+    character(len=:), allocatable :: name
+    name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
+      to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
+      to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
+  end function name_of
+
+  !> Number of a mesh in the list, 0 if it is new.
+  pure integer function place_of(self, scene) result(i)
+    class(pilot_t), intent(in) :: self  !< results
+    type(scene_t), intent(in) :: scene  !< scene on its mesh
+    character(len=:), allocatable :: name
+    name = name_of(scene)
+    do i = size(self%name), 1, -1
+      if (self%name(i)%s == name) return
+    end do
+  end function place_of
+
+  !> Append the last result to plan.csv.
+  subroutine keep(self, error)
+    type(pilot_t), intent(in) :: self                 !< results
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=*), parameter :: head = 'mesh,k_ts_nm_per_rad,normal_force_n,pressure_mid_mean_pa,seconds'
+    integer :: unit, status, n
+    if (len(self%folder) == 0) return
+    n = size(self%known)
+    open (newunit=unit, file=self%folder//'/plan.csv', position='append', action='write', iostat=status)
+    if (status == 0 .and. n == 1) write (unit, '(a)', iostat=status) head
+    if (status == 0) write (unit, '(a,4(",",es24.16))', iostat=status) self%name(n)%s, self%known(n)%q, self%known(n)%seconds
+    if (status == 0) close (unit, iostat=status)
+    if (status /= 0) call raise(error, code_file, "cannot write '"//self%folder//"/plan.csv': is the disk full?")
+  end subroutine keep
+
+  !> Results of a plan that was stopped; a line cut short is solved again.
+  subroutine read_known(self)
+    type(pilot_t), intent(inout) :: self  !< gets them
+    type(probe_t) :: one
+    character(len=400) :: line
+    integer :: unit, status, comma
+    open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    read (unit, '(a)', iostat=status) line
+    do while (status == 0)
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      comma = index(line, ',')
+      read (line(comma + 1:), *, iostat=status) one%q, one%seconds
+      if (status /= 0) exit
+      call push(self%name, line(:comma - 1))
+      self%known = [self%known, one]
+    end do
+    close (unit)
+  end subroutine read_known
+end module hd_pilot

@@ -167,7 +167,7 @@ contains
     type(plan_t), intent(inout) :: plan               !< gets its choices
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     plan%scene%element = 'hex8i'
-    call note(plan, 'element hex8i: hex8 locks, hex20r takes ten times the time for the same error')
+    call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     plan%scene%assembly_steps = 1
     plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     plan%scene%edge_length = 0
@@ -335,7 +335,7 @@ contains
     do level = 1, size(band)
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
-      if (s%kinematics == 'linear') seconds(2) = 0.5_dp*seconds(1)
+      if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
       if (level >= start - 3 .and. level /= coarse) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
         100*first_error/band(level), seconds, before + seconds(2), estimate_memory_mb(s), &

@@ -95,7 +95,7 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
   real(c_double), intent(in) :: z(nx, ny), other(mx, my)
   real(c_double), intent(in) :: dx, dy, reals(5)
   integer(c_int), intent(in) :: whole(9)
-  real(c_double), intent(out) :: numbers(21), curves(columns, 7)
+  real(c_double), intent(out) :: numbers(29), curves(columns, 7)
   character(len=32), intent(out) :: name
   character(len=512), intent(out) :: reason
   integer(c_int), intent(out) :: status
@@ -124,6 +124,7 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
     if (allocated(m%fit%curve)) then
       numbers(:12) = [m%fit%d, m%fit%ln_g, m%fit%noise_variance, reshape(m%fit%cov, [9])]
       numbers(13:17) = [m%fit%rms, m%fit%rms_expected, m%fit%misfit, m%fit%chi2, real(m%fit%freedom, c_double)]
+      numbers(22:29) = [m%fit%interval, m%fit%interval_sampling]
       curves(:n, 3) = m%fit%curve(:n)
       curves(:n, 4) = m%fit%sd_curve(:n)
       curves(:n, 5) = m%fit%sd_sample(:n)

@@ -187,8 +187,8 @@ contains
     character(len=60) :: line
     line = ''
     if (allocated(r%m%fit%curve)) then
-      write (line, '(a,f7.4,a,f6.4,a,es11.4,a)') 'D =', r%m%fit%d, ' +- ', 1.96_dp * sqrt(r%m%fit%cov(1, 1)), ', G =', &
-        exp(r%m%fit%ln_g), ' m, '
+      write (line, '(a,f7.4,a,f6.4,a,f6.4,a,es11.4,a)') 'D =', r%m%fit%d, ' (', r%m%fit%interval(1, 1), ' to ', &
+        r%m%fit%interval(2, 1), '), G =', exp(r%m%fit%ln_g), ' m, '
     end if
     call say('fit       '//r%name//' '//trim(line)//' '//verdict_of(r)//' ('//r%m%verdict%name//')')
   end subroutine tell
@@ -237,7 +237,6 @@ contains
   subroutine add_fits(json, found)
     type(json_t), intent(inout) :: json           !< summary
     type(found_t), intent(in) :: found(:)         !< results
-    real(dp) :: error_d, error_g
     integer :: i
     call json%begin('fits')
     do i = 1, size(found)
@@ -248,14 +247,14 @@ contains
         call json%add('kind', f%m%verdict%name)
         call json%add('reason', f%m%verdict%reason)
         if (allocated(r%curve)) then
-          error_d = sqrt(r%cov(1, 1))
-          error_g = min(sqrt(r%cov(2, 2)), 300._dp)
           call json%add('fractal_dimension', r%d)
-          call json%add('fractal_dimension_error', error_d)
-          call json%add('fractal_dimension_95', r%d + 1.96_dp * [-error_d, error_d])
+          call json%add('fractal_dimension_error', (r%interval(2, 1) - r%interval(1, 1)) / 3.919928_dp)
+          call json%add('fractal_dimension_95', r%interval(:, 1))
+          call json%add('fractal_dimension_95_sampling', r%interval_sampling(:, 1))
           call json%add('roughness_m', exp(r%ln_g))
-          call json%add('ln_roughness_error', error_g)
-          call json%add('roughness_95_m', exp(r%ln_g + 1.96_dp * [-error_g, error_g]))
+          call json%add('ln_roughness_error', (r%interval(2, 2) - r%interval(1, 2)) / 3.919928_dp)
+          call json%add('roughness_95_m', exp(max(-600._dp, min(600._dp, r%interval(:, 2)))))
+          call json%add('roughness_95_sampling_m', exp(max(-600._dp, min(600._dp, r%interval_sampling(:, 2)))))
           call json%add('covariance', reshape(r%cov, [9]))
           call json%add('noise_m', sqrt(max(0._dp, r%noise_variance)))
           call json%add('residual_rms', r%rms)

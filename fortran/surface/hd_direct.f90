@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The sum of waves, term by term: the oracle of the faster evaluators. 
+!> The sum of waves, term by term: the oracle of the faster evaluators, the same bits on every processor.
 module hd_direct
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp
+  use hd_exact, only: direct_row
   use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
   private
@@ -16,21 +17,17 @@ contains
     integer, intent(in) :: j_1                        !< first row
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, rows) [m]
     real(dp), allocatable :: ux(:), ux_2(:), uy(:), uy_2(:), phase(:), xh(:), xl(:), yh(:), yl(:)
-    real(dp) :: row
-    integer :: i, j, k, n
+    integer :: j, k, n
     n = size(w%amplitude)
     allocate (ux(n), ux_2(n), uy(n), uy_2(n), phase(n), xh(n), xl(n), yh(n), yl(n))
     call turns_on_grid(w, g, 0._dp, 0._dp, ux, ux_2, uy, uy_2, phase)
     call split_turns(ux, ux_2, xh, xl)
     call split_turns(uy, uy_2, yh, yl)
-    !$omp parallel do private(i, k, row) schedule(dynamic)
+    !$omp parallel do private(k) schedule(dynamic)
     do j = 1, size(z, 2)
       z(:, j) = w%offset
       do k = 1, n
-        row = phase(k) + turns_at(yh(k), yl(k), j_1 + j - 2)
-        do i = 1, size(z, 1)
-          z(i, j) = z(i, j) - w%amplitude(k) * cos(2 * pi * (row + turns_at(xh(k), xl(k), i - 1)))
-        end do
+        call direct_row(size(z, 1), phase(k) + turns_at(yh(k), yl(k), j_1 + j - 2), xh(k), xl(k), w%amplitude(k), z(:, j))
       end do
     end do
   end subroutine direct_sum

@@ -25,7 +25,7 @@ module hd_heights
     real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
   end type method_t
 
-  real(dp), parameter :: second_per_cosine = 20e-9_dp      !< one term of the direct sum
+  real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
   real(dp), parameter :: second_per_flop = 0.022e-9_dp     !< matrix product
   real(dp), parameter :: second_per_point = 2e-9_dp        !< height stored
   real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor

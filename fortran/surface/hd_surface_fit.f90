@@ -11,6 +11,7 @@ module hd_surface_fit
   use hd_observation, only: observation_t
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
+  use hd_uncertainty, only: identity, left_over, alike, unexplained, interval_95
   use hd_expectation, only: spectrum_t, expectation_t, new_expectation, expected_log, check_spectrum, d_lowest, d_highest, &
     model_profile, model_ridges, model_paper
   implicit none
@@ -29,7 +30,9 @@ module hd_surface_fit
   type :: fit_t
     real(dp) :: d = 0, ln_g = 0               !< D, ln (G / 1 m)
     real(dp) :: noise_variance = 0            !< white noise [m^2]
-    real(dp) :: cov(3, 3) = 0                 !< covariance of D, ln G, noise variance
+    real(dp) :: cov(3, 3) = 0                 !< covariance of D, ln G, noise variance, were that free to be negative
+    real(dp) :: interval(2, 2) = 0            !< 95 % intervals (low and high; D, ln G) of sampling and of misfit
+    real(dp) :: interval_sampling(2, 2) = 0   !< the same of sampling alone: right if the model is
     real(dp) :: rms = 0                       !< rms of the residuals of ln S
     real(dp) :: rms_expected = 0              !< what sampling alone leaves, on average
     real(dp) :: misfit = 0                    !< rms of ln S the model itself must be off by
@@ -279,8 +282,8 @@ contains
     real(dp), intent(in) :: d, b, share, off            !< estimate; noise taken off S [m^2]
     type(fit_t), intent(out) :: r                       !< result
     type(error_t), allocatable, intent(out) :: error    !< internal
-    real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :)
-    real(dp) :: res(size(y)), v(3, 3), spare
+    real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :), curved(:, :)
+    real(dp) :: res(size(y)), spare
     integer :: i, n, unknowns
     n = size(y)
     unknowns = merge(3, 2, options%fit_noise)
@@ -304,55 +307,29 @@ contains
     else if (options%weighted) then
       r%chi2 = sum(matmul(white, res)**2)
     end if
-    v = 0
-    v(:unknowns, :unknowns) = matmul(h, matmul(sure, transpose(h)))
-    r%sd_curve = sqrt([(sum(j(i, :) * matmul(v(:unknowns, :unknowns), j(i, :))), i=1, n)])
+    curved = matmul(j, h)
+    r%sd_curve = sqrt([(sum(matmul(curved(i, :), sure) * curved(i, :)), i=1, n)])
     r%sd_sample = sqrt([(total(i, i), i=1, n)])
     r%curve = exp(b + shape_of(e, d, share)) + off
     r%rms = sqrt(sum(res**2) / n)
     r%freedom = n - unknowns
-    call to_surface(e, d, b, share, v, r)
+    call to_surface(e, d, b, share, h, res, cov, sure, r)
     r%noise_variance = r%noise_variance + 0.5_dp * off
   end subroutine finish
 
-  !> Correlation of what a model is off by at two lags: over a range of ln tau.
-  pure function alike(o, range) result(like)
-    type(observation_t), intent(in) :: o    !< observation
-    real(dp), intent(in) :: range           !< of ln tau
-    real(dp) :: like(size(o%lag), size(o%lag))
+  !> From (D, b, share) to (D, ln G, noise variance), with covariances and intervals. Where the noise came out as 0, the linear
+  !> estimate, which may be negative, is a step away.
+  subroutine to_surface(e, d, b, share, h, res, cov, sure, r)
+    type(expectation_t), intent(in) :: e            !< table
+    real(dp), intent(in) :: d, b, share             !< estimate
+    real(dp), intent(in) :: h(:, :), res(:)         !< estimator (unknowns, n), residuals of ln S
+    real(dp), intent(in) :: cov(:, :), sure(:, :)   !< covariance of ln S by sampling, with misfit
+    type(fit_t), intent(inout) :: r                 !< result
+    real(dp) :: first(size(e%v, 1)), change(size(e%v, 1)), t(3, 3), g(3, size(res)), step, u(3)
     integer :: i
-    do i = 1, size(o%lag)
-      like(:, i) = exp(-0.5_dp * (log(o%tau / o%tau(i)) / range)**2)
-    end do
-  end function alike
-
-  !> Covariance of ln S as the residuals show it, whatever the model is off by (sandwich form): products of residuals, each freed
-  !> from the share that the fit took, correlated over 0.15 in ln tau - ripples of gamma = 1.5 change sign over 0.2 - and within a
-  !> direction, for ripples of few ridges differ from one to the next.
-  pure function unexplained(o, res, hat) result(cov)
-    type(observation_t), intent(in) :: o              !< observation
-    real(dp), intent(in) :: res(:), hat(:, :)         !< residuals of ln S, projection on residuals
-    real(dp) :: cov(size(res), size(res)), seen(size(res))
-    integer :: i, j
-    seen = [(res(i) / sqrt(max(hat(i, i), 0.02_dp)), i=1, size(res))]
-    cov = alike(o, 0.15_dp)
-    do j = 1, size(res)
-      do i = 1, size(res)
-        cov(i, j) = cov(i, j) * seen(i) * seen(j) * merge(1, 0, any(o%share(:, i) * o%share(:, j) > 0))
-      end do
-    end do
-  end function unexplained
-
-  !> From (D, b, share) to (D, ln G, noise variance), with the covariance.
-  subroutine to_surface(e, d, b, share, v, r)
-    type(expectation_t), intent(in) :: e      !< table
-    real(dp), intent(in) :: d, b, share       !< estimate
-    real(dp), intent(in) :: v(3, 3)           !< its covariance
-    type(fit_t), intent(inout) :: r           !< result
-    real(dp) :: first(size(e%v, 1)), change(size(e%v, 1)), t(3, 3), h
-    h = 1e-4_dp
+    step = 1e-4_dp
     first = expected_log(e, d)
-    change = (expected_log(e, d + h) - expected_log(e, d - h)) / (2 * h)
+    change = (expected_log(e, d + step) - expected_log(e, d - step)) / (2 * step)
     r%d = d
     r%ln_g = (b + log(1 - share) - first(1)) / (2 * (d - 2))
     r%noise_variance = 0.5_dp * share * exp(b)
@@ -363,7 +340,14 @@ contains
     t(2, 3) = -1 / ((1 - share) * 2 * (d - 2))
     t(3, 2) = r%noise_variance
     t(3, 3) = 0.5_dp * exp(b)
-    r%cov = matmul(t, matmul(v, transpose(t)))
+    g = matmul(t(:, :size(h, 1)), h)
+    if (size(h, 1) < 3) g(3, :) = 0
+    u = [r%d, r%ln_g, r%noise_variance] + matmul(g, res)
+    r%cov = matmul(g, matmul(sure, transpose(g)))
+    do i = 1, 2
+      r%interval(:, i) = interval_95(u, r%cov, i)
+      r%interval_sampling(:, i) = interval_95(u, matmul(g, matmul(cov, transpose(g))), i)
+    end do
   end subroutine to_surface
 
   !> Derivatives of ln S with respect to D, the amplitude and the share of noise.
@@ -380,23 +364,4 @@ contains
     s = exp(s - s(1))
     j(:, 3) = (1 - s) / ((1 - share) * s + share)
   end function jacobian
-
-  !> Unit matrix.
-  pure function identity(n) result(a)
-    integer, intent(in) :: n    !< size
-    real(dp) :: a(n, n)
-    integer :: i
-    a = 0
-    do i = 1, n
-      a(i, i) = 1
-    end do
-  end function identity
-
-  !> Mean weighted sum of squares of the residuals of data with a covariance.
-  pure real(dp) function left_over(white, hat, cov)
-    real(dp), intent(in) :: white(:, :), hat(:, :), cov(:, :)   !< whitening, projection on residuals, covariance
-    real(dp) :: a(size(cov, 1), size(cov, 1))
-    a = matmul(white, hat)
-    left_over = sum(matmul(a, cov) * a)
-  end function left_over
 end module hd_surface_fit

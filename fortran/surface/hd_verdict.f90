@@ -202,7 +202,7 @@ contains
       v%name = 'bent'
       v%reason = 'ln S bends: its slope goes from '//to_text(head)//' to '//to_text(foot)//', the model is off by '// &
         percent(r%misfit)
-    else if (r%d - 1.96_dp * sqrt(r%cov(1, 1)) < 2.005_dp) then
+    else if (r%interval(1, 1) < 2.005_dp) then
       v%kind = not_fractal
       v%name = 'smooth'
       v%reason = 'the 95 % interval of D reaches 2, a differentiable map: G = exp(b/(D - 2)) is not determined'

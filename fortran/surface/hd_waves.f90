@@ -8,7 +8,7 @@ module hd_waves
   use hd_kinds, only: dp, qp, i8, pi
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_random, only: uniforms
-  use hd_spread, only: exact_products, turns_at_point
+  use hd_exact, only: exact_products, turns_at_point, cosines
   use hd_text, only: to_text
   implicit none
   private
@@ -83,15 +83,16 @@ contains
     count = s%ridges * (n_max + 1_i8)
   end subroutine count_waves
 
-  !> The waves of a surface; counter of a phase: (n, m), so that a shorter L_s adds waves and keeps the others.
+  !> The waves of a surface; counter of a phase: (n, m), so that a shorter L_s adds waves and keeps the others. Amplitudes are made
+  !> in quadruple precision: what logarithms of other systems differ by is rounded away.
   subroutine new_waves(s, w, error)
     type(spectrum_t), intent(in) :: s                 !< parameters
     type(waves_t), intent(out) :: w                   !< waves
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
     real(qp), allocatable :: cosine(:), sine(:)
-    real(dp), allocatable :: c(:), c_2(:), s_1(:), s_2(:)
-    real(qp) :: f
-    real(dp) :: f_1, f_2, b
+    real(dp), allocatable :: c(:), c_2(:), s_1(:), s_2(:), cosine_phase(:)
+    real(qp) :: f, b_0, ratio
+    real(dp) :: f_1, f_2
     integer(i8) :: count
     integer :: n_max, n, m, j, status
     call count_waves(s, n_max, count, error)
@@ -107,7 +108,10 @@ contains
     c_2 = real(cosine - c, dp)
     s_1 = real(sine, dp)
     s_2 = real(sine - s_1, dp)
-    !$omp parallel do private(f, f_1, f_2, b, m, j) schedule(static) if (count > 5000)
+    ratio = exp(log(real(s%gamma, qp)) * (real(s%fractal_dimension, qp) - 3))
+    b_0 = sqrt(log(real(s%gamma, qp)) / s%ridges) * s%length * exp(log(s%roughness / real(s%length, qp)) &
+      * (real(s%fractal_dimension, qp) - 2))
+    !$omp parallel do private(f, f_1, f_2, m, j) schedule(static) if (count > 5000)
     do n = 0, n_max
       f = real(s%gamma, qp)**n / real(s%length, qp)
       f_1 = real(f, dp)
@@ -116,39 +120,69 @@ contains
       call uniforms(s%seed, spread(int(n, i8), 1, s%ridges), [(int(m, i8), m=1, s%ridges)], w%phase(j + 1:j + s%ridges))
       call exact_products(s%ridges, f_1, f_2, c, c_2, w%fx(j + 1), w%fx_2(j + 1))
       call exact_products(s%ridges, f_1, f_2, s_1, s_2, w%fy(j + 1), w%fy_2(j + 1))
-      b = sqrt(log(s%gamma) / s%ridges) * s%roughness**(s%fractal_dimension - 2) * f_1**(s%fractal_dimension - 3)
+      w%amplitude(j + 1:j + s%ridges) = real(b_0 * ratio**n, dp)
       do m = 1, s%ridges
         j = n * s%ridges + m
-        w%amplitude(j) = b
         w%group(j) = n * (s%ridges / 2 + 1) + min(m, s%ridges - m) + 1
         if (2 * m == s%ridges) w%group(j) = s%ridges / 2 + 1       ! fx = 0 for every n
       end do
     end do
     call number_groups(w)
-    w%offset = sum(w%amplitude * cos(2 * pi * w%phase))
+    allocate (cosine_phase(count))
+    call cosines(int(count), w%phase, cosine_phase)
+    w%offset = sum(w%amplitude * cosine_phase)
   end subroutine new_waves
 
-  !> cos and sin of pi m / M, m = 1..M, exactly symmetric about pi / 2.
+  !> cos and sin of pi m / M, m = 1..M, exactly symmetric about pi / 2 (even M: about pi / 4). Those of one angle turn into the rest
+  !> by sums and products, some 2 sqrt(M) for each.
   subroutine directions(ridges, cosine, sine)
     integer, intent(in) :: ridges                                 !< M
     real(qp), allocatable, intent(out) :: cosine(:), sine(:)      !< (M)
     real(qp), parameter :: pi_q = 3.14159265358979323846264338327950288419716939937510_qp
-    integer :: m
+    complex(qp), allocatable :: near(:)
+    complex(qp) :: far
+    integer :: m, last
     allocate (cosine(ridges), sine(ridges))
-    cosine(ridges) = -1
-    sine(ridges) = 0
-    if (mod(ridges, 2) == 0) then
-      cosine(ridges / 2) = 0
-      sine(ridges / 2) = 1
-    end if
-    !$omp parallel do schedule(static) if (ridges > 100)
+    last = merge(ridges / 4, (ridges - 1) / 2, mod(ridges, 2) == 0)
+    allocate (near(0:max(1, nint(sqrt(real(last))))))
+    near(0) = 1
+    near(1) = small_turn(pi_q / ridges)
+    do m = 2, ubound(near, 1)
+      near(m) = near(m - 1) * near(1)
+    end do
+    far = 1
+    do m = 1, last
+      if (mod(m, ubound(near, 1)) == 0) far = far * near(ubound(near, 1))
+      cosine(m) = real(far * near(mod(m, ubound(near, 1))), qp)
+      sine(m) = aimag(far * near(mod(m, ubound(near, 1))))
+    end do
+    do m = last + 1, (ridges - 1) / 2
+      cosine(m) = sine(ridges / 2 - m)
+      sine(m) = cosine(ridges / 2 - m)
+    end do
     do m = 1, (ridges - 1) / 2
-      cosine(m) = cos(pi_q * m / ridges)
-      sine(m) = sin(pi_q * m / ridges)
       cosine(ridges - m) = -cosine(m)
       sine(ridges - m) = sine(m)
     end do
+    if (mod(ridges, 2) == 0) cosine(ridges / 2) = 0
+    if (mod(ridges, 2) == 0) sine(ridges / 2) = 1
+    cosine(ridges) = -1
+    sine(ridges) = 0
   end subroutine directions
+
+  !> exp(i angle), angle up to pi / 3, by its series.
+  pure complex(qp) function small_turn(angle)
+    real(qp), intent(in) :: angle    !< angle [rad]
+    real(qp) :: c, s
+    integer :: k
+    c = 1
+    s = 1
+    do k = 32, 2, -2
+      c = 1 - angle**2 / (k * (k - 1)) * c
+      s = 1 - angle**2 / (k * (k + 1)) * s
+    end do
+    small_turn = cmplx(c, angle * s, qp)
+  end function small_turn
 
   !> Number the groups without gaps.
   subroutine number_groups(w)

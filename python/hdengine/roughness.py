@@ -257,9 +257,11 @@ class Fit:
 
     fractal_dimension: float                #: D
     roughness_m: float                      #: G [m]
-    fractal_dimension_error: float          #: standard error of D
+    fractal_dimension_error: float          #: standard error of D: a 3.92th of its 95 % interval
     ln_roughness_error: float               #: standard error of ln G
-    covariance: np.ndarray = field(repr=False)  #: of D, ln G, noise variance [m^2] (3, 3)
+    covariance: np.ndarray = field(repr=False)  #: of D, ln G, noise variance [m^2] (3, 3), were that free to be negative
+    interval: tuple                         #: 95 % intervals ((D_low, D_high), (G_low, G_high)) [-, m] of sampling and misfit
+    sampling_interval: tuple                #: the same of sampling alone: right if the model is
     noise_m: float                          #: rms of white noise, fitted or given [m]
     verdict: str                            #: "fractal", "not fractal" or "noise-dominated"
     kind: str                               #: what it is: fractal, sine, square wave, steps, plane, constant, white noise, ...
@@ -284,13 +286,6 @@ class Fit:
     sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
 
     @property
-    def interval(self):
-        """95 % intervals of D and of G [m]: ((D_low, D_high), (G_low, G_high))."""
-        d, g = 1.959964 * self.fractal_dimension_error, min(1.959964 * self.ln_roughness_error, 300.0)
-        return ((self.fractal_dimension - d, self.fractal_dimension + d),
-                (self.roughness_m * np.exp(-g), self.roughness_m * np.exp(g)))
-
-    @property
     def band(self):
         """95 % band of measured S about the model: (low, high) [m^2]."""
         w = np.exp(1.959964 * self.sample_error)
@@ -299,10 +294,11 @@ class Fit:
     def __str__(self):
         lines = [f"verdict   {self.verdict}" + (f" ({self.kind})" if self.kind != self.verdict else "") + f": {self.reason}"]
         if np.isfinite(self.fractal_dimension):
-            (_, _), (low, high) = self.interval
+            (d_low, d_high), (low, high) = self.interval
+            (s_low, s_high), _ = self.sampling_interval
             lines += [
-                f"D         {self.fractal_dimension:.4f} +- {1.96 * self.fractal_dimension_error:.4f}"
-                f" (D_s = {self.fractal_dimension - 1:.4f})",
+                f"D         {self.fractal_dimension:.4f}, {d_low:.4f} to {d_high:.4f} (95 %; by sampling alone {s_low:.4f} to "
+                f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
                 f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
                 f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
                 f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by "
@@ -410,6 +406,11 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     return _result(numbers, curves, name, reason, model, weighted, known, lags, band, level, profile, dx, dy)
 
 
+def _interval(v):
+    """((D_low, D_high), (G_low, G_high)) of bounds of D and ln G."""
+    return tuple(v[:2].tolist()), tuple(np.exp(np.clip(v[2:], -600, 600)).tolist())
+
+
 def _result(numbers, curves, name, reason, model, weighted, known, lags, band, levelled, profile, dx, dy):
     """Pack what the engine returns."""
     text = [t.decode() if isinstance(t, bytes) else str(t) for t in (name, reason)]
@@ -420,7 +421,8 @@ def _result(numbers, curves, name, reason, model, weighted, known, lags, band, l
     tau, s, curve, curve_error, sample_error = curves[: int(numbers[20]), :5].T
     return Fit(
         fractal_dimension=numbers[0], roughness_m=float(np.exp(numbers[1])),
-        fractal_dimension_error=float(np.sqrt(cov[0, 0])), ln_roughness_error=float(np.sqrt(cov[1, 1])), covariance=cov,
+        fractal_dimension_error=(numbers[22] - numbers[21]) / 3.919928, ln_roughness_error=(numbers[24] - numbers[23]) / 3.919928,
+        covariance=cov, interval=_interval(numbers[21:25]), sampling_interval=_interval(numbers[25:29]),
         noise_m=float(np.sqrt(numbers[2])), verdict=_VERDICTS[int(numbers[19])], kind=text[0].strip(), reason=text[1].strip(),
         model=model, weighted=weighted, ensemble="random phases" if known else "Gaussian field", lags=tuple(lags),
         band_m=tuple(band), rms=numbers[12], rms_expected=numbers[13], misfit=numbers[14], chi2=numbers[15],

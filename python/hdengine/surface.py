@@ -121,14 +121,15 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
     ridges : int
         M, the number of directions.
     seed : int
-        Seed of the phases, the same on every platform and for any number of threads.
+        Seed of the phases, the same bits on every platform and for any number of threads.
     origin : float or (float, float)
         First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
     tolerance : float
         Root mean square error that the non-uniform FFT may have, relative to that of the waves, 1e-13 to 0.1. The other two
         methods are exact to rounding.
     method : str
-        'auto' takes the one predicted to be the fastest; 'direct', 'product' (matrix products), 'nufft'.
+        'auto' takes the one predicted to be the fastest; 'direct' (the same bits on every processor), 'product' (matrix
+        products), 'nufft'.
     dtype : dtype
         float64 or float32.
 

@@ -110,10 +110,14 @@ def _fit(name, s, table):
     """Fit of the summary and of the rows of fit.csv."""
     rows = table[table["surface"] == name]
     nan = float("nan")
+    none = nan, nan
     return Fit(
         fractal_dimension=s.get("fractal_dimension", nan), roughness_m=s.get("roughness_m", nan),
         fractal_dimension_error=s.get("fractal_dimension_error", nan), ln_roughness_error=s.get("ln_roughness_error", nan),
-        covariance=np.reshape(s.get("covariance", [nan] * 9), (3, 3)), noise_m=s.get("noise_m", nan), verdict=s["verdict"],
+        covariance=np.reshape(s.get("covariance", [nan] * 9), (3, 3)),
+        interval=tuple(tuple(s.get(key, none)) for key in ("fractal_dimension_95", "roughness_95_m")),
+        sampling_interval=tuple(tuple(s.get(key, none)) for key in ("fractal_dimension_95_sampling", "roughness_95_sampling_m")),
+        noise_m=s.get("noise_m", nan), verdict=s["verdict"],
         kind=s["kind"], reason=s["reason"], model=s["model"], weighted=s["weighted"],
         ensemble="random phases" if s["weighted"] else "Gaussian field", lags=tuple(map(int, s["lags"])), band_m=tuple(s["band_m"]),
         rms=s.get("residual_rms", nan), rms_expected=s.get("residual_rms_expected", nan), misfit=s.get("misfit", nan),

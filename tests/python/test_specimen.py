@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading specimens, the two of data/, the command `hdengine surface`."""
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -101,6 +102,20 @@ def test_measured_files_read(name):
     assert f.verdict in ("fractal", "not fractal", "noise-dominated") and f.reason
     if "sine" in name:
         assert f.kind == "sine"
+
+
+def test_sur_file_reads(tmp_path):
+    """A Digital Surf file (SUR) with lateral scales in um, heights in nm and one hole is read in metres, row by row."""
+    pytest.importorskip("SurfaceTopography")
+    z = np.array([[5, 7, -3, 0], [1, 2, -42, 8], [9, -6, 4, 3]], dtype="<i2")
+    units = [t.encode() for t in ("X", "Y", "Z", "um", "um", "nm", "um", "um", "nm")]
+    head = struct.pack("<12s4H30s30s5H8xH4iI3f" + 9 * "16s" + "3f3H12x7Hf10x2H128s3f34x", b"DIGITAL SURF", 0, 1, 1, 2, b"made", b"", 0, 0, 0, 1,
+                       0, 16, -40, 9, 4, 3, 12, 2.0, 3.0, 0.5, *units, 1, 1, 1, 0, 0, 0, 1, 2, 3, 4, 5, 2020, 0, 1.0, 0, 0, b"", 0, 0, 0)
+    (tmp_path / "a.sur").write_bytes(head + z.tobytes())
+    s = specimen.read(tmp_path / "a.sur")
+    assert s.spacing == pytest.approx((3e-6, 2e-6), rel=1e-6)
+    assert np.isnan(s.heights[1, 2]) and np.nansum(s.heights != 0.5e-9 * z) == 1
+    assert s.heights[2] == pytest.approx(0.5e-9 * z[2], rel=1e-6)
 
 
 def test_bad_files_are_named(tmp_path):

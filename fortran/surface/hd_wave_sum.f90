@@ -4,6 +4,7 @@
 !> product of two waves averages to real sine ratios, so no simulation is needed.
 module hd_wave_sum
   use hd_kinds, only: dp, pi
+  use hd_lapack, only: multiply_transposed, blas_threads
   use hd_observation, only: observation_t, directions
   implicit none
   private
@@ -128,7 +129,7 @@ contains
     real(dp), allocatable :: terms(:, :), part(:, :, :)
     type(pairs_t) :: t(4)
     real(dp) :: scale, u(size(qx)), v(size(qx))
-    integer :: i, n, d
+    integer :: i, n, d, threads
     scale = sum(a2)
     u = qx * o%dx
     v = qy * o%dy
@@ -136,15 +137,17 @@ contains
       t(d) = new_pairs(o, d, u, v)
     end do
     allocate (part(size(o%lag), size(o%lag), size(a2)))
+    threads = blas_threads(1)
     !$omp parallel private(terms, n)
     allocate (terms(size(o%lag), 2 * size(a2)))
     !$omp do schedule(dynamic, 4)
     do i = 1, size(a2)
       call pair_terms(o, t, u, v, a2 / scale, i, terms)
       n = 2 * (size(a2) - i + 1)
-      part(:, :, i) = matmul(terms(:, :n), transpose(terms(:, :n)))
+      call multiply_transposed(terms(:, :n), terms(:, :n), part(:, :, i))
     end do
     !$omp end parallel
+    threads = blas_threads(threads)
     cov = 0.5_dp * sum(part, 3) * scale**2
   end subroutine wave_covariance
 
@@ -182,50 +185,66 @@ contains
     real(dp), intent(in) :: a2(:)                   !< squares of the amplitudes
     integer, intent(in) :: i                        !< first wave
     real(dp), intent(inout) :: terms(:, :)          !< (lags, 2 (waves - i + 1)) set
-    real(dp) :: m(size(o%lag)), p(size(o%lag)), weight
-    integer :: j, d, k, n
+    real(dp), dimension(size(o%lag)) :: m, p, xm, xp, ym, yp
+    real(dp) :: weight(2)
+    integer :: j, d, k, l, e, n
     do j = i, size(a2)
       k = 2 * (j - i) + 1
       terms(:, k:k + 1) = 0
       weight = sqrt(a2(i) * a2(j))
+      if (j == i) weight = [0._dp, 0.5_dp * weight(2)]
       do d = 1, size(t)
         n = size(t(d)%pick)
         if (n == 0) cycle
-        call products(t(d), u, v, i, j, m(:n), p(:n))
-        terms(t(d)%pick, k) = terms(t(d)%pick, k) + merge(0._dp, weight, j == i) * o%share(d, t(d)%pick) * m(:n)
-        terms(t(d)%pick, k + 1) = terms(t(d)%pick, k + 1) + merge(0.5_dp, 1._dp, j == i) * weight * o%share(d, t(d)%pick) * p(:n)
+        call both(t(d)%sx(:, i), t(d)%cx(:, i), t(d)%sx(:, j), t(d)%cx(:, j), u(i), u(j), t(d)%nx, xm(:n), xp(:n))
+        call both(t(d)%sy(:, i), t(d)%cy(:, i), t(d)%sy(:, j), t(d)%cy(:, j), v(i), v(j), t(d)%ny, ym(:n), yp(:n))
+        call products(t(d)%half(:, i), t(d)%half(:, j), t(d)%tilt(:, i), t(d)%tilt(:, j), t(d)%mean(:, i), t(d)%mean(:, j), &
+          xm(:n), xp(:n), ym(:n), yp(:n), m(:n), p(:n))
+        do l = 1, n
+          e = t(d)%pick(l)
+          terms(e, k) = terms(e, k) + weight(1) * o%share(d, e) * m(l)
+          terms(e, k + 1) = terms(e, k + 1) + weight(2) * o%share(d, e) * p(l)
+        end do
       end do
     end do
   end subroutine pair_terms
 
   !> Mean products of the increments of two waves: by the difference and by the sum of their phases.
-  pure subroutine products(t, u, v, i, j, minus, plus)
-    type(pairs_t), intent(in) :: t              !< waves along a direction
-    real(dp), intent(in) :: u(:), v(:)          !< phases per point along x and y (waves)
-    integer, intent(in) :: i, j                 !< which two
-    real(dp), intent(out) :: minus(:), plus(:)  !< means (entries)
-    minus = 4 * t%half(:, i) * t%half(:, j)
-    plus = -minus * both(t%sx(:, i), t%cx(:, i), t%sx(:, j), t%cx(:, j), u(i), u(j), t%nx, +1) &
-      * both(t%sy(:, i), t%cy(:, i), t%sy(:, j), t%cy(:, j), v(i), v(j), t%ny, +1)
-    minus = minus * both(t%sx(:, i), t%cx(:, i), t%sx(:, j), t%cx(:, j), u(i), u(j), t%nx, -1) &
-      * both(t%sy(:, i), t%cy(:, i), t%sy(:, j), t%cy(:, j), v(i), v(j), t%ny, -1)
-    minus = minus - t%tilt(:, j) * t%mean(:, i) - t%tilt(:, i) * t%mean(:, j) + t%tilt(:, i) * t%tilt(:, j)
-    plus = plus + t%tilt(:, j) * t%mean(:, i) + t%tilt(:, i) * t%mean(:, j) - t%tilt(:, i) * t%tilt(:, j)
+  pure subroutine products(half_1, half_2, tilt_1, tilt_2, mean_1, mean_2, xm, xp, ym, yp, minus, plus)
+    real(dp), intent(in), contiguous, dimension(:) :: half_1, half_2, tilt_1, tilt_2, mean_1, mean_2  !< of the waves (entries)
+    real(dp), intent(in), contiguous, dimension(:) :: xm, xp, ym, yp    !< ratios by difference and sum, along x and y
+    real(dp), intent(out), contiguous :: minus(:), plus(:)              !< means (entries)
+    real(dp) :: h, b
+    integer :: k
+    do k = 1, size(minus)
+      h = 4 * half_1(k) * half_2(k)
+      b = tilt_2(k) * mean_1(k) + tilt_1(k) * mean_2(k) - tilt_1(k) * tilt_2(k)
+      minus(k) = h * xm(k) * ym(k) - b
+      plus(k) = b - h * xp(k) * yp(k)
+    end do
   end subroutine products
 
-  !> ratio(q_1 + sign q_2, n) from sin and cos of n q/2.
-  pure function both(s_1, c_1, s_2, c_2, q_1, q_2, n, sign) result(r)
-    real(dp), intent(in) :: s_1(:), c_1(:), s_2(:), c_2(:)    !< sin and cos of n q_1/2, n q_2/2
-    real(dp), intent(in) :: q_1, q_2                          !< phases per point
-    integer, intent(in) :: n(:), sign                         !< points, +1 or -1
-    real(dp) :: r(size(n)), s
-    s = sin(0.5_dp * (q_1 + sign * q_2))
+  !> ratio(q_1 - q_2, n) and ratio(q_1 + q_2, n) from sin and cos of n q/2.
+  pure subroutine both(s_1, c_1, s_2, c_2, q_1, q_2, n, minus, plus)
+    real(dp), intent(in), contiguous, dimension(:) :: s_1, c_1, s_2, c_2  !< sin and cos of n q_1/2, n q_2/2
+    real(dp), intent(in) :: q_1, q_2                                      !< phases per point
+    integer, intent(in), contiguous :: n(:)                               !< points
+    real(dp), intent(out), contiguous :: minus(:), plus(:)                !< ratios
+    real(dp) :: m, p
+    integer :: k
+    m = sin(0.5_dp * (q_1 - q_2))
+    p = sin(0.5_dp * (q_1 + q_2))
     if (n(1) == n(size(n))) then                              ! the same along the whole direction
-      r = ratio(q_1 + sign * q_2, n(1))
-    else if (abs(s) > 1e-6_dp) then
-      r = (s_1 * c_2 + sign * c_1 * s_2) / (n * s)
+      minus = ratio(q_1 - q_2, n(1))
+      plus = ratio(q_1 + q_2, n(1))
+    else if (min(abs(m), abs(p)) > 1e-6_dp) then
+      do k = 1, size(n)
+        minus(k) = (s_1(k) * c_2(k) - c_1(k) * s_2(k)) / (n(k) * m)
+        plus(k) = (s_1(k) * c_2(k) + c_1(k) * s_2(k)) / (n(k) * p)
+      end do
     else
-      r = ratio(q_1 + sign * q_2, n)
+      minus = ratio(q_1 - q_2, n)
+      plus = ratio(q_1 + q_2, n)
     end if
-  end function both
+  end subroutine both
 end module hd_wave_sum

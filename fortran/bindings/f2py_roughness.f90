@@ -77,6 +77,58 @@ subroutine surface_level(z, nx, ny, tilt, status, message)
   call tell(error, status, message)
 end subroutine surface_level
 
+!> Sa, Sq, Sz, Ssk, Sku, Sdq, shortest and longest wavelength, Nayak's parameter.
+subroutine surface_roughness(z, nx, ny, dx, dy, numbers, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_roughness, only: roughness_t, new_roughness
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: nx, ny
+  real(c_double), intent(in) :: z(nx, ny)
+  real(c_double), intent(in) :: dx, dy
+  real(c_double), intent(out) :: numbers(9)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  type(roughness_t) :: r
+  call new_roughness(z, dx, dy, r, error)
+  numbers = [r%sa, r%sq, r%sz, r%ssk, r%sku, r%sdq, r%bandwidth, r%nayak]
+  call tell(error, status, message)
+end subroutine surface_roughness
+
+!> Spectrum of the rows (radial = 0) or over rings of frequency.
+subroutine surface_spectrum(z, nx, ny, dx, dy, radial, n, frequency, density, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_roughness, only: line_spectrum, ring_spectrum
+  use hd_structure_function, only: check_map
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: nx, ny, radial, n
+  real(c_double), intent(in) :: z(nx, ny)
+  real(c_double), intent(in) :: dx, dy
+  real(c_double), intent(out) :: frequency(n), density(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  frequency = 0
+  density = 0
+  call check_map(z, dx, dy, error)
+  if (.not. allocated(error)) then
+    if (radial > 0) then
+      call ring_spectrum(z, dx, dy, frequency, density, error)
+    else
+      call line_spectrum(z, dx, frequency, density, error)
+    end if
+  end if
+  call tell(error, status, message)
+end subroutine surface_spectrum
+
 !> Fit of one map (`other` of one point) or of the sum of two. Whole numbers: first lag, last lag, level, model, weighted, known,
 !> fit_noise, M, n_max. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, their covariance (9), rms, rms
 !> expected, misfit, chi2, freedom, tilt (2), verdict, size. Curves out, one column each: lag [m], S, S of the model, its standard

@@ -8,6 +8,7 @@ module hd_map_fit
   use hd_log, only: say
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
+  use hd_roughness, only: roughness_t, new_roughness
   use hd_scene, only: scene_t, map_t, map_fit_t
   use hd_sdf, only: read_sdf
   use hd_surface_fit, only: fit_options_t
@@ -37,6 +38,7 @@ module hd_map_fit
     real(dp) :: band(2) = 0                     !< shortest and longest wavelength of the model [m]
     real(dp) :: tilt(2) = 0                     !< slope of the plane along x and y
     type(measurement_t) :: m
+    type(roughness_t) :: rough                  !< roughness numbers of a specimen
   end type found_t
 
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
@@ -131,6 +133,7 @@ contains
         if (s(i)%name == 'first') found(i)%file = trim(scene%map_fit%first_file)
         if (s(i)%name == 'second') found(i)%file = trim(scene%map_fit%second_file)
         call fit_one(scene%map, scene%map_fit, n_max, s(i), reshape([0._dp], [1, 1]), found(i), error)
+        if (.not. allocated(error)) call new_roughness(s(i)%z, s(i)%dx, s(i)%dy, found(i)%rough, error)
       end if
       if (allocated(error)) return
       call tell(found(i))
@@ -263,6 +266,7 @@ contains
           call json%add('chi2', r%chi2)
           call json%add('freedom', r%freedom)
         end if
+        if (f%rough%sq > 0) call add_roughness(json, f%rough)
         call json%add('model', trim(f%model))
         call json%add('weighted', f%weighted)
         call json%add('lags', real(f%lags, dp))
@@ -275,4 +279,20 @@ contains
     end do
     call json%finish()
   end subroutine add_fits
+
+  !> Roughness numbers of a specimen.
+  subroutine add_roughness(json, r)
+    type(json_t), intent(inout) :: json           !< summary
+    type(roughness_t), intent(in) :: r            !< numbers
+    call json%begin('roughness')
+    call json%add('sa_m', r%sa)
+    call json%add('sq_m', r%sq)
+    call json%add('sz_m', r%sz)
+    call json%add('ssk', r%ssk)
+    call json%add('sku', r%sku)
+    call json%add('sdq', r%sdq)
+    call json%add('bandwidth_m', r%bandwidth)
+    call json%add('nayak', r%nayak)
+    call json%finish()
+  end subroutine add_roughness
 end module hd_map_fit

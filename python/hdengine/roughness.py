@@ -156,20 +156,10 @@ def parameters(heights, spacing):
         bandwidth_m: shortest and longest wavelength that the map holds, two spacings and its shorter side; nayak: Nayak's
         bandwidth parameter m0 m4/m2^2 along rows, from first and second differences.
     """
-    z = level(heights)
     dx, dy = _spacing(spacing)
-    sq = np.sqrt(np.nanmean(z**2))
-    curved = structure_function(z, (dy, dx), [1], second=True)[1][0]
-    slope2 = structure_function(z, (dy, dx), [1])[1][0] / dx**2
-    sides = [(n - 1) * d for n, d in zip(z.shape[::-1], (dx, dy))]
-    sdq2 = slope2 if z.ndim == 1 else slope2 + structure_function(z, (dy, dx), [1], "columns")[1][0] / dy**2
-    with np.errstate(all="ignore"):
-        return {
-            "sa_m": float(np.nanmean(abs(z))), "sq_m": float(sq), "sz_m": float(np.nanmax(z) - np.nanmin(z)),
-            "ssk": float(np.nanmean(z**3) / sq**3), "sku": float(np.nanmean(z**4) / sq**4), "sdq": float(np.sqrt(sdq2)),
-            "bandwidth_m": (2 * max(dx, dy) if z.ndim == 2 else 2 * dx, min(sides)),
-            "nayak": float(sq**2 * curved / dx**4 / slope2**2),
-        }
+    v = _engine.call("surface_roughness", _map(heights), dx, dy).tolist()
+    names = ("sa_m", "sq_m", "sz_m", "ssk", "sku", "sdq")
+    return dict(zip(names, v)) | {"bandwidth_m": (v[6], v[7]), "nayak": v[8]}
 
 
 def psd(heights, spacing, direction="rows"):
@@ -196,25 +186,16 @@ def psd(heights, spacing, direction="rows"):
     InputError
         The map has holes.
     """
-    z = np.atleast_2d(level(heights))
+    z = _map(heights)
     dx, dy = _spacing(spacing)
-    if not np.all(np.isfinite(z)):
-        raise InputError("the map has holes: a spectrum needs every point; use structure_function, which takes holes")
-    if direction == "radial":
-        window = np.hanning(z.shape[0] + 2)[1:-1, None] * np.hanning(z.shape[1] + 2)[1:-1]
-        power = abs(np.fft.fft2(z * window)) ** 2 * dx * dy / np.sum(window**2)
-        f = np.hypot(np.fft.fftfreq(z.shape[0], dy)[:, None], np.fft.fftfreq(z.shape[1], dx))
-        step = 1 / max(z.shape[0] * dy, z.shape[1] * dx)
-        ring = np.rint(f / step).astype(int).ravel()
-        count = np.maximum(np.bincount(ring), 1)
-        last = int(0.5 / max(dx, dy) / step)
-        return ((np.bincount(ring, f.ravel()) / count)[1:last + 1], (np.bincount(ring, power.ravel()) / count)[1:last + 1])
-    if direction not in ("rows", "columns"):
+    if direction not in ("rows", "columns", "radial"):
         raise InputError(f'direction = {direction!r}: "rows", "columns" or "radial"')
-    lines, step = (z, dx) if direction == "rows" else (z.T, dy)
-    window = np.hanning(lines.shape[1] + 2)[1:-1]
-    power = 2 * np.mean(abs(np.fft.rfft(lines * window)) ** 2, axis=0) * step / np.sum(window**2)
-    return np.fft.rfftfreq(lines.shape[1], step)[1:], power[1:]
+    if direction == "radial":
+        rings = floor(0.5 * max(z.shape[0] * dx, z.shape[1] * dy) / max(dx, dy) + 1e-9)
+        return _engine.call("surface_spectrum", z, dx, dy, 1, rings)
+    if direction == "columns":
+        z, dx = np.asfortranarray(z.T), dy
+    return _engine.call("surface_spectrum", z, dx, dy, 0, z.shape[0] // 2)
 
 
 @dataclass(frozen=True)

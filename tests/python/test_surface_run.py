@@ -33,11 +33,14 @@ def write_lines(path, z, spacing):
 
 def test_figure_5_from_one_command(fig5):
     """The two specimens of data/ give, by namelist as by Python, the equivalent surface of the paper: D_s = 1.5304 and
-    G = 2.4248e-7 m within 3 standard errors of 0.001 and 1 %, called fractal."""
+    G = 2.4248e-7 m within 3 standard errors of 0.001 and 1 %, called fractal, and the roughness numbers of both."""
     fits = json.loads((fig5 / "summary.json").read_text())["fits"]
-    assert set(fits) == {"first", "second", "equivalent"}
+    assert set(fits) == {"first", "second", "equivalent"} and "roughness" not in fits["equivalent"]
     pair = [specimen.read(ROOT / f"data/specimen_{n}.sdf") for n in ("flexspline", "bearing")]
     joint = specimen.equivalent(*pair, surface=KNOWN)
+    for one, s in zip(pair, fits.values()):
+        for key, value in one.parameters().items():
+            assert s["roughness"][key] == pytest.approx(value, rel=1e-9)
     for fit, s in zip((*joint.fits, joint.equivalent), fits.values()):
         assert s["fractal_dimension"] == pytest.approx(fit.fractal_dimension, rel=1e-9)
         assert s["roughness_m"] == pytest.approx(fit.roughness_m, rel=1e-8)

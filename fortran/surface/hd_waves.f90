@@ -5,7 +5,7 @@
 !> B_n = sqrt(ln g / M) G^(D-2) (L / g^n)^(3-D), a_m = pi m / M, n_max = floor(ln(L / L_s) / ln g). The printed
 !> arctan(y / x) in place of the projection on a_m tears the surface at x < 0. Eq. 2 is M = 1.
 module hd_waves
-  use hd_kinds, only: dp, qp, i8, pi
+  use hd_kinds, only: dp, qp, i8
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_random, only: uniforms
   use hd_exact, only: exact_products, turns_at_point, cosines

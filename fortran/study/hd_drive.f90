@@ -229,18 +229,18 @@ contains
     end associate
   end subroutine hold
 
-  !> Springs of the balls between wave generator and ring, even over the ring's inner face (nodes at its edges hold half a row).
+  !> Springs of the balls between wave generator and ring, even over the ring's inner face.
   subroutine set_on_balls(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets springs
+    integer, allocatable :: row(:)
     integer :: i, n
-    real(dp) :: rate
     n = size(drive%ring%inner, 2)
     associate (r => scene%bore_radius - scene%ring_thickness, z => drive%ring%inner(2, :))
-      rate = scene%ball_stiffness/(n - 1)/size(nodes_at(drive, drive%b_ring, r, z(1), z(1)))
       do i = 1, n
-        call add_springs(drive%problem, nodes_at(drive, drive%b_ring, r, z(i), z(i)), 1, &
-          merge(0.5_dp, 1._dp, i == 1 .or. i == n)*rate)
+        row = nodes_at(drive, drive%b_ring, r, z(i), z(i))
+        call add_springs(drive%problem, row, 1, scene%ball_stiffness*(z(min(i + 1, n)) - z(max(i - 1, 1)))/ &
+          (2*(z(n) - z(1)))/size(row))
       end do
     end associate
   end subroutine set_on_balls

@@ -131,7 +131,8 @@ def _record(args):
 
 def _command(commands, name, action, text, example):
     """A subcommand whose help ends with an example."""
-    parser = commands.add_parser(name, help=text, description=text, epilog=f"example: hdengine {example}")
+    parser = commands.add_parser(name, help=text, description=text, epilog=f"example: hdengine {example}",
+                                 formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.set_defaults(action=action)
     return parser
 

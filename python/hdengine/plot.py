@@ -113,7 +113,7 @@ def plot_steps(result, most=6):
         axis.remove()
     figure.supxlabel("angle from the long axis / degree", fontsize=12)
     figure.supylabel("from the front edge / mm", fontsize=12)
-    figure.colorbar(image, ax=axes, label="pressure / MPa", extend="max")
+    figure.colorbar(image, ax=list(axes.flat[:len(steps)]), label="pressure / MPa", extend="max")
     return figure
 
 

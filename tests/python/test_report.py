@@ -11,6 +11,7 @@ from conftest import ROOT, call
 import hdengine
 from hdengine import paper, picture
 from hdengine.cli import main
+from hdengine.plot import plot_steps
 from hdengine.report import write_pdf, write_report
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
@@ -105,3 +106,9 @@ def test_report_of_a_study(tmp_path, capsys):
     page = (tmp_path / "s.html").read_text()
     assert "out of range" in page and "data:image/png" in page and "a &lt; b" in page
     assert main(["report", str(tmp_path)]) == 3 and "neither a run" in capsys.readouterr().err
+
+
+def test_small_multiples_of_any_number_of_steps(tmp_path):
+    """Four panels in rows of three, so two empty places: the figure is drawn, with four panels and a colour bar."""
+    run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", mesh__divisions=16, mesh__band_facets=3, load__torque_steps=3)
+    assert len(plot_steps(run).axes) == 5

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading specimens, the two of data/, the command `hdengine surface`."""
+import re
 import struct
 import subprocess
 import sys
@@ -116,6 +117,32 @@ def test_sur_file_reads(tmp_path):
     assert s.spacing == pytest.approx((3e-6, 2e-6), rel=1e-6)
     assert np.isnan(s.heights[1, 2]) and np.nansum(s.heights != 0.5e-9 * z) == 1
     assert s.heights[2] == pytest.approx(0.5e-9 * z[2], rel=1e-6)
+
+
+WALK = re.findall(r"```python\n(.*?)```", (ROOT / "docs/tutorial.md").read_text(), re.S)[:3]
+
+
+def test_walk_from_surfaces_to_a_band_is_short():
+    """The tutorial goes from two files to K_TS with a band in fewer than 30 lines of code (test_house.py runs them)."""
+    lines = [line for block in WALK for line in block.splitlines() if line.strip()]
+    assert len(lines) < 30 and "quantile" in lines[-1] and "specimen.read" in "".join(lines)
+
+
+@pytest.mark.full
+@pytest.mark.skipif(not FILES, reason="measured surfaces not present")
+def test_walk_with_measured_surfaces(tmp_path):
+    """The same lines give a finite K_TS inside its band from the two halves of a measured surface (no two of one joint are public)."""
+    pytest.importorskip("SurfaceTopography")
+    whole = specimen.read(SURFACES / "sflz_test_1.opd")
+    half = whole.heights.shape[1] // 2
+    for name, part in (("flexspline", whole.heights[:, :half]), ("bearing", whole.heights[:, half:2 * half])):
+        specimen.save(tmp_path / f"specimen_{name}.sdf", specimen.Specimen(np.ascontiguousarray(part), whole.spacing))
+    code = "\n".join(WALK).replace('f"data/specimen_{name}.sdf"', f'f"{tmp_path}/specimen_{{name}}.sdf"')
+    code = code.replace('"data/', f'"{ROOT}/data/').replace('"tutorial.out"', repr(str(tmp_path / "out")))
+    found = {}
+    exec(code, found)
+    low, high = found["np"].quantile(found["values"], [0.025, 0.975])
+    assert 0 < low < found["field"].k_ts() < high
 
 
 def test_bad_files_are_named(tmp_path):

@@ -75,7 +75,7 @@ def trend(name, result, **keys):
 
 def trends(work):
     """All scenes explored."""
-    for name, shape in (("explore_trends", "pressed"), ("explore_slip", "formed"), ("explore_formed", "formed")):
+    for name, shape in (("explore_trends", "pressed"), ("explore_formed", "formed")):
         result = study(name, work)
         keys = [k for k in ("load.support", "load.torque_load", "wave_generator.interference") if k in result.summary["swept"]]
         for case in sorted(dict.fromkeys(tuple(row[k] for k in keys) for row in result.rows)):

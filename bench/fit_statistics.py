@@ -67,12 +67,17 @@ def study(d, ridges, noise, name, seeds):
     return row | {"fractal": np.mean([f.verdict == "fractal" for f in fits])}
 
 
+def percent(share):
+    """A share as text; some rows of band without noise have no coverage by sampling, being older than it."""
+    return "-" if share is None else f"{100 * share:.0f}"
+
+
 def line(r):
     """A row as it stands in docs/verification.md."""
     return (f"| {r['d']} | {r['ridges']} | {r['noise']} | {r['estimator']} | {r['bias_d']:+.4f} | {r['std_d']:.4f} | "
             f"{r['error_d']:.4f} | {r['bias_ln_g']:+.3f} | {r['std_ln_g']:.3f} | "
-            f"{100 * r['coverage_sampling_d']:.0f} / {100 * r['coverage_sampling_ln_g']:.0f} | "
-            f"{100 * r['coverage_d']:.0f} / {100 * r['coverage_ln_g']:.0f} | {100 * r['fractal']:.0f} |")
+            f"{percent(r['coverage_sampling_d'])} / {percent(r['coverage_sampling_ln_g'])} | "
+            f"{percent(r['coverage_d'])} / {percent(r['coverage_ln_g'])} | {percent(r['fractal'])} |")
 
 
 def rows_of(names):

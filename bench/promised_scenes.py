@@ -8,7 +8,7 @@ says "met": "yes"; meshes above LIMIT_MB are refused. References above level FIN
 Scenes are drawn one by one and written at once, so a stopped run goes on where it was.
 
 Usage: bench/promised_scenes.py [--count 200] [--seconds 540] [--tolerances 0.1 0.03 0.01]; writes
-bench/results/promised_scenes.jsonl, prints Markdown.
+bench/results/promised_scenes.jsonl and a figure, prints Markdown.
 """
 import argparse
 import json
@@ -122,6 +122,26 @@ def report(rows):
         print(f"| {tolerance} | {len(runs)} | {len(made)} | {len(judged)} | {text} |")
 
 
+def figure(rows):
+    """True error over its estimate, and what the plan saves: docs/figures/promised_scenes.png."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    runs = [run for row in rows for run in row["runs"] if "true_error" in run]
+    fig, axes = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained")
+    for i, (name, mark) in enumerate(zip(("$K_{TS}$", "normal force", "mid-band pressure"), "os^")):
+        axes[0].loglog([100 * run["estimate"][i] for run in runs], [100 * max(run["true_error"][i], 1e-5) for run in runs], mark, label=name)
+    axes[0].plot([0.05, 20], [0.05, 20], "k:", label="true = estimated")
+    axes[0].axhline(100 * max(run["tolerance"] for run in runs), color="C3", label="tolerance")
+    axes[0].set(xlabel="estimated error / %", ylabel="true error / %")
+    axes[0].legend()
+    axes[1].hist([run["reference_seconds"] / run["seconds"] for run in runs], bins=12)
+    axes[1].set(xlabel="time of the reference over time of the planned run", ylabel="scenes")
+    fig.savefig(ROOT / "docs/figures/promised_scenes.png", dpi=110)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--count", type=int, default=200)
@@ -140,6 +160,7 @@ def main():
             f.write(json.dumps(rows[-1]) + "\n")
     shutil.rmtree(folder)
     report(rows)
+    figure(rows)
     print(f"{len(rows)} of {args.count} scenes; {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 

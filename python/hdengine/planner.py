@@ -11,7 +11,7 @@ TOLERANCE = 0.1  # where the scene names none
 
 
 def plan(path, tolerance=None, keys=None):
-    """The planner's text for a scene, or for the first point of a study.
+    """The planner's text for a scene, or for the first point of a study; only coarse meshes are solved for it.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ module hd_pilot
   use hd_load_step, only: advance
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
-  use hd_system, only: make_directory, path_kind, path_absent, remove_file
+  use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file
   use hd_text, only: string_t, push, to_text
   implicit none
   private
@@ -142,22 +142,29 @@ contains
     end do
   end function place_of
 
-  !> Append the last result to plan.csv.
+  !> Write plan.csv; the one before is replaced only when this one is whole.
   subroutine keep(self, error)
     type(pilot_t), intent(in) :: self                 !< results
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     character(len=*), parameter :: head = 'mesh,k_ts_nm_per_rad,normal_force_n,pressure_mid_mean_pa,seconds'
-    integer :: unit, status, n
+    character(len=:), allocatable :: path
+    integer :: unit, status, i
     if (len(self%folder) == 0) return
-    n = size(self%known)
-    open (newunit=unit, file=self%folder//'/plan.csv', position='append', action='write', iostat=status)
-    if (status == 0 .and. n == 1) write (unit, '(a)', iostat=status) head
-    if (status == 0) write (unit, '(a,4(",",es24.16))', iostat=status) self%name(n)%s, self%known(n)%q, self%known(n)%seconds
+    path = self%folder//'/plan.csv'
+    open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
+    if (status == 0) write (unit, '(a)', iostat=status) head
+    do i = 1, size(self%known)
+      if (status == 0) write (unit, '(a,4(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
+    end do
     if (status == 0) close (unit, iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//self%folder//"/plan.csv': is the disk full?")
+    if (status == 0) then
+      call rename_file(path//'.part', path, error)
+    else
+      call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
+    end if
   end subroutine keep
 
-  !> Results of a plan that was stopped; a line cut short is solved again.
+  !> Results of a plan that was stopped.
   subroutine read_known(self)
     type(pilot_t), intent(inout) :: self  !< gets them
     type(probe_t) :: one

@@ -136,7 +136,7 @@ def figure(rows):
     axes[0].plot([0.05, 20], [0.05, 20], "k:", label="true = estimated")
     axes[0].axhline(100 * max(run["tolerance"] for run in runs), color="C3", label="tolerance")
     axes[0].set(xlabel="estimated error / %", ylabel="true error / %")
-    axes[0].legend(loc="lower right")
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     axes[1].hist([run["reference_seconds"] / run["seconds"] for run in runs], bins=12)
     axes[1].set(xlabel="time of the reference over time of the planned run", ylabel="scenes")
     fig.savefig(ROOT / "docs/figures/promised_scenes.png", dpi=110)

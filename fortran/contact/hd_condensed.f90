@@ -8,12 +8,12 @@ module hd_condensed
   use hd_kinds, only: dp
   use hd_circulant, only: circulant_t, new_circulant
   use hd_compliance, only: compliance_t
-  use hd_error, only: error_t, raise, code_input
+  use hd_error, only: error_t
   use hd_face_system, only: face_system_t, new_face_system
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, load_t, state_t
-  use hd_symmetry, only: symmetry_t, find_symmetry, limit_symmetry, symmetry_name, image_sector, node_images, &
+  use hd_symmetry, only: use_symmetry, symmetry_name, image_sector, node_images, &
     mirror_sign
   implicit none
   private
@@ -29,10 +29,7 @@ module hd_condensed
 
   type, extends(linear_solver_t) :: condensed_t
     class(compliance_t), pointer :: compliance => null()  !< of the bodies at the face
-    type(symmetry_t) :: symmetry                    !< used in this load step
     logical :: begun = .false.                      !< compliance is prepared
-    integer :: images = 4                           !< images allowed: 1, 2 or 4
-    logical :: demanded = .false.                   !< fewer images than allowed are an error in the first step
     integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
     integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
     integer, allocatable :: image(:)                !< of every node behind the mirror plane
@@ -85,13 +82,9 @@ contains
     type(load_t), intent(in) :: load                  !< load at the end of the step
     type(state_t), intent(in) :: state                !< state at its beginning
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, body not held
-    if (self%compliance%fast) self%symmetry = limit_symmetry(find_symmetry(problem, load, state), self%images)
-    if (self%demanded .and. self%symmetry%order() < self%images) then
-      call raise(error, code_input, 'solver.symmetry asks for more than the scene has in its assembly: '// &
-        trim(symmetry_name(self%symmetry))//"; valid: 'auto'")
-      return
-    end if
-    self%demanded = .false.
+    call use_symmetry(problem, load, state, self%compliance%fast, self%most_images, self%demanded, self%symmetry, &
+      error)
+    if (allocated(error)) return
     self%steps = first_guess  ! no memory of earlier load steps: a resumed run repeats every bit
     if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
     self%symmetry_used = symmetry_name(self%symmetry)

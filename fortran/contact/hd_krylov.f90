@@ -34,8 +34,9 @@ module hd_krylov
 
 contains
 
-  !> Solve A x = b from x = 0 without restart.
-  subroutine solve_gmres(op, b, tolerance, most, x, steps, residual, error)
+  !> Solve A x = b from x = 0 without restart. A preconditioner that is not the same linear map every time needs `flexible`
+  !> (Saad 1993): its results are kept, twice the memory.
+  subroutine solve_gmres(op, b, tolerance, most, x, steps, residual, error, flexible)
     class(operator_t), intent(inout) :: op            !< operator
     real(dp), intent(in) :: b(:)                      !< right-hand side
     real(dp), intent(in) :: tolerance                 !< of the residual, relative to b
@@ -44,10 +45,17 @@ contains
     integer, intent(out) :: steps                     !< steps taken
     real(dp), intent(out) :: residual                 !< reached, relative
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: v(:, :), z(:)
+    logical, intent(in), optional :: flexible         !< keep what the preconditioner made
+    real(dp), allocatable :: v(:, :), z(:), kept(:, :)
     real(dp) :: h(most + 1, most), g(most + 1), cosine(most), sine(most), norm, t
     integer :: i, j
-    allocate (v(size(b), most + 1), z(size(b)))
+    allocate (v(size(b), most + 1), z(size(b)), kept(size(b), 0))
+    if (present(flexible)) then
+      if (flexible) then
+        deallocate (kept)
+        allocate (kept(size(b), most))
+      end if
+    end if
     x = 0
     steps = 0
     residual = 0
@@ -59,6 +67,7 @@ contains
     do j = 1, most
       call op%approximate(v(:, j), z, error)
       if (allocated(error)) return
+      if (size(kept, 2) > 0) kept(:, j) = z
       call op%multiply(z, v(:, j + 1))
       do i = 1, j
         h(i, j) = dot_product(v(:, i), v(:, j + 1))
@@ -84,7 +93,11 @@ contains
     do i = steps, 1, -1
       g(i) = (g(i) - dot_product(h(i, i + 1:steps), g(i + 1:steps)))/h(i, i)
     end do
-    z = matmul(v(:, :steps), g(:steps))
-    call op%approximate(z, x, error)
+    if (size(kept, 2) > 0) then
+      x = matmul(kept(:, :steps), g(:steps))
+    else
+      z = matmul(v(:, :steps), g(:steps))
+      call op%approximate(z, x, error)
+    end if
   end subroutine solve_gmres
 end module hd_krylov

@@ -3,8 +3,9 @@
 module hd_linear_solver
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_input
   use hd_problem, only: problem_t, load_t, state_t
+  use hd_symmetry, only: symmetry_t
   implicit none
   private
   public :: linear_solver_t
@@ -17,6 +18,9 @@ module hd_linear_solver
     logical :: own_threads = .false.           !< runs its harmonics in parallel; BLAS gets one thread
     real(dp) :: accuracy = 1e-9_dp             !< relative residual of a correction that an inner iteration may leave
     integer :: inner = 0                       !< steps of an inner iteration so far
+    integer :: most_images = 4                 !< images of the part that is solved, at most: 1, 2 or 4
+    type(symmetry_t) :: symmetry               !< used in this load step
+    logical :: demanded = .false.              !< fewer in the next load step are an error
     character(len=8) :: symmetry_used = 'full' !< full, half or quarter, in the present load step
     character(len=40) :: ordering_asked = 'none', ordering_used = 'none'
     character(len=16) :: library = ''          !< version of the library behind it
@@ -68,5 +72,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there
     if (allocated(error) .or. problem%n + size(load%gap) + size(state%gap) == 0) return
     self%symmetry_used = 'full'
+    if (self%demanded) call raise(error, code_input, "solver.symmetry asks for a part of the scene, which exact factors do "// &
+      "not use; valid: 'auto'")
   end subroutine begin_linear
 end module hd_linear_solver

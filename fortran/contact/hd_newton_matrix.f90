@@ -13,7 +13,7 @@ module hd_newton_matrix
   use hd_mumps, only: mumps_t, unsymmetric
   implicit none
   private
-  public :: newton_matrix_t, new_newton_matrix
+  public :: newton_matrix_t, new_newton_matrix, lay_out_newton_matrix, coupled_graph
 
   type, extends(linear_solver_t) :: newton_matrix_t
     integer :: dofs = 0                          !< free displacement dofs
@@ -35,10 +35,17 @@ contains
     type(problem_t), intent(inout) :: problem         !< problem with supports and interface; gets its sparse stiffness
     type(newton_matrix_t), intent(out) :: matrix      !< analysed matrix
     type(error_t), allocatable, intent(out) :: error  !< out of memory
+    call assemble_stiffness(problem, error)
+    if (.not. allocated(error)) call lay_out_newton_matrix(problem, matrix, error)
+  end subroutine new_newton_matrix
+
+  !> The same where the sparse stiffness is there already.
+  subroutine lay_out_newton_matrix(problem, matrix, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(newton_matrix_t), intent(out) :: matrix      !< analysed matrix
+    type(error_t), allocatable, intent(out) :: error  !< out of memory
     integer, allocatable :: position(:)
     integer :: a, c
-    call assemble_stiffness(problem, error)
-    if (allocated(error)) return
     allocate (matrix%equation(3, problem%n), source=0)
     do a = 1, problem%n
       do c = 1, 3
@@ -56,7 +63,7 @@ contains
     matrix%ordering_asked = 'METIS (PERM_IN)'
     matrix%ordering_used = merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)
     matrix%library = matrix%mumps%version
-  end subroutine new_newton_matrix
+  end subroutine lay_out_newton_matrix
 
   !> Coordinates of all entries, and the values that never change.
   subroutine lay_out(problem, matrix)

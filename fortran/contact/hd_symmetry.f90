@@ -4,10 +4,11 @@
 module hd_symmetry
   use hd_kinds, only: dp
   use hd_body, only: body_t
+  use hd_error, only: error_t, raise, code_input
   use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
-  public :: symmetry_t, find_symmetry, limit_symmetry, symmetry_name, image_sector, node_images
+  public :: symmetry_t, use_symmetry, symmetrise, choose_agents, symmetry_name, image_sector, node_images
 
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
   real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
@@ -58,6 +59,22 @@ contains
     end select
     image = modulo(image, sectors)
   end function image_sector
+
+  !> Symmetry to be used in a load step: what it has, at most so many images.
+  subroutine use_symmetry(problem, load, state, usable, most, demanded, symmetry, error)
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load at the end of the step
+    type(state_t), intent(in) :: state                !< state at its beginning
+    logical, intent(in) :: usable                     !< by the solver
+    integer, intent(in) :: most                       !< images: 1, 2 or 4
+    logical, intent(inout) :: demanded                !< fewer are an error; asked for in the first step only
+    type(symmetry_t), intent(out) :: symmetry         !< to be used
+    type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there
+    if (usable .and. most > 1) symmetry = limit_symmetry(find_symmetry(problem, load, state), most)
+    if (demanded .and. symmetry%order() < most) call raise(error, code_input, 'solver.symmetry asks for more than the '// &
+      'scene has in its assembly: '//trim(symmetry_name(symmetry))//"; valid: 'auto'")
+    demanded = .false.
+  end subroutine use_symmetry
 
   !> Symmetry that meshes, load and state share.
   pure type(symmetry_t) function find_symmetry(problem, load, state) result(symmetry)
@@ -114,6 +131,37 @@ contains
       end associate
     end do
   end function node_images
+
+  !> A nodal field without what rounding has left of its other parts.
+  pure subroutine symmetrise(problem, symmetry, u)
+    type(problem_t), intent(in) :: problem    !< problem
+    type(symmetry_t), intent(in) :: symmetry  !< of the field
+    real(dp), intent(inout) :: u(:, :)        !< nodal field (3, n)
+    if (symmetry%half_turn) u = (u + u(:, node_images(problem, 0)))/2
+    if (symmetry%mirror > 0) u = (u + spread(mirror_sign, 2, problem%n)*u(:, node_images(problem, symmetry%mirror)))/2
+  end subroutine symmetrise
+
+  !> The first of its images stands for every node.
+  pure subroutine choose_agents(problem, symmetry, agent, turned, on_plane)
+    type(problem_t), intent(in) :: problem    !< problem
+    type(symmetry_t), intent(in) :: symmetry  !< in use
+    integer, intent(out) :: agent(:)          !< node that stands for each node, itself for some (n)
+    logical, intent(out) :: turned(:)         !< mirrored against its agent (n)
+    logical, intent(out) :: on_plane(:)       !< its own mirror image (n)
+    integer :: image(problem%n), a, pass
+    agent = [(a, a=1, problem%n)]
+    turned = .false.
+    on_plane = .false.
+    if (symmetry%half_turn) agent = min(agent, node_images(problem, 0))
+    if (symmetry%mirror == 0) return
+    image = node_images(problem, symmetry%mirror)
+    do pass = 1, merge(2, 1, symmetry%half_turn)
+      if (pass == 2) image = image(node_images(problem, 0))
+      on_plane = on_plane .or. image == [(a, a=1, problem%n)]
+      turned = turned .or. image < agent
+      agent = min(agent, image)
+    end do
+  end subroutine choose_agents
 
   !> A field equals its image.
   pure logical function same(field, image, sign, tolerance) result(yes)

@@ -8,7 +8,7 @@ module hd_mumps
   use hd_text, only: to_text
   implicit none
   private
-  public :: mumps_t, unsymmetric, positive_definite, symmetric
+  public :: mumps_t, unsymmetric, positive_definite, symmetric, check_mumps, count_entries
 
   include 'dmumps_struc.h'
 
@@ -74,7 +74,7 @@ contains
       end if
       id%job = 1
       call dmumps(id)
-      call check(id, error)
+      call check_mumps(id%infog(:2), id%n, error)
       if (allocated(error)) return
       self%ordering_used = id%infog(7)
     end associate
@@ -93,18 +93,18 @@ contains
       if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
       self%id%icntl(14) = 2*self%id%icntl(14)
     end do
-    call check(self%id, error)
+    call check_mumps(self%id%infog(:2), self%id%n, error)
     if (allocated(error)) return
-    self%factor_entries = entries(self%id%infog(29))
+    self%factor_entries = count_entries(self%id%infog(29))
     self%flops = self%id%rinfog(3)
     self%memory_mb = self%id%infog(22)
   end subroutine factorise
 
   !> MUMPS gives large counts as negative millions.
-  pure integer(i8) function entries(info)
+  pure integer(i8) function count_entries(info)
     integer, intent(in) :: info  !< INFOG(29)
-    entries = merge(int(info, i8), -1000000_i8*info, info >= 0)
-  end function entries
+    count_entries = merge(int(info, i8), -1000000_i8*info, info >= 0)
+  end function count_entries
 
   !> Solve for one or more right-hand sides in place.
   subroutine solve(self, b, error)
@@ -117,7 +117,7 @@ contains
     self%id%job = 3
     call dmumps(self%id)
     nullify (self%id%rhs)
-    call check(self%id, error)
+    call check_mumps(self%id%infog(:2), self%id%n, error)
   end subroutine solve
 
   !> Right-hand side that is left for the unknowns of the Schur complement.
@@ -164,22 +164,21 @@ contains
   end subroutine release
 
   !> Sentence for a MUMPS status.
-  subroutine check(id, error)
-    type(dmumps_struc), intent(in) :: id              !< instance after a call
+  subroutine check_mumps(infog, n, error)
+    integer, intent(in) :: infog(2)                   !< INFOG(1:2) after a call
+    integer, intent(in) :: n                          !< unknowns
     type(error_t), allocatable, intent(out) :: error  !< set if the call failed
     character(len=:), allocatable :: codes
-    if (id%infog(1) >= 0) return
-    codes = ' (MUMPS INFOG(1:2) = '//to_text(id%infog(1))//', '//to_text(id%infog(2))//')'
-    select case (id%infog(1))
+    if (infog(1) >= 0) return
+    codes = ' (MUMPS INFOG(1:2) = '//to_text(infog(1))//', '//to_text(infog(2))//')'
+    select case (infog(1))
     case (-10, -6)
       call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held'//codes)
-    case (-13, -19, -22)
-      call raise(error, code_memory, 'out of memory in the factorisation of '//to_text(id%n)// &
-        ' unknowns: use a coarser mesh or fewer layers'//codes)
-    case (-8, -9)
-      call raise(error, code_memory, 'the factorisation kept asking for more working space'//codes)
+    case (-8, -9, -13, -19, -22)
+      call raise(error, code_memory, 'out of memory in the factorisation of '//to_text(n)// &
+        ' unknowns: reduce mesh.divisions or mesh.band_facets, or take another solver.method or solver.factors'//codes)
     case default
       call raise(error, code_internal, 'the sparse solver failed'//codes)
     end select
-  end subroutine check
+  end subroutine check_mumps
 end module hd_mumps

@@ -124,6 +124,9 @@ contains
     call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
     call text(t, 'solver', 'method', s%method, 'auto condensed schur newton', 'condensation to the contact face by '// &
       'harmonics, or by Schur complement (any mesh), sparse Newton matrix by MUMPS, or the cheaper one that applies')
+    call text(t, 'solver', 'factors', s%factors, 'auto exact symmetric single harmonic', 'of the Newton matrix: the matrix '// &
+      'itself (LU), its symmetric part in double or single precision (half, a quarter of the memory), the round undeformed '// &
+      'bodies by harmonics, these under GMRES; or the cheapest by prediction')
     call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear auto', &
       'small displacements, elements that turn with the body (corotational; sparse Newton matrix only), or whichever '// &
       'run.tolerance needs (linear without one)')

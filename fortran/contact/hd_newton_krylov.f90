@@ -11,7 +11,7 @@ module hd_newton_krylov
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
   use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
-  use hd_symmetry, only: symmetrise, choose_agents, mirror_sign
+  use hd_symmetry, only: symmetrise, choose_agents, same_shape, mirror_sign
   use hd_text, only: to_text
   implicit none
   private
@@ -21,7 +21,8 @@ module hd_newton_krylov
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   type, extends(linear_solver_t) :: newton_krylov_t
-    class(linear_solver_t), allocatable :: near       !< the preconditioner
+    class(linear_solver_t), allocatable :: near        !< the preconditioner
+    type(problem_t), allocatable :: round              !< round bodies with the same nodes, where `near` needs them
     type(newton_matrix_t), allocatable :: exact        !< takes over where GMRES stalls
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)  !< derivatives of the law, as symmetric as the load step
     integer, allocatable :: agent(:)                   !< multiplier whose law counts for each multiplier, with symmetry
@@ -35,7 +36,7 @@ module hd_newton_krylov
 
   !> Newton's matrix between corrections and residuals, both as (3 n + 3 multipliers), forces in N.
   type, extends(operator_t) :: newton_operator_t
-    type(problem_t), pointer :: problem => null()
+    type(problem_t), pointer :: problem => null(), round => null()
     class(newton_krylov_t), pointer :: solver => null()
   contains
     procedure :: multiply => multiply_newton
@@ -64,13 +65,27 @@ contains
     if (allocated(self%exact)) return
     self%near%most_images = self%most_images
     self%near%demanded = self%demanded
-    call self%near%begin(problem, load, state, error)
+    if (allocated(self%round)) then
+      call self%near%begin(self%round, load, state, error)
+    else
+      call self%near%begin(problem, load, state, error)
+    end if
     self%demanded = self%near%demanded
     self%symmetry_used = self%near%symmetry_used
-    call share_law(self, problem)
     self%ordering_asked = self%near%ordering_asked
     self%ordering_used = self%near%ordering_used
     self%library = self%near%library
+    if (allocated(self%round)) then
+      call share_law(self, self%round)
+      if (.not. allocated(self%agent)) return
+      if (same_shape(self%round, problem, self%near%symmetry)) return
+      deallocate (self%agent)
+      self%near%most_images = 1
+      call self%near%begin(self%round, load, state, error)
+      self%symmetry_used = self%near%symmetry_used
+    else
+      call share_law(self, problem)
+    end if
   end subroutine begin_newton_krylov
 
   !> Multipliers whose law counts for others: rounding decides the contact states of images differently.
@@ -105,7 +120,11 @@ contains
       end do
     end if
     if (.not. allocated(self%exact)) then
-      call self%near%update(problem, self%dw, self%dt, error)
+      if (allocated(self%round)) then
+        call self%near%update(self%round, self%dw, self%dt, error)
+      else
+        call self%near%update(problem, self%dw, self%dt, error)
+      end if
       self%factor_entries = self%near%factor_entries
       self%flops = self%near%flops
       if (.not. allocated(error)) return
@@ -125,6 +144,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     call say('solver    '//trim(self%name)//': '//reason//'; exact factors in double precision from here on')
     call self%near%release()
+    if (allocated(self%agent)) deallocate (self%agent)
+    if (allocated(self%round)) deallocate (self%round)
     allocate (self%exact)
     call lay_out_newton_matrix(problem, self%exact, error)
     if (.not. allocated(error)) call self%exact%update(problem, self%dw, self%dt, error)
@@ -165,12 +186,14 @@ contains
     real(dp), allocatable :: b(:), x(:)
     integer :: steps
     op%problem => problem
+    op%round => problem
+    if (allocated(self%round)) op%round => self%round
     op%solver => self
     allocate (b(size(r_u) + size(r_c)), x(size(r_u) + size(r_c)))
     du = -r_u
     dtraction = -r_c
     if (allocated(self%agent)) then
-      call symmetrise(problem, self%near%symmetry, du)
+      call symmetrise(op%round, self%near%symmetry, du)
       dtraction = dtraction(:, self%agent)*self%sign
     end if
     call pack_residual(problem, du, dtraction, b)
@@ -230,7 +253,7 @@ contains
       allocate (r_u(3, p%n), r_c(3, p%mortar%n), u(3, p%n), t(3, p%mortar%n))
       call unpack_correction(-x, r_u, r_c)
       r_c = r_c/spread(max(p%mortar%area, tiny(1._dp)), 1, 3)
-      call self%solver%near%solve(p, r_u, r_c, u, t, error)
+      call self%solver%near%solve(self%round, r_u, r_c, u, t, error)
       y = [reshape(u, [size(u)]), reshape(t, [size(t)])]
     end associate
   end subroutine approximate_newton

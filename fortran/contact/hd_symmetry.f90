@@ -8,7 +8,7 @@ module hd_symmetry
   use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
-  public :: symmetry_t, use_symmetry, symmetrise, choose_agents, symmetry_name, image_sector, node_images
+  public :: symmetry_t, use_symmetry, symmetrise, choose_agents, same_shape, symmetry_name, image_sector, node_images
 
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
   real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
@@ -131,6 +131,25 @@ contains
       end associate
     end do
   end function node_images
+
+  !> Radii and heights of bodies that were formed have the symmetry too.
+  pure logical function same_shape(round, formed, symmetry) result(yes)
+    type(problem_t), intent(in) :: round      !< round bodies
+    type(problem_t), intent(in) :: formed     !< bodies with the same nodes
+    type(symmetry_t), intent(in) :: symmetry  !< of the load step
+    real(dp) :: x(3, round%n)
+    integer :: b
+    do b = 1, size(formed%bodies)
+      associate (body => formed%bodies(b))
+        x(1, formed%first(b) + 1:formed%first(b) + body%nodes()) = hypot(body%x(1, :), body%x(2, :))
+        x(2, formed%first(b) + 1:formed%first(b) + body%nodes()) = 0
+        x(3, formed%first(b) + 1:formed%first(b) + body%nodes()) = body%x(3, :)
+      end associate
+    end do
+    yes = .true.
+    if (symmetry%half_turn) yes = same(x, node_images(round, 0), mirror_sign, 1e-11_dp)
+    if (yes .and. symmetry%mirror > 0) yes = same(x, node_images(round, symmetry%mirror), mirror_sign, 1e-11_dp)
+  end function same_shape
 
   !> A nodal field without what rounding has left of its other parts.
   pure subroutine symmetrise(problem, symmetry, u)

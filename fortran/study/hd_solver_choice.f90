@@ -4,7 +4,7 @@ module hd_solver_choice
   use hd_circulant, only: circulant_t, new_circulant, has_circulant
   use hd_compliance, only: compliance_t
   use hd_condensed, only: condensed_t, new_condensed
-  use hd_drive, only: drive_t
+  use hd_drive, only: drive_t, new_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_newton_krylov, only: newton_krylov_t, new_newton_krylov
@@ -66,6 +66,8 @@ contains
     type(condensed_t), allocatable :: condensed
     type(newton_krylov_t), allocatable :: krylov
     class(linear_solver_t), allocatable :: near
+    type(scene_t) :: pressed
+    type(drive_t) :: round
     select case (scene%factors)
     case ('symmetric', 'single')
       allocate (part)
@@ -73,13 +75,24 @@ contains
       if (allocated(error)) return
       call move_alloc(part, near)
     case ('harmonic')
+      call assemble_stiffness(drive%problem, error)
       allocate (circulant)
-      call new_circulant(drive%problem, circulant, error)
-      if (.not. allocated(error)) call assemble_stiffness(drive%problem, error)
+      if (scene%shape == 'as_formed') then
+        pressed = scene
+        pressed%shape = 'pressed'
+        call new_drive(pressed, round, error)
+        if (.not. allocated(error)) call new_circulant(round%problem, circulant, error)
+      else if (.not. allocated(error)) then
+        call new_circulant(drive%problem, circulant, error)
+      end if
       if (allocated(error)) return
       compliance => circulant
       allocate (condensed)
-      call new_condensed(drive%problem, compliance, condensed)
+      if (scene%shape == 'as_formed') then
+        call new_condensed(round%problem, compliance, condensed)
+      else
+        call new_condensed(drive%problem, compliance, condensed)
+      end if
       call move_alloc(condensed, near)
     case default
       allocate (exact)
@@ -89,6 +102,7 @@ contains
     end select
     allocate (krylov)
     call new_newton_krylov(near, krylov)
+    if (scene%factors == 'harmonic' .and. scene%shape == 'as_formed') krylov%round = round%problem
     call move_alloc(krylov, solver)
   end subroutine choose_factors
 

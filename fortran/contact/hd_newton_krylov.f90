@@ -48,7 +48,7 @@ contains
   !> Put GMRES around a solver.
   subroutine new_newton_krylov(near, solver)
     class(linear_solver_t), allocatable, intent(inout) :: near  !< moved away
-    type(newton_krylov_t), intent(out) :: solver                 !< ready to use
+    type(newton_krylov_t), intent(inout) :: solver               !< new; `round` may be set
     call move_alloc(near, solver%near)
     solver%name = 'GMRES, '//solver%near%name
     solver%unknowns = solver%near%unknowns

@@ -3,14 +3,14 @@
 module hd_input
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_file, code_memory
-  use hd_clock, only: machine_memory_mb
+  use hd_cost, only: estimate_memory_mb, allowed_memory_mb
   use hd_namelist, only: namelist_t, read_namelist, report
   use hd_parameters, only: table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
-  public :: read_scene, write_echo, explain, band_rows, estimate_memory_mb, allowed_memory_mb
+  public :: read_scene, write_echo, explain
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -213,6 +213,8 @@ contains
     call need(s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
       'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
       'hub or bearing; torque', s%torque)
+    call need(s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'load.tooth_pairs', &
+      real(s%tooth_pairs, dp), "solver.factors = 'exact' with support 'teeth'", 0._dp)
     call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
       "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
     call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &
@@ -226,52 +228,6 @@ contains
       call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')
     end subroutine need
   end subroutine check_scene
-
-  !> Rows of facets along the band, those at its edges included.
-  pure integer function band_rows(s) result(rows)
-    type(scene_t), intent(in) :: s  !< scene
-    rows = s%band_facets
-    if (s%edge_length > 0) rows = rows + 2*max(0, nint(log(s%band_length/s%band_facets/s%edge_length)/log(2._dp)))
-  end function band_rows
-
-  !> Memory that a run of the scene will need, from the size of its mesh [MB].
-  !> Factor entries of the sparse matrix grow as n^1.15 for meshes one cell thick and n^1.35 for solid ones (measured on the
-  !> reference scenes); condensation by harmonics keeps the stiffness, one band per harmonic and the compliance of the face.
-  pure real(dp) function estimate_memory_mb(s) result(mb)
-    type(scene_t), intent(in) :: s  !< scene
-    real(dp) :: h, stations, nodes, section, thick, rows
-    character(len=8) :: method
-    h = s%band_length/s%band_facets
-    rows = band_rows(s) + 1
-    stations = (s%cup_length + s%bore_radius - s%hub_radius)/h + 2*(band_rows(s) - s%band_facets)
-    section = stations*(s%through_wall + 1) + rows*(s%through_ring + 1)
-    rows = 3*rows
-    thick = max(s%through_wall, s%through_ring)
-    if (s%element == 'hex20r') then
-      section = 3.5_dp*section
-      rows = 3*rows
-    end if
-    nodes = real(s%divisions, dp)*section
-    method = s%method
-    if (s%kinematics == 'nonlinear') method = 'newton'
-    select case (method)
-    case ('newton')
-      mb = 60 + 196*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes
-    case ('schur')
-      mb = 60 + 100*(3*nodes/52890)**(1.15_dp + 0.1_dp*min(thick - 1, 2._dp)) + 0.004_dp*3*nodes + &
-        24e-6_dp*(rows*s%divisions)**2
-    case default
-      mb = 40 + 600e-6_dp*nodes + 4e-6_dp*s%divisions*(6*rows**2 + &
-        30*section*(thick + 2)*merge(3, 1, s%element == 'hex20r')) + 8e-6_dp*min(rows*s%divisions, 4000._dp)**2
-    end select
-  end function estimate_memory_mb
-
-  !> Memory that a run may take: as the scene says, else four fifths of the machine's [MB]; 0 where nobody knows.
-  real(dp) function allowed_memory_mb(s) result(mb)
-    type(scene_t), intent(in) :: s  !< scene
-    mb = s%memory_limit_mb
-    if (mb <= 0) mb = 0.8_dp*machine_memory_mb()
-  end function allowed_memory_mb
 
   !> Refuse a mesh that does not fit before it is tried.
   subroutine check_memory(s, error)

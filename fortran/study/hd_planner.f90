@@ -8,8 +8,8 @@
 !> |q_l - q_(l-k)| (h_l - h_(l+3)) / (h_(l-k) - h_l); the largest counts, with a margin for what is not that regular.
 module hd_planner
   use hd_kinds, only: dp, pi
+  use hd_cost, only: band_rows, estimate_memory_mb, allowed_memory_mb
   use hd_error, only: error_t, code_not_converged
-  use hd_input, only: band_rows, estimate_memory_mb, allowed_memory_mb
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
   use hd_output, only: check_folder

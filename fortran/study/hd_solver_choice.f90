@@ -1,110 +1,126 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Which linear solver a scene gets: condensation to the face where it applies, the sparse Newton matrix elsewhere.
+!> The linear solver of a scene: the cheapest by prediction among those that apply and are allowed.
 module hd_solver_choice
   use hd_circulant, only: circulant_t, new_circulant, has_circulant
   use hd_compliance, only: compliance_t
   use hd_condensed, only: condensed_t, new_condensed
+  use hd_cost, only: cost_t, predict_costs, cheapest, cost_text, allowed_memory_mb
   use hd_drive, only: drive_t, new_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
+  use hd_log, only: say
   use hd_newton_krylov, only: newton_krylov_t, new_newton_krylov
   use hd_newton_matrix, only: newton_matrix_t, new_newton_matrix
-  use hd_symmetric_matrix, only: symmetric_matrix_t, new_symmetric_matrix
-  use hd_problem, only: assemble_stiffness
+  use hd_problem, only: problem_t, assemble_stiffness
   use hd_schur, only: schur_t, new_schur
   use hd_scene, only: scene_t
+  use hd_symmetric_matrix, only: symmetric_matrix_t, new_symmetric_matrix
   implicit none
   private
   public :: choose_solver, renew_solver
 
 contains
 
-  !> Make the solver that `solver.method` asks for, or the cheaper one.
+  !> Choose, say why, and make.
   subroutine choose_solver(scene, drive, solver, error)
     type(scene_t), intent(in) :: scene                            !< scene
     type(drive_t), intent(inout) :: drive                         !< its problem
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
-    class(compliance_t), pointer :: compliance
-    type(circulant_t), pointer :: circulant
-    type(schur_t), pointer :: schur
-    type(condensed_t), allocatable :: condensed
-    nullify (compliance)
-    if (scene%method == 'condensed' .or. (scene%method == 'auto' .and. scene%support /= 'teeth' .and. &
-      scene%kinematics /= 'nonlinear' .and. has_circulant(drive%problem))) then
-      allocate (circulant)
-      call new_circulant(drive%problem, circulant, error)
-      if (allocated(error)) return
-      compliance => circulant
-    else if (scene%method == 'schur') then
-      allocate (schur)
-      call new_schur(drive%problem, schur, error)
-      if (allocated(error)) return
-      compliance => schur
-    end if
-    if (associated(compliance)) then
-      allocate (condensed)
-      call new_condensed(drive%problem, compliance, condensed)
-      call move_alloc(condensed, solver)
-    else
-      call choose_factors(scene, drive, solver, error)
-    end if
-    if (allocated(error)) return
-    call renew_solver(scene, solver)
+    type(cost_t) :: list(6)
+    integer :: best
+    list = predict_costs(scene)
+    if (scene%method == 'auto' .and. scene%shape == 'pressed' .and. .not. has_circulant(drive%problem)) &
+      list([1, 3])%applies = .false.
+    best = cheapest(list, allowed_memory_mb(scene))
+    if (count(list%applies) > 1) call say('solver    predicted: '//cost_text(list))
+    select case (list(best)%name)
+    case ('condensed')
+      call make_condensed(drive%problem, solver, error)
+    case ('schur')
+      call make_schur(drive%problem, solver, error)
+    case ('exact')
+      call make_exact(drive%problem, solver, error)
+    case default
+      call make_krylov(scene, list(best)%name, drive, solver, error)
+    end select
+    if (.not. allocated(error)) call renew_solver(scene, solver)
   end subroutine choose_solver
 
-  !> Factors of the Newton matrix.
-  subroutine choose_factors(scene, drive, solver, error)
-    type(scene_t), intent(in) :: scene                            !< scene
-    type(drive_t), intent(inout) :: drive                         !< its problem
-    class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
-    type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
-    type(newton_matrix_t), allocatable :: exact
-    type(symmetric_matrix_t), allocatable :: part
-    type(circulant_t), pointer :: circulant
+  !> Condensation by harmonics.
+  subroutine make_condensed(problem, solver, error)
+    type(problem_t), intent(in) :: problem                        !< problem of round bodies
+    class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
+    type(error_t), allocatable, intent(out) :: error              !< bodies are not round
     class(compliance_t), pointer :: compliance
+    type(circulant_t), pointer :: circulant
     type(condensed_t), allocatable :: condensed
-    type(newton_krylov_t), allocatable :: krylov
+    allocate (circulant, condensed)
+    call new_circulant(problem, circulant, error)
+    if (allocated(error)) return
+    compliance => circulant
+    call new_condensed(problem, compliance, condensed)
+    call move_alloc(condensed, solver)
+  end subroutine make_condensed
+
+  !> Condensation by Schur complement.
+  subroutine make_schur(problem, solver, error)
+    type(problem_t), intent(inout) :: problem                     !< problem; gets its sparse stiffness
+    class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
+    type(error_t), allocatable, intent(out) :: error              !< inverted element
+    class(compliance_t), pointer :: compliance
+    type(schur_t), pointer :: schur
+    type(condensed_t), allocatable :: condensed
+    allocate (schur, condensed)
+    call new_schur(problem, schur, error)
+    if (allocated(error)) return
+    compliance => schur
+    call new_condensed(problem, compliance, condensed)
+    call move_alloc(condensed, solver)
+  end subroutine make_schur
+
+  !> Newton's matrix itself.
+  subroutine make_exact(problem, solver, error)
+    type(problem_t), intent(inout) :: problem                     !< problem; gets its sparse stiffness
+    class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
+    type(error_t), allocatable, intent(out) :: error              !< memory
+    type(newton_matrix_t), allocatable :: matrix
+    allocate (matrix)
+    call new_newton_matrix(problem, matrix, error)
+    call move_alloc(matrix, solver)
+  end subroutine make_exact
+
+  !> GMRES around factors of the symmetric part, or around condensation of the round bodies.
+  subroutine make_krylov(scene, factors, drive, solver, error)
+    type(scene_t), intent(in) :: scene                            !< scene
+    character(len=*), intent(in) :: factors                       !< harmonic, single or symmetric
+    type(drive_t), intent(inout) :: drive                         !< its problem; gets its sparse stiffness
+    class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
+    type(error_t), allocatable, intent(out) :: error              !< bodies are not round, inverted element
     class(linear_solver_t), allocatable :: near
+    type(symmetric_matrix_t), allocatable :: part
+    type(newton_krylov_t), allocatable :: krylov
     type(scene_t) :: pressed
     type(drive_t) :: round
-    select case (scene%factors)
-    case ('symmetric', 'single')
-      allocate (part)
-      call new_symmetric_matrix(drive%problem, scene%factors == 'single', part, error)
-      if (allocated(error)) return
-      call move_alloc(part, near)
-    case ('harmonic')
-      call assemble_stiffness(drive%problem, error)
-      allocate (circulant)
-      if (scene%shape == 'as_formed') then
-        pressed = scene
-        pressed%shape = 'pressed'
-        call new_drive(pressed, round, error)
-        if (.not. allocated(error)) call new_circulant(round%problem, circulant, error)
-      else if (.not. allocated(error)) then
-        call new_circulant(drive%problem, circulant, error)
-      end if
-      if (allocated(error)) return
-      compliance => circulant
-      allocate (condensed)
-      if (scene%shape == 'as_formed') then
-        call new_condensed(round%problem, compliance, condensed)
-      else
-        call new_condensed(drive%problem, compliance, condensed)
-      end if
-      call move_alloc(condensed, near)
-    case default
-      allocate (exact)
-      call new_newton_matrix(drive%problem, exact, error)
-      call move_alloc(exact, solver)
-      return
-    end select
     allocate (krylov)
+    if (factors /= 'harmonic') then
+      allocate (part)
+      call new_symmetric_matrix(drive%problem, factors == 'single', part, error)
+      call move_alloc(part, near)
+    else if (scene%shape == 'as_formed') then
+      pressed = scene
+      pressed%shape = 'pressed'
+      call new_drive(pressed, round, error)
+      if (.not. allocated(error)) call make_condensed(round%problem, near, error)
+      krylov%round = round%problem
+    else
+      call assemble_stiffness(drive%problem, error)
+      if (.not. allocated(error)) call make_condensed(drive%problem, near, error)
+    end if
+    if (allocated(error)) return
     call new_newton_krylov(near, krylov)
-    if (scene%factors == 'harmonic' .and. scene%shape == 'as_formed') krylov%round = round%problem
     call move_alloc(krylov, solver)
-  end subroutine choose_factors
+  end subroutine make_krylov
 
   !> Enter what `solver.symmetry` allows or asks for; counts start again.
   subroutine renew_solver(scene, solver)

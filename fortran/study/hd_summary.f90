@@ -4,6 +4,7 @@ module hd_summary
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use hd_kinds, only: dp
   use hd_clock, only: timestamp, peak_memory_mb
+  use hd_cost, only: cost_t, predict_costs, cheapest, allowed_memory_mb
   use hd_drive, only: drive_t
   use hd_error, only: error_t, code_done, code_stopped
   use hd_facets, only: sums_t
@@ -84,6 +85,7 @@ contains
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
+    call add_predictions(json, scene)
     call json%begin('timers_s')
     call json%add('setup', record%timers%setup)
     call json%add('newton', record%timers%newton)
@@ -108,6 +110,24 @@ contains
     call json%finish()
     call json%write_atomic(folder//'/summary.json', error)
   end subroutine write_summary
+
+  !> Time and memory that the choice of the matrix solver rests on.
+  subroutine add_predictions(json, scene)
+    type(json_t), intent(inout) :: json    !< document
+    type(scene_t), intent(in) :: scene     !< scene
+    type(cost_t) :: list(6)
+    integer :: i
+    list = predict_costs(scene)
+    call json%begin('predicted')
+    call json%add('solver', trim(list(cheapest(list, allowed_memory_mb(scene)))%name))
+    call json%add('memory_allowed_mb', allowed_memory_mb(scene))
+    do i = 1, size(list)
+      if (.not. list(i)%applies) cycle
+      call json%add(trim(list(i)%name)//'_s', list(i)%seconds)
+      call json%add(trim(list(i)%name)//'_mb', list(i)%memory_mb)
+    end do
+    call json%finish()
+  end subroutine add_predictions
 
   !> Results of the last converged step.
   subroutine add_results(json, sums, record)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cost of the scene data/peer_hub.nml over its mesh: sparse Newton matrix, Schur complement, harmonics.
+"""Cost of the scene data/peer_hub.nml over its mesh: harmonics, Schur complement, Newton matrix with exact and with single-precision factors.
 
 One load step of assembly and one of torque per mesh, one thread, CPU seconds (they bear a busy machine). A method stops at its
 first run beyond the limit. Usage: bench/cost_over_size.py [--limit 100] [--most 1e6]; writes bench/results/cost_over_size.json and
@@ -20,8 +20,10 @@ import numpy as np
 
 from peer_hub import ROOT, machine
 
-MESHES = [(80, 6), (120, 9), (160, 12), (240, 18), (360, 27), (584, 36), (640, 42), (840, 50)]
-METHODS = {"newton": "sparse matrix per iteration", "schur": "Schur complement", "condensed": "harmonics"}
+MESHES = [(80, 6), (120, 9), (160, 12), (240, 18), (360, 27), (584, 36), (640, 42), (870, 56)]
+METHODS = {"condensed": "harmonics", "exact": "exact factors", "single": "symmetric single factors", "schur": "Schur complement"}
+KEYS = {"condensed": ["solver.method=condensed"], "schur": ["solver.method=schur"],
+        "exact": ["solver.method=newton", "solver.factors=exact"], "single": ["solver.method=newton", "solver.factors=single"]}
 
 
 def solve(exe, divisions, facets, method, limit):
@@ -32,7 +34,7 @@ def solve(exe, divisions, facets, method, limit):
         try:
             subprocess.run([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}",
                             f"mesh.wall_elements={round(13 * ratio)}", f"mesh.bottom_elements={round(13 * ratio)}",
-                            f"solver.method={method}", "load.assembly_steps=1", "load.torque_steps=1", "output.vtu=none",
+                            *KEYS[method], "load.assembly_steps=1", "load.torque_steps=1", "output.vtu=none",
                             "--out", f"{folder}/o", "-q"], timeout=limit * 3, capture_output=True,
                            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, preexec_fn=lambda: resource.setrlimit(
                                resource.RLIMIT_CPU, (int(limit), int(limit) + 5)))
@@ -83,11 +85,11 @@ def draw(rows, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--limit", type=float, default=100, help="CPU seconds of one run")
-    parser.add_argument("--most", type=float, default=1.2e6, help="largest number of dof")
+    parser.add_argument("--most", type=float, default=2.1e6, help="largest number of dof")
     args = parser.parse_args()
     exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
     rows = []
-    for method in ("condensed", "newton", "schur"):
+    for method in METHODS:
         for divisions, facets in MESHES:
             if divisions * facets * 41 > args.most:
                 break

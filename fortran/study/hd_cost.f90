@@ -47,9 +47,10 @@ contains
     tangent = merge(0._dp, tangent_time*dof, small)
     harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
     list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick))
-    list(2) = cost_t('schur', seconds=factor_time(dof, 0.5_dp, 1._dp) + face_time*(rows*s%divisions)**3 + iterations*harmonic, &
+    list(2) = cost_t('schur', seconds=factor_time(dof, 0.5_dp, 1._dp) + face_time*(rows*s%divisions)**3 + &
+      iterations*5*harmonic, &
       memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
-    list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/2 + apply_time*dof) + tangent), &
+    list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
       memory_mb=list(1)%memory_mb + 1.5e-3_dp*nodes)
     list(4) = cost_t('single', seconds=iterations*(factor_time(part, 0.5_dp, 0.7_dp) + krylov_time(part, 0.6_dp) + tangent), &
       memory_mb=30 + 2.7e-3_dp*nodes + 2.6e-6_dp*entries(part))
@@ -60,13 +61,13 @@ contains
     round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
     list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')
-    list(2)%applies = s%method == 'schur' .or. (s%method == 'auto' .and. small .and. s%support /= 'teeth')
+    list(2)%applies = s%method == 'schur'  ! pays only where it is kept for many runs
     list(3:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(3:)%name)
     if (s%factors == 'auto') then
       list(3)%applies = newton .and. round
       list(4:5)%applies = newton .and. s%support /= 'teeth'
     else if (s%method == 'auto') then
-      list(:2)%applies = .false.
+      list(1)%applies = .false.
     end if
   contains
     !> Entries of LU of so many dof.

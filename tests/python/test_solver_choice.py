@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The matrix solvers: one answer, symmetry, the choice by predicted cost, and what is said where memory does not suffice."""
+import itertools
+import json
+
+import numpy as np
+import pytest
+from conftest import ROOT, SMALL, call
+
+import hdengine
+
+CD14 = ROOT / "data/cd14.nml"
+LARGE = ["solver.kinematics=nonlinear"]
+FORMED = ["wave_generator.shape=as_formed", "wave_generator.interference=5e-6"]
+
+
+def solve(exe, folder, *keys):
+    """A small scene solved to 3e-11."""
+    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", "solver.tolerance=3e-11", "--out", folder, "-q")
+    assert done.returncode == 0, done.stderr
+    return hdengine.load(folder)
+
+
+def assert_same(a, b):
+    """Tractions agree to 1e-9 of the peak pressure in every facet and step."""
+    for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
+        np.testing.assert_allclose(a.contact[name], b.contact[name], rtol=0, atol=1e-9 * b.contact["pressure_pa"].max())
+
+
+@pytest.mark.parametrize("keys", [[], ["wave_generator.eccentricity=5e-6", "contact.friction=0.5"], ["mesh.ring_divisions=20"],
+                                  ["contact.mode=bonded"], LARGE, FORMED], ids=str)
+def test_factors_change_nothing(exe, tmp_path, keys):
+    """GMRES around symmetric factors, in double and single precision, or around the round bodies, gives what exact factors give."""
+    exact = solve(exe, tmp_path / "exact", *keys, "solver.method=newton", "solver.factors=exact")
+    for factors in ("symmetric", "single", "harmonic"):
+        r = solve(exe, tmp_path / factors, *keys, "solver.method=newton", f"solver.factors={factors}")
+        assert_same(r, exact)
+        assert r.summary["model"]["inner_iterations"] > 0 and "GMRES" in r.summary["model"]["solver"]
+
+
+@pytest.mark.parametrize("keys", [["solver.factors=single"], ["solver.factors=harmonic", *LARGE], ["solver.factors=harmonic", *FORMED]],
+                         ids=lambda k: k[0] + k[-1])
+def test_newton_uses_symmetry(exe, tmp_path, keys):
+    """Quarter, half and full give the same tractions with the Newton matrix too, round, turned or formed."""
+    results = {s: solve(exe, tmp_path / s, *keys, "solver.method=newton", f"solver.symmetry={s}") for s in ("full", "half", "quarter")}
+    for s in ("half", "quarter"):
+        assert results[s].summary["model"]["symmetry_assembly"] == s
+        assert_same(results[s], results["full"])
+
+
+def test_stalled_refinement_falls_back(exe, tmp_path):
+    """A matrix too ill-conditioned for single precision: said in the log, exact factors go on, the answer is the same."""
+    keys = ["load.support=bearing", "load.torque=3", "load.support_stiffness=1e-9", "solver.method=newton"]
+    done = call(exe, CD14, *SMALL, *keys, "solver.factors=single", "--out", tmp_path / "s")
+    exact = call(exe, CD14, *SMALL, *keys, "solver.factors=exact", "--out", tmp_path / "e", "-q")
+    assert done.returncode == exact.returncode == 0, done.stderr + exact.stderr
+    a, b = (json.loads((tmp_path / f / "summary.json").read_text())["results"] for f in "se")
+    assert a["normal_force_n"] == pytest.approx(b["normal_force_n"], rel=1e-6)
+
+
+@pytest.mark.parametrize("keys, name", [([], "condensed by harmonics"), (LARGE, "GMRES"), (FORMED, "GMRES"),
+                                        (["solver.method=newton", "solver.factors=symmetric"], "symmetric factors")], ids=str)
+def test_choice_is_told(exe, tmp_path, keys, name):
+    """Summary and log name the solver chosen, the fastest by prediction, with all predictions behind it."""
+    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "r")
+    assert done.returncode == 0, done.stderr
+    s = json.loads((tmp_path / "r/summary.json").read_text())
+    predicted = s["predicted"]
+    assert name in s["model"]["solver"]
+    assert predicted[predicted["solver"] + "_s"] == min(v for k, v in predicted.items() if k.endswith("_s"))
+    assert ("predicted: " in done.stdout) == (len(predicted) > 4)
+
+
+def test_predicted_order_is_the_measured_one():
+    """Of every two solvers whose measured time or memory differs by more than a factor of two, the prediction names the cheaper one."""
+    scenes = {}
+    for row in json.loads((ROOT / "bench/results/solver_choice.json").read_text())["rows"]:
+        scenes.setdefault(row["scene"], []).append(row)
+    assert len(scenes) >= 6
+    pairs = wrong = 0
+    for rows in scenes.values():
+        for a, b in itertools.combinations(rows, 2):
+            for measured, predicted in (("cpu_s", "_s"), ("memory_mb", "_mb")):
+                if max(a[measured], b[measured]) < 2 * min(a[measured], b[measured]):
+                    continue
+                pairs += 1
+                p = [r["predicted"][r["solver"] + predicted] for r in (a, b)]
+                wrong += (p[0] > p[1]) != (a[measured] > b[measured])
+    assert pairs > 40 and wrong == 0
+
+
+@pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.method=schur"],
+                                  *(["solver.method=newton", f"solver.factors={f}"] for f in ("single", "symmetric", "exact")),
+                                  ["solver.method=newton", "solver.factors=harmonic", *LARGE]], ids=lambda k: k[-1])
+def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
+    """A mesh beyond the limit: code 6 with the need, the limit, and what to reduce, before anything is allocated."""
+    done = call(exe, CD14, *keys, "mesh.divisions=2000", "mesh.band_facets=100", "mesh.memory_limit_mb=500", "--out", tmp_path / "m", "-q")
+    assert done.returncode == 6
+    for word in ("MB", "500", "mesh.divisions", "mesh.band_facets"):
+        assert word in done.stderr
+
+
+def test_less_memory_takes_another_solver(exe, tmp_path):
+    """Where the fastest does not fit, the fastest that fits is taken."""
+    keys = ["mesh.divisions=40", *LARGE, "load.torque_steps=0"]
+    call(exe, CD14, *SMALL, *keys, "--out", tmp_path / "a", "-q")
+    predicted = json.loads((tmp_path / "a/summary.json").read_text())["predicted"]
+    limit = predicted[predicted["solver"] + "_mb"] - 0.5
+    fits = [k[:-3] for k, v in predicted.items() if k.endswith("_mb") and k != "memory_allowed_mb" and v <= limit]
+    done = call(exe, CD14, *SMALL, *keys, f"mesh.memory_limit_mb={limit}", "--out", tmp_path / "b", "-q")
+    assert done.returncode == 0 and fits
+    second = min(fits, key=lambda k: predicted[f"{k}_s"])
+    assert json.loads((tmp_path / "b/summary.json").read_text())["predicted"]["solver"] == second

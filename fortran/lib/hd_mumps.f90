@@ -74,7 +74,7 @@ contains
       end if
       id%job = 1
       call dmumps(id)
-      call check_mumps(id%infog(:2), id%n, error)
+      call check_mumps(id%infog(:16), id%n, error)
       if (allocated(error)) return
       self%ordering_used = id%infog(7)
     end associate
@@ -93,7 +93,7 @@ contains
       if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
       self%id%icntl(14) = 2*self%id%icntl(14)
     end do
-    call check_mumps(self%id%infog(:2), self%id%n, error)
+    call check_mumps(self%id%infog(:16), self%id%n, error)
     if (allocated(error)) return
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = self%id%rinfog(3)
@@ -117,7 +117,7 @@ contains
     self%id%job = 3
     call dmumps(self%id)
     nullify (self%id%rhs)
-    call check_mumps(self%id%infog(:2), self%id%n, error)
+    call check_mumps(self%id%infog(:16), self%id%n, error)
   end subroutine solve
 
   !> Right-hand side that is left for the unknowns of the Schur complement.
@@ -165,7 +165,7 @@ contains
 
   !> Sentence for a MUMPS status.
   subroutine check_mumps(infog, n, error)
-    integer, intent(in) :: infog(2)                   !< INFOG(1:2) after a call
+    integer, intent(in) :: infog(16)                  !< INFOG(1:16) after a call; 16: memory it had estimated [MB]
     integer, intent(in) :: n                          !< unknowns
     type(error_t), allocatable, intent(out) :: error  !< set if the call failed
     character(len=:), allocatable :: codes
@@ -176,7 +176,8 @@ contains
       call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held'//codes)
     case (-8, -9, -13, -19, -22)
       call raise(error, code_memory, 'out of memory in the factorisation of '//to_text(n)// &
-        ' unknowns: reduce mesh.divisions or mesh.band_facets, or take another solver.method or solver.factors'//codes)
+        ' unknowns, which needs some '//to_text(infog(16))//' MB: reduce mesh.divisions or mesh.band_facets, or let '// &
+        "solver.method = 'auto' and solver.factors = 'auto' choose"//codes)
     case default
       call raise(error, code_internal, 'the sparse solver failed'//codes)
     end select

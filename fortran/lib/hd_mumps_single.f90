@@ -56,7 +56,7 @@ contains
       id%perm_in = position
       id%job = 1
       call smumps(id)
-      call check_mumps(id%infog(:2), id%n, error)
+      call check_mumps(id%infog(:16), id%n, error)
       if (allocated(error)) return
       self%ordering_used = id%infog(7)
     end associate
@@ -78,7 +78,7 @@ contains
       self%id%icntl(14) = 2*self%id%icntl(14)
     end do
     nullify (self%id%a)
-    call check_mumps(self%id%infog(:2), self%id%n, error)
+    call check_mumps(self%id%infog(:16), self%id%n, error)
     if (allocated(error)) return
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = real(self%id%rinfog(3), dp)
@@ -100,7 +100,7 @@ contains
     self%id%job = 3
     call smumps(self%id)
     nullify (self%id%rhs)
-    call check_mumps(self%id%infog(:2), self%id%n, error)
+    call check_mumps(self%id%infog(:16), self%id%n, error)
     b = size_of_b*x
   end subroutine solve
 

@@ -123,15 +123,15 @@ contains
     call whole(t, 'load', 'assembly_steps', s%assembly_steps, 1, 100000, 'load steps of the assembly')
     call whole(t, 'load', 'torque_steps', s%torque_steps, 0, 100000, 'load steps of the torque')
     call text(t, 'solver', 'method', s%method, 'auto condensed schur newton', 'condensation to the contact face by '// &
-      'harmonics, or by Schur complement (any mesh), sparse Newton matrix by MUMPS, or the cheaper one that applies')
+      'harmonics, or by Schur complement (any mesh), Newton matrix with solver.factors, or the cheapest by prediction')
     call text(t, 'solver', 'factors', s%factors, 'auto exact symmetric single harmonic', 'of the Newton matrix: the matrix '// &
       'itself (LU), its symmetric part in double or single precision (half, a quarter of the memory), the round undeformed '// &
       'bodies by harmonics, these under GMRES; or the cheapest by prediction')
     call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear auto', &
-      'small displacements, elements that turn with the body (corotational; sparse Newton matrix only), or whichever '// &
+      'small displacements, elements that turn with the body (corotational; method newton), or whichever '// &
       'run.tolerance needs (linear without one)')
     call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
-      'what the scene allows in each load step, the whole, or as much as is named in the assembly (condensed only)')
+      'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &
       'relative residual of forces and contact law', closed=.true.)
     call whole(t, 'solver', 'max_iterations', s%max_iterations, 1, 10000, 'Newton iterations per load step')

@@ -3,18 +3,29 @@ module test_contact
   use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_contact_law, only: contact_law_t, evaluate_law, frictional, frictionless
-  use hd_error, only: error_t
+  use hd_error, only: error_t, code_memory
   use hd_face, only: face_t
   use hd_hexahedron, only: hex20r, hex8i
   use hd_kinds, only: dp, pi
+  use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: facet_mean, mortar_t, new_mortar, relative_displacement
+  use hd_mumps, only: check_mumps
   use hd_newton, only: iterate, iteration_t, newton_options_t
+  use hd_newton_krylov, only: new_newton_krylov, newton_krylov_t
   use hd_newton_matrix, only: new_newton_matrix, newton_matrix_t
   use hd_problem, only: load_t, new_problem, new_state, problem_t, state_t
   use hd_revolution, only: revolve, strip_face, strip_t
   implicit none
   private
   public :: run_contact, block, block_face, new_problem_of, solve
+
+  !> A preconditioner that does nothing useful.
+  type, extends(linear_solver_t) :: useless_t
+  contains
+    procedure :: update => keep_nothing
+    procedure :: solve => give_back
+    procedure :: release => release_nothing
+  end type useless_t
 
 contains
 
@@ -26,7 +37,24 @@ contains
     call press_fit(hex8i, 40, 40)
     call press_fit(hex8i, 80, 64)
     call press_fit(hex20r, 40, 32)
+    call memory_message()
   end subroutine run_contact
+
+  !> Where MUMPS runs out of memory the message holds its estimate and what to reduce.
+  subroutine memory_message()
+    type(error_t), allocatable :: error
+    integer :: infog(16), i, codes(4)
+    codes = [-8, -9, -13, -19]
+    infog = 0
+    infog(16) = 4321
+    do i = 1, 4
+      infog(1) = codes(i)
+      call check_mumps(infog, 99, error)
+      call check(error%code == code_memory .and. index(error%message, '4321 MB') > 0 .and. &
+        index(error%message, 'reduce mesh.divisions or mesh.band_facets') > 0, &
+        'out of memory in MUMPS: estimate and what to reduce')
+    end do
+  end subroutine memory_message
 
   !> The derivatives of the law agree with central differences in every state.
   subroutine law_tangent()
@@ -136,6 +164,52 @@ contains
     call check_close((maxval(p) - minval(p))/exact, 0._dp, merge(5e-3_dp, 1e-6_dp, kind == hex20r), &
       trim(name)//': the pressure is even')
   end subroutine press_fit
+
+  !> GMRES around a solver that is none stalls; exact factors give the same state.
+  subroutine stall(problem, load, expected)
+    type(problem_t), intent(inout) :: problem
+    type(load_t), intent(in) :: load
+    type(state_t), intent(in) :: expected
+    class(linear_solver_t), allocatable :: near
+    type(newton_krylov_t) :: solver
+    type(state_t) :: rest, state
+    type(iteration_t), allocatable :: history(:)
+    type(error_t), allocatable :: error
+    logical :: converged, sliding
+    allocate (useless_t :: near)
+    call new_newton_krylov(near, solver)
+    call new_state(problem, rest)
+    state = rest
+    call iterate(problem, solver, newton_options_t(tolerance=1e-12_dp), load, rest, state, history, converged, sliding, error)
+    call check(converged .and. .not. allocated(error) .and. allocated(solver%exact), 'exact factors take over where GMRES stalls')
+    call check_close(maxval(abs(state%u - expected%u))/maxval(abs(expected%u)), 0._dp, 1e-10_dp, 'with the same answer')
+    call solver%release()
+  end subroutine stall
+
+  subroutine keep_nothing(self, problem, dw, dt, error)
+    class(useless_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    real(dp), intent(in) :: dw(:, :, :), dt(:, :, :)
+    type(error_t), allocatable, intent(out) :: error
+    self%unknowns = 3*problem%n + size(dw) - size(dt)
+    if (allocated(error)) self%unknowns = 0
+  end subroutine keep_nothing
+
+  subroutine give_back(self, problem, r_u, r_c, du, dtraction, error)
+    class(useless_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    real(dp), intent(in) :: r_u(:, :), r_c(:, :)
+    real(dp), intent(out) :: du(:, :), dtraction(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    du = merge(0._dp, -1e-12_dp*r_u, problem%fixed)
+    dtraction = -r_c
+    if (allocated(error)) self%unknowns = 0
+  end subroutine give_back
+
+  subroutine release_nothing(self)
+    class(useless_t), intent(inout) :: self
+    self%unknowns = 0
+  end subroutine release_nothing
 
   subroutine new_problem_of(bodies, slave, master, mode, problem)
     type(body_t), intent(in) :: bodies(:)
@@ -251,6 +325,7 @@ contains
       load%force(1, pushed%nodes(:, f)) = load%force(1, pushed%nodes(:, f)) - pressure*area/4
     end do
     call solve(problem, spread(0._dp, 1, problem%mortar%n), load, state)
+    call stall(problem, load, state)
     call check_close(maxval(abs(state%traction(1, :) - pressure))/pressure, 0._dp, 1e-10_dp, &
       'contact patch test, meshes that do not match, load control: even pressure')
     call check_close(maxval(abs(state%u(1, :) + pressure/200e9_dp*x(1, :)))/1e-5_dp, 0._dp, 1e-10_dp, &

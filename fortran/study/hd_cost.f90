@@ -51,7 +51,7 @@ contains
       iterations*5*harmonic, &
       memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
     list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
-      memory_mb=list(1)%memory_mb + 1.5e-3_dp*nodes)
+      memory_mb=list(1)%memory_mb + merge(1.5e-3_dp, 3.5e-3_dp, s%shape == 'pressed')*nodes)
     list(4) = cost_t('single', seconds=iterations*(factor_time(part, 0.5_dp, 0.7_dp) + krylov_time(part, 0.6_dp) + tangent), &
       memory_mb=30 + 2.7e-3_dp*nodes + 2.6e-6_dp*entries(part))
     list(5) = cost_t('symmetric', seconds=iterations*(factor_time(part, 0.5_dp, 1._dp) + krylov_time(part, 1._dp) + tangent), &
@@ -115,15 +115,14 @@ contains
     nodes = real(s%divisions, dp)*section
   end subroutine count_nodes
 
-  !> Memory of condensation by harmonics: stiffness, one band per harmonic, compliance of the face, a dense face matrix [MB].
+  !> Memory of condensation by harmonics: stiffness, one band per harmonic, compliance of the face [MB].
   pure real(dp) function harmonic_mb(s, nodes, section, rows, thick) result(mb)
     type(scene_t), intent(in) :: s                          !< scene
     real(dp), intent(in) :: nodes, section, rows, thick     !< counts
     real(dp) :: layers
     layers = max(s%through_wall, s%through_ring)
     if (thick > layers) layers = 3*(layers + 2) - 2  ! hex20r
-    mb = 40 + 600e-6_dp*nodes + 4e-6_dp*s%divisions*(6*rows**2 + 30*section*(layers + 2)) + &
-      8e-6_dp*min(rows*s%divisions, 4000._dp)**2
+    mb = 20 + 1.25_dp*(600e-6_dp*nodes + 4e-6_dp*s%divisions*(6*rows**2 + 30*section*(layers + 2)))
   end function harmonic_mb
 
   !> The fastest solver that fits, the smallest where none does.

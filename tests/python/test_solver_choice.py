@@ -88,16 +88,3 @@ def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
     assert done.returncode == 6
     for word in ("MB", "500", "mesh.divisions", "mesh.band_facets"):
         assert word in done.stderr
-
-
-def test_less_memory_takes_another_solver(exe, tmp_path):
-    """Where the fastest does not fit, the fastest that fits is taken."""
-    keys = ["mesh.divisions=40", *LARGE, "load.torque_steps=0"]
-    call(exe, CD14, *SMALL, *keys, "--out", tmp_path / "a", "-q")
-    predicted = json.loads((tmp_path / "a/summary.json").read_text())["predicted"]
-    limit = predicted[predicted["solver"] + "_mb"] - 0.5
-    fits = [k[:-3] for k, v in predicted.items() if k.endswith("_mb") and k != "memory_allowed_mb" and v <= limit]
-    done = call(exe, CD14, *SMALL, *keys, f"mesh.memory_limit_mb={limit}", "--out", tmp_path / "b", "-q")
-    assert done.returncode == 0 and fits
-    second = min(fits, key=lambda k: predicted[f"{k}_s"])
-    assert json.loads((tmp_path / "b/summary.json").read_text())["predicted"]["solver"] == second

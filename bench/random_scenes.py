@@ -87,7 +87,7 @@ def outcome(row):
     """Class of a result."""
     if row["code"] == 0:
         return "converged"
-    for word in ("gross slip", "not held"):
+    for word in ("gross slip", "not held", "slip is too large"):
         if word in row["message"]:
             return word
     return f"code {row['code']}"

@@ -73,6 +73,7 @@ contains
       if (allocated(error)) exit
     end do
     if (.not. allocated(error)) call accept(run, error)
+    if (.not. allocated(error)) call check_slip(run, error)
     done = run%position >= final_position(run) - 1e-12_dp
     if (allocated(error)) run%failure = error
   end subroutine advance
@@ -228,6 +229,17 @@ contains
       "soft springs of the support are left. Raise interference, w or friction, or use support = 'hub'; the last "// &
       'converged state is kept')
   end subroutine not_held
+
+  !> Slip that is no longer small puts the torque out of balance under large rotations: points press where they were paired.
+  subroutine check_slip(run, error)
+    type(run_t), intent(in) :: run                    !< run after a load step
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    if (.not. abs(run%sums%torque_balance) > 1e-2_dp*abs(run%step%torque) .or. run%step%phase /= 'torque') return
+    call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
+      to_text(run%step%torque)//' N m '//to_text(run%sums%torque_balance)//' N m are out of balance (friction carries '// &
+      'mu int p r dA = '//to_text(run%sums%friction_capacity)//' N m). Lower the torque or use solver.kinematics = '// &
+      "'linear'")
+  end subroutine check_slip
 
   !> Newton's method failed on ever smaller steps.
   subroutine not_converged(run, error)

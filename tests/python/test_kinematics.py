@@ -41,3 +41,10 @@ def test_needs_the_sparse_matrix(exe, tmp_path, key):
     """Condensation and superposition rest on a constant stiffness: refused with code 2."""
     done = call(exe, CD14, *SMALL, "solver.kinematics=nonlinear", key, "--out", tmp_path / "x", "-q")
     assert done.returncode == 2 and "nonlinear" in done.stderr
+
+
+def test_slip_that_is_not_small_is_refused(exe, tmp_path):
+    """Past the torque that friction holds, no state is passed off as balanced: code 4, the message names the slip."""
+    done = call(exe, CD14, *SMALL, "solver.kinematics=nonlinear", "load.support=bearing", "contact.friction=0.02", "load.torque=10",
+                "output.vtu=none", "--out", tmp_path / "s", "-q")
+    assert done.returncode == 4 and "slip" in done.stderr, done.stderr

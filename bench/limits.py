@@ -132,9 +132,10 @@ def kinematics(ax):
 
 
 def small_slip(ax):
-    steps, *_ = run("mesh.divisions=40", "solver.kinematics=nonlinear", "load.torque=40", "load.torque_steps=10")
+    small = ["mesh.divisions=24", "mesh.band_facets=4", "solver.kinematics=nonlinear"]
+    steps, *_ = run(*small, "load.torque=40", "load.torque_steps=5")
     mine = [s for s in steps if s["torque_nm"] > 0]
-    free, *_ = run("mesh.divisions=40", "solver.kinematics=nonlinear", "load.torque=12", "load.torque_steps=12", "load.support=bearing")
+    free, *_ = run(*small, "load.torque=12", "load.torque_steps=6", "load.support=bearing")
     curve = [s["torque_balance_nm"] / s["torque_nm"] for s in mine]
     lines(ax, "small slip", [s["torque_nm"] for s in mine], {"HUB": curve}, "torque / N m", "|out of balance| / torque", "nonlinear: slip is small")
     mine = [s for s in free if s["torque_nm"] > 0]

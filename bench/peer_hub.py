@@ -144,7 +144,7 @@ def main():
         runs = {}
         for method in ("newton", "condensed"):
             run = timed([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={args.divisions}", f"solver.method={method}",
-                         "--out", folder / method, "-q"], folder, args.limit)
+                         "solver.factors=exact" if method == "newton" else "solver.factors=auto", "--out", folder / method, "-q"], folder, args.limit)
             summary = json.loads((folder / method / "summary.json").read_text())
             r = summary["results"]
             runs[f"hdengine, {method}"] = run | {"iterations": r["iterations"], "rotation_rad": r["rotation_rad"]}

@@ -21,6 +21,9 @@ ROOT = Path(__file__).resolve().parents[1]
 EXE = (shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or shutil.which("hdengine.x")
        or sys.exit("hdengine.x not found: ./hd setup"))
 
+OPTIONS = ((0.15, "contact.law", "joint"), (0.1, "wave_generator.shape", "as_formed"), (0.15, "wave_generator.ring_contact", "unilateral"),
+           (0.15, "load.torque_load", "teeth"), (0.1, "solver.kinematics", "nonlinear"), (0.2, "contact.slave", "cup"))
+
 
 def draw(seed, i):
     """Keys of scene i: drawn from its own generator, so a scene stays the same whatever the count."""
@@ -51,18 +54,9 @@ def draw(seed, i):
     if r.random() < 0.3:
         keys["mesh.ring_divisions"] = int(divisions * r.uniform(0.6, 1.5))
         keys["mesh.ring_facets"] = int(r.integers(2, 8))
-    if r.random() < 0.15:
-        keys["contact.law"] = "joint"
-    if r.random() < 0.1:
-        keys["wave_generator.shape"] = "as_formed"
-    elif r.random() < 0.15:
-        keys["wave_generator.ring_contact"] = "unilateral"
-    if r.random() < 0.15:
-        keys["load.torque_load"] = "teeth"
-    if r.random() < 0.1:
-        keys["solver.kinematics"] = "nonlinear"
-    if r.random() < 0.2:
-        keys["contact.slave"] = "cup"
+    for chance, key, value in OPTIONS:
+        if (key != "wave_generator.ring_contact" or "wave_generator.shape" not in keys) and r.random() < chance:
+            keys[key] = value
     return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in keys.items()}
 
 
@@ -105,7 +99,7 @@ def main():
         print(" ".join(f"{k}={v}" for k, v in keys.items()))
         print(json.dumps(solve(keys), indent=1))
         return
-    rows, options = [], ("contact.law", "wave_generator.shape", "wave_generator.ring_contact", "load.torque_load", "solver.kinematics", "contact.slave")
+    rows = []
     for i in range(args.start, args.start + args.count):
         keys = draw(args.seed, i)
         rows.append({"scene": i, "keys": keys} | solve(keys))
@@ -113,7 +107,7 @@ def main():
             print(i, outcome(rows[-1]), rows[-1]["message"][:100], flush=True)
     classes = Counter(map(outcome, rows))
     steps = [n for row in rows for n in row.get("iterations", [])]
-    by_option = {o: dict(Counter(outcome(r) for r in rows if o in r["keys"])) for o in options}
+    by_option = {o: dict(Counter(outcome(r) for r in rows if o in r["keys"])) for _, o, _ in OPTIONS}
     record = {"seed": args.seed, "count": args.count, "outcomes": dict(classes), "outcomes_by_option": by_option, "iterations_per_step_median": statistics.median(steps),
               "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_95": float(np.quantile(steps, 0.95)),
               "iterations_per_step_max": max(steps), "first_step_median": statistics.median(row["iterations"][0] for row in rows if row.get("iterations")),

@@ -13,8 +13,7 @@ module hd_condensed
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, load_t, state_t
-  use hd_symmetry, only: use_symmetry, symmetry_name, image_sector, node_images, &
-    mirror_sign
+  use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -32,6 +31,7 @@ module hd_condensed
     logical :: begun = .false.                      !< compliance is prepared
     integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
     integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
+    type(sharing_t) :: sharing                      !< points whose law counts for others
     integer, allocatable :: image(:)                !< of every node behind the mirror plane
     integer :: steps = first_guess                  !< of GMRES, last time
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)
@@ -87,6 +87,7 @@ contains
     if (allocated(error)) return
     self%steps = first_guess  ! no memory of earlier load steps: a resumed run repeats every bit
     if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
+    call share_law(problem, self%symmetry, self%sharing)
     self%symmetry_used = symmetry_name(self%symmetry)
     call self%compliance%prepare(problem, self%symmetry, error)
     self%begun = .true.
@@ -108,6 +109,7 @@ contains
     self%begun = .true.
     self%dw = dw
     self%dt = dt
+    call self%sharing%take_law(self%dw, self%dt)
   end subroutine update_condensed
 
   !> Newton correction: tractions on the face, then the bodies.
@@ -124,7 +126,7 @@ contains
     integer, allocatable :: list(:), mirrored(:)
     integer :: j
     f = r_c
-    call copy_to_images(self, f)
+    if (allocated(self%sharing%agent)) f = f(:, self%sharing%agent)*self%sharing%sign
     if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
     call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
@@ -161,39 +163,13 @@ contains
     if (self%symmetry%mirror > 0) f = (f + spread(mirror_sign, 2, size(f, 2))*f(:, self%image))/2
   end subroutine balance
 
-  !> Give images the law of the points they are images of: where the law bends, rounding would close a point and open its image.
-  subroutine copy_to_images(self, r_c)
-    class(condensed_t), intent(inout) :: self  !< gets the law of the images
-    real(dp), intent(inout) :: r_c(:, :)       !< residuals of the law
-    integer, allocatable :: list(:)
-    integer :: j
-    list = pack([(j, j=1, size(r_c, 2))], .not. self%symmetry%half_turn .or. self%sector < self%sectors/2)
-    if (self%symmetry%mirror > 0) call copy(pack(list, list < images(self, list, self%symmetry%mirror)), self%symmetry%mirror)
-    if (self%symmetry%half_turn) call copy(list, 0)
-  contains
-    subroutine copy(list, mirror)
-      integer, intent(in) :: list(:)  !< multipliers to copy from
-      integer, intent(in) :: mirror   !< operation, see images
-      integer :: image(size(list)), i
-      real(dp) :: sign(3)
-      image = images(self, list, mirror)
-      sign = merge(mirror_sign, [1._dp, 1._dp, 1._dp], mirror > 0)
-      do i = 1, size(list)
-        r_c(:, image(i)) = sign*r_c(:, list(i))
-        self%dw(:, :, image(i)) = self%dw(:, :, list(i))*spread(sign, 1, 3)*spread(sign, 2, 3)
-        self%dt(:, :, image(i)) = self%dt(:, :, list(i))*spread(sign, 1, 3)*spread(sign, 2, 3)
-      end do
-    end subroutine copy
-  end subroutine copy_to_images
-
   !> Points on the mirror plane get no circumferential shear, for the same reason.
   subroutine hold_on_plane(self, r_c)
     class(condensed_t), intent(inout) :: self  !< gets the law of these points
     real(dp), intent(inout) :: r_c(:, :)       !< residuals of the law
-    integer :: j, part
-    part = merge(self%sectors/2, self%sectors, self%symmetry%half_turn)
+    integer :: j
     do j = 1, size(r_c, 2)
-      if (modulo(image_sector(self%sectors, self%sector(j), 0, self%symmetry%mirror) - self%sector(j), part) /= 0) cycle
+      if (.not. self%sharing%on_plane(j)) cycle
       self%dw(2, :, j) = 0
       self%dw(:, 2, j) = 0
       self%dt(:, 2, j) = 0

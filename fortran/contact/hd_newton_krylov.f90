@@ -11,7 +11,7 @@ module hd_newton_krylov
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
   use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
-  use hd_symmetry, only: symmetrise, choose_agents, same_shape, mirror_sign
+  use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
   use hd_text, only: to_text
   implicit none
   private
@@ -25,8 +25,7 @@ module hd_newton_krylov
     type(problem_t), allocatable :: round              !< round bodies with the same nodes, where `near` needs them
     type(newton_matrix_t), allocatable :: exact        !< takes over where GMRES stalls
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)  !< derivatives of the law, as symmetric as the load step
-    integer, allocatable :: agent(:)                   !< multiplier whose law counts for each multiplier, with symmetry
-    real(dp), allocatable :: sign(:, :)                !< of its components (3, multipliers)
+    type(sharing_t) :: sharing                         !< points whose law counts for others
   contains
     procedure :: begin => begin_newton_krylov
     procedure :: update => update_newton_krylov
@@ -76,32 +75,16 @@ contains
     self%ordering_used = self%near%ordering_used
     self%library = self%near%library
     if (allocated(self%round)) then
-      call share_law(self, self%round)
-      if (.not. allocated(self%agent)) return
+      call share_law(self%round, self%near%symmetry, self%sharing)
       if (same_shape(self%round, problem, self%near%symmetry)) return
-      deallocate (self%agent)
+      self%sharing = sharing_t()
       self%near%most_images = 1
       call self%near%begin(self%round, load, state, error)
       self%symmetry_used = self%near%symmetry_used
     else
-      call share_law(self, problem)
+      call share_law(problem, self%near%symmetry, self%sharing)
     end if
   end subroutine begin_newton_krylov
-
-  !> Multipliers whose law counts for others: rounding decides the contact states of images differently.
-  subroutine share_law(self, problem)
-    class(newton_krylov_t), intent(inout) :: self  !< gets agent and sign
-    type(problem_t), intent(in) :: problem         !< problem
-    integer :: agent(problem%n), owned(problem%n), j
-    logical :: turned(problem%n), on_plane(problem%n)
-    if (allocated(self%agent)) deallocate (self%agent)
-    if (self%near%symmetry%order() == 1) return
-    call choose_agents(problem, self%near%symmetry, agent, turned, on_plane)
-    owned(problem%mortar%node) = [(j, j=1, problem%mortar%n)]
-    self%agent = owned(agent(problem%mortar%node))
-    self%sign = spread(mirror_sign, 2, problem%mortar%n)
-    where (spread(.not. turned(problem%mortar%node), 1, 3)) self%sign = 1
-  end subroutine share_law
 
   !> Keep the derivatives, factorise the preconditioner.
   subroutine update_newton_krylov(self, problem, dw, dt, error)
@@ -110,15 +93,9 @@ contains
     real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
-    integer :: j
     self%dw = dw
     self%dt = dt
-    if (allocated(self%agent)) then
-      do j = 1, problem%mortar%n
-        self%dw(:, :, j) = dw(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
-        self%dt(:, :, j) = dt(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
-      end do
-    end if
+    call self%sharing%take_law(self%dw, self%dt)
     if (.not. allocated(self%exact)) then
       if (allocated(self%round)) then
         call self%near%update(self%round, self%dw, self%dt, error)
@@ -144,7 +121,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     call say('solver    '//trim(self%name)//': '//reason//'; exact factors in double precision from here on')
     call self%near%release()
-    if (allocated(self%agent)) deallocate (self%agent)
+    self%sharing = sharing_t()
     if (allocated(self%round)) deallocate (self%round)
     allocate (self%exact)
     call lay_out_newton_matrix(problem, self%exact, error)
@@ -192,9 +169,9 @@ contains
     allocate (b(size(r_u) + size(r_c)), x(size(r_u) + size(r_c)))
     du = -r_u
     dtraction = -r_c
-    if (allocated(self%agent)) then
+    if (allocated(self%sharing%agent)) then
       call symmetrise(op%round, self%near%symmetry, du)
-      dtraction = dtraction(:, self%agent)*self%sign
+      dtraction = dtraction(:, self%sharing%agent)*self%sharing%sign
     end if
     call pack_residual(problem, du, dtraction, b)
     self%near%accuracy = 1e-2_dp

@@ -8,7 +8,8 @@ module hd_symmetry
   use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
-  public :: symmetry_t, use_symmetry, symmetrise, choose_agents, same_shape, symmetry_name, image_sector, node_images
+  public :: symmetry_t, sharing_t, use_symmetry, symmetrise, choose_agents, share_law, same_shape, symmetry_name, image_sector, &
+    node_images
 
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
   real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
@@ -19,6 +20,15 @@ module hd_symmetry
   contains
     procedure :: order
   end type symmetry_t
+
+  !> Multipliers whose law counts for their images: rounding would close a point and open its image.
+  type :: sharing_t
+    integer, allocatable :: agent(:)      !< multiplier that counts for each one; unallocated without symmetry
+    real(dp), allocatable :: sign(:, :)   !< of the components against the agent's (3, multipliers)
+    logical, allocatable :: on_plane(:)   !< their own mirror images
+  contains
+    procedure :: take_law
+  end type sharing_t
 
 contains
 
@@ -181,6 +191,37 @@ contains
       agent = min(agent, image)
     end do
   end subroutine choose_agents
+
+  !> Find the multipliers whose law counts for others.
+  subroutine share_law(problem, symmetry, sharing)
+    type(problem_t), intent(in) :: problem    !< problem
+    type(symmetry_t), intent(in) :: symmetry  !< of the load step
+    type(sharing_t), intent(out) :: sharing   !< who counts for whom
+    integer :: agent(problem%n), number(problem%n), j
+    logical :: turned(problem%n), on_plane(problem%n)
+    if (symmetry%order() == 1) return
+    call choose_agents(problem, symmetry, agent, turned, on_plane)
+    associate (node => problem%mortar%node, n => problem%mortar%n)
+      number(node) = [(j, j=1, n)]
+      sharing%agent = number(agent(node))
+      sharing%sign = spread(mirror_sign, 2, n)
+      where (spread(.not. turned(node), 1, 3)) sharing%sign = 1
+      sharing%on_plane = on_plane(node)
+    end associate
+  end subroutine share_law
+
+  !> Replace the derivatives of the law by those that count.
+  pure subroutine take_law(self, dw, dt)
+    class(sharing_t), intent(in) :: self            !< sharing
+    real(dp), intent(inout) :: dw(:, :, :)          !< dR/dw (3, 3, multipliers) [Pa/m]
+    real(dp), intent(inout) :: dt(:, :, :)          !< dR/dt (3, 3, multipliers)
+    integer :: j
+    if (.not. allocated(self%agent)) return
+    do j = 1, size(self%agent)  ! an agent is not behind its images
+      dw(:, :, j) = dw(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+      dt(:, :, j) = dt(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+    end do
+  end subroutine take_law
 
   !> A field equals its image.
   pure logical function same(field, image, sign, tolerance) result(yes)

@@ -4,13 +4,12 @@
 !> The pattern is analysed once, with an ordering of the caller's; values are factorised as often as they change.
 module hd_mumps
   use hd_kinds, only: dp, i8
+  use hd_mumps_struc, only: struc_t => dmumps_struc, run_mumps => dmumps
   use hd_error, only: error_t, raise, code_linear_solver, code_memory, code_internal
   use hd_text, only: to_text
   implicit none
   private
   public :: mumps_t, unsymmetric, positive_definite, symmetric, check_mumps, count_entries
-
-  include 'dmumps_struc.h'
 
   integer, parameter :: unsymmetric = 0        !< MUMPS SYM
   integer, parameter :: positive_definite = 1  !< MUMPS SYM
@@ -18,7 +17,7 @@ module hd_mumps
 
   type :: mumps_t
     private
-    type(dmumps_struc), pointer :: id => null()
+    type(struc_t), pointer :: id => null()
     integer, public :: ordering_used = -1      !< INFOG(7): 1 is the ordering handed in
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
@@ -47,25 +46,10 @@ contains
     integer, intent(in), optional :: schur(:)         !< unknowns that are not eliminated; they stand last in the order
     call self%release()
     allocate (self%id)
+    call open_mumps(self%id, symmetry, n, row, col, position)
     associate (id => self%id)
-      id%comm = 0
-      id%sym = symmetry
-      id%par = 1
-      id%job = -1
-      call dmumps(id)
       self%version = id%version_number(:16)
-      id%icntl(1:3) = -1
-      id%icntl(4) = 0
-      id%icntl(6) = 0
-      id%icntl(7) = 1
-      id%icntl(14) = 30
-      id%n = n
-      id%nnz = size(row, kind=i8)
-      id%irn => row
-      id%jcn => col
       id%a => value
-      allocate (id%perm_in(n))
-      id%perm_in = position
       if (present(schur)) then
         id%icntl(19) = 1
         id%size_schur = size(schur)
@@ -73,27 +57,20 @@ contains
         id%listvar_schur = schur
       end if
       id%job = 1
-      call dmumps(id)
+      call run_mumps(id)
       call check_mumps(id%infog(:16), id%n, error)
       if (allocated(error)) return
       self%ordering_used = id%infog(7)
     end associate
   end subroutine analyse
 
-  !> Factorise the present values; the working space grows and the step is repeated where MUMPS asks for it.
+  !> Factorise the present values.
   subroutine factorise(self, error, schur)
     class(mumps_t), intent(inout) :: self             !< analysed solver
     type(error_t), allocatable, intent(out) :: error  !< singular (a body is not held), out of memory
     real(dp), intent(inout), target, contiguous, optional :: schur(:, :)  !< gets the upper triangle of the Schur complement
-    integer :: attempt
     if (present(schur)) self%id%schur(1:size(schur)) => schur
-    do attempt = 1, 5
-      self%id%job = 2
-      call dmumps(self%id)
-      if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
-      self%id%icntl(14) = 2*self%id%icntl(14)
-    end do
-    call check_mumps(self%id%infog(:16), self%id%n, error)
+    call factorise_mumps(self%id, error)
     if (allocated(error)) return
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = self%id%rinfog(3)
@@ -115,7 +92,7 @@ contains
     self%id%lrhs = size(b, 1)
     self%id%rhs(1:size(b)) => b
     self%id%job = 3
-    call dmumps(self%id)
+    call run_mumps(self%id)
     nullify (self%id%rhs)
     call check_mumps(self%id%infog(:16), self%id%n, error)
   end subroutine solve
@@ -152,15 +129,7 @@ contains
   !> Give back all memory.
   subroutine release(self)
     class(mumps_t), intent(inout) :: self  !< solver
-    if (.not. associated(self%id)) return
-    nullify (self%id%irn, self%id%jcn, self%id%a)
-    if (associated(self%id%perm_in)) deallocate (self%id%perm_in)
-    nullify (self%id%perm_in, self%id%schur)
-    if (associated(self%id%listvar_schur)) deallocate (self%id%listvar_schur)
-    nullify (self%id%listvar_schur)
-    self%id%job = -2
-    call dmumps(self%id)
-    deallocate (self%id)
+    call close_mumps(self%id)
   end subroutine release
 
   !> Sentence for a MUMPS status.
@@ -182,4 +151,6 @@ contains
       call raise(error, code_internal, 'the sparse solver failed'//codes)
     end select
   end subroutine check_mumps
+
+  include 'hd_mumps.inc'
 end module hd_mumps

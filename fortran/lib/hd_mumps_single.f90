@@ -4,15 +4,14 @@ module hd_mumps_single
   use hd_kinds, only: dp, sp, i8
   use hd_error, only: error_t
   use hd_mumps, only: check_mumps, count_entries
+  use hd_mumps_struc, only: struc_t => smumps_struc, run_mumps => smumps
   implicit none
   private
   public :: mumps_single_t
 
-  include 'smumps_struc.h'
-
   type :: mumps_single_t
     private
-    type(smumps_struc), pointer :: id => null()
+    type(struc_t), pointer :: id => null()
     integer, public :: ordering_used = -1      !< INFOG(7): 1 is the ordering handed in
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
@@ -36,49 +35,24 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< out of memory, wrong pattern
     call self%release()
     allocate (self%id)
-    associate (id => self%id)
-      id%comm = 0
-      id%sym = symmetry
-      id%par = 1
-      id%job = -1
-      call smumps(id)
-      self%version = id%version_number(:16)
-      id%icntl(1:3) = -1
-      id%icntl(4) = 0
-      id%icntl(6) = 0
-      id%icntl(7) = 1
-      id%icntl(14) = 30
-      id%n = n
-      id%nnz = size(row, kind=i8)
-      id%irn => row
-      id%jcn => col
-      allocate (id%perm_in(n))
-      id%perm_in = position
-      id%job = 1
-      call smumps(id)
-      call check_mumps(id%infog(:16), id%n, error)
-      if (allocated(error)) return
-      self%ordering_used = id%infog(7)
-    end associate
+    call open_mumps(self%id, symmetry, n, row, col, position)
+    self%version = self%id%version_number(:16)
+    self%id%job = 1
+    call run_mumps(self%id)
+    call check_mumps(self%id%infog(:16), self%id%n, error)
+    if (.not. allocated(error)) self%ordering_used = self%id%infog(7)
   end subroutine analyse
 
-  !> Factorise values, rounded; the working space grows and the step is repeated where MUMPS asks for it.
+  !> Factorise values, rounded.
   subroutine factorise(self, value, error)
     class(mumps_single_t), intent(inout) :: self      !< analysed solver
     real(dp), intent(in) :: value(:)                  !< entries in the order of the pattern
     type(error_t), allocatable, intent(out) :: error  !< singular (a body is not held), out of memory
     real(sp), allocatable, target :: rounded(:)
-    integer :: attempt
     rounded = real(value, sp)
     self%id%a => rounded
-    do attempt = 1, 5
-      self%id%job = 2
-      call smumps(self%id)
-      if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
-      self%id%icntl(14) = 2*self%id%icntl(14)
-    end do
+    call factorise_mumps(self%id, error)
     nullify (self%id%a)
-    call check_mumps(self%id%infog(:16), self%id%n, error)
     if (allocated(error)) return
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = real(self%id%rinfog(3), dp)
@@ -98,7 +72,7 @@ contains
     self%id%lrhs = size(x)
     self%id%rhs => x
     self%id%job = 3
-    call smumps(self%id)
+    call run_mumps(self%id)
     nullify (self%id%rhs)
     call check_mumps(self%id%infog(:16), self%id%n, error)
     b = size_of_b*x
@@ -107,12 +81,8 @@ contains
   !> Give back all memory.
   subroutine release(self)
     class(mumps_single_t), intent(inout) :: self  !< solver
-    if (.not. associated(self%id)) return
-    nullify (self%id%irn, self%id%jcn)
-    if (associated(self%id%perm_in)) deallocate (self%id%perm_in)
-    nullify (self%id%perm_in)
-    self%id%job = -2
-    call smumps(self%id)
-    deallocate (self%id)
+    call close_mumps(self%id)
   end subroutine release
+
+  include 'hd_mumps.inc'
 end module hd_mumps_single

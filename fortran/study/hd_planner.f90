@@ -211,9 +211,8 @@ contains
       call note(plan, 'a coarse run ended early: the scene is run as it stands')
       return
     end if
-    start = first_level(scene%promise)
-    do while (start > 4 .and. .not. fits(meshed(plan%scene, start)))
-      start = start - 1
+    do start = first_level(scene%promise), 5, -1
+      if (fits(meshed(plan%scene, start))) exit
     end do
     do level = start - 3, size(band)
       now = meshed(plan%scene, level)

@@ -35,10 +35,8 @@ contains
     best = cheapest(list, allowed_memory_mb(scene))
     if (count(list%applies) > 1) call say('solver    predicted: '//cost_text(list))
     select case (list(best)%name)
-    case ('condensed')
-      call make_condensed(drive%problem, solver, error)
-    case ('schur')
-      call make_schur(drive%problem, solver, error)
+    case ('condensed', 'schur')
+      call make_condensed(drive%problem, list(best)%name == 'condensed', solver, error)
     case ('exact')
       call make_exact(drive%problem, solver, error)
     case default
@@ -47,37 +45,30 @@ contains
     if (.not. allocated(error)) call renew_solver(scene, solver)
   end subroutine choose_solver
 
-  !> Condensation by harmonics.
-  subroutine make_condensed(problem, solver, error)
-    type(problem_t), intent(in) :: problem                        !< problem of round bodies
+  !> Condensation to the face, by harmonics or by Schur complement.
+  subroutine make_condensed(problem, harmonics, solver, error)
+    type(problem_t), intent(inout) :: problem                     !< problem; gets its sparse stiffness for the Schur complement
+    logical, intent(in) :: harmonics                              !< of round bodies
     class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
-    type(error_t), allocatable, intent(out) :: error              !< bodies are not round
+    type(error_t), allocatable, intent(out) :: error              !< bodies are not round, inverted element
     class(compliance_t), pointer :: compliance
     type(circulant_t), pointer :: circulant
+    type(schur_t), pointer :: schur
     type(condensed_t), allocatable :: condensed
-    allocate (circulant, condensed)
-    call new_circulant(problem, circulant, error)
+    if (harmonics) then
+      allocate (circulant)
+      call new_circulant(problem, circulant, error)
+      compliance => circulant
+    else
+      allocate (schur)
+      call new_schur(problem, schur, error)
+      compliance => schur
+    end if
     if (allocated(error)) return
-    compliance => circulant
+    allocate (condensed)
     call new_condensed(problem, compliance, condensed)
     call move_alloc(condensed, solver)
   end subroutine make_condensed
-
-  !> Condensation by Schur complement.
-  subroutine make_schur(problem, solver, error)
-    type(problem_t), intent(inout) :: problem                     !< problem; gets its sparse stiffness
-    class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
-    type(error_t), allocatable, intent(out) :: error              !< inverted element
-    class(compliance_t), pointer :: compliance
-    type(schur_t), pointer :: schur
-    type(condensed_t), allocatable :: condensed
-    allocate (schur, condensed)
-    call new_schur(problem, schur, error)
-    if (allocated(error)) return
-    compliance => schur
-    call new_condensed(problem, compliance, condensed)
-    call move_alloc(condensed, solver)
-  end subroutine make_schur
 
   !> Newton's matrix itself.
   subroutine make_exact(problem, solver, error)
@@ -111,11 +102,11 @@ contains
       pressed = scene
       pressed%shape = 'pressed'
       call new_drive(pressed, round, error)
-      if (.not. allocated(error)) call make_condensed(round%problem, near, error)
+      if (.not. allocated(error)) call make_condensed(round%problem, .true., near, error)
       krylov%round = round%problem
     else
       call assemble_stiffness(drive%problem, error)
-      if (.not. allocated(error)) call make_condensed(drive%problem, near, error)
+      if (.not. allocated(error)) call make_condensed(drive%problem, .true., near, error)
     end if
     if (allocated(error)) return
     call new_newton_krylov(near, krylov)

@@ -140,7 +140,7 @@ def read_scene(path="", **keys):
     InputError
         All mistakes of the input in one message.
     """
-    return json.loads(_engine.call("scene_read", str(path), "\n".join(_assignments(keys)) or " ").decode())["scene"]
+    return json.loads(_engine.call("scene_text", str(path), "\n".join(_assignments(keys)) or " ", 0).decode())["scene"]
 
 
 def forget():

@@ -45,5 +45,5 @@ def plan(path, tolerance=None, keys=None):
         tolerance = TOLERANCE
     if tolerance is not None:
         keys["run.tolerance"] = tolerance
-    text = _engine.call("scene_plan", str(path), "\n".join(_assignments(keys)))
+    text = _engine.call("scene_text", str(path), "\n".join(_assignments(keys)), 1)
     return head + text.decode().rstrip()

@@ -86,8 +86,8 @@ def plot_band(result):
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
     node = result.steps["pressure_max_pa"][-1] / 1e6
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m (grey: open; largest facet mean {p.max():.0f}, at a node "
-                   f"{node:.0f} MPa)", fontsize=13)
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: open; means of facets up to {p.max():.0f} MPa, "
+                   f"nodes up to {node:.0f} MPa", fontsize=12)
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
 

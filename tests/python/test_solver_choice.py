@@ -88,3 +88,23 @@ def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
     assert done.returncode == 6
     for word in ("MB", "500", "mesh.divisions", "mesh.band_facets"):
         assert word in done.stderr
+
+
+def test_short_memory_takes_a_smaller_solver(exe, tmp_path):
+    """Where the fastest solver does not fit, the next that does is taken, with the same tractions; one that nothing fits is refused."""
+    keys = ["mesh.divisions=8", "mesh.band_facets=100", "solver.method=newton", "load.assembly_steps=1", "load.torque_steps=0",
+            "solver.tolerance=1e-10", "output.vtu=none"]
+
+    def run(name, *more):
+        done = call(exe, CD14, *keys, *more, "--out", tmp_path / name)
+        return done, hdengine.load(tmp_path / name) if done.returncode == 0 else None
+
+    _, free = run("free")
+    predicted = free.summary["predicted"]
+    need = {name: predicted[name + "_mb"] for name in ("harmonic", "single")}
+    assert predicted["solver"] == "harmonic" and predicted["harmonic_s"] < predicted["single_s"] and need["single"] < need["harmonic"]
+    _, short = run("short", f"mesh.memory_limit_mb={sum(need.values()) / 2}")
+    assert short.summary["predicted"]["solver"] == "single" and "single precision" in short.summary["model"]["solver"]
+    assert_same(short, free)
+    done, _ = run("none", f"mesh.memory_limit_mb={need['single'] - 1}")
+    assert done.returncode == 6 and "mesh.memory_limit_mb" in done.stderr

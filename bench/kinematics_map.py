@@ -13,7 +13,7 @@ import hdengine
 
 ROOT = Path(__file__).resolve().parents[1]
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
-NAMES = ("k_ts", "normal_force", "mid_band_pressure")
+NAMES = ("K_TS", "normal force", "mid-band pressure")
 
 
 def solve(w, wall, kinematics):
@@ -38,7 +38,7 @@ def draw(rows, path):
                 ax.plot([1e3 * r["w_m"] for r in mine], [100 * r["error"][i] for r in mine], "o" + style, color=color, ms=4,
                         label=f"wall {1e3 * wall:.2f} mm, {torque:g} N m")
         ax.set_xlabel("w / mm")
-        ax.set_title(NAMES[i].replace("_", " "))
+        ax.set_title(NAMES[i])
         ax.grid(alpha=0.3)
     axes[0].set_ylabel("linear against nonlinear / %")
     axes[2].legend(fontsize=8)

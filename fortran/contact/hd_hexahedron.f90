@@ -7,15 +7,17 @@
 module hd_hexahedron
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
+  use hd_lapack, only: multiply_dense, multiply_transposed
   use hd_text, only: to_text
   implicit none
   private
-  public :: nodes_per_element, element_kind, shape_hexahedron, element_stiffness, elasticity_matrix, centre_gradient
-  public :: hex8, hex8i, hex20r
+  public :: nodes_per_element, element_kind, shape_hexahedron, elasticity_matrix, strain_matrix
+  public :: element_points, point_stiffness, element_stiffness, points, hex8, hex8i, hex20r
 
   integer, parameter :: hex8 = 1    !< trilinear, full integration
   integer, parameter :: hex8i = 2   !< trilinear with incompatible modes
   integer, parameter :: hex20r = 3  !< serendipity quadratic, reduced integration
+  integer, parameter :: points = 8  !< Gauss points
 
   !> Natural coordinates of the 20 nodes (the first 8 are the corners).
   real(dp), parameter :: corner(3, 20) = reshape([ &
@@ -24,6 +26,7 @@ module hd_hexahedron
     0._dp, -1._dp, -1._dp, 1._dp, 0._dp, -1._dp, 0._dp, 1._dp, -1._dp, -1._dp, 0._dp, -1._dp, &
     0._dp, -1._dp, 1._dp, 1._dp, 0._dp, 1._dp, 0._dp, 1._dp, 1._dp, -1._dp, 0._dp, 1._dp, &
     -1._dp, -1._dp, 0._dp, 1._dp, -1._dp, 0._dp, 1._dp, 1._dp, 0._dp, -1._dp, 1._dp, 0._dp], [3, 20])
+  real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
   real(dp), parameter :: gauss = 0.57735026918962576450914878050196_dp
 
 contains
@@ -106,79 +109,107 @@ contains
     real(dp), intent(in) :: c(6, 6)   !< elasticity matrix [Pa]
     real(dp), intent(out) :: ke(:, :) !< stiffness (3 nodes, 3 nodes)
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp) :: n(20), dn(3, 20), b(6, 60), cb(6, 60), m(6, 9), jac0(3, 3), inv0(3, 3), det0, jac(3, 3), inv(3, 3), det
-    real(dp) :: kum(60, 9), kmm(9, 9), solved(9, 60), xi(3)
-    integer :: nn, nd, p
-    nn = nodes_per_element(kind)
-    nd = 3*nn
-    ke = 0
-    kum = 0
-    kmm = 0
-    call shape_hexahedron(kind, [0._dp, 0._dp, 0._dp], n, dn)
-    jac0 = matmul(dn(:, :nn), transpose(x(:, :nn)))
-    call invert3(jac0, inv0, det0)
-    do p = 0, 7
-      xi = gauss*[merge(1, -1, btest(p, 0)), merge(1, -1, btest(p, 1)), merge(1, -1, btest(p, 2))]
-      call shape_hexahedron(kind, xi, n, dn)
-      jac = matmul(dn(:, :nn), transpose(x(:, :nn)))
-      call invert3(jac, inv, det)
-      if (.not. det > 0) then
-        call raise(error, code_input, 'inverted element: Jacobian determinant '//to_text(det)//' m^3 (valid: > 0)')
-        return
-      end if
-      call strain_matrix(matmul(inv, dn(:, :nn)), b(:, :nd))
-      cb(:, :nd) = det*matmul(c, b(:, :nd))
-      ke = ke + matmul(transpose(b(:, :nd)), cb(:, :nd))
-      if (kind == hex8i) then
-        call strain_matrix(incompatible_gradient(xi, inv0)*(det0/det), m)
-        kum(:nd, :) = kum(:nd, :) + matmul(transpose(cb(:, :nd)), m)
-        kmm = kmm + det*matmul(transpose(m), matmul(c, m))
-      end if
+    real(dp) :: g(size(x, 2), 3, points), weight(points), b(3*size(x, 2), 6, points)
+    real(dp), allocatable :: eased(:, :)
+    integer :: p
+    call element_points(kind, x, c, g, weight, eased, error)
+    if (allocated(error)) return
+    do p = 1, points
+      call strain_matrix(g(:, :, p), at_rest, b(:, :, p))
     end do
-    if (kind == hex8i) then
-      solved = transpose(kum)
-      call solve_spd(kmm, solved(:, :nd))
-      ke = ke - matmul(kum(:nd, :), solved(:, :nd))
-    end if
-    ke = 0.5_dp*(ke + transpose(ke))
+    call point_stiffness(b, c, weight, eased, ke)
   end subroutine element_stiffness
 
-  !> Gradients of the shape functions at the centre.
-  pure function centre_gradient(kind, x) result(g)
-    integer, intent(in) :: kind       !< element kind
-    real(dp), intent(in) :: x(:, :)   !< node coordinates (3, nodes) [m]
-    real(dp) :: g(3, size(x, 2)), n(20), dn(3, 20), inv(3, 3), det
+  !> Gradients and weights at the Gauss points, and what the incompatible modes ease. With e the strains at all points an
+  !> element stores W = e.D e/2, D = diag(weight C) - A A^T: the modes M follow at once, A = diag(weight C) M L^-T,
+  !> L L^T = M^T diag(weight C) M.
+  subroutine element_points(kind, x, c, g, weight, eased, error)
+    integer, intent(in) :: kind                          !< element kind
+    real(dp), intent(in) :: x(:, :)                      !< node coordinates (3, nodes) [m]
+    real(dp), intent(in) :: c(6, 6)                      !< elasticity matrix [Pa]
+    real(dp), intent(out) :: g(:, :, :)                  !< gradients of the shape functions (nodes, 3, points) [1/m]
+    real(dp), intent(out) :: weight(points)              !< volume of each point [m^3]
+    real(dp), allocatable, intent(out) :: eased(:, :)    !< A (6 points, modes); no modes but in hex8i
+    type(error_t), allocatable, intent(out) :: error     !< inverted element
+    real(dp) :: n(20), dn(3, 20), jac(3, 3), inv(3, 3), inv0(3, 3), det0, xi(3), m(9, 6), cm(9, 6, points), kmm(9, 9)
+    integer :: nn, p, i
+    nn = nodes_per_element(kind)
     call shape_hexahedron(kind, [0._dp, 0._dp, 0._dp], n, dn)
-    call invert3(matmul(dn(:, :size(x, 2)), transpose(x)), inv, det)
-    g = matmul(inv, dn(:, :size(x, 2)))
-  end function centre_gradient
+    jac = matmul(dn(:, :nn), transpose(x(:, :nn)))
+    call invert3(jac, inv0, det0)
+    kmm = 0
+    do p = 1, points
+      xi = gauss*[(merge(1, -1, btest(p - 1, i)), i=0, 2)]
+      call shape_hexahedron(kind, xi, n, dn)
+      jac = matmul(dn(:, :nn), transpose(x(:, :nn)))
+      call invert3(jac, inv, weight(p))
+      if (.not. weight(p) > 0) then
+        call raise(error, code_input, 'inverted element: Jacobian determinant '//to_text(weight(p))//' m^3 (valid: > 0)')
+        return
+      end if
+      g(:, :, p) = matmul(transpose(dn(:, :nn)), transpose(inv))
+      if (kind /= hex8i) cycle
+      call strain_matrix(incompatible_gradient(xi, inv0)*(det0/weight(p)), at_rest, m)
+      cm(:, :, p) = weight(p)*matmul(m, c)
+      kmm = kmm + matmul(m, transpose(cm(:, :, p)))
+    end do
+    allocate (eased(6*points, merge(9, 0, kind == hex8i)))
+    if (kind /= hex8i) return
+    call factor_spd(kmm)
+    do i = 1, 9
+      eased(:, i) = (reshape(cm(i, :, :), [6*points]) - matmul(eased(:, :i - 1), kmm(i, :i - 1)))/kmm(i, i)
+    end do
+  end subroutine element_points
 
-  !> Gradients of the three incompatible modes 1 - xi_a^2, mapped by the Jacobian at the centre.
+  !> B^T D B: stiffness from the strains per displacement at the Gauss points.
+  subroutine point_stiffness(b, c, weight, eased, ke)
+    real(dp), intent(in) :: b(:, :, :)        !< strains (dofs, 6, points) [1/m]
+    real(dp), intent(in) :: c(6, 6)           !< elasticity matrix [Pa]
+    real(dp), intent(in) :: weight(points)    !< volume of each point [m^3]
+    real(dp), intent(in) :: eased(:, :)       !< A of element_points (6 points, modes)
+    real(dp), intent(out) :: ke(:, :)         !< (dofs, dofs) [N/m]
+    real(dp), dimension(size(b, 1), 6*points + size(eased, 2)) :: left, right
+    integer :: i, j, p
+    do p = 1, points
+      left(:, 6*p - 5:6*p) = b(:, :, p)
+      do j = 1, 6
+        right(:, 6*(p - 1) + j) = 0
+        do i = 1, 6
+          if (c(i, j) > 0) right(:, 6*(p - 1) + j) = right(:, 6*(p - 1) + j) + weight(p)*c(i, j)*b(:, i, p)
+        end do
+      end do
+    end do
+    call multiply_dense(left(:, :6*points), eased, right(:, 6*points + 1:))
+    left(:, 6*points + 1:) = -right(:, 6*points + 1:)
+    call multiply_transposed(left, right, ke)
+    ke = 0.5_dp*(ke + transpose(ke))
+  end subroutine point_stiffness
+
+  !> Gradients of the three incompatible modes 1 - xi_a^2, mapped by the Jacobian at the centre (modes, 3).
   pure function incompatible_gradient(xi, inv0) result(g)
     real(dp), intent(in) :: xi(3)       !< natural coordinates
     real(dp), intent(in) :: inv0(3, 3)  !< inverse Jacobian at the centre [1/m]
     real(dp) :: g(3, 3)
     integer :: a
     do a = 1, 3
-      g(:, a) = inv0(:, a)*(-2*xi(a))
+      g(a, :) = inv0(:, a)*(-2*xi(a))
     end do
   end function incompatible_gradient
 
-  !> Strain-displacement matrix from gradients.
-  pure subroutine strain_matrix(g, b)
-    real(dp), intent(in) :: g(:, :)   !< gradients (3, functions) [1/m]
-    real(dp), intent(out) :: b(:, :)  !< (6, 3 functions)
-    integer :: a, j
-    b = 0
-    do a = 1, size(g, 2)
-      j = 3*(a - 1)
-      b(1, j + 1) = g(1, a)
-      b(2, j + 2) = g(2, a)
-      b(3, j + 3) = g(3, a)
-      b(4, j + 1:j + 2) = [g(2, a), g(1, a)]
-      b(5, j + 2:j + 3) = [g(3, a), g(2, a)]
-      b(6, j + 1) = g(3, a)
-      b(6, j + 3) = g(1, a)
+  !> Change of the Green-Lagrange strain with the displacements, dE = sym(F^T grad du); the linear strain where F = 1.
+  pure subroutine strain_matrix(g, f, b)
+    real(dp), intent(in) :: g(:, :)   !< gradients (functions, 3) [1/m]
+    real(dp), intent(in) :: f(3, 3)   !< deformation gradient
+    real(dp), intent(out) :: b(:, :)  !< (3 functions, 6), shear strains doubled
+    integer :: a, i, j, k
+    do i = 1, 3
+      j = modulo(i, 3) + 1
+      do a = 1, size(g, 1)
+        do k = 1, 3
+          b(3*(a - 1) + k, i) = f(k, i)*g(a, i)
+          b(3*(a - 1) + k, 3 + i) = f(k, i)*g(a, j) + f(k, j)*g(a, i)
+        end do
+      end do
     end do
   end subroutine strain_matrix
 
@@ -194,10 +225,9 @@ contains
     inv = inv/det
   end subroutine invert3
 
-  !> Solve A X = B for a small symmetric positive definite A by Cholesky; B is overwritten.
-  pure subroutine solve_spd(a, b)
+  !> Cholesky factor of a small symmetric positive definite matrix, in its lower triangle.
+  pure subroutine factor_spd(a)
     real(dp), intent(inout) :: a(:, :)  !< matrix, overwritten by its factor
-    real(dp), intent(inout) :: b(:, :)  !< right-hand sides, then solutions
     integer :: i, j
     do j = 1, size(a, 1)
       a(j, j) = sqrt(a(j, j) - dot_product(a(j, :j - 1), a(j, :j - 1)))
@@ -205,11 +235,5 @@ contains
         a(i, j) = (a(i, j) - dot_product(a(i, :j - 1), a(j, :j - 1)))/a(j, j)
       end do
     end do
-    do j = 1, size(a, 1)
-      b(j, :) = (b(j, :) - matmul(a(j, :j - 1), b(:j - 1, :)))/a(j, j)
-    end do
-    do j = size(a, 1), 1, -1
-      b(j, :) = (b(j, :) - matmul(a(j + 1:, j), b(j + 1:, :)))/a(j, j)
-    end do
-  end subroutine solve_spd
+  end subroutine factor_spd
 end module hd_hexahedron

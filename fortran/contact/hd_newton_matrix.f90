@@ -244,7 +244,7 @@ contains
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     integer :: c, d, j, k, n
-    if (allocated(problem%corotation)) call enter_stiffness(problem, self)
+    if (allocated(problem%lagrangian)) call enter_stiffness(problem, self)
     n = self%law_start
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1

@@ -5,14 +5,16 @@ module hd_problem
   use hd_error, only: error_t
   use hd_body, only: body_t, sector_stiffness, cell_nodes
   use hd_block_matrix, only: block_matrix_t, graph_from_cells, add_cell, multiply
-  use hd_corotation, only: corotation_t, new_corotation, cell_response
+  use hd_total_lagrangian, only: total_lagrangian_t, new_total_lagrangian, cell_response
   use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, allow_rotations, update_tangent, add_springs, &
+  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state
+
+  integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
   !> Nodes of the bodies are numbered one after the other: body b starts after first(b).
   type :: problem_t
@@ -20,9 +22,9 @@ module hd_problem
     integer, allocatable :: first(:)           !< nodes before each body
     integer :: n = 0                           !< nodes
     type(sector_matrix_t), allocatable :: sector(:)   !< stiffness of the bodies, if all are revolved
-    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large rotations the tangent;
+    type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large displacements the tangent;
                                                !< for revolved bodies only where a solver asked for it
-    type(corotation_t), allocatable :: corotation(:)  !< of each body, if rotations may be large
+    type(total_lagrangian_t), allocatable :: lagrangian(:)  !< of each body, if displacements may be large
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
     type(mortar_t) :: mortar                   !< interface
@@ -158,13 +160,13 @@ contains
     allocate (state%contact(problem%mortar%n), source=0)
   end subroutine new_state
 
-  !> K u: forces of bodies and springs under small displacements [N]; with large rotations those of the present tangent.
+  !> K u: forces of bodies and springs under small displacements [N]; with large displacements those of the present tangent.
   function apply_stiffness(problem, u) result(f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(3, problem%n)
     integer :: b
-    if (allocated(problem%corotation) .or. .not. allocated(problem%sector)) then
+    if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
       f = multiply(problem%stiffness, u)
       return
     end if
@@ -181,7 +183,7 @@ contains
     type(problem_t), intent(in) :: problem  !< problem
     integer :: b
     k = 0
-    if (allocated(problem%corotation) .or. .not. allocated(problem%sector)) then
+    if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
       k = maxval(abs(problem%stiffness%val))
       return
     end if
@@ -198,65 +200,71 @@ contains
     real(dp) :: r(3, problem%n), f(3, problem%n)
     f = load%force
     call add_nodal_forces(problem%mortar, state%traction, f)
-    if (allocated(problem%corotation)) then
-      r = rotated_forces(problem, state%u) + problem%spring*state%u - f
+    if (allocated(problem%lagrangian)) then
+      call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
+      r = r + problem%spring*state%u - f
     else
       r = apply_stiffness(problem, state%u) - f
     end if
   end function internal_residual
 
-  !> Allow large rotations of the elements from here on.
-  subroutine allow_rotations(problem, error)
+  !> Allow large displacements from here on.
+  subroutine use_lagrangian(problem, error)
     type(problem_t), intent(inout) :: problem         !< problem
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     integer :: b
     call assemble_stiffness(problem, error)
     if (allocated(error)) return
-    allocate (problem%corotation(size(problem%bodies)))
+    allocate (problem%lagrangian(size(problem%bodies)))
     do b = 1, size(problem%bodies)
-      call new_corotation(problem%bodies(b), problem%corotation(b), error)
+      call new_total_lagrangian(problem%bodies(b), problem%lagrangian(b), error)
       if (allocated(error)) return
     end do
-  end subroutine allow_rotations
-
-  !> Nodal forces of the deformed bodies under large rotations [N].
-  pure function rotated_forces(problem, u) result(f)
-    type(problem_t), intent(in) :: problem  !< problem
-    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n), part(3, size(problem%bodies(1)%cells, 1))
-    integer :: b, c, s, list(size(problem%bodies(1)%cells, 1))
-    f = 0
-    do b = 1, size(problem%bodies)
-      do s = 0, problem%bodies(b)%sectors - 1
-        do c = 1, size(problem%bodies(b)%cells, 2)
-          list = problem%first(b) + cell_nodes(problem%bodies(b), c, s)
-          call cell_response(problem%bodies(b), problem%corotation(b), c, u(:, list), part)
-          f(:, list) = f(:, list) + part
-        end do
-      end do
-    end do
-  end function rotated_forces
+  end subroutine use_lagrangian
 
   !> Bring the stiffness up to date with the displacements; nothing to do for small displacements.
   subroutine update_tangent(problem, u)
     type(problem_t), intent(inout) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    real(dp) :: part(3, size(problem%bodies(1)%cells, 1))
-    real(dp) :: tangent(3*size(problem%bodies(1)%cells, 1), 3*size(problem%bodies(1)%cells, 1))
-    integer :: b, c, s, list(size(problem%bodies(1)%cells, 1))
-    if (.not. allocated(problem%corotation)) return
+    real(dp) :: f(3, problem%n)
+    if (.not. allocated(problem%lagrangian)) return
     problem%stiffness%val = 0
-    do b = 1, size(problem%bodies)
-      do s = 0, problem%bodies(b)%sectors - 1
-        do c = 1, size(problem%bodies(b)%cells, 2)
-          list = problem%first(b) + cell_nodes(problem%bodies(b), c, s)
-          call cell_response(problem%bodies(b), problem%corotation(b), c, u(:, list), part, tangent)
-          call add_cell(problem%stiffness, list, tangent)
-        end do
-      end do
-    end do
+    call sum_cells(problem%bodies, problem%first, problem%lagrangian, u, f, problem%stiffness)
     call enter_springs(problem)
   end subroutine update_tangent
+
+  !> Nodal forces and tangent of all cells under large displacements. A sector shares nodes with its neighbours only, so every
+  !> other one may run beside the rest, with the same bits for any number of threads.
+  subroutine sum_cells(bodies, first, lagrangian, u, f, tangent)
+    type(body_t), intent(in) :: bodies(:)                      !< bodies of one element kind
+    integer, intent(in) :: first(:)                            !< nodes before each
+    type(total_lagrangian_t), intent(in) :: lagrangian(:)      !< their cells at rest
+    real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
+    real(dp), intent(out) :: f(:, :)                           !< forces (3, n) [N]
+    type(block_matrix_t), intent(inout), optional :: tangent   !< added to
+    real(dp) :: part(3, size(bodies(1)%cells, 1)), ke(3*size(bodies(1)%cells, 1), 3*size(bodies(1)%cells, 1))
+    integer :: b, c, s, turn, even, list(size(bodies(1)%cells, 1))
+    f = 0
+    do b = 1, size(bodies)
+      even = bodies(b)%sectors/2*2
+      do turn = 0, 2
+        !$omp parallel do schedule(static) private(c, list, part, ke) if(bodies(b)%sectors*size(bodies(b)%cells, 2) > long_loop)
+        do s = merge(even, turn, turn == 2), merge(bodies(b)%sectors, even, turn == 2) - 1, 2
+          do c = 1, size(bodies(b)%cells, 2)
+            list = first(b) + cell_nodes(bodies(b), c, s)
+            if (present(tangent)) then
+              call cell_response(bodies(b), lagrangian(b), c, u(:, list), part, ke)
+              call add_cell(tangent, list, ke)
+            else
+              call cell_response(bodies(b), lagrangian(b), c, u(:, list), part)
+            end if
+            f(:, list) = f(:, list) + part
+          end do
+        end do
+        !$omp end parallel do
+      end do
+    end do
+  end subroutine sum_cells
 
   !> Gap and total tangential displacement of the master against the slave.
   pure subroutine gap_and_slip(problem, load, state)

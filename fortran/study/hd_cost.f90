@@ -26,7 +26,7 @@ module hd_cost
   real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
   real(dp), parameter :: solve_time = 4e-9_dp   !< per entry of symmetric factors and solve
   real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
-  real(dp), parameter :: tangent_time = 5e-6_dp !< per dof and iteration, large rotations
+  real(dp), parameter :: tangent_time = 3e-6_dp !< per dof and iteration, large displacements
   real(dp), parameter :: face_time = 2.3e-10_dp !< per cube of the face dofs of both bodies, inversion
 
 contains

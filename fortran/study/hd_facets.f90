@@ -191,11 +191,11 @@ contains
   !> Moment about the axis of the nodal forces on one body [N m].
   pure real(dp) function moment(drive, state, force, b) result(m)
     type(drive_t), intent(in) :: drive     !< drive
-    type(state_t), intent(in) :: state     !< with large rotations the deformed bodies count
+    type(state_t), intent(in) :: state     !< with large displacements the deformed bodies count
     real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
     integer, intent(in) :: b               !< body
     associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
-      if (allocated(drive%problem%corotation)) then
+      if (allocated(drive%problem%lagrangian)) then
         m = axial_moment(body, force(:, first + 1:first + body%nodes()), state%u(:, first + 1:first + body%nodes()))
       else
         m = axial_moment(body, force(:, first + 1:first + body%nodes()))

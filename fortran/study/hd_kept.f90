@@ -7,7 +7,7 @@ module hd_kept
   use hd_linear_solver, only: linear_solver_t
   use hd_kinds, only: dp
   use hd_parameters, only: table_t, new_table, value_text
-  use hd_problem, only: allow_rotations, state_t
+  use hd_problem, only: use_lagrangian, state_t
   use hd_scene, only: scene_t
   use hd_solver_choice, only: choose_solver, renew_solver
   implicit none
@@ -50,12 +50,12 @@ contains
       call forget_model()
       allocate (drive)
       call new_drive(scene, drive, error)
-      if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call allow_rotations(drive%problem, error)
+      if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call use_lagrangian(drive%problem, error)
       if (.not. allocated(error)) call choose_solver(scene, drive, solver, error)
     end if
   end subroutine take_model
 
-  !> Keep the model of a run that is over; one with large rotations is given back, its stiffness has changed.
+  !> Keep the model of a run that is over; one with large displacements is given back, its stiffness has changed.
   subroutine keep_model(scene, drive, solver, assembly)
     type(scene_t), intent(in) :: scene                              !< its scene
     type(drive_t), allocatable, intent(inout) :: drive              !< moved away
@@ -63,7 +63,7 @@ contains
     type(assembly_t), intent(in) :: assembly                        !< states of its assembly
     call forget_model()
     if (.not. allocated(solver)) return
-    if (allocated(drive%problem%corotation)) then
+    if (allocated(drive%problem%lagrangian)) then
       call solver%release()
       return
     end if

@@ -230,11 +230,11 @@ contains
       'converged state is kept')
   end subroutine not_held
 
-  !> Slip that is no longer small puts the torque out of balance under large rotations: points press where they were paired.
+  !> Slip that is no longer small puts the torque out of balance under large displacements: points press where they were paired.
   subroutine check_slip(run, error)
     type(run_t), intent(in) :: run                    !< run after a load step
     type(error_t), allocatable, intent(out) :: error  !< the message
-    if (.not. allocated(run%drive%problem%corotation) .or. run%step%phase /= 'torque') return
+    if (.not. allocated(run%drive%problem%lagrangian) .or. run%step%phase /= 'torque') return
     if (abs(run%sums%torque_balance) <= 1e-2_dp*max(abs(run%step%torque), run%sums%friction_capacity)) return
     call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
       to_text(run%step%torque)//' N m '//to_text(run%sums%torque_balance)//' N m are out of balance (friction carries '// &

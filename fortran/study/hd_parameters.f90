@@ -128,7 +128,7 @@ contains
       'itself (LU), its symmetric part in double or single precision (half, a quarter of the memory), the round undeformed '// &
       'bodies by harmonics, these under GMRES; or the cheapest by prediction')
     call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear auto', &
-      'small displacements, elements that turn with the body (corotational; method newton), or whichever '// &
+      'small displacements, large ones (total Lagrangian; method newton), or whichever '// &
       'run.tolerance needs (linear without one)')
     call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
       'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')

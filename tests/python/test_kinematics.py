@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Large rotations in whole scenes."""
+"""Large displacements in whole scenes."""
 import numpy as np
 import pytest
 from conftest import ROOT, SMALL, call

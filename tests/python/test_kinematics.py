@@ -44,7 +44,11 @@ def test_needs_the_sparse_matrix(exe, tmp_path, key):
 
 
 def test_slip_that_is_not_small_is_refused(exe, tmp_path):
-    """Past the torque that friction holds, no state is passed off as balanced: code 4, the message names the slip."""
+    """Past the torque that friction holds, no state is passed off as balanced: code 4, the message names the slip; what is out of balance
+    is the integral of pressure times slip round the axis (docs/limits.md)."""
     done = call(exe, CD14, *SMALL, "solver.kinematics=nonlinear", "load.support=bearing", "contact.friction=0.02", "load.torque=10",
                 "output.vtu=none", "--out", tmp_path / "s", "-q")
     assert done.returncode == 4 and "slip" in done.stderr, done.stderr
+    r = hdengine.load(tmp_path / "s")
+    moment = (r.contact["pressure_pa"][-1] * r.contact["slip_theta_m"][-1] * r.contact["area_m2"][-1]).sum()
+    assert abs(moment / r.steps["torque_balance_nm"][-1] - 1) < 0.02

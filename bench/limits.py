@@ -168,7 +168,7 @@ def lifting(ax):
 
 def schur(ax):
     rows = stored("cost_over_size")["rows"]
-    for method, label in (("condensed", "harmonics"), ("newton", "sparse matrix"), ("schur", "Schur complement")):
+    for method, label in (("condensed", "harmonics"), ("single", "sparse matrix, single precision"), ("exact", "sparse matrix"), ("schur", "Schur complement")):
         mine = [r for r in rows if r["method"] == method and r.get("memory_mb") and r.get("iterations")]
         RECORD[f"memory {label}"] = {"x": [r["dof"] for r in mine], "mb": [r["memory_mb"] for r in mine]}
         ax.loglog([r["dof"] for r in mine], [r["memory_mb"] for r in mine], "o-", ms=4, label=label)

@@ -14,8 +14,10 @@ module hd_log
 contains
 
   !> Choose what is written.
-  subroutine set_log_level(new)
-    integer, intent(in) :: new  !< quiet, normal or verbose
+  subroutine set_log_level(new, old)
+    integer, intent(in) :: new              !< quiet, normal or verbose
+    integer, intent(out), optional :: old   !< what it was
+    if (present(old)) old = level
     level = new
   end subroutine set_log_level
 

@@ -101,15 +101,17 @@ contains
   end subroutine add_state
 
   !> Replace a first guess by the state that was found at the same place before.
-  subroutine recall(self, fraction, torque, state)
-    class(assembly_t), intent(in) :: self   !< states
-    real(dp), intent(in) :: fraction        !< of the assembly
-    real(dp), intent(in) :: torque          !< [N m]
-    type(state_t), intent(inout) :: state   !< guess
+  subroutine recall(self, fraction, torque, state, found)
+    class(assembly_t), intent(in) :: self      !< states
+    real(dp), intent(in) :: fraction           !< of the assembly
+    real(dp), intent(in) :: torque             !< [N m]
+    type(state_t), intent(inout) :: state      !< guess
+    logical, intent(out), optional :: found    !< there is such a state
     integer :: i
-    if (.not. allocated(self%place)) return
-    i = find(self, fraction, torque)
+    i = 0
+    if (allocated(self%place)) i = find(self, fraction, torque)
     if (i > 0) state = self%state(i)
+    if (present(found)) found = i > 0
   end subroutine recall
 
   !> Number of the state at a place, 0 if there is none.
@@ -162,7 +164,7 @@ contains
     case ('load.torque', 'load.assembly_steps', 'load.torque_steps', 'contact.friction', 'contact.torque_friction', &
       'contact.mode')
     case ('wave_generator.eccentricity', 'wave_generator.eccentricity_angle_deg', 'wave_generator.interference')
-    case ('solver.symmetry', 'solver.tolerance', 'solver.max_iterations', 'solver.max_cuts', 'solver.time_limit_s')
+    case ('solver.symmetry', 'solver.start', 'solver.tolerance', 'solver.max_iterations', 'solver.max_cuts', 'solver.time_limit_s')
     case ('material.yield_strength')
     case ('wave_generator.w', 'wave_generator.cam', 'wave_generator.cone_angle_deg')
       is_load = pressed

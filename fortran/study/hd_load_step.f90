@@ -3,15 +3,17 @@
 module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
+  use hd_coarser, only: has_coarser, coarser_scene
+  use hd_cost, only: band_rows
   use hd_drive, only: drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_facets, only: sums_t
-  use hd_log, only: say, detail
+  use hd_log, only: say, detail, set_log_level, quiet
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t
-  use hd_run, only: run_t, accept, place, final_position
+  use hd_run, only: run_t, new_run, accept, place, final_position
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text
@@ -24,15 +26,16 @@ module hd_load_step
 contains
 
   !> Solve the next load step, in parts where it must be cut.
-  subroutine advance(run, done, error)
+  recursive subroutine advance(run, done, error)
     type(run_t), intent(inout) :: run                 !< run
     logical, intent(out) :: done                      !< the last step is solved
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
     real(dp) :: target, part, slip_torque
     integer :: cuts, attempt
     logical :: solved, sliding
+    if (.not. allocated(run%coarser) .and. (begins(run%position) .or. begins(run%position - 1))) call solve_coarser(run)
     target = next_position(run)
-    if (abs(run%position - 1) < 1e-12_dp) run%stride = 2
+    if (begins(run%position - 1)) run%stride = 2
     part = min(target, run%position + run%stride)
     cuts = 0
     attempt = 0
@@ -77,6 +80,41 @@ contains
     done = run%position >= final_position(run) - 1e-12_dp
     if (allocated(error)) run%failure = error
   end subroutine advance
+
+  !> The assembly or the torque begins here: there are no steps to extrapolate.
+  pure logical function begins(position)
+    real(dp), intent(in) :: position  !< in that phase
+    begins = abs(position) < 1e-12_dp
+  end function begins
+
+  !> Solve the same run as far as the first torque on a mesh of half as many facets either way; what ends that early ends only that.
+  recursive subroutine solve_coarser(run)
+    type(run_t), intent(inout) :: run                 !< gets the coarser states
+    type(run_t), allocatable :: coarse
+    type(error_t), allocatable :: error
+    logical :: done
+    real(dp) :: start
+    integer :: level
+    allocate (run%coarser)
+    if (.not. has_coarser(run%scene)) return
+    start = wall_seconds()
+    call set_log_level(quiet, level)
+    allocate (coarse)
+    call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
+    coarse%clock = run%clock
+    coarse%keeps_all = .true.
+    done = .false.
+    do while (.not. (done .or. allocated(error) .or. coarse%position > 1 + 1e-12_dp))
+      call advance(coarse, done, error)
+    end do
+    call set_log_level(level)
+    run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
+    call say('start     from '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
+    if (allocated(coarse%solver)) call coarse%solver%release()
+    if (allocated(coarse%drive)) call move_alloc(coarse%drive, run%coarser%drive)
+    run%coarser%states = coarse%assembly
+    run%record%timers%coarser = wall_seconds() - start
+  end subroutine solve_coarser
 
   !> The wall-clock limit of the scene has passed.
   logical function out_of_time(run)
@@ -139,6 +177,8 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     start = wall_seconds()
+    if (allocated(run%coarser) .and. .not. ratio > 0) &
+      call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)
     call run%assembly%recall(min(position, 1._dp), torque, trial)
     if (run%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support == 'teeth' .and. position > 1) then
@@ -167,7 +207,7 @@ contains
       run%state = trial
       run%position_before = run%position
       run%position = position
-      if (position < 1 + 1e-12_dp .or. run%scene%promise > 0) call run%assembly%add(min(position, 1._dp), torque, trial)
+      if (position < 1 + 1e-12_dp .or. run%keeps_all) call run%assembly%add(min(position, 1._dp), torque, trial)
       run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
       call place(run, position, run%step)
     else if (sliding) then

@@ -130,6 +130,8 @@ contains
     call text(t, 'solver', 'kinematics', s%kinematics, 'linear nonlinear auto', &
       'small displacements, large ones (total Lagrangian; method newton), or whichever '// &
       'run.tolerance needs (linear without one)')
+    call text(t, 'solver', 'start', s%start, 'auto rest coarser', 'first guesses: from a mesh of half as many facets either '// &
+      'way that is solved before (hex8, hex8i), from the steps before alone, or the former where it saves time')
     call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
       'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &

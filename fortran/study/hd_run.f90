@@ -4,6 +4,7 @@ module hd_run
   use hd_kinds, only: dp
   use hd_checkpoint, only: mark_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
+  use hd_coarser, only: coarser_t
   use hd_drive, only: drive_t, drive_load
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_facets, only: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
@@ -32,6 +33,8 @@ module hd_run
     type(state_t) :: before, state          !< last two converged states
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
     type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
+    type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
+    logical :: keeps_all = .false.          !< `assembly` gets the states under torque too
     logical :: easy = .true.                !< the last part took few iterations
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     real(dp) :: stride = 2                  !< longest part of a load step that is tried
@@ -113,6 +116,7 @@ contains
     end if
     run%clock = wall_seconds()
     run%scene = scene
+    run%keeps_all = scene%promise > 0
     run%record%started = timestamp()
     run%record%input = input
     allocate (run%record%warnings(0))

@@ -59,7 +59,8 @@ module hd_scene
     real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0
     integer :: assembly_steps = 3, torque_steps = 5
     ! solver
-    character(len=name_length) :: method = 'auto', factors = 'auto', symmetry = 'auto', kinematics = 'auto'
+    character(len=name_length) :: method = 'auto', factors = 'auto', symmetry = 'auto', kinematics = 'auto', &
+      start = 'auto'
     real(dp) :: tolerance = 1e-8_dp
     integer :: max_iterations = 60, max_cuts = 8
     real(dp) :: time_limit_s = 0

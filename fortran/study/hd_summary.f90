@@ -20,7 +20,7 @@ module hd_summary
   public :: timers_t, record_t, write_summary, add_scene
 
   type :: timers_t
-    real(dp) :: setup = 0, newton = 0, output = 0, total = 0   !< wall clock [s]
+    real(dp) :: setup = 0, coarser = 0, newton = 0, output = 0, total = 0   !< wall clock [s]
   end type timers_t
 
   !> What a run has to say of itself.
@@ -32,6 +32,7 @@ module hd_summary
     logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
     logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
+    character(len=:), allocatable :: start  !< mesh that gave the first guesses
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: promise = 0            !< tolerance that was planned for, 0: none
@@ -79,6 +80,7 @@ contains
     call json%add('solver', trim(solver%name))
     call json%add('resumed', record%resumed)
     call json%add('mesh_and_factors', trim(merge('kept', 'new ', record%kept)))
+    if (allocated(record%start)) call json%add('first_guesses', record%start)
     call json%add('symmetry_assembly', trim(record%symmetry(1)))
     call json%add('symmetry_torque', trim(record%symmetry(2)))
     call json%add('inner_iterations', solver%inner)
@@ -88,6 +90,7 @@ contains
     call add_predictions(json, scene)
     call json%begin('timers_s')
     call json%add('setup', record%timers%setup)
+    call json%add('coarser', record%timers%coarser)
     call json%add('newton', record%timers%newton)
     call json%add('output', record%timers%output)
     call json%add('total', record%timers%total)

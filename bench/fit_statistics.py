@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bias, spread and coverage of the fit of D and G over many seeds of Eq. 1: bench/results/fit_statistics.json.
 
-python bench/fit_statistics.py [SEEDS [ESTIMATOR[:NOISE[:RIDGES[:D]]] ...]]    501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m, lags 1-20.
+python bench/fit_statistics.py [SEEDS[@FIRST] [ESTIMATOR[:NOISE[:RIDGES[:D]]] ...]]    501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m, lags 1-20.
 `fitted`: a tilt of 5 % and white noise of 5 % of the expected sqrt(S(1)) are added, the plane is taken off and the noise is fitted; `known`: the
 noise is given. 0 ridges: no sum of Eq. 1 but a Gaussian isotropic field, 20 000 waves of all directions and frequencies of the band.
-Estimators: exact = two-step GLS on the sum of Eq. 1; band = the default for unknown surfaces, weighted least squares on the
-isotropic band with the errors of a Gaussian field and of misfit; waves = the same with the errors of random phases. Goes on
-where it stopped; several may run at once, each on estimators of its own.
+Estimators: exact = two-step GLS on the sum of Eq. 1, told; blind = the default, told nothing but (of a field) the ends of its band;
+isotropic = weighted least squares on the isotropic band with the errors of a Gaussian field and of misfit, what blind does where
+it finds no lines; waves = the same told the sum, with the errors of random phases. Goes on where it stopped; several may run at
+once, each on estimators of its own.
 """
 import json
 import sys
@@ -20,7 +21,7 @@ G, L = 2.4248e-7, 0.5e-3
 BAND = roughness.Ridges(L, 1e-6).band
 OUT = Path(__file__).parent / "results/fit_statistics.json"
 TILT = 0.05 * 1e-6 * np.arange(501) - 0.02 * 1e-6 * np.arange(501)[:, None]
-KEYS = ("d", "ridges", "noise", "estimator", "seeds")
+KEYS = ("d", "ridges", "noise", "estimator", "seeds", "first_seed")
 
 
 def field(d, seed, count=20000):
@@ -45,17 +46,18 @@ def sample(d, ridges, seed, noise, tilted=True):
 def fit(d, ridges, seed, noise, name, tilted=True):
     """One fit."""
     known = roughness.Ridges(L, 1e-6, ridges)
-    keys = {"exact": {"surface": known}, "band": {"band": BAND}, "waves": {"surface": known, "model": "isotropic"}}[name]
+    keys = {"exact": {"surface": known}, "blind": {} if ridges else {"band": BAND},
+            "isotropic": {"band": BAND, "model": "isotropic"}, "waves": {"surface": known, "model": "isotropic"}}[name]
     z, size = sample(d, ridges, seed, noise, tilted)
     return roughness.fit(z, 1e-6, noise="fit" if noise == "fitted" else size, **keys)
 
 
-def study(d, ridges, noise, name, seeds):
+def study(d, ridges, noise, name, seeds, first):
     """Statistics of one estimator."""
-    fits = [fit(d, ridges, seed, noise, name) for seed in range(seeds)]
-    row = {"d": d, "ridges": ridges, "noise": noise, "estimator": name, "seeds": seeds}
+    fits = [fit(d, ridges, seed, noise, name) for seed in range(first, first + seeds)]
+    row = {"d": d, "ridges": ridges, "noise": noise, "estimator": name, "seeds": seeds, "first_seed": first}
     if noise == "fitted":
-        row["change_by_tilt_d"] = abs(fit(d, ridges, 0, noise, name, False).fractal_dimension - fits[0].fractal_dimension)
+        row["change_by_tilt_d"] = abs(fit(d, ridges, first, noise, name, False).fractal_dimension - fits[0].fractal_dimension)
     for k, (key, found, true, error) in enumerate((
             ("d", [f.fractal_dimension for f in fits], d, [f.fractal_dimension_error for f in fits]),
             ("ln_g", np.log([f.roughness_m for f in fits]), np.log(G), [f.ln_roughness_error for f in fits]))):
@@ -64,7 +66,7 @@ def study(d, ridges, noise, name, seeds):
                 ([f.interval for f in fits], [f.sampling_interval for f in fits])]
         row |= {f"bias_{key}": off.mean(), f"std_{key}": off.std(ddof=1), f"error_{key}": np.sqrt(np.mean(np.square(error))),
                 f"coverage_{key}": held[0][0], f"coverage_sampling_{key}": held[1][0]}
-    return row | {"fractal": np.mean([f.verdict == "fractal" for f in fits])}
+    return row | {"fractal": np.mean([f.verdict == "fractal" for f in fits]), "recognised": np.mean([f.model == "ridges" for f in fits])}
 
 
 def percent(share):
@@ -82,28 +84,29 @@ def line(r):
 
 def rows_of(names):
     """All rows wanted, the important first."""
-    for name, noise, several in (("exact", "fitted", (10, 40)), ("band", "none", (10, 40, 0)), ("band", "fitted", (10, 40, 0)),
-                                 ("band", "known", (10, 40)), ("exact", "none", (10, 40)), ("waves", "none", (10, 40))):
+    for name, noise, several in (("blind", "fitted", (10, 40, 0)), ("exact", "fitted", (10, 40)), ("blind", "none", (10, 40, 0)),
+                                 ("waves", "none", (10, 40)), ("exact", "none", (10, 40)), ("waves", "fitted", (10, 40)),
+                                 ("isotropic", "none", (10, 40)), ("isotropic", "fitted", (10, 40))):
         for ridges in several:
-            for d in (2.5304, 2.9, 2.1, 2.5, 2.7, 2.3) if noise != "known" else (2.5304,):
+            for d in (2.5304, 2.9, 2.1, 2.5, 2.7, 2.3):
                 words = f"{name}:{noise}:{ridges}:{d}:"
                 if not names or any(words.startswith(n + ":") for n in names):
                     yield d, ridges, noise, name
 
 
-def main(seeds, names):
+def main(seeds, first, names):
     """All rows not yet in the file; then the table."""
     for wanted in rows_of(names):
         rows = json.loads(OUT.read_text()) if OUT.exists() else []
-        if (*wanted, seeds) in {tuple(r[k] for k in KEYS) for r in rows}:
+        if (*wanted, seeds, first) in {tuple(r[k] for k in KEYS) for r in rows}:
             continue
-        row = study(*wanted, seeds)
+        row = study(*wanted, seeds, first)
         print(line(row), flush=True)
         rows = json.loads(OUT.read_text()) if OUT.exists() else []
         OUT.write_text(json.dumps([*rows, row], indent=1) + "\n")
     print("\nall rows")
     rows = json.loads(OUT.read_text())
-    print(*map(line, sorted(rows, key=lambda r: tuple(r[k] for k in ("estimator", "noise", "ridges", "d", "seeds")))), sep="\n")
+    print(*map(line, sorted(rows, key=lambda r: tuple(r[k] for k in ("estimator", "noise", "ridges", "d", "first_seed")))), sep="\n")
 
 
-main(int(sys.argv[1]) if len(sys.argv) > 1 else 100, sys.argv[2:])
+main(*map(int, (sys.argv[1] if len(sys.argv) > 1 else "200@2000").split("@")), sys.argv[2:])

@@ -130,9 +130,9 @@ subroutine surface_spectrum(z, nx, ny, dx, dy, radial, n, frequency, density, st
 end subroutine surface_spectrum
 
 !> Fit of one map (`other` of one point) or of the sum of two. Whole numbers: first lag, last lag, level, model, weighted, known,
-!> fit_noise, M, n_max. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, their covariance (9), rms, rms
-!> expected, misfit, chi2, freedom, tilt (2), verdict, size. Curves out, one column each: lag [m], S, S of the model, its standard
-!> error and that of a sample (of ln S), S_x, S_y.
+!> fit_noise, M, n_max, search. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, their covariance (9), rms,
+!> rms expected, misfit, chi2, freedom, tilt (2), verdict, size, intervals (8), ridges recognised: M (0 if none), n_max, gamma, L.
+!> Curves out, one column each: lag [m], S, S of the model, its standard error and that of a sample (of ln S), S_x, S_y.
 subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, numbers, curves, name, reason, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -146,8 +146,8 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
   integer(c_int), intent(in) :: nx, ny, mx, my, columns
   real(c_double), intent(in) :: z(nx, ny), other(mx, my)
   real(c_double), intent(in) :: dx, dy, reals(5)
-  integer(c_int), intent(in) :: whole(9)
-  real(c_double), intent(out) :: numbers(29), curves(columns, 7)
+  integer(c_int), intent(in) :: whole(10)
+  real(c_double), intent(out) :: numbers(33), curves(columns, 7)
   character(len=32), intent(out) :: name
   character(len=512), intent(out) :: reason
   integer(c_int), intent(out) :: status
@@ -160,15 +160,16 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
   integer :: n
   numbers = ieee_value(dx, ieee_quiet_nan)
   curves = ieee_value(dx, ieee_quiet_nan)
-  numbers(21) = 0
+  numbers([21, 30]) = 0
   name = ''
   reason = ''
   call measure(z, other, dx, dy, whole(1), whole(2), whole(3) > 0, &
     spectrum_t(whole(4), reals(1), reals(2), ridges_t(reals(3), whole(8), whole(9), reals(4))), &
-    fit_options_t(whole(5) > 0, whole(6) > 0, whole(7) > 0, reals(5)), m, error)
+    fit_options_t(whole(5) > 0, whole(6) > 0, whole(7) > 0, reals(5), whole(10) > 0), m, error)
   if (.not. allocated(error)) then
     n = min(size(m%o%s), columns)
     numbers(18:21) = [m%tilt, real(m%verdict%kind, c_double), real(n, c_double)]
+    if (m%recognised) numbers(30:33) = [real(c_double) :: m%ridges%count, m%ridges%n_max, m%ridges%gamma, m%ridges%length]
     curves(:n, 1) = m%o%tau(:n)
     curves(:n, 2) = m%o%s(:n)
     curves(:size(m%o%s_x), 6) = m%o%s_x

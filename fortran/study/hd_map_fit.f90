@@ -180,7 +180,15 @@ contains
     if (f%longest > 0) r%band(2) = f%longest
     call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), f%level == 'yes', &
       spectrum_t(model, 1 / r%band(2), 1 / r%band(1), ridges), &
-      fit_options_t(r%weighted, r%weighted, f%fit_noise == 'yes', f%noise), r%m, error)
+      fit_options_t(r%weighted, r%weighted, f%fit_noise == 'yes', f%noise, f%model == 'auto' .and. r%model == 'isotropic'), &
+      r%m, error)
+    if (r%m%recognised) then
+      r%model = 'ridges'
+      r%weighted = .true.
+      r%band = r%m%ridges%length * r%m%ridges%gamma**[-(r%m%ridges%n_max + 0.5_dp), 0.5_dp]
+    else
+      r%m%ridges = ridges
+    end if
     r%tilt = r%m%tilt / [s%dx, s%dy]
   end subroutine fit_one
 
@@ -269,6 +277,7 @@ contains
         if (f%rough%sq > 0) call add_roughness(json, f%rough)
         call json%add('model', trim(f%model))
         call json%add('weighted', f%weighted)
+        if (f%weighted) call add_ridges(json, f%m%ridges)
         call json%add('lags', real(f%lags, dp))
         call json%add('band_m', f%band)
         call json%add('tilt', f%tilt)
@@ -279,6 +288,18 @@ contains
     end do
     call json%finish()
   end subroutine add_fits
+
+  !> The sum of Eq. 1, told or recognised.
+  subroutine add_ridges(json, r)
+    type(json_t), intent(inout) :: json           !< summary
+    type(ridges_t), intent(in) :: r               !< the sum
+    call json%begin('ridges')
+    call json%add('length_m', r%length)
+    call json%add('shortest_wavelength_m', r%length / r%gamma**r%n_max)
+    call json%add('ridges', r%count)
+    call json%add('gamma', r%gamma)
+    call json%finish()
+  end subroutine add_ridges
 
   !> Roughness numbers of a specimen.
   subroutine add_roughness(json, r)

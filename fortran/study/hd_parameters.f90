@@ -192,7 +192,7 @@ contains
     call whole(t, 'fit', 'first_lag', s%first_lag, 1, 8388608, 'first lag of the window [points]')
     call whole(t, 'fit', 'last_lag', s%last_lag, 0, 8388608, 'last lag [points]; 0: 20, or half a row if that is less')
     call text(t, 'fit', 'model', s%model, 'auto isotropic profile ridges paper none', 'auto: ridges (the sum of Eq. 1 by the '// &
-      'keys of &surface) of a generated surface, isotropic or profile of files; none: no fit')
+      'keys of &surface) of a generated surface, ridges found or else isotropic or profile of files; none: no fit')
     call text(t, 'fit', 'level', s%level, 'yes no', 'take the least-squares plane off')
     call number(t, 'fit', 'shortest', s%shortest, 'm', 0._dp, big, 'shortest wavelength of isotropic and profile; 0: L_s of a '// &
       'generated surface, one spacing of files', closed=.true.)

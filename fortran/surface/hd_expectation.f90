@@ -9,7 +9,7 @@ module hd_expectation
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_expectation
   implicit none
   private
-  public :: spectrum_t, expectation_t, new_expectation, expected_log, check_spectrum, d_lowest, d_highest
+  public :: spectrum_t, expectation_t, new_expectation, expected_log, ripple, check_spectrum, d_lowest, d_highest
   public :: model_isotropic, model_profile, model_ridges, model_paper
 
   integer, parameter :: model_isotropic = kind_isotropic  !< continuous band, all directions of a surface
@@ -92,6 +92,22 @@ contains
     v = e%v(:, i) * (-x * (x - 1) * (x - 2) / 6) + e%v(:, i + 1) * ((x + 1) * (x - 1) * (x - 2) / 2) &
       + e%v(:, i + 2) * (-(x + 1) * x * (x - 2) / 2) + e%v(:, i + 3) * ((x + 1) * x * (x - 1) / 6)
   end function expected_log
+
+  !> What the sum of Eq. 1 departs from a band by, in ln S.
+  function ripple(o, p, e, d, share) result(v)
+    type(observation_t), intent(in) :: o      !< geometry and lags
+    type(spectrum_t), intent(in) :: p         !< band, with the sum
+    type(expectation_t), intent(in) :: e      !< table of the band
+    real(dp), intent(in) :: d, share          !< D, share of noise in S at the first lag
+    real(dp) :: v(size(o%lag)), s(size(o%lag))
+    type(spectrum_t) :: exact
+    exact = p
+    exact%model = model_ridges
+    s = expected_log(e, d)
+    v = expected_log(new_expectation(o, exact), d) - s
+    s = (1 - share) * exp(s - s(1))
+    v = log((s * exp(v) + share) / (s + share))
+  end function ripple
 
   !> What unit waves of each frequency add, summed over the ridges (lags, n_max + 1).
   subroutine ridge_table(o, r, table)

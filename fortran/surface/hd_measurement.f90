@@ -5,9 +5,11 @@ module hd_measurement
   use hd_error, only: error_t
   use hd_observation, only: observation_t, observe, level_plane, add_observation
   use hd_structure_function, only: check_map
-  use hd_expectation, only: spectrum_t, model_isotropic
+  use hd_expectation, only: spectrum_t, model_isotropic, model_ridges
+  use hd_ridge_search, only: find_ridges
   use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
+  use hd_wave_sum, only: ridges_t
   implicit none
   private
   public :: measurement_t, measure
@@ -18,11 +20,14 @@ module hd_measurement
     type(fit_t) :: fit              !< D, G, errors
     type(verdict_t) :: verdict      !< fractal or not, and why
     real(dp) :: tilt(2) = 0         !< height per point of the plane of the first map [m]
+    logical :: recognised = .false. !< `ridges` was found in the map and fitted
+    type(ridges_t) :: ridges        !< the sum of Eq. 1
   end type measurement_t
 
 contains
 
-  !> Level, observe, judge and fit. `other` with one point stands for none; else S of both is added up.
+  !> Measure; if wanted, look first whether the map is a sum of Eq. 1. `other` with one point stands for none; else S of both is
+  !> added up. L is known up to a power of gamma: the likeliest that S agrees with is taken, none if it agrees with none.
   subroutine measure(z, other, dx, dy, first, last, level, p, options, m, error)
     real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
     real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
@@ -31,6 +36,70 @@ contains
     type(spectrum_t), intent(in) :: p                         !< model
     type(fit_options_t), intent(in) :: options                !< how to fit
     type(measurement_t), intent(out) :: m                     !< what was found
+    type(error_t), allocatable, intent(out) :: error          !< bad map, bad model
+    integer, parameter :: powers(5) = [0, 1, -1, 2, -2], most = 1000
+    type(fit_options_t) :: told
+    type(ridges_t) :: r
+    logical :: found
+    integer :: i
+    if (options%search) then
+      call look_for_ridges(z, other, dx, dy, r, found)
+      told = options
+      told%weighted = .true.
+      told%known = .true.
+      do i = 1, size(powers)
+        if (.not. found) exit
+        m%ridges = ridges_t(r%gamma, r%count, r%n_max + powers(i), r%length * r%gamma**powers(i))
+        if (m%ridges%count * (m%ridges%n_max + 1) > most) cycle
+        call fit_maps(z, other, dx, dy, first, last, level, spectrum_t(model_ridges, p%f_lo, p%f_hi, m%ridges), told, m, error)
+        if (allocated(error)) return
+        m%recognised = m%verdict%kind == fractal .and. m%fit%chi2 < limit(m%fit%freedom)
+        if (m%recognised) return
+      end do
+    end if
+    call fit_maps(z, other, dx, dy, first, last, level, p, options, m, error)
+  contains
+    !> What chi2 exceeds once in 10 000 (Wilson and Hilferty).
+    pure real(dp) function limit(freedom)
+      integer, intent(in) :: freedom    !< degrees of freedom
+      limit = freedom * (1 - 2 / (9._dp * freedom) + 3.719_dp * sqrt(2 / (9._dp * freedom)))**3
+    end function limit
+  end subroutine measure
+
+  !> Ridges of one map, or those that two maps share.
+  subroutine look_for_ridges(z, other, dx, dy, r, found)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
+    type(ridges_t), intent(out) :: r                          !< the sum
+    logical, intent(out) :: found                             !< there is one
+    type(ridges_t) :: q
+    call find(z, r, found)
+    if (.not. found .or. size(other) == 1) return
+    call find(other, q, found)
+    found = found .and. q%count == r%count .and. q%n_max == r%n_max .and. abs(q%gamma - r%gamma) < 1e-3_dp * r%gamma &
+      .and. abs(q%length - r%length) < 1e-3_dp * r%length
+  contains
+    subroutine find(map, ridges, there)
+      real(dp), intent(in), contiguous :: map(:, :)   !< heights [m]
+      type(ridges_t), intent(out) :: ridges           !< the sum
+      logical, intent(out) :: there                   !< there is one
+      real(dp), allocatable :: flat(:, :)
+      real(dp) :: tilt(2)
+      flat = map
+      call level_plane(flat, tilt)
+      call find_ridges(flat, dx, dy, ridges, there)
+    end subroutine find
+  end subroutine look_for_ridges
+
+  !> Level, observe, judge and fit one model.
+  subroutine fit_maps(z, other, dx, dy, first, last, level, p, options, m, error)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
+    integer, intent(in) :: first, last                        !< window of lags in points
+    logical, intent(in) :: level                              !< take the planes off
+    type(spectrum_t), intent(in) :: p                         !< model
+    type(fit_options_t), intent(in) :: options                !< how to fit
+    type(measurement_t), intent(inout) :: m                   !< what was found
     type(error_t), allocatable, intent(out) :: error          !< bad map, bad model
     type(observation_t) :: o
     type(verdict_t) :: v
@@ -48,7 +117,7 @@ contains
     call fit_surface(m%o, p, options, m%fit, error)
     if (allocated(error)) return
     call judge_fit(m%o, p, options, m%fit, m%verdict)
-  end subroutine measure
+  end subroutine fit_maps
 
   !> One map: plane, structure function, first judgement.
   subroutine look(z, dx, dy, first, last, level, diagonals, o, v, tilt, error)

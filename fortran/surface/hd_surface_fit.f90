@@ -12,7 +12,7 @@ module hd_surface_fit
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_uncertainty, only: identity, left_over, alike, unexplained, interval_95
-  use hd_expectation, only: spectrum_t, expectation_t, new_expectation, expected_log, check_spectrum, d_lowest, d_highest, &
+  use hd_expectation, only: spectrum_t, expectation_t, new_expectation, expected_log, ripple, check_spectrum, d_lowest, d_highest, &
     model_profile, model_ridges, model_paper
   implicit none
   private
@@ -24,6 +24,7 @@ module hd_surface_fit
     logical :: known = .false.        !< the surface is the sum `ridges`: its covariance is that of random phases
     logical :: fit_noise = .false.    !< white instrument noise is a third unknown
     real(dp) :: noise = 0             !< known rms noise, taken off S [m]
+    logical :: search = .false.         !< look whether the map is a sum of Eq. 1, and fit that if it is
   end type fit_options_t
 
   !> What was found.
@@ -54,6 +55,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< S not positive, bad model
     type(expectation_t) :: e
     real(dp), dimension(size(o%lag), size(o%lag)) :: cov, white
+    real(dp), allocatable :: about(:)
     real(dp) :: y(size(o%lag)), shift(size(o%lag)), d, b, share, off
     integer :: i, n
     n = size(o%lag)
@@ -72,14 +74,15 @@ contains
     shift = 0
     if (.not. options%known) call split_directions(o, e, y, white, shift)
     y = y - shift
-    call search(e, y, white, options%fit_noise, d, b, share)
+    call search(e, y, white, about, options%fit_noise, d, b, share)
     do i = 1, merge(2, 1, options%weighted)
       call covariance(o, p, options, e, d, b, share, off, cov)
-      if (.not. options%weighted .or. i == 2) exit
+      if (.not. options%weighted) exit
+      about = b + shape_of(e, d, share)
       call whiten(cov, white)
-      call search(e, y, white, options%fit_noise, d, b, share)
+      call search(e, y, white, about, options%fit_noise, d, b, share)
     end do
-    call finish(o, p, options, e, y, cov, white, d, b, share, off, r, error)
+    call finish(o, p, options, e, y, cov, white, about, d, b, share, off, r, error)
     if (.not. allocated(error)) r%curve = r%curve * exp(shift)
   end subroutine fit_surface
 
@@ -105,13 +108,14 @@ contains
     real(dp), intent(in) :: y(:)            !< ln S
     real(dp), intent(in) :: white(:, :)     !< whitening matrix
     real(dp), intent(out) :: shift(:)       !< to be taken off y
+    real(dp), allocatable :: about(:)
     real(dp) :: d, b, share, res(size(y))
     integer :: i, n
     shift = 0
     n = size(y) / 2
     if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
     do i = 1, 4
-      call search(e, y - shift, white, .false., d, b, share)
+      call search(e, y - shift, white, about, .false., d, b, share)
       res = y - b - shape_of(e, d, share)
       shift(:n) = 0.5_dp * (sum(res(:n)) - sum(res(n + 1:))) / n
       shift(n + 1:) = -shift(1)
@@ -124,12 +128,13 @@ contains
     type(spectrum_t), intent(in) :: p       !< model
     real(dp), intent(out) :: share, rms     !< share of noise at the first lag, rms of the residuals of ln S
     type(expectation_t) :: e
+    real(dp), allocatable :: about(:)
     real(dp) :: d, b, y(size(o%lag)), shift(size(o%lag))
     e = new_expectation(o, p)
     y = log(o%s)
     call split_directions(o, e, y, patches(o, .false.), shift)
     y = y - shift
-    call search(e, y, patches(o, .false.), .true., d, b, share)
+    call search(e, y, patches(o, .false.), about, .true., d, b, share)
     rms = sqrt(sum((y - b - shape_of(e, d, share))**2) / size(y))
   end subroutine try_noise
 
@@ -144,10 +149,11 @@ contains
   end function shape_of
 
   !> Least squares over D and the share of noise, each on grids that close in on the minimum; the amplitude b is solved for.
-  subroutine search(e, y, white, noise, d, b, share)
+  subroutine search(e, y, white, about, noise, d, b, share)
     type(expectation_t), intent(in) :: e            !< table
     real(dp), intent(in) :: y(:)                    !< ln S
     real(dp), intent(in) :: white(:, :)             !< whitening matrix
+    real(dp), allocatable, intent(in) :: about(:)   !< ln S that residuals of S are relative to; none: residuals of ln S
     logical, intent(in) :: noise                    !< noise is unknown
     real(dp), intent(out) :: d, b, share            !< D, ln S of the model at the first lag, share of noise there
     real(dp) :: low, high, best, chi, at
@@ -160,7 +166,7 @@ contains
         best = huge(best)
         do i = 0, 16
           at = low + i * (high - low) / 16
-          call search_d(e, y, white, at, d, b, chi)
+          call search_d(e, y, white, about, at, d, b, chi)
           if (chi >= best) cycle
           best = chi
           share = at
@@ -170,20 +176,22 @@ contains
         high = min(0.999_dp, share + at)
       end do
     end if
-    call search_d(e, y, white, share, d, b, chi)
+    call search_d(e, y, white, about, share, d, b, chi)
   end subroutine search
 
   !> Least squares over D at a share of noise.
-  pure subroutine search_d(e, y, white, share, d, b, chi)
+  pure subroutine search_d(e, y, white, about, share, d, b, chi)
     type(expectation_t), intent(in) :: e            !< table
     real(dp), intent(in) :: y(:)                    !< ln S
     real(dp), intent(in) :: white(:, :)             !< whitening matrix
+    real(dp), allocatable, intent(in) :: about(:)   !< ln S that residuals of S are relative to; none: residuals of ln S
     real(dp), intent(in) :: share                   !< share of noise
     real(dp), intent(out) :: d, b                   !< D, amplitude
     real(dp), intent(out) :: chi                    !< sum of squares
     real(dp) :: low, high, at, c, u(size(y)), v(size(y)), amplitude
     integer :: pass, i
     u = sum(white, 2)
+    if (allocated(about)) v = matmul(white, exp(y - about))
     d = d_lowest
     b = 0
     low = d_lowest
@@ -192,7 +200,11 @@ contains
       chi = huge(chi)
       do i = 0, 20
         at = low + i * (high - low) / 20
-        v = matmul(white, y - shape_of(e, at, share))
+        if (allocated(about)) then
+          u = matmul(white, exp(shape_of(e, at, share) - about))
+        else
+          v = matmul(white, y - shape_of(e, at, share))
+        end if
         amplitude = sum(u * v) / sum(u * u)
         c = sum((v - amplitude * u)**2)
         if (c >= chi) cycle
@@ -204,6 +216,7 @@ contains
       low = max(d_lowest, d - at)
       high = min(d_highest, d + at)
     end do
+    if (allocated(about)) b = log(b)
   end subroutine search_d
 
   !> Covariance of ln S at the estimate: of random phases if the sum is known, else of an isotropic Gaussian field; plus noise.
@@ -273,22 +286,28 @@ contains
   end subroutine whiten
 
   !> Standard errors, goodness of fit, curve and bands.
-  subroutine finish(o, p, options, e, y, cov, white, d, b, share, off, r, error)
+  subroutine finish(o, p, options, e, y, cov, white, about, d, b, share, off, r, error)
     type(observation_t), intent(in) :: o                !< observation
     type(spectrum_t), intent(in) :: p                   !< model
     type(fit_options_t), intent(in) :: options          !< how
     type(expectation_t), intent(in) :: e                !< table
     real(dp), intent(in) :: y(:), cov(:, :), white(:, :)!< ln S, its covariance, whitening
+    real(dp), allocatable, intent(in) :: about(:)       !< ln S that residuals of S are relative to; none: residuals of ln S
     real(dp), intent(in) :: d, b, share, off            !< estimate; noise taken off S [m^2]
     type(fit_t), intent(out) :: r                       !< result
     type(error_t), allocatable, intent(out) :: error    !< internal
     real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :), curved(:, :)
-    real(dp) :: res(size(y)), spare
+    real(dp) :: res(size(y)), off_by(size(y)), spare
     integer :: i, n, unknowns
     n = size(y)
     unknowns = merge(3, 2, options%fit_noise)
     res = y - b - shape_of(e, d, share)
+    r%rms = sqrt(sum(res**2) / n)
     j = jacobian(e, d, share, unknowns)
+    if (allocated(about)) then
+      res = exp(y - about) - exp(y - res - about)
+      j = j * spread(exp(y - about) - res, 2, unknowns)
+    end if
     h = transpose(matmul(white, j))
     hat = matmul(h, transpose(h))
     h = matmul(h, white)
@@ -298,7 +317,11 @@ contains
     r%rms_expected = sqrt(max(left_over(identity(n), hat, cov), 0._dp) / n)
     total = cov
     sure = cov
-    if (.not. options%weighted .and. p%model /= model_ridges) then
+    if (options%known .and. p%model <= model_profile) then
+      off_by = ripple(o, p, e, d, share)                ! a bias, not a matter of chance
+      r%misfit = sqrt(sum(off_by**2) / n)
+      res = res - off_by
+    else if (.not. options%weighted .and. p%model /= model_ridges) then
       like = alike(o, 0.3_dp)
       spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
       r%misfit = sqrt(spare / left_over(white, hat, like))
@@ -311,7 +334,6 @@ contains
     r%sd_curve = sqrt([(sum(matmul(curved(i, :), sure) * curved(i, :)), i=1, n)])
     r%sd_sample = sqrt([(total(i, i), i=1, n)])
     r%curve = exp(b + shape_of(e, d, share)) + off
-    r%rms = sqrt(sum(res**2) / n)
     r%freedom = n - unknowns
     call to_surface(e, d, b, share, h, res, cov, sure, r)
     r%noise_variance = r%noise_variance + 0.5_dp * off

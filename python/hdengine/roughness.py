@@ -265,6 +265,7 @@ class Fit:
     curve_m2: np.ndarray = field(repr=False)    #: S of the model [m^2]
     curve_error: np.ndarray = field(repr=False)  #: standard error of ln of the model
     sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
+    ridges: Ridges | None = None            #: the sum of Eq. 1 that was told or recognised
 
     @property
     def band(self):
@@ -282,6 +283,7 @@ class Fit:
                 f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
                 f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
                 f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
+                *([f"ridges    {self.ridges}"] if self.ridges else []),
                 f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by "
                 f"{self.misfit:.2g}" + (f", chi2 {self.chi2:.1f} / {self.freedom}" if self.weighted else ""),
             ]
@@ -318,9 +320,9 @@ class Fit:
 def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None, level=True, band=None, noise=0.0, second=None):
     """Fit D and G to the structure function over a window of short lags.
 
-    Without `surface`: least squares of ln S on a continuous isotropic band (of a single profile: Eq. 2), errors from the
-    covariance of S of a Gaussian field plus what the model is seen to be off by. With it: two-step generalised least squares
-    on the exact sum of Eq. 1, errors from random phases.
+    A sum of Eq. 1 (told by `surface`, or recognised by the lines of its spectrum): two-step generalised least squares on the exact
+    sum, errors from random phases. Any other map: least squares of ln S on a continuous isotropic band (of a single profile:
+    Eq. 2), errors from the covariance of S of a Gaussian field plus what the model is seen to be off by.
 
     Parameters
     ----------
@@ -331,9 +333,10 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     lags : (int, int)
         First and last lag [points].
     model : {"isotropic", "profile", "ridges", "paper"}, optional
+        Default: "ridges" for a sum of Eq. 1, else "isotropic" or "profile"; a model given is fitted without looking for lines.
         "paper" is the straight line with the literature's (Majumdar-Bhushan) constant: G is wrong by 2.2 (profile) or 1.4.
     surface : Ridges, optional
-        What is known of a surface made by Eq. 1.
+        What is known of a surface made by Eq. 1. Without it, M, gamma and the frequencies are looked for in the spectrum.
     weighted : bool, optional
         Weight by the inverse covariance; default: for "ridges" only, where the model is exact.
     level : bool
@@ -359,6 +362,7 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     other = np.zeros((1, 1), order="F") if second is None else _map(second)
     dx, dy = _spacing(spacing)
     profile = z.shape[1] == 1
+    search = model is None and surface is None and not profile
     if model is None:
         model = "ridges" if surface is not None else "profile" if profile else "isotropic"
     if model not in _MODELS:
@@ -379,12 +383,16 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     waves = surface if known else Ridges(1.0, 0.5)
     if known and waves.ridges * (waves.n_max + 1) > 4000:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
-    whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max]
+    whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max, search]
     reals = [1 / band[1], 1 / band[0] if band[0] > 0 else inf, waves.gamma, waves.length, 0.0 if free else noise]
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1)
     whole = np.array(whole, dtype=np.int32)
     numbers, curves, name, reason = _engine.call("surface_fit", z, other, dx, dy, whole, np.array(reals), columns)
-    return _result(numbers, curves, name, reason, model, weighted, known, lags, band, level, profile, dx, dy)
+    if numbers[29] > 0:
+        count, n_max, gamma, length = numbers[29:33].tolist()
+        surface = Ridges(length, length * gamma**-n_max, int(count), gamma)
+        model, weighted, band = "ridges", True, surface.band
+    return _result(numbers, curves, name, reason, model, weighted, surface, lags, band, level, profile, dx, dy)
 
 
 def _interval(v):
@@ -392,7 +400,7 @@ def _interval(v):
     return tuple(v[:2].tolist()), tuple(np.exp(np.clip(v[2:], -600, 600)).tolist())
 
 
-def _result(numbers, curves, name, reason, model, weighted, known, lags, band, levelled, profile, dx, dy):
+def _result(numbers, curves, name, reason, model, weighted, ridges, lags, band, levelled, profile, dx, dy):
     """Pack what the engine returns."""
     text = [t.decode() if isinstance(t, bytes) else str(t) for t in (name, reason)]
     cov = numbers[3:12].reshape(3, 3)
@@ -405,7 +413,7 @@ def _result(numbers, curves, name, reason, model, weighted, known, lags, band, l
         fractal_dimension_error=(numbers[22] - numbers[21]) / 3.919928, ln_roughness_error=(numbers[24] - numbers[23]) / 3.919928,
         covariance=cov, interval=_interval(numbers[21:25]), sampling_interval=_interval(numbers[25:29]),
         noise_m=float(np.sqrt(numbers[2])), verdict=_VERDICTS[int(numbers[19])], kind=text[0].strip(), reason=text[1].strip(),
-        model=model, weighted=weighted, ensemble="random phases" if known else "Gaussian field", lags=tuple(lags),
+        model=model, weighted=weighted, ridges=ridges, ensemble="random phases" if ridges else "Gaussian field", lags=tuple(lags),
         band_m=tuple(band), rms=numbers[12], rms_expected=numbers[13], misfit=numbers[14], chi2=numbers[15],
         freedom=int(numbers[16]) if np.isfinite(numbers[16]) else 0,
         anisotropy=anisotropy,

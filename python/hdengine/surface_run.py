@@ -9,7 +9,7 @@ from . import _engine
 from ._engine import InputError
 from .contact import _assignments
 from .results import read_csv, read_summary
-from .roughness import Fit
+from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 
 
@@ -123,4 +123,9 @@ def _fit(name, s, table):
         rms=s.get("residual_rms", nan), rms_expected=s.get("residual_rms_expected", nan), misfit=s.get("misfit", nan),
         chi2=s.get("chi2", nan), freedom=s.get("freedom", 0), anisotropy=s.get("anisotropy", nan), tilt=tuple(s["tilt"]),
         levelled=s["levelled"], tau_m=rows["lag_m"], s_m2=rows["s_m2"], curve_m2=rows["model_m2"],
-        curve_error=rows["model_error_ln"], sample_error=rows["sample_error_ln"])
+        curve_error=rows["model_error_ln"], sample_error=rows["sample_error_ln"], ridges=_ridges(s.get("ridges")))
+
+
+def _ridges(s):
+    """The sum of Eq. 1 in the summary, if there is one."""
+    return s and Ridges(s["length_m"], s["shortest_wavelength_m"], s["ridges"], s["gamma"])

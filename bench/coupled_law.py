@@ -64,6 +64,22 @@ def rear_row(result):
     return [float(100 * v[-1] / v.sum()) for v in (k_t, shear)]
 
 
+def unloading(result):
+    """Facets whose shear shrinks under the last torque: their share in k_t, and by how much Masing's rule would raise their flexibility
+    over the path, k_t(P, |q - q_0| / 2) in place of k_t(P, 0), in the mean and at most [per cent]."""
+    c, friction = result.contact, result.scene["contact.friction"]
+    start = int(np.flatnonzero(result.torque_nm > 0)[0]) - 1
+    shear = result.vectors("traction_theta_pa", "traction_z_pa")
+    before, after = (np.linalg.norm(shear[i], axis=-1) for i in (start, -1))
+    p, area = c["pressure_pa"][-1], c["area_m2"][-1]
+    closed = p > 1e-3 * p.max()
+    shrunk = closed & (after < before) & (after < 0.999 * friction * p)
+    half = np.minimum(np.linalg.norm(shear[-1] - shear[start], axis=-1) / 2, 0.999 * friction * p)
+    k_0 = result.joint.stiffness(p, 0.0, area)[1]
+    rise = np.mean([k_0[shrunk] / result.joint.stiffness(p, part * half, area)[1][shrunk] - 1 for part in np.linspace(0, 1, 9)], axis=0)
+    return [float(100 * v) for v in (k_0[shrunk].sum() / k_0[closed].sum(), np.average(rise, weights=k_0[shrunk]), rise.max())]
+
+
 def separate(found):
     """All stiffnesses over the torque [N m/rad], 'printed' in [N]."""
     hard, joint, elastic, rigid, stuck = (found[key] for key in (("hard", True), ("joint", True), ("joint_elastic", True),
@@ -135,7 +151,8 @@ def main():
     results = {name: separate(f) for name, f in found.items()}
     rear = rear_row(found["86 x 15"]["joint", False])
     (ROOT / "bench/results/coupled_law.json").write_text(json.dumps(
-        {"rear_row_percent_of_k_t_and_torque": rear, **{name: {k: v.tolist() for k, v in s.items()} for name, s in results.items()}},
+        {"rear_row_percent_of_k_t_and_torque": rear, "unloading_percent_of_k_t_and_masing_mean_and_most":
+         unloading(found["86 x 15"]["joint", True]), **{name: {k: v.tolist() for k, v in s.items()} for name, s in results.items()}},
         indent=1) + "\n")
     s = results["86 x 15"]
     rows = [[name, *(f"{v / 1e6:.2f}" for v in s[name]), f"{100 * (s[name][-1] / s[before][-1] - 1):+.1f} %" if before else "",

@@ -17,9 +17,8 @@ import numpy as np
 import hdengine
 from hdengine import paper
 from hdengine.catalogue import UNITS
-from hdengine.plot import plt
-from hdengine.plot_study import plot_study
-from hdengine.results import read_csv
+from hdengine.plot import draw_shares, plt
+from hdengine.plot_study import draw_catalogue, draw_units, plot_study
 
 ROOT = Path(__file__).resolve().parents[1]
 BALLS, DIAMETER, LOAD = 21, 3.2e-3, 15.0  # estimates, no source for this bearing: [-], [m], [N] radial tooth force of 5 N m a ball
@@ -106,20 +105,9 @@ def catalogue_chart(work):
     balls = study("teeth_sizes", work, "_balls", {"wave_generator.ball_stiffness": [ball_stiffness(s) for s in sizes]})
     figure, axis = plt.subplots(figsize=(9, 5))
     found = []
-    for result, clearance, style, label in ((rigid, 0.0, "C0o-", "ours, closed at the start"),
-                                            (rigid, 10e-6, "C0s--", "ours, outermost teeth 10 µm open"),
-                                            (balls, 0.0, "C4o-", "on balls, closed at the start"),
-                                            (balls, 10e-6, "C4s--", "on balls, outermost teeth 10 µm open")):
-        found.append([value(result, "k_fe_secant_nm_per_rad", geometry__bore_radius=17.5e-3 * s / 14, load__tooth_clearance=clearance)
-                      for s in sizes])
-        axis.loglog(sizes, found[-1], style, label=label)
-    for i, colour in ((1, "C1"), (2, "C2"), (3, "C3")):
-        axis.loglog(sizes, [getattr(UNITS[s], f"k{i}_nm_per_rad") for s in sizes], "^-", color=colour, label=f"catalogue K{i}")
-    axis.set_xticks(sizes, sizes)
-    axis.minorticks_off()
-    axis.set_xlabel("size")
-    axis.set_ylabel("torsional stiffness / (N m/rad)")
-    axis.legend(fontsize=11)
+    for result, name, colour in ((rigid, "ours", "C0"), (balls, "on balls", "C4")):
+        found += draw_catalogue(axis, result, name, colour)
+    draw_units(axis)
     figure.savefig(ROOT / "docs/figures/catalogue.png")
     return sizes, found
 
@@ -149,11 +137,8 @@ def tooth_chart(work):
     for run, torque, style, label in ((closed, 5.0, "C0o-", "closed at the start, 1 to 5 N m"),
                                       (loose, 1.0, "C1^--", "outermost 10 µm open, 1 N m"),
                                       (loose, 5.0, "C1s-", "outermost 10 µm open, 5 N m")):
-        teeth = read_csv(run.folder / "teeth.csv")
-        rows = teeth[abs(teeth["torque_nm"] - torque) < 1e-9]
-        angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
-        near = np.argsort(angle)[np.sort(angle) < 90]
-        axis.plot(angle[near], 100 * rows["share"][near], style, ms=4, label=label)
+        draw_shares(axis, run, torque, style, label)
+        rows = run.teeth[abs(run.teeth["torque_nm"] - torque) < 1e-9]
         share[label] = [float(100 * rows["share"].max()), float(100 * rows["share"].min())]
     axis.set_xlabel("angle from the long axis / degree (the other end is alike)")
     axis.set_ylabel("share of the tooth forces / %")
@@ -162,8 +147,7 @@ def tooth_chart(work):
     figure.savefig(ROOT / "docs/figures/tooth_shares.png")
 
     def secant(run):
-        after = run.torque_nm > 0
-        return (run.torque_nm[after] / run.steps["rotation_rad"][after]).tolist()
+        return run.secant_stiffness()[run.torque_nm > 0].tolist()
     return {"torque_nm": closed.torque_nm[closed.torque_nm > 0].tolist(), "closed": secant(closed), "open": secant(loose),
             "share_percent": share}
 

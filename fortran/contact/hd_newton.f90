@@ -59,6 +59,7 @@ module hd_newton
     integer :: best = 0                    !< its iteration
     integer :: since = 0                   !< iteration at which the series began
     integer :: outer = 0                   !< softened outer steps
+    logical :: damped = .false.            !< the line search is on from here on
   end type globalisation_t
 
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
@@ -114,7 +115,7 @@ contains
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       call update_tangent(problem, state%u)
-      search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0
+      search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
@@ -161,7 +162,14 @@ contains
     type(linearisation_t), intent(inout) :: here      !< its linearisation
     type(globalisation_t), intent(inout) :: global    !< memory
     integer, intent(inout) :: period                  !< of a cycle of the contact states
-    if (allocated(problem%law%joint)) return
+    if (allocated(problem%law%joint)) then  ! it is soft by itself: back to the best iterate, and damped from there, once
+      if (global%damped) return
+      global%damped = cycles(here, state, iteration, global, period)
+      if (.not. global%damped) return
+      state = global%saved
+      call linearise(problem, load, previous, state, here)
+      return
+    end if
     if (here%law%softness > 0) then
       if (here%merit > inner_tolerance) return
       global%outer = global%outer + 1

@@ -248,7 +248,7 @@ contains
     type(run_t), intent(inout) :: run  !< run
     type(string_t), allocatable :: lines(:)
     integer :: i
-    if (run%record%steps == 0) return
+    if (run%record%steps == 0 .or. run%scene%support == 'teeth') return  ! bonded there: no joint
     call range_warnings(run%joint, maxval(run%facets%traction(1, :)), lines)
     do i = 1, size(lines)
       call push(run%record%warnings, lines(i)%s)

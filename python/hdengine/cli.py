@@ -34,7 +34,7 @@ def _run(args):
                 s = step.sums
                 phase = "torque  " if s["in_torque"] else "assembly"
                 print(f"step {s['step']:3.0f}  {phase} {s['torque_nm']:8.4f} N m  normal force {s['normal_force_n']:8.1f} N  "
-                      f"K_TS {step.k_ts_nm_per_rad:.4e} N m/rad  {s['iterations']:3.0f} iterations", flush=True)
+                      f"{step.stiffness}  {s['iterations']:3.0f} iterations", flush=True)
     except (NotConvergedError, StoppedError):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
@@ -195,3 +195,7 @@ def main(argv=None):
     except HdengineError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.code
+    except KeyboardInterrupt:
+        print("\nstopped; what was solved is kept: the same command goes on with a study, with --resume also with a run",
+              file=sys.stderr)
+        return StoppedError.code

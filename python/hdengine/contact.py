@@ -22,6 +22,7 @@ class Step:
 
     sums: dict
     facets: dict = field(repr=False)
+    against_teeth: bool = False
 
     @property
     def k_ts_nm_per_rad(self):
@@ -31,13 +32,21 @@ class Step:
                                                  np.stack([f["x_m"], f["y_m"], f["z_m"]], -1),
                                                  np.stack([f["n_x"], f["n_y"], f["n_z"]], -1)))
 
+    @property
+    def stiffness(self):
+        """Text of what the scene is solved for: K_TS, or K_FTS against the teeth."""
+        if not self.against_teeth:
+            return f"K_TS (Eq. 45) {self.k_ts_nm_per_rad:.4g} N m/rad"
+        torque, turn = self.sums["torque_nm"], self.sums["rotation_rad"]
+        return f"K_FTS {torque / turn:.4g} N m/rad" if torque and turn else "K_FTS -"
+
     def __str__(self):
         s = self.sums
         phase = "torque" if s["in_torque"] else f"assembly, {100 * s['load_factor']:.0f} %"
         return (f"Step {s['step']:.0f}: {phase}, {s['torque_nm']:.4g} N m, {s['iterations']:.0f} iterations\n"
                 f"  normal force {s['normal_force_n']:.4g} N   peak {s['pressure_max_pa'] / 1e6:.4g} MPa (node)   contact area "
                 f"{1e6 * s['contact_area_m2']:.4g} mm^2\n"
-                f"  rotation {s['rotation_rad']:.3e} rad   K_TS (Eq. 45) {self.k_ts_nm_per_rad:.4g} N m/rad")
+                f"  rotation {s['rotation_rad']:.3e} rad   {self.stiffness}")
 
 
 class Run:
@@ -73,6 +82,7 @@ class Run:
         if out:
             Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
+        self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
@@ -91,7 +101,7 @@ class Run:
         """The last converged step."""
         sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle))))
         fields = _engine.call("run_facets", self._handle, self.facets)
-        return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)))
+        return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)), self._teeth)
 
     def __repr__(self):
         state = "closed" if self._handle is None else "solved" if self.done else "open"

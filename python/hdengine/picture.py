@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from ._engine import FileError
+from .plot import colour_top
 
 
 class PictureError(Exception):
@@ -66,8 +67,8 @@ def draw_cup(result, path, scale=None, size=(1400, 1000)):
     plotter.add_mesh(cup.clip("-y", origin=(0, 0, 0)), color="lightsteelblue", opacity=0.55, ambient=0.3)
     plotter.add_mesh(face, scalars="contact pressure / MPa", cmap="viridis", nan_color="gainsboro", ambient=0.6,
                      diffuse=0.4, above_color="gold",
-                     clim=(0, float(np.percentile(pressure[pressure > 0], 90)) if np.any(pressure > 0) else 1),
-                     scalar_bar_args={"color": "black", "above_label": "more",
+                     clim=(0, colour_top(pressure, result.contact["area_m2"][-1], 0.9)),
+                     scalar_bar_args={"color": "black", "above_label": "more", "title": "contact pressure / MPa\n",
                                       "title_font_size": 28, "label_font_size": 24, "fmt": "%.0f"})
     plotter.add_text(f"displacements x {scale:g}", color="black", font_size=14, position="upper_left")
     plotter.camera_position = [(35, -75, -45), (0, 0, 7), (0, 0, -1)]

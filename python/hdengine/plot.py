@@ -27,9 +27,10 @@ def plot_run(result):
         "positions.png": plot_positions(result),
         "pressure_band.png": plot_band(result),
         "pressure_steps.png": plot_steps(result),
-        "torsion.png": plot_torsion(result),
         "newton.png": plot_newton(result),
     }
+    if not (result.against_teeth and np.all(result.torque_nm == 0)):
+        figures["torsion.png"] = plot_torsion(result)
     paths = []
     for name, figure in figures.items():
         paths.append(result.folder / name)
@@ -55,6 +56,27 @@ def _band(axis, result, field, **keys):
     return axis.pcolormesh(angle, 1e3 * result.row_edges(), field, **keys)
 
 
+def colour_top(pressure, area, share=0.97):
+    """Pressure that all but a small share of the closed area stays below: narrow rows at the edges take no part of the colours.
+
+    Parameters
+    ----------
+    pressure, area : ndarray
+        Of one shape.
+
+    Returns
+    -------
+    float
+        In the unit of the pressure; 1 where nothing is closed.
+    """
+    closed = pressure > 0
+    if not np.any(closed):
+        return 1.0
+    order = np.argsort(pressure[closed])
+    part = np.cumsum(area[closed][order])
+    return float(pressure[closed][order][np.searchsorted(part, share * part[-1])])
+
+
 def plot_positions(result):
     """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
     figure, axes = plt.subplots(2, 1, sharex=True, figsize=(8, 7))
@@ -62,7 +84,8 @@ def plot_positions(result):
     z = _reference_z(result)
     for label, place, style in zip(("I", "II", "III"), result.scene["output.positions"], ("-", "--", "-.")):
         row = int(np.argmin(abs(z - place)))
-        name = f"Position {label}: row at {1e3 * z[row]:.1f} mm"
+        narrow = np.diff(result.row_edges())[row] < 0.5 * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
+        name = f"{label}: {1e3 * z[row]:.2g} mm" + (", edge cells" if narrow else "")
         axes[0].plot(theta, _grid(result, "pressure_pa")[:, row] / 1e6, style, label=name)
         axes[1].plot(theta, _grid(result, "traction_theta_pa")[:, row] / 1e6, style, label=name)
     axes[0].set_ylabel("pressure / MPa")
@@ -70,7 +93,8 @@ def plot_positions(result):
     axes[1].set_xlabel("angle from the long axis / degree")
     axes[1].set_xticks(range(0, 361, 45))
     axes[0].set_title(f"Contact stress at {result.torque_nm[-1]:g} N m (rows from the band's front edge)")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=11)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=11,
+                  title="Position: middle of its row of facets")
     return figure
 
 
@@ -78,7 +102,7 @@ def plot_band(result):
     """Contact pressure on the unrolled band, last step."""
     figure, axis = plt.subplots(figsize=(9, 4))
     p = _grid(result, "pressure_pa").T / 1e6
-    top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
+    top = colour_top(p, _grid(result, "area_m2").T)
     image = _band(axis, result, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top)
     axis.set_facecolor("0.9")
     axis.grid(False)
@@ -86,10 +110,15 @@ def plot_band(result):
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
     node = result.steps["pressure_max_pa"][-1] / 1e6
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: open; means of facets up to {p.max():.0f} MPa, "
-                   f"nodes up to {node:.0f} MPa", fontsize=12)
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: {_grey(result)}; means of facets up to "
+                   f"{p.max():.0f} MPa, nodes up to {node:.0f} MPa", fontsize=12)
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
+
+
+def _grey(result):
+    """What grey facets are."""
+    return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
 def plot_steps(result, most=6):
@@ -101,7 +130,7 @@ def plot_steps(result, most=6):
     rows = -(-len(steps) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(4 * columns + 1, 2.1 * rows + 0.8), sharex=True, sharey=True, squeeze=False)
     p = result.contact["pressure_pa"] / 1e6
-    top = np.percentile(p[steps][p[steps] > 0], 98) if np.any(p[steps] > 0) else 1
+    top = colour_top(p[steps], result.contact["area_m2"][steps])
     for axis, i in zip(axes.flat, steps):
         field = p[i].reshape(result.shape).T
         image = _band(axis, result, np.where(field > 0, field, np.nan), vmin=0, vmax=top)
@@ -111,6 +140,9 @@ def plot_steps(result, most=6):
         axis.set_title(f"{result.torque_nm[i]:.3g} N m", fontsize=12)
     for axis in axes.flat[len(steps):]:
         axis.remove()
+    if len(steps) > 1:
+        change = f"from first to last it changes by {abs(p[steps[-1]] - p[steps[0]]).max():.2g} MPa at most"
+        figure.suptitle(f"Contact pressure (grey: {_grey(result)}); {change}", fontsize=12)
     figure.supxlabel("angle from the long axis / degree", fontsize=12)
     figure.supylabel("from the front edge / mm", fontsize=12)
     figure.colorbar(image, ax=list(axes.flat[:len(steps)]), label="pressure / MPa", extend="max")
@@ -137,8 +169,8 @@ def animate(result, path, most=25, fps=3):
 
     p, q = result.contact["pressure_pa"] / 1e6, result.contact["traction_theta_pa"] / 1e6
     frames = np.unique(np.linspace(0, len(p) - 1, most).round().astype(int))
-    top = np.percentile(p[p > 0], 98) if np.any(p > 0) else 1
-    shear = np.percentile(np.abs(q[p > 0]), 98) if np.any(p > 0) else 1
+    area = result.contact["area_m2"]
+    top, shear = colour_top(p, area), colour_top(np.where(p > 0, np.abs(q), 0), area)
     figure, axes = plt.subplots(2, 1, figsize=(8, 5.4), sharex=True)
     images = []
     for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), ("viridis", "coolwarm"),
@@ -163,20 +195,52 @@ def animate(result, path, most=25, fps=3):
 
 
 def plot_torsion(result):
-    """K_TS over torque by both forms of Eq. 45, and the FE rotation."""
+    """K_TS over torque by both forms of Eq. 45, and the FE rotation; against the teeth K_FTS, rotation and shares of the pairs."""
+    if result.against_teeth:
+        return plot_teeth(result)
     k, paper = result.torsional_stiffness()
     select = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[0]
     t = result.torque_nm[select:]
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2))
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
     for axis, values, label in zip(
             axes, (k[select:] / 1e6, paper[select:] / 1e6, 1e6 * result.steps["rotation_rad"][select:]),
             ("$K_{TS}$ (Eq. 45) / (MN m/rad)", "Eq. 45 as printed / MN", "FE rotation / µrad")):
-        axis.plot(t, values, "o-")
-        axis.set_xlabel("torque / N m")
-        axis.set_title(label, fontsize=12)
-        if np.ptp(values) < 0.05 * abs(np.mean(values)):
-            axis.set_ylim(np.mean(values) * np.array([0.95, 1.05]))
+        _over_torque(axis, t, values, label)
     return figure
+
+
+def _over_torque(axis, torque, values, label):
+    """A line over the torque; changes below 5 % are not blown up to the height of the panel."""
+    axis.plot(torque, values, "o-")
+    axis.set_xlabel("torque / N m")
+    axis.set_title(label, fontsize=12)
+    if np.ptp(values) < 0.05 * abs(np.mean(values)):
+        axis.set_ylim(np.mean(values) * np.array([0.95, 1.05]))
+
+
+def plot_teeth(result):
+    """K_FTS and rotation over the torque; share of each pair of teeth at one end of the long axis, first and last torque."""
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
+    after = result.torque_nm != 0
+    torque = result.torque_nm[after]
+    _over_torque(axes[0], torque, result.secant_stiffness()[after] / 1e3, "$K_{FTS}$ / (kN m/rad)")
+    _over_torque(axes[1], torque, 1e6 * result.steps["rotation_rad"][after], "rotation of the cup's bottom / µrad")
+    draw_shares(axes[2], result, torque[-1], "C0o-", f"{torque[-1]:g} N m")
+    if len(torque) > 1:
+        draw_shares(axes[2], result, torque[0], "C1^--", f"{torque[0]:g} N m")
+    axes[2].set_ylim(bottom=0)
+    axes[2].set_title("share of each pair of teeth / %", fontsize=12)
+    axes[2].set_xlabel("angle from the long axis / degree")
+    axes[2].legend(fontsize=11)
+    return figure
+
+
+def draw_shares(axis, result, torque, style, label):
+    """Share of each pair of teeth at one end of the long axis at a torque [per cent]; the other end is alike."""
+    rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < 1e-9]
+    angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
+    near = np.argsort(angle)[np.sort(angle) < 90]
+    axis.plot(angle[near], 100 * rows["share"][near], style, ms=4, label=label)
 
 
 def plot_newton(result):

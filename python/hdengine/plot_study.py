@@ -14,13 +14,14 @@ LABELS = {  # column: (label, unit, factor)
     "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure at a node", "MPa", 1e-6),
     "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
     "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
-    "k_fe_secant_nm_per_rad": ("FE secant torque / rotation", "kN m/rad", 1e-3),
+    "k_fe_secant_nm_per_rad": ("torque over rotation", "kN m/rad", 1e-3), "k_fts_nm_per_rad": ("$K_{FTS}$", "kN m/rad", 1e-3),
+    "torque_balance_nm": ("torque out of balance", "N m", 1), "seconds": ("time", "s", 1),
     **{f"pressure_long_{i}_pa": (f"pressure at Position {'I' * i}, long axis", "MPa", 1e-6) for i in (1, 2, 3)},
     **{f"geometry.{name}": (name.replace("_", " "), "mm", 1e3) for name in (
         "bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length", "bottom_thickness", "hub_radius",
         "ring_thickness", "band_length")}, "load.tooth_clearance": ("clearance", "µm", 1e6),
     "wave_generator.w": ("radial deformation w", "mm", 1e3), "wave_generator.eccentricity": ("eccentricity", "µm", 1e6),
-    "wave_generator.interference": ("interference", "µm", 1e6), "load.torque": ("torque", "N m", 1),
+    "wave_generator.interference": ("interference", "µm", 1e6), "load.torque": ("final torque", "N m", 1),
     "friction_capacity_nm": ("friction capacity", "N m", 1), "friction_torque_nm": ("torque through friction", "N m", 1),
 }
 
@@ -38,7 +39,8 @@ def axes_of(result):
     varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
     numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
     x = figure.get("x") or (numeric or ["torque_nm"])[0]
-    lines = figure.get("lines") or next((name for name in [*varied, "torque_nm"] if name != x), None)
+    steps = [] if "load.torque" in varied else ["torque_nm"]  # a point that has its own torque is drawn at that alone
+    lines = figure.get("lines") or next((name for name in [*varied, *steps] if name != x), None)
     return x, figure.get("y") or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"], lines
 
 
@@ -118,24 +120,27 @@ def plot_study(result):
     -------
     list of Path
     """
-    if result.summary["figure"].get("kind") == "series":
-        return [_save(plot_series(result), result)]
+    kind = result.summary["figure"].get("kind")
+    if kind in KINDS:
+        return [_save(KINDS[kind](result), result)]
     x, ys, lines = axes_of(result)
     keys = result.summary["figure"].get("panels", [])
     panels = [(y, {}) for y in ys] if not keys else [
         (ys[0], dict(zip(keys, values))) for values in dict.fromkeys(tuple(r.get(k) for k in keys) for r in result.rows)]
-    columns = min(3, len(panels)) if len(panels) != 4 else 2
+    columns = min(2 if len(panels) < 5 else 3, len(panels))
     rows = -(-len(panels) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 0.8 + 3.9 * rows), squeeze=False)
     for axis, (y, chosen) in zip(axes.flat, panels):
         draw(axis, result, x, y, lines, chosen)
         axis.set_title(", ".join(_name(k, v) for k, v in chosen.items()), fontsize=12)
-    for axis in axes.flat[len(panels):]:
-        axis.remove()
     handles, names = axes.flat[0].get_legend_handles_labels()
-    if len(names) > 1:
-        figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11,
-                      title=label(lines)[0] if lines in LABELS else None)
+    free, title = axes.flat[len(panels):], label(lines)[0] if lines in LABELS else None
+    for axis in free:
+        axis.set_axis_off()
+    if len(names) > 1 and len(free) and len(names) < 13:
+        free[0].legend(handles, names, loc="center", fontsize=12, title=title)
+    elif len(names) > 1:
+        figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11, title=title)
     failed = result.summary["failed"]
     figure.suptitle(result.summary["title"] + (f" ({failed} of {result.summary['points']} points failed)" if failed else ""),
                     fontsize=13)
@@ -173,3 +178,40 @@ def plot_series(result):
     axis.legend(fontsize=10, ncols=2, loc="upper center")
     axis.set_title(result.summary["title"], fontsize=13)
     return figure
+
+
+def draw_catalogue(axis, result, name, colour):
+    """K_FTS over the size, one line per clearance of the outermost teeth; returns the values [N m/rad], a list per line."""
+    found = []
+    clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
+    for clearance, style in zip(clearances, ("o-", "s--", "^:", "v-.")):
+        rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", 0.0) == clearance),
+                      key=lambda r: r["geometry.bore_radius"])
+        found.append([r["k_fe_secant_nm_per_rad"] for r in rows])
+        text = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "closed at the start"
+        axis.loglog([14 * r["geometry.bore_radius"] / 17.5e-3 for r in rows], found[-1], colour + style, label=f"{name}, {text}")
+    return found
+
+
+def draw_units(axis):
+    """K1, K2, K3 of the catalogue over the size, with axes and legend."""
+    sizes = sorted(UNITS)
+    for i in (1, 2, 3):
+        axis.loglog(sizes, [getattr(UNITS[s], f"k{i}_nm_per_rad") for s in sizes], f"C{i}^-", label=f"catalogue K{i}")
+    axis.set_xticks(sizes, sizes)
+    axis.minorticks_off()
+    axis.set_xlabel("size")
+    axis.set_ylabel("torsional stiffness / (N m/rad)")
+    axis.legend(fontsize=11)
+
+
+def plot_catalogue(result):
+    """K_FTS of several sizes beside K1, K2, K3 of the catalogue; a matplotlib figure."""
+    figure, axis = plt.subplots(figsize=(9, 5))
+    draw_catalogue(axis, result, "$K_{FTS}$", "C0")
+    draw_units(axis)
+    axis.set_title(result.summary["title"], fontsize=13)
+    return figure
+
+
+KINDS = {"series": plot_series, "catalogue": plot_catalogue}

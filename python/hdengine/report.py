@@ -5,6 +5,7 @@ import datetime
 import html
 import json
 import os
+import re
 import warnings
 from pathlib import Path
 
@@ -12,9 +13,10 @@ import numpy as np
 
 from . import _engine, paper
 from ._engine import FileError, InputError
+from .contact import read_scene
 from .picture import PictureError, draw_cup
 from .results import Result
-from .study import StudyResult
+from .study import StudyResult, read_rows
 from .surface_run import SurfaceResult
 from .uncertainty import scene_joint
 
@@ -22,18 +24,21 @@ _STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:60em;margin:2em au
 h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em;border-bottom:1px solid #ccc}table{border-collapse:collapse;font-size:.85em}
 td,th{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:right}
 td:first-child,th:first-child,.text{text-align:left}
-.scroll{overflow-x:auto}img{max-width:100%}.warning{background:#fff3cd;padding:.5em 1em;border-left:4px solid #e0a800}
+.scroll{overflow-x:auto}figure{margin:1em 0}img{max-width:100%}
+.warning{background:#fff3cd;padding:.5em 1em;border-left:4px solid #e0a800}
 .bad{background:#f8d7da;padding:.5em 1em;border-left:4px solid #c00}figcaption{color:#555;font-size:.9em}pre{white-space:pre-wrap}
 @page{size:A4;margin:15mm}@media print{details{display:block}body{max-width:none;font-size:11px}table{font-size:8px}
 td,th{padding:1px 4px}
-.scroll{overflow:visible}.screen{display:none}figure{break-inside:avoid}}"""
+.scroll{overflow:visible}.screen{display:none}figure{break-inside:avoid}img{max-height:115mm}h2{break-after:avoid}}
+.groups{columns:2;column-gap:2em}.groups table{width:100%;margin-bottom:1em}.groups th{color:#555}
+@page{@bottom-right{content:counter(page) " / " counter(pages);font:9px sans-serif;color:#555}}"""
 _CITE = """hdengine {version}. Model: Hu, Li, Wang, Li (2023), Front. Mater. 10:1211019, doi:10.3389/fmats.2023.1211019
 Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 1998)"""
 _CAPTIONS = {
     "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
     "pressure_band.png": "Contact pressure on the unrolled band, last step.",
     "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",
-    "torsion.png": "Torsional stiffness by Eq. 45, the printed form, and the FE rotation.",
+    "torsion.png": "Stiffness and rotation over the torque.",
     "newton.png": "Convergence: relative residual of every Newton iterate.",
 }
 
@@ -42,7 +47,7 @@ def _text(value):
     """A value for a cell."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         return html.escape(str(value).strip())
-    return f"{value:.6g}"
+    return "-" if np.isnan(value) else f"{value:.6g}" if isinstance(value, (int, np.integer)) else f"{value:.5g}"
 
 
 def _table(columns, rows):
@@ -51,7 +56,17 @@ def _table(columns, rows):
     mark = [' class="text"' if word else "" for word in words]
     head = "".join(f"<th{m}>{html.escape(str(c)).replace('_', '_<wbr>')}</th>" for c, m in zip(columns, mark))
     body = "".join("<tr>" + "".join(f"<td{m}>{_text(v)}</td>" for v, m in zip(row, mark)) + "</tr>" for row in rows)
-    return f'<div class="scroll"><table><tr>{head}</tr>{body}</table></div>'
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _columns(names, rows):
+    """Columns of a table of load steps, in the units of the figures."""
+    from .plot_study import label
+
+    heads, factors = zip(*(label(name) for name in names))
+    heads = [re.sub(r"[${}]", "", head).split(" / ", 1) for head in heads]  # a unit is not broken
+    return _table([" /\u00a0".join([*h[:1], *(u.replace(" ", "\u00a0") for u in h[1:])]) for h in heads], [
+        [v * f if f != 1 and not isinstance(v, str) else v for v, f in zip(row, factors)] for row in rows])
 
 
 def _image(path, caption):
@@ -62,7 +77,24 @@ def _image(path, caption):
 
 
 def _pairs(mapping):
-    return _table(("key", "value"), [(k, ", ".join(map(_text, v)) if isinstance(v, list) else v) for k, v in mapping.items()])
+    """Two columns; empty values are left out."""
+    return _table(("key", "value"), [(k, ", ".join(map(_text, v)) if isinstance(v, list) else v) for k, v in mapping.items()
+                                     if v not in ("", "none")])
+
+
+def _inputs(scene):
+    """One table per group of the keys of a drive; those that differ from the default are bold."""
+    default, tables = read_scene(), {}
+    for key, value in scene.items():
+        group, name = key.split(".", 1)
+        if group not in ("surface", "fit"):
+            text = ", ".join(map(_text, value)) if isinstance(value, list) else _text(value)
+            tables.setdefault(group, []).append((name, f"<b>{text}</b>" if value != default.get(key) else text))
+    body = ""
+    for group, rows in tables.items():
+        cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{text}</td></tr>" for name, text in rows)
+        body += f'<table><tr><th class="text" colspan="2">{html.escape(group)}</th></tr>{cells}</table>'
+    return f'<details><summary>all keys, SI units; bold: not the default</summary><div class="groups">{body}</div></details>'
 
 
 def _warnings(texts):
@@ -76,14 +108,40 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-def _plan(scene, planned):
+_PROMISED = {"estimated_error_k_ts": "K_TS", "estimated_error_normal_force": "normal force",
+             "estimated_error_mid_band_pressure": "mid-band pressure"}
+_PLANNED = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa", "seconds")
+
+
+def _mesh(text):
+    """36x6_edge_5.0e-4_layers_1_1_steps_1_1_hex8i_linear as words."""
+    words = text.split("_")
+    if len(words) < 10:
+        return text
+    edge = f"{1e6 * float(words[2]):.4g} µm" if float(words[2]) else "none"
+    return f"{words[0].replace('x', ' x ')}, {edge}, {words[4]} + {words[5]}, {words[7]} + {words[8]}, " \
+           f"{' '.join(words[9:])}"
+
+
+def _plan(result):
     """What was planned and why, or the mesh alone."""
-    text = f"<p>{scene['mesh.divisions']} x {scene['mesh.band_facets']} facets, {scene['load.assembly_steps']} + " \
-           f"{scene['load.torque_steps']} load steps"
+    folder, planned, (around, along) = result.folder, result.summary.get("plan"), result.shape
+    steps = " + ".join(str(result.scene[f"load.{name}_steps"]) for name in ("assembly", "torque"))
+    text = f"<p>{around} x {along} facets, {steps} load steps"
     if not planned:
         return text + ", as the scene says: no tolerance was stated (<code>run.tolerance</code>; <code>hdengine plan</code>).</p>"
+    kept = planned["met"] == "yes"
+    text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: ' \
+        f'{"met" if kept else "not met"} by the estimate, ' \
+        "against a mesh three refinements finer: " + ", ".join(
+            f"{name} {100 * planned[key]:.2g} %" for key, name in _PROMISED.items()) + ".</p>"
     reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
-    return text + ".</p>" + _pairs({k: str(v) for k, v in planned.items() if k != "reasons"}) + f"<ul>{reasons}</ul>"
+    text += f"<p>Why (changes are relative, the largest of the three quantities):</p><ul>{reasons}</ul>"
+    if (folder / "plan.csv").is_file():
+        rows = [[_mesh(r["mesh"]), *(r[n] for n in _PLANNED)] for r in read_rows(folder / "plan.csv")]
+        head = ("facets without edge cells, edge cells, layers, steps, element", *_PLANNED)
+        text += "<p>Solved for it:</p>" + _columns(head, rows)
+    return text
 
 
 def _sensitivity(folder):
@@ -99,6 +157,21 @@ def _sensitivity(folder):
         yield "Uncertainty of K_TS", "<p>95 % bands / (N m/rad):</p>" + text + pictures
 
 
+def _stiffness(result):
+    """Results by name, stiffness of each step, and what they rest on."""
+    if result.against_teeth:
+        k, found = result.secant_stiffness(), {"K_FTS": "no torque"}
+        if result.torque_nm[-1] != 0:
+            share = 100 * result.teeth["share"][result.teeth["step"] == result.steps["step"][-1]]
+            found = {"K_FTS, torque over rotation / (kN m/rad)": 1e-3 * k[-1],
+                     "share of a pair of teeth, smallest and largest / %": f"{share.min():.1f}, {share.max():.1f}"}
+        return found, k, \
+            "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
+    k, printed = result.torsional_stiffness()
+    return {"K_TS by Eq. 45 / (MN m/rad)": 1e-6 * k[-1], "Eq. 45 as printed / MN": 1e-6 * printed[-1]}, k, \
+        "The magnitude of K_TS rests on r_m and s_min, which are inputs; trends can be trusted."
+
+
 def _run_parts(result, picture):
     """(heading, HTML) of a run."""
     from .plot import animate, plot_run
@@ -106,12 +179,11 @@ def _run_parts(result, picture):
     s = result.summary
     if not result.complete:
         yield "Ended early", f'<p class="bad">{html.escape(s["message"])}</p>'
-    k, printed = result.torsional_stiffness()
+    stiffness, k, note = _stiffness(result)
     yield "Result", _pairs({
-        "torque / N m": result.torque_nm[-1], "K_TS by Eq. 45 / (N m/rad)": k[-1], "Eq. 45 as printed / N": printed[-1],
-        "rotation / rad": s["results"]["rotation_rad"], "normal force / N": s["results"]["normal_force_n"],
-        "peak pressure at a node / Pa (grows with a finer mesh)": s["results"]["pressure_max_pa"]}) + \
-        "<p>The magnitude of K_TS rests on r_m and s_min, which are inputs; trends can be trusted.</p>"
+        "torque / N m": result.torque_nm[-1], **stiffness,
+        "rotation / µrad": 1e6 * s["results"]["rotation_rad"], "normal force / N": s["results"]["normal_force_n"],
+        "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"]}) + f"<p>{note}</p>"
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
     figures = "".join(_image(p, _CAPTIONS.get(p.name, p.stem)) for p in plot_run(result) if p.name != "newton.png")
@@ -129,14 +201,16 @@ def _run_parts(result, picture):
     steps = result.steps
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
                          "friction_torque_nm", "torque_balance_nm", "iterations") if n in steps.dtype.names]
-    yield "Load steps", _table([*names, "k_ts_nm_per_rad"], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
-    yield "Plan", _plan(result.scene, s.get("plan"))
+    name = "k_fts_nm_per_rad" if result.against_teeth else "k_ts_nm_per_rad"
+    yield "Load steps", _columns([*names, name], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
+    yield "Plan", _plan(result)
     yield "Convergence", _image(result.folder / "newton.png", _CAPTIONS["newton.png"]) + _pairs(
         {k: s["results"][k] for k in ("steps", "iterations", "cut_backs", "torque_balance_nm", "axial_balance_n")})
     yield "Model", _pairs({**s["model"], **{f"time {k} / s": v for k, v in s["timers_s"].items()},
                            "peak memory / MB": s["peak_memory_mb"]})
-    yield "Joint", _pairs(s["joint"])
-    yield "Inputs", f"<details><summary>all keys, SI units</summary>{_pairs(s['scene'])}</details>"
+    if not result.against_teeth:
+        yield "Joint", _pairs(s["joint"])
+    yield "Inputs", _inputs(s["scene"])
     yield "Provenance", _pairs(s["provenance"])
 
 
@@ -181,20 +255,21 @@ def _study_parts(result):
     yield from _comparison(paper.of_study(result))
     names = ["point", *s["swept"], "torque_nm", "k_ts_nm_per_rad", "k_fe_secant_nm_per_rad", "normal_force_n", "pressure_max_pa",
              "rotation_rad"]
-    yield "Points", _table(names, [[r.get(n, "") for n in names] for r in result.rows if r["status"] == "done"])
+    yield "Points", _columns(names, [[r.get(n, "") for n in names] for r in result.rows if r["status"] == "done"])
     yield "Convergence", _study_convergence(result.rows)
-    yield "Inputs", f"<p>Fixed:</p>{_pairs(s['identity']['fixed'])}<details><summary>all keys of the first point</summary>" \
-                    f"{_pairs(s['scene'])}</details>"
+    fixed = s["identity"]["fixed"]
+    text = f"<p>Fixed at every point:</p>{_pairs(fixed)}" if fixed else ""
+    yield "Inputs", f"{text}<p>Of the first point:</p>{_inputs(s['scene'])}"
     yield "Provenance", _pairs({"hdengine": s["hdengine"], "SHA-256 of the scene": s["identity"]["scene_sha256"]})
 
 
 def _surface_parts(result):
     """(heading, HTML) of a surface run."""
     yield "Result", f"<pre>{html.escape(str(result))}</pre>"
-    yield "Figures", "".join(_image(p, Path(p).stem.replace("_", " ")) for p in result.plot() if Path(p).suffix == ".png")
-    for name in ("scene", "provenance"):
-        if result.summary.get(name):
-            yield name.capitalize().replace("Scene", "Inputs"), _pairs(result.summary[name])
+    yield "Figures", "".join(_image(p, "Heights, middle rows, structure functions with their fits.")
+                             for p in result.plot() if Path(p).suffix == ".png")
+    yield "Inputs", f"<pre>{html.escape((result.folder / 'echo.nml').read_text())}</pre>"
+    yield "Provenance", _pairs(result.summary["provenance"])
 
 
 def _collection_parts(folder):

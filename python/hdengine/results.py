@@ -95,6 +95,16 @@ class Result:
         return self.summary["status"] == "complete"
 
     @property
+    def against_teeth(self):
+        """The cup turns against the teeth, ring bonded: K_FTS is asked for, and Eq. 45 says nothing."""
+        return self.scene["load.support"] == "teeth"
+
+    @property
+    def teeth(self):
+        """Force, share and closing of every pair of teeth and torque step (teeth.csv), a structured array."""
+        return read_csv(self.folder / "teeth.csv")
+
+    @property
     def torque_nm(self):
         """Torque of each step [N m]."""
         return self.steps["torque_nm"]
@@ -102,6 +112,16 @@ class Result:
     def vectors(self, *names):
         """Columns stacked as (steps, facets, len(names))."""
         return np.stack([self.contact[name] for name in names], axis=-1)
+
+    def secant_stiffness(self):
+        """Torque over FE rotation of each step [N m/rad]: K_FTS against the teeth; NaN without torque.
+
+        Returns
+        -------
+        ndarray (steps,)
+        """
+        turn = self.steps["rotation_rad"]
+        return np.divide(self.torque_nm, turn, out=np.full(len(turn), np.nan), where=(self.torque_nm != 0) & (turn != 0))
 
     def torsional_stiffness(self):
         """K_TS of each step (Eq. 45): default [N m/rad] and as printed [N].
@@ -195,14 +215,22 @@ class Result:
 
     def __repr__(self):
         r = self.summary["results"]
-        k, paper = self.torsional_stiffness()
+        if self.against_teeth:
+            stiffness = "K_FTS: no torque"
+            if self.torque_nm[-1] != 0:
+                share = 100 * self.teeth["share"][self.teeth["step"] == self.steps["step"][-1]]
+                stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
+                            f"{share.min():.1f} to {share.max():.1f} %"
+        else:
+            k, paper = self.torsional_stiffness()
+            stiffness = f"K_TS (Eq. 45) {k[-1]:.4g} N m/rad   as printed {paper[-1]:.4g} N"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
             f"{self.summary['model']['facets']} facets",
             f"  torque {self.torque_nm[-1]:.4g} N m   normal force {r['normal_force_n']:.4g} N   "
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
-            f"  K_TS (Eq. 45) {k[-1]:.4g} N m/rad   as printed {paper[-1]:.4g} N",
+            f"  {stiffness}",
         ]
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 

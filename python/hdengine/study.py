@@ -46,7 +46,8 @@ class Study:
     figure : dict
         x, y (list), lines: columns; torque (list) [N m]: those only; relative: change against the first x in per cent;
         panels (list): swept keys, one panel of the first y for each combination of their values.
-        kind = 'series': K_TS and K_FTS in series (Eq. 46) over the torque, from points without and with support 'teeth'.
+        kind = 'series': K_TS and K_FTS in series (Eq. 46) over the torque, from points without and with support 'teeth';
+        'catalogue': K_FTS over the size (bore radius) beside K1, K2, K3 of the catalogue.
 
     Examples
     --------
@@ -176,7 +177,8 @@ class Study:
             self._write(out, identity, scene, rows)
             changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
                        for k, v in points[i].items() if v != points[0][k]]
-            progress.step(", ".join(changed) or "first point", result[-1]["status"] == "failed")
+            more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
+            progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
         return StudyResult(out)
 
     def _earlier(self, out, identity, retry):
@@ -301,16 +303,19 @@ class StudyResult:
     def dataset(self):
         """Solved rows as an xarray.Dataset over the swept keys and the torque (needs pandas and xarray).
 
-        Keys that change side by side make no grid: they become coordinates along the dimension `point`.
+        Keys that change side by side make no grid: they become coordinates along the dimension `point`. With rows = 'last' the
+        torque is a variable, as every point has one.
         """
         varied = [k for k in self.summary["swept"] if len({str(r.get(k)) for r in self.rows}) > 1]
         frame = self.frame().query("status == 'done'").drop(columns=["reason", "code", "status"], errors="ignore")
         frame["torque_nm"] = frame["torque_nm"].round(9)
-        if self.summary["identity"]["rows"] == "all":
+        rows = self.summary["identity"]["rows"]
+        if rows == "all":
             frame = frame[(frame["in_torque"] == 1) | (frame["load_factor"] == 1)]
         grid = np.prod([frame[k].nunique() for k in varied], dtype=int) == self.summary["points"]
-        table = frame.set_index([*(varied if grid else ["point"]), "torque_nm"]).to_xarray()
-        return table if grid else table.assign_coords({k: table[k].isel(torque_nm=-1) for k in varied})
+        first = frame.groupby("point").first()
+        table = frame.set_index([*(varied if grid else ["point"]), *([] if rows == "last" else ["torque_nm"])]).to_xarray()
+        return table if grid else table.drop_vars(varied).assign_coords({k: ("point", first[k]) for k in varied})
 
     def __repr__(self):
         s = self.summary

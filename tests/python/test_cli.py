@@ -8,6 +8,8 @@ from conftest import ROOT
 
 import hdengine
 from hdengine import cli, completion
+from hdengine.progress import Progress
+from hdengine.study import StudyResult
 
 COMMANDS = sorted(next(a for a in cli.make_parser()._actions if a.dest == "command").choices)
 
@@ -31,6 +33,22 @@ def test_plan(capsys, tmp_path):
     assert cli.main(["plan", str(ROOT / "data/cd14.nml"), "load.torqe=3"]) == 2 and "did you mean 'torque'" in capsys.readouterr().err
     assert cli.main(["plan", str(tmp_path / "none.nml")]) == 3
     assert cli.main(["run", str(ROOT / "data/cd14.nml"), "torque", "--out", str(tmp_path / "x")]) == 2
+
+
+def test_ctrl_c_keeps_what_was_solved(monkeypatch, capsys, tmp_path):
+    """Ctrl-C ends a study without a traceback, code 7; the same command goes on to the result of an undisturbed one."""
+    (tmp_path / "s.nml").write_text("&fixed mesh.divisions = 16, mesh.band_facets = 3, load.torque_steps = 1 /\n"
+                                    "&grid load.torque = 2, 3 /\n")
+    command = ["study", str(tmp_path / "s.nml"), "--out", str(tmp_path / "s.out")]
+
+    def stop(self, *words):
+        raise KeyboardInterrupt
+    with monkeypatch.context() as patch:
+        patch.setattr(Progress, "step", stop)
+        assert cli.main(command) == 7 and "goes on" in capsys.readouterr().err
+    assert StudyResult(tmp_path / "s.out").summary["status"] == "unfinished"
+    assert cli.main(command) == 0
+    assert StudyResult(tmp_path / "s.out").column("torque_nm").max() == 3
 
 
 def test_completion_without_shtab_says_what_to_install(monkeypatch, capsys):
@@ -58,3 +76,27 @@ def test_tables_for_pandas_and_xarray(small_run):
     assert data["pressure_pa"].dims == ("step", "theta_rad", "z_m")
     assert float((data["pressure_pa"] * data["area_m2"]).isel(step=-1).sum()) == pytest.approx(
         float((result.contact["pressure_pa"] * result.contact["area_m2"])[-1].sum()))
+
+
+@pytest.mark.parametrize("rows", ["torque", "last"])
+def test_studies_for_xarray(tmp_path, rows):
+    """A grid becomes dimensions, keys side by side coordinates of the points; with one row per point its torque is a variable."""
+    pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    coarse = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
+    values = {"wave_generator.w": [0.19e-3, 0.20e-3], "load.torque": [2.0, 3.0]}
+    for name, kind in (("g", {"grid": values}), ("t", {"together": values})):
+        result = hdengine.Study(str(ROOT / "data/cd14.nml"), fixed=coarse, rows=rows, **kind).run(tmp_path / name, show=False)
+        data, over = result.dataset(), ["torque_nm"] * (rows == "torque")
+        if name == "g":
+            assert list(data.sizes) == ["wave_generator.w", "load.torque", *over] and data.sizes["load.torque"] == 2
+            place = {"wave_generator.w": 0.20e-3, "load.torque": 3.0}
+        else:
+            assert list(data.sizes) == ["point", *over]
+            assert data["wave_generator.w"].dims == ("point",) and list(data["load.torque"]) == values["load.torque"]
+            place = {"point": 1}
+        if rows == "torque":
+            place["torque_nm"] = 3.0
+        else:
+            assert float(data["torque_nm"].sel(place)) == pytest.approx(3.0)
+        want = result.select(torque_nm=3.0, wave_generator__w=0.20e-3)[0]["k_ts_nm_per_rad"]
+        assert float(data["k_ts_nm_per_rad"].sel(place)) == pytest.approx(want)

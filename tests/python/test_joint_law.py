@@ -70,6 +70,16 @@ def test_quadratic_convergence(exe, tmp_path):
         assert res[-1] < max(1e3 * res[-2] ** 2, 1e-11)
 
 
+@pytest.mark.parametrize("law", ["joint", "joint_elastic"])
+@pytest.mark.parametrize("key", ["load.torque=5", "load.torque=9", "wave_generator.w=0.21e-3", "contact.friction=0.3"])
+def test_newton_leaves_the_edge_of_slip(exe, tmp_path, law, key):
+    """One assembly step leaves all points on the edge of slip, where rounding decides their states: the torque still takes at most 25
+    iterations in one step (without the return to the best iterate half of these take 70 to 136 and halved steps)."""
+    r = solve(exe, tmp_path / "e", "mesh.divisions=48", "mesh.band_facets=8", "load.support=bearing", "load.assembly_steps=1",
+              "load.torque_steps=1", f"contact.law={law}", key)
+    assert r.summary["results"]["cut_backs"] == 0 and r.steps["iterations"][-1] <= 25
+
+
 @pytest.mark.parametrize("key", ["contact.mode=bonded", "joint.closure=paper"])
 def test_what_the_joint_cannot_do_is_refused(exe, tmp_path, key):
     """Bonded contact and the printed closure have no law p(closure): code 2."""

@@ -5,13 +5,14 @@ import re
 import shutil
 import sys
 
+import numpy as np
 import pytest
 from conftest import ROOT, call
 
 import hdengine
 from hdengine import paper, picture
 from hdengine.cli import main
-from hdengine.plot import plot_steps
+from hdengine.plot import colour_top, plot_steps
 from hdengine.report import write_pdf, write_report
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
@@ -34,7 +35,7 @@ def test_report_stands_alone(folder):
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
     assert len(sources) >= 5 and all(s.startswith(("data:image/png;base64,", "data:image/gif;base64,")) for s in sources)
     assert "<script" not in page and len(page) < 4e6
-    for word in ("K_TS by Eq. 45", "wave_generator.interference", "compiler", "Convergence", "Plan", "no tolerance was stated",
+    for word in ("K_TS by Eq. 45", "<td>interference</td>", "compiler", "Convergence", "Plan", "no tolerance was stated",
                  "Compared with Hu et al.", "10.3389/fmats.2023.1211019", hdengine.__version__):
         assert word in page, word
 
@@ -106,6 +107,36 @@ def test_report_of_a_study(tmp_path, capsys):
     page = (tmp_path / "s.html").read_text()
     assert "out of range" in page and "data:image/png" in page and "a &lt; b" in page
     assert main(["report", str(tmp_path)]) == 3 and "neither a run" in capsys.readouterr().err
+
+
+def test_report_of_a_surface(exe, tmp_path):
+    """Verdict, figure, all inputs and provenance of a surface run are in its report."""
+    done = call(exe, ROOT / "data/surface.nml", "surface.nx=101", "surface.ny=101", "--out", tmp_path / "s", "-q")
+    assert done.returncode == 0, done.stderr
+    page = write_report(tmp_path / "s").read_text()
+    for text in ("verdict", "data:image/png", "ridges = 10", "nx = 101", "Provenance"):
+        assert text in page
+
+
+def test_report_of_a_planned_run(tmp_path):
+    """The plan's verdict, estimates, reasons and coarse runs are in the report, the mesh as it was solved, edge cells counted."""
+    keys = {"run.tolerance": 0.5, "solver.kinematics": "linear", "load.torque": 1.0}
+    run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "p.out", **keys)
+    page = write_report(run.folder, picture=False).read_text()
+    assert "Tolerance 0.5: met by the estimate" in page and "{} x {} facets".format(*run.shape) in page
+    for text in (*run.summary["plan"]["reasons"][:2], "Solved for it"):
+        assert text in page
+    assert page.count("hex8i linear") == len((run.folder / "plan.csv").read_text().splitlines()) - 1
+    assert "band_facets" in page and "first_lag" not in page  # keys of surfaces are none of a drive
+
+
+def test_colours_do_not_rest_on_edge_cells():
+    """A thousandth of the area under a hundred times the pressure leaves the colours as they are; half of it does not."""
+    pressure, area = np.ones(100), np.ones(100)
+    pressure[:10], area[:10] = 100, 1e-3
+    assert colour_top(pressure, area) == 1
+    assert colour_top(pressure, np.ones(100)) == 100
+    assert colour_top(np.zeros(4), np.ones(4)) == 1
 
 
 def test_small_multiples_of_any_number_of_steps(tmp_path):

@@ -9,7 +9,8 @@ from conftest import ROOT
 import hdengine
 from hdengine import namelist, workers
 from hdengine.cli import main
-from hdengine.plot_study import plot_study
+from hdengine.plot import plt
+from hdengine.plot_study import axes_of, draw, plot_study
 from hdengine.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
@@ -26,6 +27,17 @@ def test_studies_of_the_paper_are_valid(path):
     study = Study.read(path)
     for point in study.points[:40]:
         hdengine.read_scene(study.scene, **{**study.fixed, **point})
+
+
+def test_torques_are_drawn_at_their_last_step(tmp_path):
+    """A study of final torques is one line of one point each, not one line per load step."""
+    result = small(grid={"load.torque": [2.0, 3.0, 4.0]}).run(tmp_path / "t", show=False)
+    x, ys, lines = axes_of(result)
+    assert (x, lines) == ("load.torque", None)
+    axis = plt.subplots()[1]
+    draw(axis, result, x, ys[0], lines)
+    assert [line.get_xdata().tolist() for line in axis.lines] == [[2.0, 3.0, 4.0]]
+    assert axis.lines[0].get_ydata()[-1] == pytest.approx(1e-6 * result.select(torque_nm=4.0)[0]["k_ts_nm_per_rad"])
 
 
 def test_table_holds_the_runs(tmp_path):
@@ -96,9 +108,6 @@ def test_workers_give_the_same_table_and_may_die(tmp_path):
 
 def test_lines_of_a_figure():
     """Keys that follow x draw no line of their own, too many keys are held at the first point, failed points are not drawn."""
-    from hdengine.plot import plt
-    from hdengine.plot_study import draw
-
     class Table:
         summary = {"figure": {}, "swept": ["a", "b", "c", "d"]}
 

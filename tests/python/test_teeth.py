@@ -6,6 +6,9 @@ from conftest import ROOT, call
 
 import hdengine
 from hdengine.catalogue import UNITS, stages
+from hdengine.plot import plot_teeth
+from hdengine.plot_study import plot_catalogue
+from hdengine.report import write_report
 from hdengine.results import read_csv
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "output.vtu=none"]
@@ -87,6 +90,38 @@ def test_chords_of_a_catalogue_curve():
     t = np.array([0, 2, 5])
     k = stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm)
     assert k[:2] == pytest.approx([4.7e3, 6.1e3]) and np.isnan(k[2])
+
+
+def test_run_against_teeth_says_what_it_is_for(exe, tmp_path):
+    """Printed objects, figures and report name K_FTS and the pairs' shares, not Eq. 45 or the joint, which a bonded ring has not."""
+    solve(exe, tmp_path / "r", "load.tooth_clearance=20e-6")
+    result = hdengine.load(tmp_path / "r")
+    k = result.secant_stiffness()
+    assert np.isnan(k[0]) and k[-1] == pytest.approx(5 / result.steps["rotation_rad"][-1])
+    page = write_report(tmp_path / "r", picture=False).read_text()
+    for text in (repr(result), page):
+        assert "K_FTS" in text and "Eq. 45" not in text.replace("Eq. 45 says", "") and "spot" not in text
+    assert plot_teeth(result).axes[2].get_ylim()[1] > 100 * result.teeth["share"].max()
+    assert "shares of the pairs 0.0 to" in repr(result) and f"{1e-3 * k[-1]:.5g}" in page
+    solve(exe, tmp_path / "r", "load.torque_steps=0")
+    assert "no torque" in repr(hdengine.load(tmp_path / "r"))
+    assert "no torque" in write_report(tmp_path / "r", picture=False).read_text()
+    with hdengine.Run(ROOT / "data/teeth.nml", mesh={"divisions": 24, "band_facets": 4}, load={"torque_steps": 1}) as run:
+        steps = list(run)
+    assert "K_FTS -" in str(steps[0]) and f"K_FTS {5 / steps[-1].sums['rotation_rad']:.4g} N m/rad" in str(steps[-1])
+
+
+def test_figure_beside_the_catalogue(tmp_path):
+    """The study of sizes draws K_FTS over the size, one line per clearance, beside K1, K2, K3."""
+    study = hdengine.Study.read(ROOT / "data/teeth_sizes.nml")
+    study.together = {key: values[:2] for key, values in study.together.items()}
+    study.fixed |= {"mesh.divisions": 16, "mesh.band_facets": 3}
+    figure = plot_catalogue(study.run(tmp_path / "s.out", show=False))
+    lines = {line.get_label(): line for line in figure.axes[0].lines}
+    assert len(lines) == 5 and "catalogue K3" in lines
+    ours = next(line for name, line in lines.items() if "closed" in name)
+    np.testing.assert_allclose(ours.get_xdata(), [14, 17], rtol=1e-3)
+    assert ours.get_ydata()[1] / ours.get_ydata()[0] == pytest.approx((17 / 14) ** 3, rel=2e-2)
 
 
 def test_balls_between_wave_generator_and_ring(exe, tmp_path):

@@ -10,7 +10,8 @@ module hd_newton
   use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
+    apply_stiffness
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   implicit none
@@ -84,6 +85,7 @@ contains
     type(linearisation_t) :: here
     type(globalisation_t) :: global
     type(iteration_t) :: row
+    type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
     logical :: search
     integer(int64) :: start, now, rate
@@ -93,10 +95,15 @@ contains
     sliding = .false.
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
+    guess = state
+    call update_tangent(problem, guess%u)
     where (problem%fixed) state%u = load%displacement
     du = state%u
     dt = state%traction
     call linearise(problem, load, previous, state, here)
+    ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
+    if (allocated(problem%lagrangian)) &
+      here%r_u = internal_residual(problem, load, guess) + apply_stiffness(problem, state%u - guess%u)
     do
       call system_clock(now)
       row%residual = here%merit
@@ -114,7 +121,7 @@ contains
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
-      call update_tangent(problem, state%u)
+      if (row%iteration > 0) call update_tangent(problem, state%u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
       call solver%update(problem, here%dw, here%dt, error)

@@ -25,11 +25,11 @@ import hdengine
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "bench/results/promised_scenes.jsonl"
-BAND = (4, 6, 8, 12, 16, 22, 32, 46)
+BAND = (4, 6, 8, 12, 16, 22, 32, 46, 64)
 TOLERANCES = (0.1, 0.03, 0.01)
 NAMES = ("k_ts", "normal_force", "mid_band_pressure")
 LIMIT_MB = 450
-FINEST = 8
+FINEST = 9
 
 
 def draw(i):

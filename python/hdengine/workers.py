@@ -18,10 +18,14 @@ def _row(step, run, scene):
     normal = torsion.torsional_stiffness(f["k_n_n_per_m"], 0 * f["k_t_n_per_m"], *place)
     shape = run.facets // run.axial_facets, run.axial_facets
     rotation, torque = step.sums["rotation_rad"], step.sums["torque_nm"]
-    return {
-        "status": "done", **step.sums, "k_ts_nm_per_rad": step.k_ts_nm_per_rad, "k_ts_normal_nm_per_rad": float(normal),
+    stiffness = {
+        "k_ts_nm_per_rad": step.k_ts_nm_per_rad, "k_ts_normal_nm_per_rad": float(normal),
         "k_ts_paper_n": float(torsion.torsional_stiffness_paper(
-            f["k_n_n_per_m"], f["k_t_n_per_m"], f["theta_rad"], scene["geometry.bore_radius"], scene["wave_generator.w"])),
+            f["k_n_n_per_m"], f["k_t_n_per_m"], f["theta_rad"], scene["geometry.bore_radius"], scene["wave_generator.w"]))}
+    if scene["load.support"] == "teeth":  # bonded: there is no contact of Eq. 45
+        stiffness = dict.fromkeys(stiffness, float("nan"))
+    return {
+        "status": "done", **step.sums, **stiffness,
         "k_fe_secant_nm_per_rad": torque / rotation if torque and rotation else float("nan"),
         **long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),
     }

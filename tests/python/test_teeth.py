@@ -6,6 +6,7 @@ from conftest import ROOT, call
 
 import hdengine
 from hdengine.catalogue import UNITS, stages
+from hdengine import workers
 from hdengine.plot import plot_teeth
 from hdengine.plot_study import plot_catalogue
 from hdengine.report import write_report
@@ -138,3 +139,11 @@ def test_soft_balls_pull_with_their_stiffness(exe, tmp_path):
     assert done.returncode == 0, done.stderr
     c = {name: field[-1] for name, field in hdengine.load(tmp_path / "e").contact.items()}
     assert (c["pressure_pa"] * c["area_m2"] * np.cos(c["theta_rad"])).sum() == pytest.approx(1e4 * 1e-5 / 2, rel=0.02)
+
+
+def test_a_study_against_the_teeth_claims_no_contact_stiffness():
+    """The bonded ring has no contact of Eq. 45: its columns are empty, torque over rotation is K_FTS."""
+    keys = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 1}
+    row = workers.solve(ROOT / "data/teeth.nml", keys, "last")[0]
+    assert row["status"] == "done" and np.isnan([row["k_ts_nm_per_rad"], row["k_ts_normal_nm_per_rad"], row["k_ts_paper_n"]]).all()
+    assert row["k_fe_secant_nm_per_rad"] == pytest.approx(row["torque_nm"] / row["rotation_rad"])

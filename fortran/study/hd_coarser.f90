@@ -106,7 +106,7 @@ contains
           do i = 1, size(station)
             do l = 1, size(line)
               w(:, strip_node(to, i, l), s) = (1 - station(i)%part)*across(s, station(i)%low, line(l)) + &
-                station(i)%part*across(s, min(station(i)%low + 1, size(from%inner, 2)), line(l))
+                station(i)%part*across(s, station(i)%low + 1, line(l))
             end do
           end do
         end do
@@ -127,7 +127,7 @@ contains
       integer :: first
       first = coarse%problem%first(b) + sector*m
       x = (1 - line%part)*u(:, first + strip_node(from, i, line%low)) + &
-        line%part*u(:, first + strip_node(from, i, min(line%low + 1, from%layers + 1)))
+        line%part*u(:, first + strip_node(from, i, line%low + 1))
     end function across
   end function prolonged
 
@@ -158,20 +158,18 @@ contains
     x = [(real(i, dp)/n, i=0, n)]
   end function even
 
-  !> Places of points among others; both rise.
+  !> Places of points among others; both rise. Rounding counts as the point itself: beyond the band's ends there is no traction.
   pure function places(among, x) result(at)
     real(dp), intent(in) :: among(:), x(:)  !< known points, wanted ones
     type(between_t) :: at(size(x))
     integer :: i, k
     k = 1
     do i = 1, size(x)
-      do while (k < size(among) - 1 .and. x(i) >= among(min(k + 1, size(among))))
+      do while (k < size(among) - 1 .and. x(i) >= among(k + 1))
         k = k + 1
       end do
-      at(i)%low = k
-      at(i)%part = min(1._dp, max(0._dp, (x(i) - among(k))/(among(k + 1) - among(k))))
-      if (at(i)%part < 1e-9_dp) at(i)%part = 0
-      if (at(i)%part > 1 - 1e-9_dp) at(i) = between_t(min(k + 1, size(among) - 1), merge(1._dp, 0._dp, k + 1 == size(among)))
+      at(i) = between_t(k, min(1._dp, max(0._dp, (x(i) - among(k))/(among(k + 1) - among(k)))))
+      if (abs(at(i)%part - nint(at(i)%part)) < 1e-9_dp) at(i)%part = nint(at(i)%part)
     end do
   end function places
 end module hd_coarser

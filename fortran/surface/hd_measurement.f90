@@ -51,14 +51,38 @@ contains
         if (.not. found) exit
         m%ridges = ridges_t(r%gamma, r%count, r%n_max + powers(i), r%length * r%gamma**powers(i))
         if (m%ridges%count * (m%ridges%n_max + 1) > most) cycle
-        call fit_maps(z, other, dx, dy, first, last, level, spectrum_t(model_ridges, p%f_lo, p%f_hi, m%ridges), told, m, error)
+        call attempt(spectrum_t(model_ridges, p%f_lo, p%f_hi, m%ridges), told)
         if (allocated(error)) return
         m%recognised = m%verdict%kind == fractal .and. m%fit%chi2 < limit(m%fit%freedom)
         if (m%recognised) return
       end do
     end if
-    call fit_maps(z, other, dx, dy, first, last, level, p, options, m, error)
+    call attempt(p, options)
   contains
+    !> Level, observe, judge and fit one model.
+    subroutine attempt(model, how)
+      type(spectrum_t), intent(in) :: model      !< model
+      type(fit_options_t), intent(in) :: how     !< how to fit
+      type(observation_t) :: o
+      type(verdict_t) :: v
+      real(dp) :: tilt(2)
+      logical :: diagonals
+      diagonals = model%model == model_isotropic
+      call look(z, dx, dy, first, last, level, diagonals, m%o, m%verdict, m%tilt, error)
+      if (allocated(error)) return
+      if (size(other) > 1) then
+        call look(other, dx, dy, first, last, level, diagonals, o, v, tilt, error)
+        if (allocated(error)) return
+        call add_observation(m%o, o, error)
+        if (allocated(error)) return
+        call join(m%verdict, v)
+      end if
+      if (.not. all(m%o%s > 0)) return
+      call fit_surface(m%o, model, how, m%fit, error)
+      if (allocated(error)) return
+      call judge_fit(m%o, model, how, m%fit, m%verdict)
+    end subroutine attempt
+
     !> What chi2 exceeds once in 10 000 (Wilson and Hilferty).
     pure real(dp) function limit(freedom)
       integer, intent(in) :: freedom    !< degrees of freedom
@@ -90,34 +114,6 @@ contains
       call find_ridges(flat, dx, dy, ridges, there)
     end subroutine find
   end subroutine look_for_ridges
-
-  !> Level, observe, judge and fit one model.
-  subroutine fit_maps(z, other, dx, dy, first, last, level, p, options, m, error)
-    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
-    real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
-    integer, intent(in) :: first, last                        !< window of lags in points
-    logical, intent(in) :: level                              !< take the planes off
-    type(spectrum_t), intent(in) :: p                         !< model
-    type(fit_options_t), intent(in) :: options                !< how to fit
-    type(measurement_t), intent(inout) :: m                   !< what was found
-    type(error_t), allocatable, intent(out) :: error          !< bad map, bad model
-    type(observation_t) :: o
-    type(verdict_t) :: v
-    real(dp) :: tilt(2)
-    call look(z, dx, dy, first, last, level, p%model == model_isotropic, m%o, m%verdict, m%tilt, error)
-    if (allocated(error)) return
-    if (size(other) > 1) then
-      call look(other, dx, dy, first, last, level, p%model == model_isotropic, o, v, tilt, error)
-      if (allocated(error)) return
-      call add_observation(m%o, o, error)
-      if (allocated(error)) return
-      call join(m%verdict, v)
-    end if
-    if (.not. all(m%o%s > 0)) return
-    call fit_surface(m%o, p, options, m%fit, error)
-    if (allocated(error)) return
-    call judge_fit(m%o, p, options, m%fit, m%verdict)
-  end subroutine fit_maps
 
   !> One map: plane, structure function, first judgement.
   subroutine look(z, dx, dy, first, last, level, diagonals, o, v, tilt, error)

@@ -4,12 +4,13 @@ module hd_command_line
   use, intrinsic :: iso_fortran_env, only: output_unit
   use hd_error, only: error_t, raise, code_input
   use hd_help, only: help_text, license_text, citation_text, version_text
-  use hd_input, only: read_scene, explain
+  use hd_input, only: read_scene, holds_study, explain
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_map_run, only: check_map_run, run_map
   use hd_planner, only: run_planned, plan_text
   use hd_job, only: run_scene
   use hd_scene, only: scene_t
+  use hd_system, only: become_program
   use hd_text, only: string_t, push, nearest_name, join
   implicit none
   private
@@ -132,6 +133,8 @@ contains
       call explain(command%key, answer, error)
       if (.not. allocated(error)) call print_text(answer)
     case default
+      if (holds_study(command%input)) call hand_over(command, error)
+      if (allocated(error)) return
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
@@ -162,6 +165,31 @@ contains
       end if
     end select
   end subroutine obey
+
+  !> Give a study to the command of the Python package; returns only if that is not installed, or with an error.
+  subroutine hand_over(command, error)
+    type(command_t), intent(in) :: command            !< what is asked; a study always goes on where it stopped
+    type(error_t), allocatable, intent(out) :: error  !< assignments to a study
+    type(string_t), allocatable :: words(:)
+    if (size(command%assignments) > 0) then
+      call raise(error, code_input, "'"//command%assignments(1)%s//"' has no place in a study: write it into &fixed of '"// &
+        command%input//"'")
+      return
+    end if
+    call push(words, 'hdengine')
+    call push(words, trim(merge('plan ', 'study', command%action == 'plan')))
+    call push(words, command%input)
+    if (command%action == 'check') call push(words, '--check')
+    if (command%action /= 'plan') then
+      if (command%level == quiet) call push(words, '-q')
+      if (command%force) call push(words, '--force')
+      if (len(command%folder) > 0) then
+        call push(words, '--out')
+        call push(words, command%folder)
+      end if
+    end if
+    call become_program(words)
+  end subroutine hand_over
 
   !> File name without folder and extension: results land where the run starts.
   pure function stem(path) result(s)

@@ -15,7 +15,8 @@ contains
     character(len=:), allocatable :: s
     s = 'usage: hdengine.x [options] input.nml [group.key=value ...]'//nl//nl// &
       'Torsional stiffness of the contact between flexspline and flexible bearing'//nl// &
-      'of a harmonic drive. Results land in <stem>.out/, the summary last.'//nl//nl// &
+      'of a harmonic drive. Results land in <stem>.out/, the summary last.'//nl// &
+      'A study of many scenes is given to the command hdengine study.'//nl//nl// &
       '  --out DIR       folder for the results'//nl// &
       '  --force         replace earlier results'//nl// &
       '  --resume        go on with a stopped run of the same input'//nl// &

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals that ask for an orderly stop only set a flag; the load-step loop reads it. */
 #include <signal.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <errno.h>
 #include <unistd.h>
@@ -44,6 +46,19 @@ int hd_path_kind(const char *path)
 }
 
 int hd_is_terminal(void) { return isatty(1); }
+
+/* Become another program, the one beside this if there is one, else one of the search path; returns if neither is there. */
+void hd_become(char *const words[])
+{
+  char path[PATH_MAX];
+  ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
+  if (n > 0) {
+    path[n] = 0;
+    char *name = strrchr(path, '/') + 1;
+    if ((size_t)snprintf(name, path + sizeof path - name, "%s", words[0]) < (size_t)(path + sizeof path - name)) execv(path, words);
+  }
+  execvp(words[0], words);
+}
 
 /* A factorisation takes and gives back hundreds of MB each time; keep them (saves a fifth of the time, measured). */
 void hd_keep_memory(void)

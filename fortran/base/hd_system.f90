@@ -2,12 +2,13 @@
 !> The operating system: stop signals, folders, renaming.
 module hd_system
   use, intrinsic :: iso_fortran_env, only: int64
-  use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char
+  use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char, c_ptr, c_null_ptr, c_loc
   use hd_error, only: error_t, raise, code_file
+  use hd_text, only: string_t
   implicit none
   private
   public :: catch_signals, keep_memory, stop_requested, make_directory, rename_file, remove_file, truncate_file, &
-    path_kind, on_terminal
+    path_kind, on_terminal, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -43,6 +44,10 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
     end function c_kind
+    subroutine c_become(words) bind(c, name='hd_become')
+      import :: c_ptr
+      type(c_ptr), intent(in) :: words(*)
+    end subroutine c_become
     integer(c_int) function c_tty() bind(c, name='hd_is_terminal')
       import :: c_int
     end function c_tty
@@ -59,6 +64,23 @@ contains
   logical function on_terminal()
     on_terminal = c_tty() /= 0
   end function on_terminal
+
+  !> Become another program: the one beside this, else one of the search path. Returns only if there is none.
+  subroutine become_program(words)
+    type(string_t), intent(in) :: words(:)  !< its name and arguments
+    character(kind=c_char), allocatable, target :: text(:, :)
+    type(c_ptr) :: pointers(size(words) + 1)
+    integer :: i, k
+    allocate (text(maxval([(len(words(i)%s), i=1, size(words))]) + 1, size(words)), source=c_null_char)
+    do i = 1, size(words)
+      do k = 1, len(words(i)%s)
+        text(k, i) = words(i)%s(k:k)
+      end do
+      pointers(i) = c_loc(text(1, i))
+    end do
+    pointers(size(words) + 1) = c_null_ptr
+    call c_become(pointers)
+  end subroutine become_program
 
   !> What stands at a path.
   integer function path_kind(path)

@@ -10,7 +10,7 @@ module hd_input
   use hd_text, only: string_t, push, join, nearest_name, to_text, lower
   implicit none
   private
-  public :: read_scene, write_echo, explain
+  public :: read_scene, holds_study, write_echo, explain
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -42,6 +42,25 @@ contains
     if (.not. scene%map_only) call check_memory(scene, error)
   end subroutine read_scene
 
+  !> Does a file describe a study, many scenes, and not one scene? A file that cannot be read does not.
+  logical function holds_study(path)
+    character(len=*), intent(in) :: path  !< input file
+    type(namelist_t) :: list
+    type(error_t), allocatable :: error
+    call read_namelist(path, list, error)
+    holds_study = .not. allocated(error)
+    if (holds_study) holds_study = study_group(list) > 0
+  end function holds_study
+
+  !> First group that only a study has, or 0.
+  pure integer function study_group(list)
+    type(namelist_t), intent(in) :: list  !< scanned file
+    do study_group = 1, size(list%groups)
+      if (any(list%groups(study_group)%group == [character(len=8) :: 'study', 'grid', 'together'])) return
+    end do
+    study_group = 0
+  end function study_group
+
   !> Is only a surface asked for?
   pure logical function surface_alone(table)
     type(table_t), intent(in) :: table    !< table after reading
@@ -68,6 +87,14 @@ contains
     type(table_t), intent(inout) :: table    !< table
     character(len=:), allocatable :: what, hint
     integer :: i, row
+    row = study_group(list)
+    if (row > 0) then
+      associate (g => list%groups(row))
+        call report(list, g%line, g%column, len(g%group) + 1, 'a study of many scenes, not a scene', &
+          "run it by 'hdengine study', of the Python package")
+      end associate
+      return
+    end if
     do i = 1, size(list%groups)
       associate (g => list%groups(i))
         if (has(groups_of(table), g%group)) then

@@ -54,8 +54,13 @@ def _completion(args):
 def _study(args):
     from .study import Study
 
+    study = Study.read(args.input)
+    if args.check:
+        study.check()
+        print(f"{args.input} is valid: {study}")
+        return 0
     out = args.out or Path(args.input).with_suffix(".out").name
-    Study.read(args.input).run(out, args.jobs, args.force, args.retry)
+    study.run(out, args.jobs, args.force, args.retry, show=not args.quiet)
     return _plot(argparse.Namespace(folder=out))
 
 
@@ -155,6 +160,8 @@ def make_parser():
                      "study data/fig13_w.nml --jobs 2")
     study.add_argument("input", help="study namelist")
     study.add_argument("--jobs", type=int, default=1, help="worker processes (default: this process alone)")
+    study.add_argument("--check", action="store_true", help="check the study and the scene of a point, then stop")
+    study.add_argument("-q", "--quiet", action="store_true", help="no progress")
     study.add_argument("--retry", action="store_true", help="solve failed points again")
     for sub in (run, study):
         sub.add_argument("--out", help="folder for the results")

@@ -33,9 +33,9 @@ def exe():
     return executable()
 
 
-def call(exe, *args, cwd=None):
+def call(exe, *args, **options):
     """Run hdengine.x and return the finished process."""
-    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, cwd=cwd, timeout=600)
+    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=600, **options)
 
 
 @pytest.fixture(scope="session")

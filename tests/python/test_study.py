@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies: points, failing points, resuming, workers, figures."""
 import json
+import shutil
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, call
 
 import hdengine
 from hdengine import namelist, workers
@@ -165,3 +166,18 @@ def test_command(tmp_path, monkeypatch, capsys):
     (tmp_path / "t.nml").write_text("&grid wave_generator.interferenz = 0, 5e-6 /\n")
     assert main(["study", "t.nml"]) == 2 and "did you mean 'interference'" in capsys.readouterr().err
     assert main(["plot", str(tmp_path)]) == 3
+
+
+def test_the_program_hands_a_study_to_the_command(exe, tmp_path):
+    """`hdengine.x` runs a study by the command beside it; options pass, assignments are refused, and so is a lone program."""
+    path = tmp_path / "two.nml"
+    path.write_text("&fixed mesh.divisions = 16, mesh.band_facets = 3, load.torque_steps = 1 /\n&grid load.torque = 1.0, 2.0 /\n")
+    assert "2 points" in call(exe, path, "--check").stdout
+    done = call(exe, path, "-q", "--out", tmp_path / "o")
+    assert done.returncode == 0 and len(StudyResult(tmp_path / "o").rows) > 1 and not done.stderr
+    done = call(exe, path, "load.torque=3", "--out", tmp_path / "p")
+    assert done.returncode == 2 and "&fixed" in done.stderr and not (tmp_path / "p").exists()
+    lone = shutil.copy(exe, tmp_path / "lone.x")
+    done = call(lone, path, "--out", tmp_path / "p", env={"PATH": ""})
+    assert done.returncode == 2 and done.stderr.count("error: ") == 1 and "hdengine study" in done.stderr
+    assert not (tmp_path / "p").exists()

@@ -33,8 +33,9 @@ contains
     real(dp), parameter :: big = huge(1._dp)
     call whole(t, 'hd_input', 'version', s%version, 1, 1, 'format of this file')
     call text(t, 'run', 'title', s%title, '', 'one line that names the run in its results')
-    call number(t, 'run', 'tolerance', s%promise, '', 0._dp, 0.5_dp, 'error promised of K_TS, normal force and mid-band '// &
-      'pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', closed=.true.)
+    call number(t, 'run', 'tolerance', s%promise, '', 0._dp, 0.5_dp, 'error promised of the limits of K_TS, normal '// &
+      'force and mid-band pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', &
+      closed=.true.)
     call number(t, 'geometry', 'bore_radius', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call number(t, 'geometry', 'wall_thickness', s%wall_thickness, 'm', 0._dp, big, 'wall of the cup behind the toothed rim')

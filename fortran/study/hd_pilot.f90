@@ -8,7 +8,7 @@ module hd_pilot
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_input, only: write_echo
   use hd_load_step, only: advance
-  use hd_run, only: run_t, new_run, finish
+  use hd_run, only: run_t, new_run, finish, quantities
   use hd_scene, only: scene_t
   use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file
   use hd_text, only: string_t, push, to_text
@@ -109,18 +109,6 @@ contains
       call advance(run, done, error)
     end do
   end subroutine solve
-
-  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
-  pure function quantities(run) result(q)
-    type(run_t), intent(in) :: run  !< finished run
-    real(dp) :: q(3)
-    real(dp), allocatable :: lever(:)
-    associate (f => run%facets)
-      lever = f%x(1, :)*f%normal(2, :) - f%x(2, :)*f%normal(1, :)
-      q = [sum(f%k_n*lever**2 + f%k_t*(f%x(1, :)**2 + f%x(2, :)**2 - lever**2)), run%sums%normal_force, &
-        run%sums%pressure_middle]
-    end associate
-  end function quantities
 
   !> Everything a plan may choose, in one word.
   pure function name_of(s) result(name)

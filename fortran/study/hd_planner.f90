@@ -3,9 +3,10 @@
 !> error estimates; what is chosen is then run like any other scene, from the command line and from Python.
 !>
 !> Meshes of a series grow by about 2^(1/2) per level in all directions. Everything but the mesh is chosen on a coarse one: what
-!> is made finer there until that changes little. The promise is against a mesh three refinements finer. K_TS converges in
-!> proportion to the facets' length h at worst, so each of the last three differences |q_l - q_(l-k)| gives an estimate
-!> |q_l - q_(l-k)| (h_l - h_(l+3)) / (h_(l-k) - h_l); the largest counts, with a margin for what is not that regular.
+!> is made finer there until that changes little. K_TS converges in proportion to the facets' length h, slowly but evenly: the
+!> facets that the edge of the contact crosses decide. So the line through the last three levels is taken to h = 0, and what is
+!> promised is that limit. Its error is estimated by what the last level changed, at least by a share of the way from the mesh to
+!> the limit, with a margin.
 module hd_planner
   use hd_kinds, only: dp, pi
   use hd_cost, only: band_rows, estimate_memory_mb, allowed_memory_mb
@@ -22,30 +23,43 @@ module hd_planner
   public :: new_planned_run, run_planned, plan_text
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
-  real(dp), parameter :: first_error = 1.3_dp   !< error expected with one facet; it falls as 1 / facets (reference scenes)
+  real(dp), parameter :: first_error = 16       !< estimate expected with one facet; it falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on the estimate
+  real(dp), parameter :: share = 0.25_dp        !< of the way from a mesh to the limit that counts as its error at least
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
-  integer, parameter :: coarse = 2              !< level on which everything but the mesh is chosen
   real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
     type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
     real(dp) :: change(3) = 0                   !< of K_TS, normal force, mid-band pressure by what was not made finer
-    real(dp) :: estimate(3) = 0                 !< estimated relative errors of the same
+    real(dp) :: estimate(3) = 0                 !< estimated relative errors of their limits
+    real(dp) :: to_limit(3) = 1                 !< limit over what the mesh gives
     integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
     logical :: met = .false.                    !< the estimate is within the tolerance
   end type plan_t
 
 contains
 
-  !> Level that is expected to meet the tolerance.
+  !> Level on which the tolerance may be met: estimates scatter by a factor of two.
   pure integer function first_level(tolerance) result(level)
     real(dp), intent(in) :: tolerance  !< relative
-    do level = 4, size(band) - 1
-      if (first_error/band(level) <= tolerance) return
+    do level = 5, size(band) - 1
+      if (expected_error(level) <= 2*tolerance) return
     end do
   end function first_level
+
+  !> Level on which everything but the mesh is chosen: the coarsest that the estimates need.
+  pure integer function coarse(scene)
+    type(scene_t), intent(in) :: scene  !< scene with a tolerance
+    coarse = first_level(scene%promise) - 3
+  end function coarse
+
+  !> Estimate that is expected on a level.
+  pure real(dp) function expected_error(level)
+    integer, intent(in) :: level  !< of the series
+    expected_error = first_error/band(level)**2
+  end function expected_error
 
   !> Scene on a mesh of the series; the user's sections stay.
   pure type(scene_t) function meshed(scene, level) result(s)
@@ -91,15 +105,15 @@ contains
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
-    s = meshed(plan%scene, coarse)
+    s = meshed(plan%scene, coarse(plan%scene))
     call pilot%probe(s, small_q, error)
     s%kinematics = 'nonlinear'
     if (.not. allocated(error)) call pilot%probe(s, large_q, error)
     if (allocated(error)) return
     change = maxval(abs(large_q - small_q)/(abs(large_q) + tiny(1._dp)))
     if (change > 0.5_dp*plan%scene%promise) plan%scene%kinematics = 'nonlinear'
-    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//to_text(change)// &
-      ', half the tolerance is '//to_text(0.5_dp*plan%scene%promise))
+    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//percent(change)// &
+      ', half the tolerance is '//percent(0.5_dp*plan%scene%promise))
   end subroutine choose_kinematics
 
   !> A scene with one of its choices finer.
@@ -119,35 +133,56 @@ contains
     end select
   end function finer
 
-  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements.
+  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements. A
+  !> refinement that does not converge is passed over.
   subroutine choose(pilot, choice, most, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     character(len=*), intent(in) :: choice            !< load steps, edge cells, layers
     integer, intent(in) :: most                       !< refinements
     type(plan_t), intent(inout) :: plan               !< gets it
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(error_t), allocatable :: trouble
     type(scene_t) :: now, next
     real(dp) :: q(3), new(3), change(3)
+    logical :: compared
     integer :: i
-    now = small_displacements(meshed(plan%scene, coarse))
+    now = small_displacements(meshed(plan%scene, coarse(plan%scene)))
+    next = now
+    compared = .false.
     call pilot%probe(now, q, error)
+    if (allocated(error)) return
     do i = 1, most
-      next = finer(now, choice)
-      if (.not. allocated(error)) call pilot%probe(next, new, error)
-      if (allocated(error)) return
+      next = finer(next, choice)
+      call pilot%probe(next, new, trouble)
+      if (allocated(trouble)) then
+        if (trouble%code == code_not_converged .and. i < most) cycle
+        if (.not. compared .or. trouble%code /= code_not_converged) call move_alloc(trouble, error)
+        exit
+      end if
       change = abs(new - q)/(abs(new) + tiny(1._dp))
+      compared = .true.
       if (maxval(change) <= small*plan%scene%promise) exit
       now = next
       q = new
     end do
+    if (allocated(error)) return
     plan%change = plan%change + change
     plan%scene%assembly_steps = now%assembly_steps
     plan%scene%torque_steps = now%torque_steps
     plan%scene%edge_length = now%edge_length
     plan%scene%through_wall = now%through_wall
     plan%scene%through_ring = now%through_ring
-    call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//to_text(maxval(change)))
+    call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//percent(maxval(change)))
   end subroutine choose
+
+  !> A share in per cent, two digits.
+  pure function percent(share_of_one) result(text)
+    real(dp), intent(in) :: share_of_one  !< relative
+    character(len=:), allocatable :: text
+    character(len=20) :: buffer
+    write (buffer, '(f20.2)') 100*share_of_one
+    text = trim(adjustl(buffer))//' %'
+  end function percent
 
   !> A choice in words.
   pure function choice_text(s, choice) result(text)
@@ -177,19 +212,33 @@ contains
     if (.not. allocated(error)) call choose(pilot, 'layers', 3, plan, error)
   end subroutine choose_all
 
-  !> Estimated relative errors from up to four levels, against a mesh three refinements finer.
-  pure function estimated(q, level) result(e)
+  !> Limits of fine facets: the line through the last three levels, at h = 0.
+  pure function limits(q, level) result(limit)
     real(dp), intent(in) :: q(:, :)  !< quantities by level (3, levels)
-    integer, intent(in) :: level     !< the finest that is known
-    real(dp) :: e(3), h(level)
-    integer :: k
-    h = 1._dp/band(:level)
-    e = 0
-    do k = 1, min(3, level - 1)
-      e = max(e, abs(q(:, level) - q(:, level - k))*h(level)*(1 - 2**(-1.5_dp))/(h(level - k) - h(level)))
+    integer, intent(in) :: level     !< the finest of the three
+    real(dp) :: limit(3), h(3)
+    integer :: i
+    h = 1._dp/band(level - 2:level)
+    h = h - sum(h)/3
+    do i = 1, 3
+      limit(i) = sum(q(i, level - 2:level))/3 - sum(h*q(i, level - 2:level))/sum(h**2)*(1._dp/band(level) - h(3))
     end do
-    e = margin*e/(abs(q(:, level)) + tiny(1._dp))
-  end function estimated
+  end function limits
+
+  !> Limits and their estimated errors from four levels.
+  pure subroutine judge(q, level, plan)
+    real(dp), intent(in) :: q(:, :)       !< quantities by level (3, levels)
+    integer, intent(in) :: level          !< the finest that is known
+    type(plan_t), intent(inout) :: plan   !< gets both
+    real(dp) :: limit(3)
+    limit = limits(q, level)
+    plan%level = level
+    plan%to_limit = 1
+    where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
+    plan%estimate = margin*max(abs(limit - limits(q, level - 1)), share*abs(limit - q(:, level)))/(abs(limit) + tiny(1._dp)) + &
+      plan%change
+    plan%met = maxval(plan%estimate) <= plan%scene%promise
+  end subroutine judge
 
   !> Choose everything; refine until the estimate is within the tolerance.
   subroutine plan_scene(pilot, scene, plan, error)
@@ -219,11 +268,10 @@ contains
       call pilot%probe(small_displacements(now), q(:, level), error)
       if (allocated(error)) return
       if (level < start) cycle
-      plan%level = level
-      plan%estimate = estimated(q, level) + plan%change
-      plan%met = maxval(plan%estimate) <= scene%promise
+      call judge(q, level, plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
-        ': estimated error '//to_text(maxval(plan%estimate))//', tolerance '//to_text(scene%promise))
+        ': K_TS '//percent(1/plan%to_limit(1) - 1)//' above its limit; that is known to '//percent(maxval(plan%estimate))// &
+        ', tolerance '//percent(scene%promise))
       if (plan%met .or. level == size(band)) exit
       if (.not. fits(meshed(plan%scene, level + 1))) exit
     end do
@@ -256,10 +304,11 @@ contains
       ': found from load and state, step by step')
     run%record%promise = scene%promise
     run%record%estimate = plan%estimate
+    run%record%to_limit = plan%to_limit
     run%record%level = plan%level
     run%record%reasons = plan%reasons
     if (plan%level > 0 .and. .not. plan%met) &
-      call push(run%record%warnings, 'the tolerance is not met: estimated error '//to_text(maxval(plan%estimate)))
+      call push(run%record%warnings, 'the tolerance is not met: estimated error '//percent(maxval(plan%estimate)))
   end subroutine new_planned_run
 
   !> Plan a scene and run it.
@@ -286,6 +335,9 @@ contains
     call solve(run, error)
     call finish(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
+    if (allocated(error) .or. run%record%level == 0) return
+    call say('limit     K_TS '//to_text(run%record%limit(1))//' N m/rad, normal force '//to_text(run%record%limit(2))// &
+      ' N, mid-band pressure '//to_text(run%record%limit(3))//' Pa, known to '//percent(maxval(run%record%estimate)))
   end subroutine run_planned
 
   !> A mesh is within the memory allowed.
@@ -314,19 +366,19 @@ contains
     allocate (plan%reasons(0))
     call new_pilot(scene, '', .false., pilot, error)
     if (.not. allocated(error)) call choose_all(pilot, plan, error)
-    s = meshed(plan%scene, coarse)
+    s = meshed(plan%scene, coarse(plan%scene))
     if (s%kinematics == 'nonlinear') s%edge_length = 0
     if (.not. allocated(error)) call pilot%probe(s, q, error)
     if (allocated(error)) return
-    base = [pilot%seconds_of(small_displacements(meshed(plan%scene, coarse))), pilot%seconds_of(s)]
-    facets = [s%divisions*band_rows(meshed(plan%scene, coarse)), s%divisions*band_rows(s)]
+    base = [pilot%seconds_of(small_displacements(meshed(plan%scene, coarse(plan%scene)))), pilot%seconds_of(s)]
+    facets = [s%divisions*band_rows(meshed(plan%scene, coarse(plan%scene))), s%divisions*band_rows(s)]
     do i = 1, size(plan%reasons)
       text = text//plan%reasons(i)%s//nl
     end do
     text = text//'solver '//trim(s%method)//': the least predicted time; symmetry '//trim(s%symmetry)// &
       ': as load and state allow'//nl// &
-      'series of meshes: estimates begin three levels before the one marked; from there the mesh is refined until its'//nl// &
-      'estimated error is below '//to_text(scene%promise)//'; that mesh is run ('//trim(plan%scene%kinematics)// &
+      'series of meshes: estimates begin three levels before the one marked; from there the mesh is refined until the'//nl// &
+      'limit is known to '//percent(scene%promise)//'; that mesh is run ('//trim(plan%scene%kinematics)// &
       ' kinematics)'//nl// &
       'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
     start = first_level(scene%promise)
@@ -335,9 +387,9 @@ contains
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
       if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
-      if (level >= start - 3 .and. level /= coarse) before = before + seconds(1)
+      if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*first_error/band(level), seconds, before + seconds(2), estimate_memory_mb(s), &
+        100*expected_error(level), seconds, before + seconds(2), estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do

@@ -23,7 +23,7 @@ module hd_run
   use hd_text, only: string_t, push, to_text
   implicit none
   private
-  public :: run_t, new_run, restore_run, accept, place, final_position, finish
+  public :: run_t, new_run, restore_run, accept, place, final_position, finish, quantities
 
   type :: run_t
     type(scene_t) :: scene
@@ -228,6 +228,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< files
     call judge_joint(run)
+    if (run%record%steps > 0) run%record%limit = run%record%to_limit*quantities(run)
     if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
       code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')
     run%record%timers%total = wall_seconds() - run%clock
@@ -242,6 +243,18 @@ contains
     end if
     call keep_model(run%scene, run%drive, run%solver, run%assembly)
   end subroutine finish
+
+  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
+  pure function quantities(run) result(q)
+    type(run_t), intent(in) :: run  !< finished run
+    real(dp) :: q(3)
+    real(dp), allocatable :: lever(:)
+    associate (f => run%facets)
+      allocate (lever, source=f%x(1, :)*f%normal(2, :) - f%x(2, :)*f%normal(1, :))
+      q = [sum(f%k_n*lever**2 + f%k_t*(f%x(1, :)**2 + f%x(2, :)**2 - lever**2)), run%sums%normal_force, &
+        run%sums%pressure_middle]
+    end associate
+  end function quantities
 
   !> Warn where the joint model leaves its range.
   subroutine judge_joint(run)

@@ -36,7 +36,9 @@ module hd_summary
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: promise = 0            !< tolerance that was planned for, 0: none
-    real(dp) :: estimate(3) = 0        !< estimated relative errors of K_TS, normal force, mid-band pressure
+    real(dp) :: to_limit(3) = 1        !< limit of fine meshes over what the mesh gives: K_TS, normal force, mid-band pressure
+    real(dp) :: limit(3) = 0           !< those limits at the last step [N m/rad], [N], [Pa]
+    real(dp) :: estimate(3) = 0        !< their estimated relative errors
     integer :: level = 0               !< of the series of meshes
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
@@ -99,9 +101,17 @@ contains
     if (record%promise > 0) then
       call json%begin('plan')
       call json%add('tolerance', record%promise)
-      call json%add('estimated_error_k_ts', record%estimate(1))
-      call json%add('estimated_error_normal_force', record%estimate(2))
-      call json%add('estimated_error_mid_band_pressure', record%estimate(3))
+      if (record%level > 0) then
+        call json%add('k_ts_nm_per_rad', record%limit(1))
+        call json%add('normal_force_n', record%limit(2))
+        call json%add('pressure_mid_mean_pa', record%limit(3))
+        call json%add('mesh_over_limit_k_ts', 1/record%to_limit(1))
+        call json%add('mesh_over_limit_normal_force', 1/record%to_limit(2))
+        call json%add('mesh_over_limit_mid_band_pressure', 1/record%to_limit(3))
+        call json%add('estimated_error_k_ts', record%estimate(1))
+        call json%add('estimated_error_normal_force', record%estimate(2))
+        call json%add('estimated_error_mid_band_pressure', record%estimate(3))
+      end if
       call json%add('level', record%level)
       call add_lines(json, 'reasons', record%reasons)
       call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%promise)))

@@ -108,8 +108,7 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-_PROMISED = {"estimated_error_k_ts": "K_TS", "estimated_error_normal_force": "normal force",
-             "estimated_error_mid_band_pressure": "mid-band pressure"}
+_PROMISED = ("K_TS / (N m/rad)", "normal force / N", "mid-band pressure / Pa")
 _PLANNED = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa", "seconds")
 
 
@@ -131,10 +130,13 @@ def _plan(result):
     if not planned:
         return text + ", as the scene says: no tolerance was stated (<code>run.tolerance</code>; <code>hdengine plan</code>).</p>"
     kept = planned["met"] == "yes"
-    text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: ' \
-        f'{"met" if kept else "not met"} by the estimate, ' \
-        "against a mesh three refinements finer: " + ", ".join(
-            f"{name} {100 * planned[key]:.2g} %" for key, name in _PROMISED.items()) + ".</p>"
+    text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
+        "by the estimate.</p>"
+    if result.limits:
+        rows = [[name, value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
+                for name, (value, error, mesh) in zip(_PROMISED, result.limits.values())]
+        text += "<p>What is promised of the last step:</p>" + _table(
+            ("quantity", "limit of fine meshes", "known to / %", "this mesh above it / %"), rows)
     reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
     text += f"<p>Why (changes are relative, the largest of the three quantities):</p><ul>{reasons}</ul>"
     if (folder / "plan.csv").is_file():

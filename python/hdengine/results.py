@@ -213,6 +213,21 @@ class Result:
         os.replace(part, path)
         return path
 
+    @property
+    def limits(self):
+        """What a planned run promises of its last step: limits of fine meshes.
+
+        Returns
+        -------
+        dict
+            k_ts_nm_per_rad, normal_force_n, pressure_mid_mean_pa: (limit, its estimated relative error, mesh over limit); empty
+            where nothing was planned.
+        """
+        plan = self.summary.get("plan", {})
+        names = {"k_ts_nm_per_rad": "k_ts", "normal_force_n": "normal_force", "pressure_mid_mean_pa": "mid_band_pressure"}
+        return {key: (plan[key], plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
+                for key, n in names.items() if key in plan}
+
     def __repr__(self):
         r = self.summary["results"]
         if self.against_teeth:
@@ -232,6 +247,10 @@ class Result:
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  {stiffness}",
         ]
+        if self.limits and not self.against_teeth:
+            k, error, mesh = self.limits["k_ts_nm_per_rad"]
+            lines.append(f"  limit of fine meshes: K_TS {k:.4g} N m/rad within {100 * error:.2g} % "
+                         f"(this mesh {100 * (mesh - 1):+.2g} %)")
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 
 

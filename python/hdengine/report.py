@@ -108,7 +108,7 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-_PROMISED = ("K_TS / (N m/rad)", "normal force / N", "mid-band pressure / Pa")
+_PROMISED = {"K_TS / (MN m/rad)": 1e-6, "normal force / N": 1, "mid-band pressure / MPa": 1e-6}
 _PLANNED = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa", "seconds")
 
 
@@ -133,8 +133,8 @@ def _plan(result):
     text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
         "by the estimate.</p>"
     if result.limits:
-        rows = [[name, value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
-                for name, (value, error, mesh) in zip(_PROMISED, result.limits.values())]
+        rows = [[name, factor * value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
+                for (name, factor), (value, error, mesh) in zip(_PROMISED.items(), result.limits.values())]
         text += "<p>What is promised of the last step:</p>" + _table(
             ("quantity", "limit of fine meshes", "known to / %", "this mesh above it / %"), rows)
     reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
@@ -170,7 +170,11 @@ def _stiffness(result):
         return found, k, \
             "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
     k, printed = result.torsional_stiffness()
-    return {"K_TS by Eq. 45 / (MN m/rad)": 1e-6 * k[-1], "Eq. 45 as printed / MN": 1e-6 * printed[-1]}, k, \
+    found = {"K_TS by Eq. 45 / (MN m/rad)": 1e-6 * k[-1], "Eq. 45 as printed / MN": 1e-6 * printed[-1]}
+    if result.limits:
+        limit, error, _ = result.limits["k_ts_nm_per_rad"]
+        found["K_TS, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
+    return found, k, \
         "The magnitude of K_TS rests on r_m and s_min, which are inputs; trends can be trusted."
 
 

@@ -171,7 +171,8 @@ contains
     type(command_t), intent(in) :: command            !< what is asked; a study always goes on where it stopped
     type(error_t), allocatable, intent(out) :: error  !< assignments to a study
     type(string_t), allocatable :: words(:)
-    if (size(command%assignments) > 0) then
+    integer :: i
+    if (size(command%assignments) > 0 .and. command%action /= 'plan') then
       call raise(error, code_input, "'"//command%assignments(1)%s//"' has no place in a study: write it into &fixed of '"// &
         command%input//"'")
       return
@@ -180,7 +181,11 @@ contains
     call push(words, trim(merge('plan ', 'study', command%action == 'plan')))
     call push(words, command%input)
     if (command%action == 'check') call push(words, '--check')
-    if (command%action /= 'plan') then
+    if (command%action == 'plan') then
+      do i = 1, size(command%assignments)
+        call push(words, command%assignments(i)%s)
+      end do
+    else
       if (command%level == quiet) call push(words, '-q')
       if (command%force) call push(words, '--force')
       if (len(command%folder) > 0) then

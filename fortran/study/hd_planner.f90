@@ -9,6 +9,7 @@
 !> the limit, with a margin.
 module hd_planner
   use hd_kinds, only: dp, pi
+  use hd_coarser, only: has_coarser
   use hd_cost, only: band_rows, estimate_memory_mb, allowed_memory_mb
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
@@ -246,7 +247,7 @@ contains
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     type(plan_t), intent(out) :: plan                 !< what to run
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
-    type(scene_t) :: now
+    type(scene_t) :: now, next
     real(dp) :: q(3, size(band))
     integer :: level, start
     plan%scene = scene
@@ -264,9 +265,15 @@ contains
       if (fits(meshed(plan%scene, start))) exit
     end do
     do level = start - 3, size(band)
-      now = meshed(plan%scene, level)
-      call pilot%probe(small_displacements(now), q(:, level), error)
-      if (allocated(error)) return
+      next = meshed(plan%scene, level)
+      call pilot%probe(small_displacements(next), q(:, level), error)
+      if (allocated(error)) then
+        if (level <= start .or. error%code /= code_not_converged) return
+        deallocate (error)
+        call note(plan, 'the next mesh does not converge: this one is run')
+        exit
+      end if
+      now = next
       if (level < start) cycle
       call judge(q, level, plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
@@ -349,7 +356,8 @@ contains
   end function fits
 
   !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
-  !> Time grows as facets^1.4 (condensed) and ^1.3 (sparse matrix); a linear run repeats its estimate from known states.
+  !> Time grows as facets^1.4 (condensed) and ^1.3 (sparse matrix); a linear run repeats its estimate from known states, first
+  !> guesses save large displacements three fifths of the iterations.
   subroutine plan_text(scene, text, error)
     type(scene_t), intent(in) :: scene                       !< scene with a tolerance
     character(len=:), allocatable, intent(out) :: text       !< plan
@@ -387,6 +395,7 @@ contains
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
       if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
+      if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
         100*expected_error(level), seconds, before + seconds(2), estimate_memory_mb(s), &

@@ -2,6 +2,7 @@
 """The command `hdengine`."""
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -198,7 +199,12 @@ def main(argv=None):
     """Entry of the command; returns the exit code of hdengine.x."""
     args = make_parser().parse_args(argv)
     try:
-        return args.action(args)
+        code = args.action(args)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # who read the output, as head, has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FileError.code
     except HdengineError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.code

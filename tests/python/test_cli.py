@@ -2,6 +2,7 @@
 """The command hdengine: help with examples, plan, completion, sensitivity."""
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from conftest import ROOT
@@ -22,6 +23,14 @@ def test_help_shows_an_example_that_parses(name, capsys):
     assert end.value.code == 0
     words = " ".join(capsys.readouterr().out.split("example: hdengine ")[1].split()).split(" > ")[0].split()
     assert words[0] == name and cli.make_parser().parse_args(words).command == name
+
+
+def test_a_reader_that_goes_away(exe):
+    """`hdengine ... | head`: no traceback, code 3 (bash's PIPESTATUS)."""
+    command = [Path(exe).with_name("hdengine"), "completion", "bash"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        running.stdout.close()
+        assert running.stderr.read() == "" and running.wait() == 3
 
 
 def test_plan(capsys, tmp_path):

@@ -77,40 +77,45 @@ def finer(keys, level, scene):
 
 
 def truth(keys, level, scene, folder):
-    """Limits from the three levels after one, and the CPU seconds of each."""
+    """K_TS, force and pressure of the three levels after one, and the CPU seconds of each."""
     found = [solve(finer(keys, k, scene), folder) for k in (level + 1, level + 2, level + 3)]
-    h = [1 / BAND[k - 1] for k in (level + 1, level + 2, level + 3)]
-    return np.polyfit(h, [q for q, _, _ in found], 1)[1], [seconds for _, _, seconds in found]
+    return [q for q, _, _ in found], [seconds for _, _, seconds in found]
 
 
-def judge(i, folder, tolerances):
-    """One row per scene: what was promised at each tolerance, and what is true."""
+def planned(keys, tolerance, folder):
+    """What a planned run promises, with the scene that it chose."""
+    wanted = {"run.tolerance": tolerance, "mesh.memory_limit_mb": LIMIT_MB, "solver.kinematics": "linear"}
+    try:
+        q, s, seconds = solve(keys | wanted, folder)
+    except hdengine.HdengineError as e:
+        return {"tolerance": tolerance, "message": str(e)[:120]}, None
+    plan, scene = s["plan"], s["scene"]
+    return {"tolerance": tolerance, "met": plan["met"], "level": plan["level"], "seconds": seconds,
+            "estimate": [plan[f"estimated_error_{n}"] for n in NAMES], "limit": [plan[n] for n in LIMITS], "mesh_gives": q,
+            "mesh": {k: scene[f"mesh.{k}"] for k in ("divisions", "band_facets", "edge_length", "through_wall")}}, scene
+
+
+def judge(i, folder, tolerances, row=None):
+    """A scene: what was promised at each tolerance, and what is true; a reference of an earlier row is used if it is fine enough."""
     keys = draw(i)
-    row = {"scene": i, "keys": keys, "runs": []}
-    for tolerance in tolerances:
-        wanted = {"run.tolerance": tolerance, "mesh.memory_limit_mb": LIMIT_MB, "solver.kinematics": "linear"}
+    runs, scenes = zip(*(planned(keys, tolerance, folder) for tolerance in tolerances))
+    row = (row or {}) | {"scene": i, "keys": keys, "runs": list(runs)}
+    made = [(run["level"], scene) for run, scene in zip(runs, scenes) if run.get("met") == "yes"]
+    if not made:
+        return row
+    level, finest = max(made, key=lambda m: m[0])
+    if row.get("reference_level", 0) < level + 3 <= FINEST:
         try:
-            q, s, seconds = solve(keys | wanted, folder)
-        except hdengine.HdengineError as e:
-            row["runs"].append({"tolerance": tolerance, "message": str(e)[:120]})
-            continue
-        plan, scene = s["plan"], s["scene"]
-        run = {"tolerance": tolerance, "met": plan["met"], "level": plan["level"], "seconds": seconds,
-               "estimate": [plan[f"estimated_error_{n}"] for n in NAMES], "limit": [plan[n] for n in LIMITS], "mesh_gives": q,
-               "mesh": {k: scene[f"mesh.{k}"] for k in ("divisions", "band_facets", "edge_length", "through_wall")}}
-        row["runs"].append(run)
-        if run["met"] == "yes":
-            finest, level = scene, plan["level"]
-    made = [run for run in row["runs"] if run.get("met") == "yes"]
-    if made and level + 3 <= FINEST:
-        try:
-            true, seconds = truth(keys, level, finest, folder)
-            row |= {"true": true.tolist(), "reference_level": level + 3, "reference_seconds": seconds}
-            for run in made:
-                run["true_error"] = abs(np.array(run["limit"]) / true - 1).tolist()
-                run["true_error_of_mesh"] = abs(np.array(run["mesh_gives"]) / true - 1).tolist()
+            row["reference"], row["reference_seconds"] = truth(keys, level, finest, folder)
+            row["reference_level"] = level + 3
         except hdengine.HdengineError as e:
             row["reference_message"] = str(e)[:120]
+    if row.get("reference_level", 0) >= level + 3:
+        h = [1 / BAND[k] for k in range(row["reference_level"] - 3, row["reference_level"])]
+        true = np.polyfit(h, row["reference"], 1)[1] if "reference" in row else row["true"]
+        for run in (run for run in runs if run.get("met") == "yes"):
+            run["true_error"] = abs(np.array(run["limit"]) / true - 1).tolist()
+            run["true_error_of_mesh"] = abs(np.array(run["mesh_gives"]) / true - 1).tolist()
     return row
 
 
@@ -168,22 +173,25 @@ def main():
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--again", action="store_true", help="plan scenes of the file again; their references are kept")
     parser.add_argument("--seconds", type=float, default=540, help="no new scene is begun after so long")
     parser.add_argument("--tolerances", type=float, nargs="+", default=TOLERANCES)
     args = parser.parse_args()
     os.nice(10)
 
     def known():
-        return [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
+        """Rows of the file; the last of a scene counts."""
+        rows = [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
+        return sorted({row["scene"]: row for row in rows}.values(), key=lambda row: row["scene"])
 
-    done = {row["scene"] for row in known()}
+    rows = {row["scene"]: row for row in known()}
     start = time.time()
     folder = tempfile.mkdtemp()
     for i in range(args.first, args.count, args.every):
         if time.time() - start > args.seconds:
             break
-        if i not in done:
-            row = judge(i, folder, args.tolerances)
+        if i not in rows or args.again:
+            row = judge(i, folder, args.tolerances, rows.get(i))
             with OUT.open("a") as f:
                 f.write(json.dumps(row) + "\n")
     shutil.rmtree(folder)

@@ -2,18 +2,16 @@
 !> A scene that states a tolerance: element, kinematics, load steps, cells at the band's edges, layers and mesh are chosen from
 !> error estimates; what is chosen is then run like any other scene, from the command line and from Python.
 !>
-!> Meshes of a series grow by about 2^(1/2) per level in all directions. Everything but the mesh is chosen on a coarse one: what
-!> is made finer there until that changes little. K_TS converges in proportion to the facets' length h, slowly but evenly: the
-!> facets that the edge of the contact crosses decide. So the line through the last three levels is taken to h = 0, and what is
-!> promised is that limit. Its error is estimated by what the last level changed, at least by a share of the way from the mesh to
-!> the limit, with a margin.
+!> Everything but the mesh is chosen on a coarse one: what is made finer there until that changes little. Then meshes of a series
+!> are solved until the limits that they point to are known to the tolerance. Those limits are promised.
 module hd_planner
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp
   use hd_coarser, only: has_coarser
   use hd_cost, only: band_rows, estimate_memory_mb, allowed_memory_mb
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
+  use hd_mesh_series, only: levels, first_level, expected_error, meshed, extrapolate
   use hd_output, only: check_folder
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
@@ -23,11 +21,6 @@ module hd_planner
   private
   public :: new_planned_run, run_planned, plan_text
 
-  integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
-  real(dp), parameter :: first_error = 16       !< estimate expected with one facet; it falls as 1 / facets^2 (reference scenes)
-  real(dp), parameter :: margin = 1.3_dp        !< on the estimate
-  real(dp), parameter :: share = 0.25_dp        !< of the way from a mesh to the limit that counts as its error at least
-  real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
   real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
 
   type :: plan_t
@@ -42,38 +35,11 @@ module hd_planner
 
 contains
 
-  !> Level on which the tolerance may be met: estimates scatter by a factor of two.
-  pure integer function first_level(tolerance) result(level)
-    real(dp), intent(in) :: tolerance  !< relative
-    do level = 5, size(band) - 1
-      if (expected_error(level) <= 2*tolerance) return
-    end do
-  end function first_level
-
   !> Level on which everything but the mesh is chosen: the coarsest that the estimates need.
   pure integer function coarse(scene)
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
     coarse = first_level(scene%promise) - 3
   end function coarse
-
-  !> Estimate that is expected on a level.
-  pure real(dp) function expected_error(level)
-    integer, intent(in) :: level  !< of the series
-    expected_error = first_error/band(level)**2
-  end function expected_error
-
-  !> Scene on a mesh of the series; the user's sections stay.
-  pure type(scene_t) function meshed(scene, level) result(s)
-    type(scene_t), intent(in) :: scene  !< scene with its load steps, edge cells and layers
-    integer, intent(in) :: level        !< of the series
-    s = scene
-    s%band_facets = band(level)
-    s%divisions = max(16, 4*nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)))
-    s%ring_divisions = 0
-    s%ring_facets = 0
-    s%wall_elements = 0
-    s%bottom_elements = 0
-  end function meshed
 
   !> The same scene with small displacements: errors of the mesh are estimated with them, large ones have much the same.
   pure type(scene_t) function small_displacements(scene) result(s)
@@ -213,31 +179,17 @@ contains
     if (.not. allocated(error)) call choose(pilot, 'layers', 3, plan, error)
   end subroutine choose_all
 
-  !> Limits of fine facets: the line through the last three levels, at h = 0.
-  pure function limits(q, level) result(limit)
-    real(dp), intent(in) :: q(:, :)  !< quantities by level (3, levels)
-    integer, intent(in) :: level     !< the finest of the three
-    real(dp) :: limit(3), h(3)
-    integer :: i
-    h = 1._dp/band(level - 2:level)
-    h = h - sum(h)/3
-    do i = 1, 3
-      limit(i) = sum(q(i, level - 2:level))/3 - sum(h*q(i, level - 2:level))/sum(h**2)*(1._dp/band(level) - h(3))
-    end do
-  end function limits
-
   !> Limits and their estimated errors from four levels.
   pure subroutine judge(q, level, plan)
     real(dp), intent(in) :: q(:, :)       !< quantities by level (3, levels)
     integer, intent(in) :: level          !< the finest that is known
     type(plan_t), intent(inout) :: plan   !< gets both
     real(dp) :: limit(3)
-    limit = limits(q, level)
+    call extrapolate(q, level, limit, plan%estimate)
     plan%level = level
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
-    plan%estimate = margin*max(abs(limit - limits(q, level - 1)), share*abs(limit - q(:, level)))/(abs(limit) + tiny(1._dp)) + &
-      plan%change
+    plan%estimate = plan%estimate + plan%change
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 
@@ -248,7 +200,7 @@ contains
     type(plan_t), intent(out) :: plan                 !< what to run
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: now, next
-    real(dp) :: q(3, size(band))
+    real(dp) :: q(3, levels)
     integer :: level, start
     plan%scene = scene
     allocate (plan%reasons(0))
@@ -264,7 +216,7 @@ contains
     do start = first_level(scene%promise), 5, -1
       if (fits(meshed(plan%scene, start))) exit
     end do
-    do level = start - 3, size(band)
+    do level = start - 3, levels
       next = meshed(plan%scene, level)
       call pilot%probe(small_displacements(next), q(:, level), error)
       if (allocated(error)) then
@@ -279,7 +231,7 @@ contains
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
         ': K_TS '//percent(1/plan%to_limit(1) - 1)//' above its limit; that is known to '//percent(maxval(plan%estimate))// &
         ', tolerance '//percent(scene%promise))
-      if (plan%met .or. level == size(band)) exit
+      if (plan%met .or. level == levels) exit
       if (.not. fits(meshed(plan%scene, level + 1))) exit
     end do
     plan%scene = now
@@ -391,7 +343,7 @@ contains
       'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
     start = first_level(scene%promise)
     before = sum(pilot%known%seconds)
-    do level = 1, size(band)
+    do level = 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
       if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)

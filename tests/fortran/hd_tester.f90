@@ -7,6 +7,7 @@ program hd_tester
   use test_heights, only: run_heights
   use test_random, only: run_random
   use test_interface, only: run_interface
+  use test_mesh_series, only: run_mesh_series
   use test_rotation, only: run_rotation
   use test_text, only: run_text
   implicit none
@@ -18,5 +19,6 @@ program hd_tester
   call run_contact()
   call run_interface()
   call run_rotation()
+  call run_mesh_series()
   if (.not. report_checks()) stop 1, quiet=.true.
 end program hd_tester

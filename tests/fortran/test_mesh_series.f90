@@ -20,7 +20,8 @@ contains
     call check_close(limit(2), 7._dp, 1e-12_dp, 'so have quantities that may jump, where they do not')
     call check_close(estimate(1), 1.3_dp*5/66/2, 1e-12_dp, 'a third of the way to the limit, with a margin, is its error at least')
     call check_close(limit(3), q(3, 6), 1e-15_dp, 'what jumps keeps the value of the finest mesh')
-    call check_close(estimate(3), 1.3_dp*0.05_dp*16/6/3.02_dp, 1e-12_dp, 'its error is what the first order leaves of the last jump')
+    call check_close(estimate(3), 1.3_dp*0.05_dp*16/6/3.02_dp, 1e-12_dp, &
+      'its error is what the first order leaves of the last jump')
     q(1, :) = 2 + 5/rows**2
     call extrapolate(q, 6, limit, estimate)
     call check(abs(limit(1) - 2) < estimate(1)*limit(1), 'the estimate covers a second order taken for a first')

@@ -100,22 +100,21 @@ def judge(i, folder, tolerances, row=None):
     keys = draw(i)
     runs, scenes = zip(*(planned(keys, tolerance, folder) for tolerance in tolerances))
     row = (row or {}) | {"scene": i, "keys": keys, "runs": list(runs)}
-    made = [(run["level"], scene) for run, scene in zip(runs, scenes) if run.get("met") == "yes"]
-    if not made:
-        return row
-    level, finest = max(made, key=lambda m: m[0])
-    if row.get("reference_level", 0) < level + 3 <= FINEST:
+    made = [(run["level"], scene) for run, scene in zip(runs, scenes) if run.get("met") == "yes" and run["level"] + 3 <= FINEST]
+    level, finest = max(made, key=lambda m: m[0], default=(0, None))
+    if made and row.get("reference_level", 0) < level + 3:
         try:
             row["reference"], row["reference_seconds"] = truth(keys, level, finest, folder)
             row["reference_level"] = level + 3
         except hdengine.HdengineError as e:
             row["reference_message"] = str(e)[:120]
-    if row.get("reference_level", 0) >= level + 3:
+    if "reference_level" in row:
         h = [1 / BAND[k] for k in range(row["reference_level"] - 3, row["reference_level"])]
         true = np.polyfit(h, row["reference"], 1)[1] if "reference" in row else row["true"]
-        for run in (run for run in runs if run.get("met") == "yes"):
-            run["true_error"] = abs(np.array(run["limit"]) / true - 1).tolist()
-            run["true_error_of_mesh"] = abs(np.array(run["mesh_gives"]) / true - 1).tolist()
+        for run in runs:
+            if run.get("met") == "yes" and run["level"] + 3 <= row["reference_level"]:
+                run["true_error"] = abs(np.array(run["limit"]) / true - 1).tolist()
+                run["true_error_of_mesh"] = abs(np.array(run["mesh_gives"]) / true - 1).tolist()
     return row
 
 
@@ -165,6 +164,11 @@ def figure(rows):
     axes[1].set(xlabel="time of plan and run / CPU s", ylabel="true error, the largest of three / %")
     axes[0].legend(fontsize=8)
     axes[1].legend(fontsize=8)
+    for axis, marks in ((axes[0].xaxis, (1, 2, 5, 10)), (axes[0].yaxis, (0.1, 0.3, 1, 3, 10)), (axes[1].xaxis, (2, 5, 10, 20, 50)),
+                        (axes[1].yaxis, (0.1, 0.3, 1, 3, 10))):
+        axis.set_major_locator(plt.FixedLocator(marks))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(plt.NullFormatter())
     fig.savefig(ROOT / "docs/figures/promised_scenes.png", dpi=110)
 
 

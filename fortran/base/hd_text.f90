@@ -5,7 +5,7 @@ module hd_text
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text, lower, nearest_name, string_t, push, join, exact
+  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent
 
   !> One entry of a list of texts.
   type :: string_t
@@ -167,4 +167,15 @@ contains
     end do
     distance = row(len(b))
   end function distance
+
+  !> A share in per cent: 0.123 as "12 %", 0.0123 as "1.2 %".
+  pure function percent(x) result(text)
+    real(dp), intent(in) :: x     !< share
+    character(len=:), allocatable :: text
+    if (x < 0.0995_dp) then
+      text = to_text(0.1_dp * nint(1000 * x))//' %'
+    else
+      text = to_text(nint(100 * x))//' %'
+    end if
+  end function percent
 end module hd_text

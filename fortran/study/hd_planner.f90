@@ -16,7 +16,7 @@ module hd_planner
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
-  use hd_text, only: string_t, push, to_text
+  use hd_text, only: string_t, push, to_text, percent
   implicit none
   private
   public :: new_planned_run, run_planned, plan_text
@@ -122,8 +122,7 @@ contains
       next = finer(next, choice)
       call pilot%probe(next, new, trouble)
       if (allocated(trouble)) then
-        if (trouble%code == code_not_converged .and. i < most) cycle
-        if (.not. compared .or. trouble%code /= code_not_converged) call move_alloc(trouble, error)
+        if (trouble%code == code_not_converged) cycle
         exit
       end if
       change = abs(new - q)/(abs(new) + tiny(1._dp))
@@ -132,6 +131,9 @@ contains
       now = next
       q = new
     end do
+    if (allocated(trouble)) then
+      if (.not. compared .or. trouble%code /= code_not_converged) call move_alloc(trouble, error)
+    end if
     if (allocated(error)) return
     plan%change = plan%change + change
     plan%scene%assembly_steps = now%assembly_steps
@@ -141,15 +143,6 @@ contains
     plan%scene%through_ring = now%through_ring
     call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//percent(maxval(change)))
   end subroutine choose
-
-  !> A share in per cent, two digits.
-  pure function percent(share_of_one) result(text)
-    real(dp), intent(in) :: share_of_one  !< relative
-    character(len=:), allocatable :: text
-    character(len=20) :: buffer
-    write (buffer, '(f20.2)') 100*share_of_one
-    text = trim(adjustl(buffer))//' %'
-  end function percent
 
   !> A choice in words.
   pure function choice_text(s, choice) result(text)

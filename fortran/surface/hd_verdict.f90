@@ -4,7 +4,7 @@
 module hd_verdict
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t
-  use hd_text, only: to_text
+  use hd_text, only: to_text, percent
   use hd_observation, only: observation_t
   use hd_structure_function, only: structure_line
   use hd_expectation, only: spectrum_t, d_lowest, d_highest, model_ridges
@@ -218,15 +218,4 @@ contains
     real(dp), intent(in) :: s(:)    !< numbers
     mean_good = sum(s, s <= huge(s)) / max(1, count(s <= huge(s)))
   end function mean_good
-
-  !> 0.123 as "12 %".
-  pure function percent(x) result(text)
-    real(dp), intent(in) :: x     !< share
-    character(len=:), allocatable :: text
-    if (x < 0.0995_dp) then
-      text = to_text(0.1_dp * nint(1000 * x))//' %'
-    else
-      text = to_text(nint(100 * x))//' %'
-    end if
-  end function percent
 end module hd_verdict

@@ -2,7 +2,7 @@
 module test_text
   use hd_check, only: check
   use hd_kinds, only: dp
-  use hd_text, only: exact, lower, nearest_name, push, string_t, to_text
+  use hd_text, only: exact, lower, nearest_name, percent, push, string_t, to_text
   implicit none
   private
   public :: run_text
@@ -16,6 +16,7 @@ contains
     integer :: i
     call check(to_text(-42) == '-42', 'an integer becomes its decimal digits')
     call check(to_text(0.0175_dp) == '0.0175', 'a real becomes short text')
+    call check(percent(0.1234_dp) == '12 %' .and. percent(0.0123_dp) == '1.2 %', 'a share becomes per cent of two digits')
     x = 1.2345678901234567e-7_dp
     do i = 1, 300
       x = -1.7_dp*x/(1 + 1e-3_dp*i)

@@ -141,6 +141,18 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
 
 
 @pytest.mark.full
+def test_a_refinement_that_does_not_converge_is_passed_over(exe, tmp_path):
+    """Edge cells of one length do not converge on the coarse mesh of this scene: the plan goes on with the others."""
+    done = call(exe, CD14, "geometry.wall_thickness=0.669513e-3", "geometry.rim_thickness=0.69237e-3",
+                "geometry.ring_thickness=1.49866e-3", "geometry.band_length=12.8327e-3", "wave_generator.w=0.243233e-3",
+                "wave_generator.interference=27.9782e-6", "contact.friction=0.291631", "load.torque=1.7519", "run.tolerance=0.1",
+                "solver.kinematics=linear", "output.vtu=none", "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, reasons = planned(tmp_path / "p")
+    assert s["plan"]["met"] == "yes" and "edge cells of" in reasons and "as it stands" not in reasons
+
+
+@pytest.mark.full
 def test_nonlinear_where_that_is_needed(exe, tmp_path):
     """w = 0.3 mm at tolerance 0.3: large displacements change more than half of it, the run is nonlinear; time and memory of the
     run are within a factor of 2 of what --plan says (time: 3, as other work shares the machine)."""

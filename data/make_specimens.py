@@ -12,5 +12,5 @@ D, G, L = 2.5304, 2.4248e-7, 0.5e-3
 
 for name, share, seed in (("flexspline", 0.65, 1), ("bearing", 0.35, 2)):
     g = G * share ** (1 / (2 * (D - 2)))
-    z = surface.generate(501, 1e-6, D, g, 1.5, L, 1e-6, 10, seed)
+    z = surface.generate(501, 1e-6, D, g, 1.5, L, 1e-6, 10, seed, method="direct")
     specimen.save(Path(__file__).parent / f"specimen_{name}.sdf", specimen.Specimen(z, (1e-6, 1e-6)))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading specimens, the two of data/, the command `hdengine surface`."""
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -170,3 +171,11 @@ def test_command_reads_fits_and_plots(tmp_path, capsys):
         assert main(["surface", *words, "--out", str(tmp_path)]) == code
         stderr = capsys.readouterr().err
         assert stderr.startswith("error: ") and stderr.count("\n") == 1
+
+
+def test_the_specimens_of_data_are_what_their_script_makes(tmp_path):
+    """data/make_specimens.py gives both files again, byte for byte, on any platform."""
+    script = Path(shutil.copy(ROOT / "data/make_specimens.py", tmp_path))
+    subprocess.run([sys.executable, script], check=True, cwd=tmp_path)
+    for name in ("specimen_flexspline.sdf", "specimen_bearing.sdf"):
+        assert (tmp_path / name).read_bytes() == (ROOT / "data" / name).read_bytes()

@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Waves and heights of five surfaces by the direct sum, as bytes to the file named; tools/prove_bits.sh compares them.
+!> Waves and heights of five surfaces by the direct sum and by products, as bytes to the file named;
+!> tools/prove_bits.sh compares them.
 program surface_bits
   use hd_kinds, only: dp, i8
   use hd_error, only: error_t
   use hd_direct, only: direct_sum
+  use hd_product, only: product_t, new_product, product_sum
   use hd_waves, only: spectrum_t, waves_t, grid_t, new_waves
   implicit none
   type(waves_t) :: w
@@ -21,10 +23,14 @@ contains
   subroutine put(s, g)
     type(spectrum_t), intent(in) :: s   !< surface
     type(grid_t), intent(in) :: g       !< grid
+    type(product_t) :: product
     real(dp) :: z(g%nx, g%ny)
     call new_waves(s, w, error)
     if (allocated(error)) error stop 'bad surface'
     call direct_sum(w, g, 1, z)
     write (unit) w%fx, w%fy, w%amplitude, w%phase, w%offset, z
+    call new_product(w, g, product)
+    call product_sum(product, 1, z)
+    write (unit) z
   end subroutine put
 end program surface_bits

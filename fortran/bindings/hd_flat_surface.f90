@@ -18,7 +18,7 @@ contains
     integer(i8), intent(in) :: seed                   !< seed
     real(dp), intent(in) :: grid(4)                   !< dx, dy, x_0, y_0
     integer, intent(in) :: nx, ny                     !< points
-    real(dp), intent(in) :: tolerance                 !< error of the NUFFT
+    real(dp), intent(in) :: tolerance                 !< error allowed; 0: none
     integer, intent(in) :: bytes                      !< of a height
     integer, intent(in) :: wanted                     !< method_*
     type(spectrum_t), intent(out) :: s                !< spectrum
@@ -40,7 +40,7 @@ contains
     integer, intent(in) :: count                      !< number of waves
     real(dp), intent(in) :: grid(4)                   !< dx, dy, x_0, y_0
     integer, intent(in) :: nx, ny                     !< points
-    real(dp), intent(in) :: tolerance                 !< error of the NUFFT
+    real(dp), intent(in) :: tolerance                 !< error allowed; 0: none
     integer, intent(in) :: wanted                     !< method_*
     type(grid_t), intent(out) :: g                    !< grid
     type(method_t), intent(out) :: method             !< evaluator

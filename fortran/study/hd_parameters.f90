@@ -174,9 +174,10 @@ contains
     call number(t, 'surface', 'shortest_wavelength', s%shortest_wavelength, 'm', 0._dp, big, 'L_s, not above L')
     call whole(t, 'surface', 'ridges', s%ridges, 1, 100000000, 'M, directions of waves; 1: Eq. 2')
     call whole(t, 'surface', 'seed', s%seed, 0, huge(1), 'of the phases')
-    call number(t, 'surface', 'tolerance', s%tolerance, '', 1e-13_dp, 0.1_dp, &
-      'rms error that the non-uniform FFT may have, relative to the waves', closed=.true.)
-    call text(t, 'surface', 'method', s%method, 'auto direct product nufft', 'evaluator of the sum; auto: the fastest')
+    call number(t, 'surface', 'tolerance', s%tolerance, '', 0._dp, 0.1_dp, 'rms error that the heights may have, relative to '// &
+      'the waves, 1e-13 or more; 0: none, the same bits on every processor', closed=.true.)
+    call text(t, 'surface', 'method', s%method, 'auto direct product nufft', &
+      'evaluator of the sum; auto: the fastest that keeps the tolerance (nufft without one: 1e-12)')
     call text(t, 'surface', 'precision', s%precision, 'double single', 'of the heights in the file')
   end subroutine add_map_keys
 

@@ -15,7 +15,7 @@ module hd_scene
     integer :: nx = 512, ny = 512, ridges = 10, seed = 1
     real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp, x_0 = 0, y_0 = 0
     real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, length = 0.5e-3_dp
-    real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 1e-12_dp
+    real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 0
     character(len=name_length) :: method = 'auto', precision = 'double'
   end type map_t
 

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest.
+!> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest. Without a tolerance it is the
+!> direct sum or products: the choice and the heights are the same on every processor.
 module hd_heights
   use hd_kinds, only: dp, sp, i8
   use hd_clock, only: machine_memory_mb
@@ -26,8 +27,9 @@ module hd_heights
   end type method_t
 
   real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
-  real(dp), parameter :: second_per_flop = 0.022e-9_dp     !< matrix product
+  real(dp), parameter :: second_per_flop = 0.105e-9_dp     !< matrix product, all slices
   real(dp), parameter :: second_per_point = 2e-9_dp        !< height stored
+  real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
   real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
   integer, parameter :: slab_points = 4194304              !< heights held in double precision for single ones
 
@@ -37,24 +39,25 @@ contains
   subroutine choose_method(nx, ny, waves, groups, tolerance, bytes, wanted, method, error)
     integer, intent(in) :: nx, ny                     !< points
     integer(i8), intent(in) :: waves, groups          !< number of waves, of groups with one |kx|
-    real(dp), intent(in) :: tolerance                 !< error of the NUFFT relative to the rms height
+    real(dp), intent(in) :: tolerance                 !< error allowed, relative to the rms height; 0: none, only rounding
     integer, intent(in) :: bytes                      !< of a height: 8 or 4
     integer, intent(in) :: wanted                     !< method_*
     type(method_t), intent(out) :: method             !< choice
     type(error_t), allocatable, intent(out) :: error  !< bad input or not enough memory
     real(dp) :: points, extra(3), mb
-    if (.not. (tolerance >= 1e-13_dp .and. tolerance <= 0.1_dp)) then
-      call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': must lie between 1e-13 and 0.1')
+    if (tolerance /= 0 .and. .not. (tolerance >= 1e-13_dp .and. tolerance <= 0.1_dp)) then
+      call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': must lie between 1e-13 and 0.1 (0: none)')
       return
     end if
     points = real(nx, dp) * ny
-    if (wanted == method_auto .or. wanted == method_nufft) method%nufft = plan_nufft(nx, ny, int(waves), tolerance)
+    if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0)) &
+      method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
     method%seconds(1) = points * waves * second_per_cosine / 2
     method%seconds(2) = (points * (2 * groups * second_per_flop + second_per_point) &
       + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
     method%seconds(3) = method%nufft%seconds
     extra(1) = 64._dp * waves
-    extra(2) = 100._dp * waves + 8._dp * nx * groups + 16._dp * (groups + nx) * 512
+    extra(2) = 100._dp * waves + 16._dp * nx * groups + 32._dp * (64 * nx + 32768)
     extra(3) = (200 + 8._dp * (method%nufft%width_x + method%nufft%width_y)) * waves + &
       16._dp * method%nufft%fine_y * (0.5_dp * method%nufft%fine_x + 100) * 3
     if (bytes == 4) extra = extra + 8._dp * slab_points

@@ -1,20 +1,13 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Inner loops in C, compiled for several widths of vector register; those of the NUFFT in double and in single precision.
+!> Inner loops of the NUFFT in C, in double and in single precision, compiled for several widths of vector register.
 module hd_spread
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_double_complex, c_float, c_float_complex
   implicit none
   private
-  public :: wave_phases, add_row, window_rows, spread_rows
+  public :: wave_phases, window_rows, spread_rows
   public :: wave_phases_single, window_rows_single, spread_rows_single
 
   interface
-    !> even + a cos, odd + b sin of 2 pi (phase + step (high + low)) at steps first, first + 2, ...
-    subroutine add_row(n, phase, high, low, first, a, b, even, odd) bind(c, name='hd_add_row')
-      import :: c_int, c_double
-      integer(c_int), value, intent(in) :: n, first                         !< points, first step
-      real(c_double), value, intent(in) :: phase, high, low, a, b           !< turns, factors
-      real(c_double), intent(inout) :: even(*), odd(*)                      !< added to (n)
-    end subroutine add_row
     !> out = a exp(2 pi i (phase + step (high + low))) for each wave.
     subroutine wave_phases(n, phase, high, low, step, a, out) bind(c, name='hd_phases')
       import :: c_int, c_double, c_double_complex

@@ -75,14 +75,14 @@ def _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype):
 
 def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
     head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
-    found = _engine.call("surface_method", *head, *size, tolerance, dtype.itemsize, wanted)
+    found = _engine.call("surface_method", *head, *size, tolerance or 0.0, dtype.itemsize, wanted)
     n_max, waves, evaluator, seconds, memory = found
     predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < 1e300}
     return head, size, dtype, int(evaluator), Method(METHODS[evaluator], int(n_max), int(waves), predicted, float(memory))
 
 
 def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
-           origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+           origin=0.0, tolerance=None, method="auto", dtype=float):
     """What `generate` would do with the same arguments: evaluator, waves, predicted times, memory.
 
     Returns
@@ -99,7 +99,7 @@ def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest
 
 
 def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
-             origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+             origin=0.0, tolerance=None, method="auto", dtype=float):
     """Weierstrass-Mandelbrot surface (Eq. 1) on a rectangular grid.
 
     Parameters
@@ -121,15 +121,16 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
     ridges : int
         M, the number of directions.
     seed : int
-        Seed of the phases, the same bits on every platform and for any number of threads.
+        Seed of the phases. Without a tolerance the heights of a seed are the same bits on every platform and for any number of
+        threads.
     origin : float or (float, float)
         First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
-    tolerance : float
-        Root mean square error that the non-uniform FFT may have, relative to that of the waves, 1e-13 to 0.1. The other two
-        methods are exact to rounding.
+    tolerance : float or None
+        Root mean square error allowed, relative to the waves, 1e-13 to 0.1: lets 'auto' take the non-uniform FFT, which many
+        waves need. None: exact to rounding.
     method : str
-        'auto' takes the one predicted to be the fastest; 'direct' (the same bits on every processor), 'product' (matrix
-        products), 'nufft'.
+        'direct' (term by term), 'product' (matrix products), 'nufft' (without a tolerance: to 1e-12); 'auto' takes the one
+        predicted to be the fastest that keeps the tolerance.
     dtype : dtype
         float64 or float32.
 
@@ -148,15 +149,15 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
     head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_method", *head, *size, tolerance, dtype.itemsize, wanted)
+        _engine.call("surface_method", *head, *size, tolerance or 0.0, dtype.itemsize, wanted)
     heights = np.empty(size, dtype=dtype, order="F")
     entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, tolerance, wanted, heights)
+    _engine.call(entry, *head, tolerance or 0.0, wanted, heights)
     return heights.T
 
 
 def profile(n, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, seed=0, *,
-            origin=0.0, tolerance=1e-12, method="auto", dtype=float):
+            origin=0.0, tolerance=None, method="auto", dtype=float):
     """Weierstrass-Mandelbrot profile (Eq. 2): n heights [m] along x, with D_s = fractal_dimension - 1.
 
     Parameters as in `generate`; Eq. 2 is its row y = 0 with one ridge.
@@ -189,12 +190,12 @@ def waves(fractal_dimension, roughness, gamma, length, shortest_wavelength, ridg
         A parameter is out of range.
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
-    count = _arguments(1, 1.0, spectrum, ridges, seed, 0.0, 1e-12, "direct", float)[-1].waves
+    count = _arguments(1, 1.0, spectrum, ridges, seed, 0.0, None, "direct", float)[-1].waves
     keys = ("fx_per_m", "fy_per_m", "amplitude_m", "phase_turns", "offset_m")
     return dict(zip(keys, _engine.call("surface_waves", np.array(spectrum, dtype=float), ridges, _seed(seed), count)))
 
 
-def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance=1e-12, method="auto"):
+def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance=None, method="auto"):
     """Any sum of plane waves on a rectangular grid: - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
     Parameters
@@ -228,9 +229,9 @@ def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance
     if not all(np.isfinite(v).all() for v in lists):
         raise _engine.InputError("fx, fy, amplitude, phase: must be finite")
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance, wanted)
+        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, wanted)
     heights = np.empty(size, order="F")
-    _engine.call("surface_free_heights", *lists, grid, tolerance, wanted, heights)
+    _engine.call("surface_free_heights", *lists, grid, tolerance or 0.0, wanted, heights)
     return heights.T
 
 

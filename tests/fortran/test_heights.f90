@@ -5,6 +5,7 @@ module test_heights
   use hd_error, only: error_t
   use hd_heights, only: method_t, choose_method, heights, method_direct, method_product, method_nufft
   use hd_kinds, only: dp, qp, i8
+  use hd_product, only: product_t, new_product, product_sum
   use hd_text, only: to_text
   use hd_waves, only: spectrum_t, waves_t, grid_t, new_waves, free_waves
   implicit none
@@ -26,6 +27,8 @@ contains
     call new_waves(spectrum_t(2.5_dp, 1e-8_dp, 1.5_dp, 5e-4_dp, 1e-5_dp, 4, 4_i8), w, error)
     call compare(w, grid_t(1, 200, 1._dp, 2e-6_dp), 'one column')
     call compare(w, grid_t(1, 1, 1._dp, 1._dp, 1e-4_dp, 1e-4_dp), 'one point')
+    call new_waves(spectrum_t(2.5_dp, 1e-8_dp, 1.5_dp, 5e-4_dp, 2e-6_dp, 100, 5_i8), w, error)
+    call compare(w, grid_t(24, 15, 2e-5_dp, 3e-5_dp), 'many groups')
     call free_waves([(0.37_dp * j, j=-5, 5)], [(0.11_dp * j * j, j=-5, 5)], [(1._dp + j * 0.1_dp, j=-5, 5)], &
       [(0.05_dp * j, j=-5, 5)], w)
     call compare(w, grid_t(33, 65, 0.9_dp, 1.1_dp, 0.3_dp, -0.2_dp), 'free waves')
@@ -44,11 +47,12 @@ contains
     call quadruple_sum(w, g, exact)
     rms = sqrt(sum(w%amplitude**2) / 2)
     do k = method_direct, method_product
-      call choose_method(g%nx, g%ny, size(w%fx, kind=i8), int(w%groups, i8), 1e-12_dp, 8, k, method, error)
+      call choose_method(g%nx, g%ny, size(w%fx, kind=i8), int(w%groups, i8), 0._dp, 8, k, method, error)
       call heights(w, g, method, z, error)
       call check(maxval(abs(real(z - exact, dp))) < 1e-12_dp * rms, trim(merge('direct ', 'product', k == method_direct))// &
         ' is the quadruple sum to 1e-12 of the rms: '//name)
     end do
+    call check_rows(w, g, z, name)
     do k = 3, 12
       tolerance = 10._dp**(-k)
       call choose_method(g%nx, g%ny, size(w%fx, kind=i8), int(w%groups, i8), tolerance, 8, method_nufft, method, error)
@@ -57,6 +61,25 @@ contains
         'the NUFFT keeps the tolerance '//to_text(tolerance)//': '//name)
     end do
   end subroutine compare
+
+  !> Products of one row alone are the bits of that row among all.
+  subroutine check_rows(w, g, z, name)
+    type(waves_t), intent(in) :: w           !< waves
+    type(grid_t), intent(in) :: g            !< grid
+    real(dp), intent(in) :: z(:, :)          !< heights by products
+    character(len=*), intent(in) :: name     !< case
+    type(product_t) :: product
+    real(dp) :: row(g%nx, 1)
+    integer :: j
+    logical :: same
+    call new_product(w, g, product)
+    same = .true.
+    do j = 1, g%ny
+      call product_sum(product, j, row)
+      same = same .and. all(transfer(row, [0_i8]) == transfer(z(:, j), [0_i8]))
+    end do
+    call check(same, 'products of one row are its bits among all rows: '//name)
+  end subroutine check_rows
 
   !> Eq. 1 in quadruple precision, term by term.
   subroutine quadruple_sum(w, g, z)

@@ -108,8 +108,7 @@ contains
     end do
   end subroutine factors_in_x
 
-  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache. Tiles do not depend on the number of threads,
-  !> and BLAS uses one for each, so heights do not either.
+  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1, in tiles that stay in the cache, BLAS with one thread for each.
   subroutine product_sum(p, j_1, z)
     type(product_t), intent(in) :: p                  !< factors
     integer, intent(in) :: j_1                        !< first row

@@ -41,18 +41,23 @@ def solve(keys, method):
             return [[int(r["step"]), int(r["iteration"]), float(r["residual"]), int(r["change"]), float(r["torque_nm"])] for r in csv.DictReader(f)]
 
 
+def follows(a, b):
+    """b is the next iterate of the same equations; where pairs are made anew the count stands still."""
+    return a[0] == b[0] and b[1] == a[1] + 1
+
+
 def orders(rows):
     """log(r2/r1) / log(r1/r0) of successive iterates with settled states, where r1 shows the asymptote and r2 is not rounding."""
     found = []
     for a, b, c in zip(rows, rows[1:], rows[2:]):
-        if a[0] == c[0] and b[3] == c[3] == 0 and b[1] > 0 and b[2] < 1e-2 and b[2] < 0.3 * a[2] and c[2] > FLOOR:
+        if follows(a, b) and follows(b, c) and b[3] == c[3] == 0 and b[1] > 0 and b[2] < 1e-2 and b[2] < 0.3 * a[2] and c[2] > FLOOR:
             found.append(float(np.log(c[2] / b[2]) / np.log(b[2] / a[2])))
     return found
 
 
 def constants(rows):
     """r1 / r0^2 of the same pairs."""
-    return [b[2] / a[2] ** 2 for a, b in zip(rows, rows[1:]) if a[0] == b[0] and a[3] == b[3] == 0 and a[2] < 1e-3 and b[2] > FLOOR]
+    return [b[2] / a[2] ** 2 for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-3 and b[2] > FLOOR]
 
 
 def draw(ax, rows, name):
@@ -79,13 +84,13 @@ def main():
     for ax, (name, keys) in zip(panels, SCENES.items()):
         rows = solve(keys, "newton")
         draw(ax, rows, name)
-        count = len(rows) - len({r[0] for r in rows})
+        count = sum(max(r[1] for r in rows if r[0] == step) for step in {r[0] for r in rows})
         most = max(r[1] for r in rows)
         found, rate = orders(rows), constants(rows)
         condensed = "" if "rotations" in name else solve(keys, "condensed")
         record[name] = {"history": rows, "orders": found, "iterations": count,
                         "iterations_condensed": len(condensed) - len({r[0] for r in condensed}) if condensed else None}
-        pairs += [(a[2], b[2]) for a, b in zip(rows, rows[1:]) if a[0] == b[0] and a[3] == b[3] == 0 and a[2] < 1e-2]
+        pairs += [(a[2], b[2]) for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-2]
         print(f"| {name} | {count} | {max(r[0] for r in rows)} | {most} | {np.median(found) if found else np.nan:.2f} ({len(found)}) | "
               f"{max(rate, default=np.nan):.2g} | {record[name]['iterations_condensed'] or '-'} |", flush=True)
     for ax in axes[:, 0]:

@@ -38,6 +38,7 @@ module hd_circulant
     type(side_t), allocatable :: parts(:)           !< what is applied: both sides, or one merged
     integer :: stride = 0                           !< 2: fields repeat after half a turn
     integer :: known = 0                            !< stride for which hat is complete, 0: none
+    integer :: serial = 0                           !< of the coupling whose weights the sides have
     integer :: rows = 0                             !< multipliers along the axis
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
     real(dp), allocatable :: inverse(:, :, :)       !< F^-1 by harmonic, mean over the sectors (3 rows, 3 rows, 0:n/2)
@@ -121,6 +122,25 @@ contains
     allocate (side%hat(3*size(side%nodes), 3*size(side%nodes), 0:side%sectors/2))
   end subroutine collect_side
 
+  !> Take over the weights of faces that are paired anew.
+  subroutine couple(problem, circulant)
+    type(problem_t), intent(in) :: problem           !< problem
+    type(circulant_t), intent(inout) :: circulant    !< gets sides
+    type(side_t) :: side
+    logical :: same
+    integer :: b
+    do b = 1, 2
+      call collect_side(problem, b, side)
+      same = size(circulant%sides(b)%nodes) == size(side%nodes)
+      if (same) same = all(circulant%sides(b)%nodes == side%nodes)
+      if (same) call move_alloc(circulant%sides(b)%hat, side%hat)
+      if (.not. same) circulant%known = 0
+      circulant%sides(b) = side
+    end do
+    circulant%stride = 0
+    circulant%serial = problem%mortar%serial
+  end subroutine couple
+
   !> Sector and axial row of every multiplier.
   subroutine place_multipliers(problem, circulant)
     type(problem_t), intent(in) :: problem           !< problem
@@ -143,6 +163,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< body not held, memory
     integer :: b, k, stride
     stride = merge(2, 1, symmetry%half_turn)
+    if (problem%mortar%serial /= self%serial) call couple(problem, self)
     if (stride == self%stride .or. problem%n == 0) return
     self%factor_entries = 0
     do b = 1, 2
@@ -160,6 +181,7 @@ contains
     if (allocated(self%inverse)) deallocate (self%inverse)
     call release_parts(self)
     call merge_sides(self)
+    self%products = sum([((real(self%parts(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=1, size(self%parts))])
     self%apply_flops = 0
     do b = 1, size(self%parts)
       call plan_side(self%parts(b), stride, error)

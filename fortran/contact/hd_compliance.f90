@@ -15,6 +15,7 @@ module hd_compliance
     character(len=40) :: name = ''             !< for log and summary
     logical :: fast = .false.                  !< apply and precondition are cheap and worth a Krylov method
     real(dp) :: apply_flops = 0                !< operations of one apply
+    real(dp) :: products = 1                   !< of weights behind a block of F, where add_column forms it
     integer(int64) :: factor_entries = 0       !< entries of the factors
     character(len=40) :: ordering_asked = 'none', ordering_used = 'none'
     character(len=16) :: library = ''          !< version of the library behind it

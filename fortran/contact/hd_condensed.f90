@@ -28,7 +28,6 @@ module hd_condensed
 
   type, extends(linear_solver_t) :: condensed_t
     class(compliance_t), pointer :: compliance => null()  !< of the bodies at the face
-    logical :: begun = .false.                      !< compliance is prepared
     integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
     integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
     type(sharing_t) :: sharing                      !< points whose law counts for others
@@ -90,7 +89,6 @@ contains
     call share_law(problem, self%symmetry, self%sharing)
     self%symmetry_used = symmetry_name(self%symmetry)
     call self%compliance%prepare(problem, self%symmetry, error)
-    self%begun = .true.
     self%factor_entries = self%compliance%factor_entries
     self%ordering_asked = self%compliance%ordering_asked
     self%ordering_used = self%compliance%ordering_used
@@ -104,9 +102,8 @@ contains
     real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< body not held
-    if (.not. self%begun) call self%compliance%prepare(problem, self%symmetry, error)
+    call self%compliance%prepare(problem, self%symmetry, error)
     if (allocated(error)) return
-    self%begun = .true.
     self%dw = dw
     self%dt = dt
     call self%sharing%take_law(self%dw, self%dt)
@@ -196,7 +193,7 @@ contains
     n = sum(system%rank(part))
     krylov = .false.
     if (self%compliance%fast) krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
-      2*n**3/3/dense_rate + n**2*pair_time .or. n > largest_dense
+      2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
     if (krylov) then
       reduced = system
       call reduced%solve_krylov(list, w, self%accuracy, most_steps, dtraction, steps, residual, error)
@@ -204,7 +201,7 @@ contains
       self%steps = steps
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
-      krylov = residual <= 1e-3_dp .or. n > largest_dense
+      krylov = residual <= max(1e-3_dp, self%accuracy) .or. n > largest_dense
     end if
     if (.not. krylov) then
       call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)

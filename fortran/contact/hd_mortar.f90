@@ -5,13 +5,14 @@
 !> The relative displacement at multiplier j is  w_j = (1/a_j) int phi_j (u_master - u_slave) dA,  taken component by
 !> component in the dofs of the nodes; a_j = int phi_j dA. Its transpose times a_j sends tractions to nodal forces.
 !> On a cylinder the components are u_r, u_theta, u_z, so the gap is that of the smooth cylinder, not of its facets.
+!> Between bodies that have moved far (hd_pairing) both sums are turned into a frame of the multiplier's own first.
 module hd_mortar
   use hd_kinds, only: dp
   use hd_face, only: face_t
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
-  public :: mortar_t, new_mortar, add_rigid, relative_displacement, add_nodal_forces, facet_mean
+  public :: mortar_t, new_mortar, add_rigid, relative_displacement, add_nodal_forces, coupling_block, facet_mean
 
   !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
   type :: mortar_t
@@ -23,37 +24,60 @@ module hd_mortar
     real(dp), allocatable :: val(:)            !< weights
     integer, allocatable :: facet(:, :)        !< multipliers at the corners of each slave facet (4, facets)
     real(dp), allocatable :: share(:, :)       !< int phi_j dA over the facet (4, facets) [m^2]
+    integer :: slave_nodes = 0                 !< nodes above this number are the master's; matters for turned frames only
+    integer :: serial = 0                      !< counts how often the faces were paired anew
+    integer :: pattern = 0                     !< serial of the first of couplings with the same ptr and col
+    real(dp), allocatable :: turn(:, :, :)     !< from the dofs of the slave to the frame of the multiplier; unallocated: the same
+    real(dp), allocatable :: carry(:, :, :)    !< from those of the master (3, 3, multipliers)
+    real(dp), allocatable :: offset(:, :)      !< part of the relative position that is not of displacements (3, multipliers) [m]
   end type mortar_t
 
 contains
 
   !> Couple two faces; their node numbers belong to one common numbering.
-  subroutine new_mortar(slave, master, mortar)
+  subroutine new_mortar(slave, master, mortar, shift)
     type(face_t), intent(in) :: slave      !< face that carries the multipliers
     type(face_t), intent(in) :: master     !< the other face
     type(mortar_t), intent(out) :: mortar  !< coupling
+    real(dp), intent(in), optional :: shift(:, :)  !< way on the chart from each multiplier to its opposite (2, multipliers) [m]
     type(point_t), allocatable :: points(:)
+    type(face_t) :: moved
     type(bins_t) :: bins
     integer, allocatable :: row(:), col(:)
     real(dp), allocatable :: val(:)
-    real(dp) :: dual(4, 4), phi(4)
+    real(dp) :: dual(4, 4), phi(4), near(8, 4), far(8, 4)
     integer :: f, k, p, nnz
     call number_multipliers(slave, mortar)
+    moved = slave
+    if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
     call new_bins(master, bins)
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
     allocate (row(0), col(0), val(0))
     nnz = 0
     do f = 1, size(slave%nodes, 2)
-      call integrate_overlaps(slave, f, master, bins, points)
+      call integrate_overlaps(moved, f, master, bins, points)
       if (size(points) == 0) cycle
+      if (present(shift)) points%weight = points%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
       dual = dual_basis(points)
+      near = 0
+      far = 0
       do p = 1, size(points)
         phi = matmul(dual, points(p)%corner)*points(p)%weight
         mortar%share(:, f) = mortar%share(:, f) + phi
         do k = 1, 4
-          call append(mortar%facet(k, f), slave%nodes(:, f), -phi(k)*points(p)%slave)
-          call append(mortar%facet(k, f), master%nodes(:, points(p)%facet), phi(k)*points(p)%master)
+          near(:, k) = near(:, k) - phi(k)*points(p)%slave
+          far(:, k) = far(:, k) + phi(k)*points(p)%master
         end do
+        if (p < size(points)) then
+          if (points(p + 1)%facet == points(p)%facet) cycle
+        end if
+        do k = 1, 4
+          call append(mortar%facet(k, f), master%nodes(:, points(p)%facet), far(:, k))
+        end do
+        far = 0
+      end do
+      do k = 1, 4
+        call append(mortar%facet(k, f), slave%nodes(:, f), near(:, k))
       end do
     end do
     call compress(mortar, row(:nnz), col(:nnz), val(:nnz))
@@ -77,6 +101,12 @@ contains
       nnz = nnz + n
     end subroutine append
   end subroutine new_mortar
+
+  !> Area of a quadrilateral.
+  pure real(dp) function quad_area(c) result(a)
+    real(dp), intent(in) :: c(2, 4)  !< corners [m]
+    a = 0.5_dp*((c(1, 3) - c(1, 1))*(c(2, 4) - c(2, 2)) - (c(2, 3) - c(2, 1))*(c(1, 4) - c(1, 2)))
+  end function quad_area
 
   !> Let the nodes of a face of trilinear cells meet a rigid surface behind it: w is their displacement against it.
   subroutine add_rigid(mortar, face)
@@ -226,13 +256,22 @@ contains
   pure function relative_displacement(mortar, u) result(w)
     type(mortar_t), intent(in) :: mortar  !< coupling
     real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
-    real(dp) :: w(3, mortar%n)
-    integer :: j, k
+    real(dp) :: w(3, mortar%n), sides(3, 2)
+    integer :: j, k, b
     w = 0
     do j = 1, mortar%n
-      do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-        w(:, j) = w(:, j) + mortar%val(k)*u(:, mortar%col(k))
-      end do
+      if (allocated(mortar%turn)) then
+        sides = 0
+        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+          b = merge(2, 1, mortar%col(k) > mortar%slave_nodes)
+          sides(:, b) = sides(:, b) + mortar%val(k)*u(:, mortar%col(k))
+        end do
+        w(:, j) = matmul(mortar%turn(:, :, j), sides(:, 1)) + matmul(mortar%carry(:, :, j), sides(:, 2))
+      else
+        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+          w(:, j) = w(:, j) + mortar%val(k)*u(:, mortar%col(k))
+        end do
+      end if
     end do
   end function relative_displacement
 
@@ -241,13 +280,38 @@ contains
     type(mortar_t), intent(in) :: mortar     !< coupling
     real(dp), intent(in) :: traction(:, :)   !< (3, multipliers) [Pa]
     real(dp), intent(inout) :: f(:, :)       !< nodal forces (3, nodes) [N]
+    real(dp) :: sides(3, 2)
     integer :: j, k
     do j = 1, mortar%n
+      sides = spread(traction(:, j), 2, 2)
+      if (allocated(mortar%turn)) then
+        sides(:, 1) = matmul(traction(:, j), mortar%turn(:, :, j))
+        sides(:, 2) = matmul(traction(:, j), mortar%carry(:, :, j))
+      end if
       do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-        f(:, mortar%col(k)) = f(:, mortar%col(k)) + mortar%area(j)*mortar%val(k)*traction(:, j)
+        f(:, mortar%col(k)) = f(:, mortar%col(k)) + &
+          mortar%area(j)*mortar%val(k)*sides(:, merge(2, 1, mortar%col(k) > mortar%slave_nodes))
       end do
     end do
   end subroutine add_nodal_forces
+
+  !> Block of the coupling between a multiplier and the node of its entry k: w_j = sum of blocks times displacements.
+  pure function coupling_block(mortar, j, k) result(block)
+    type(mortar_t), intent(in) :: mortar  !< coupling
+    integer, intent(in) :: j, k           !< multiplier, entry
+    real(dp) :: block(3, 3)
+    integer :: i
+    if (.not. allocated(mortar%turn)) then
+      block = 0
+      do i = 1, 3
+        block(i, i) = mortar%val(k)
+      end do
+    else if (mortar%col(k) > mortar%slave_nodes) then
+      block = mortar%val(k)*mortar%carry(:, :, j)
+    else
+      block = mortar%val(k)*mortar%turn(:, :, j)
+    end if
+  end function coupling_block
 
   !> Means over the slave facets of a field known at the multipliers.
   pure function facet_mean(mortar, field) result(mean)

@@ -11,9 +11,10 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
-    apply_stiffness
+    apply_stiffness, pair_bodies
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
+  use hd_pairing, only: pairing_error
   implicit none
   private
   public :: newton_options_t, iteration_t, iterate, respond
@@ -23,6 +24,7 @@ module hd_newton
     integer :: max_iterations = 60     !< Newton iterations per load step
     integer :: full_steps = 12         !< undamped iterations before the line search sets in
     real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
+    real(dp) :: torque = 0             !< amount of the torque [N m]
   end type newton_options_t
 
   !> One row of the convergence history.
@@ -67,11 +69,75 @@ module hd_newton
   integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
+  integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
+  real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
+  real(dp), parameter :: turn_left = 1e-5_dp        !< turn of normals that may be left [rad],
+  real(dp), parameter :: way_left = 1e-5_dp         !< and way of pairs, over the radius;
+  real(dp), parameter :: moment_left = 1e-3_dp      !< moment of the pressure by that way, over the torque,
+  real(dp), parameter :: rounding_left = 1e-8_dp    !< unless the way over the radius is as short as this
 
 contains
 
-  !> Iterate from `state` to the solution of a load step. Not converging is a result, not an error.
+  !> Solve a load step from the first guess `state`: equilibrium between given pairs, pairs anew where that moved them, until
+  !> they stay. Not converging is a result, not an error.
   subroutine iterate(problem, solver, options, load, previous, state, history, converged, sliding, error)
+    type(problem_t), intent(inout) :: problem                    !< problem; tangent and pairs follow the iterates
+    class(linear_solver_t), intent(inout) :: solver              !< its linear solver
+    type(newton_options_t), intent(in) :: options                !< tolerance and limits
+    type(load_t), intent(in) :: load                             !< load at the end of the step
+    type(state_t), intent(in) :: previous                        !< state at its beginning (friction history)
+    type(state_t), intent(inout) :: state                        !< first guess, then solution
+    type(iteration_t), allocatable, intent(out) :: history(:)    !< one entry per iterate
+    logical, intent(out) :: converged                            !< residual below the tolerance
+    logical, intent(out) :: sliding                              !< in balance, but displaced beyond `runaway`, or pairs slide on
+    type(error_t), allocatable, intent(out) :: error             !< linear solver
+    type(iteration_t), allocatable :: more(:)
+    type(newton_options_t) :: round
+    real(dp), allocatable :: paired(:, :), moved(:, :), before(:, :)
+    real(dp) :: share
+    logical :: stay
+    integer :: k
+    allocate (history(0))
+    round = options
+    if (allocated(problem%pairing)) round%tolerance = max(options%tolerance, first_tolerance)
+    paired = state%u
+    share = 1
+    stay = .false.
+    do k = 1, most_pairings
+      if (.not. stay) call pair_bodies(problem, paired)
+      call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
+      if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
+      history = [history, more(merge(2, 1, stay):)]
+      if (allocated(error) .or. .not. (converged .and. allocated(problem%pairing))) return
+      stay = pairs_stay(problem, options, state)
+      if (stay .and. round%tolerance <= options%tolerance) return
+      round = options
+      if (stay) cycle
+      moved = state%u - paired
+      if (allocated(before)) share = share*sum(before*(before - moved))/max(sum((before - moved)**2), tiny(1._dp))  ! Aitken's
+      sliding = share > 2  ! pairs move on by more than half of their last way
+      if (sliding) exit
+      share = min(1._dp, max(0.1_dp, share))
+      paired = paired + share*moved
+      before = moved
+    end do
+    converged = .false.
+  end subroutine iterate
+
+  !> Pairs are still those of the faces, as near as matters.
+  logical function pairs_stay(problem, options, state)
+    type(problem_t), intent(in) :: problem         !< problem
+    type(newton_options_t), intent(in) :: options  !< torque
+    type(state_t), intent(in) :: state             !< equilibrium between its pairs
+    real(dp) :: apart, turned
+    call pairing_error(problem%pairing, problem%mortar, state%u, state%traction(1, :), apart, turned)
+    pairs_stay = turned <= turn_left .and. apart <= way_left*problem%pairing%radius
+    if (pairs_stay .and. options%torque > 0) pairs_stay = apart <= rounding_left*problem%pairing%radius .or. &
+      apart*sum(problem%mortar%area*state%traction(1, :)) <= moment_left*options%torque
+  end function pairs_stay
+
+  !> Iterate from `state` to equilibrium between the present pairs.
+  subroutine settle(problem, solver, options, load, previous, state, history, converged, sliding, error)
     type(problem_t), intent(inout) :: problem                    !< problem; its tangent follows the iterates
     class(linear_solver_t), intent(inout) :: solver              !< its linear solver
     type(newton_options_t), intent(in) :: options                !< tolerance and limits
@@ -124,6 +190,8 @@ contains
       if (row%iteration > 0) call update_tangent(problem, state%u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
+      if (allocated(problem%pairing) .and. .not. search) &  ! pairs still move, or little is left to do
+        solver%accuracy = max(solver%accuracy, min(1e-3_dp, 1e-2_dp*here%merit), min(0.1_dp, 0.1_dp*options%tolerance/here%merit))
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
@@ -131,7 +199,7 @@ contains
       row%iteration = row%iteration + 1
       call advance(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
-  end subroutine iterate
+  end subroutine settle
 
   !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
   subroutine respond(problem, solver, load, factorise, state, error)
@@ -290,7 +358,7 @@ contains
       here%anchor = previous%traction
       here%lead = leads(previous)
     end if
-    call gap_and_slip(problem, load, state)
+    call gap_and_slip(problem, load, previous, state)
     do j = 1, problem%mortar%n
       if (j > problem%mortar%n - problem%mortar%rigid) then
         call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &

@@ -8,7 +8,7 @@ module hd_newton_krylov
   use hd_krylov, only: operator_t, solve_gmres
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
-  use hd_mortar, only: add_nodal_forces, relative_displacement
+  use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
   use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
   use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
@@ -98,7 +98,11 @@ contains
     call self%sharing%take_law(self%dw, self%dt)
     if (.not. allocated(self%exact)) then
       if (allocated(self%round)) then
-        call self%near%update(self%round, self%dw, self%dt, error)
+        if (self%round%mortar%serial /= problem%mortar%serial) then
+          self%round%mortar = problem%mortar
+          deallocate (self%round%mortar%turn, self%round%mortar%carry, self%round%mortar%offset)
+        end if
+        call self%near%update(self%round, in_rest_frames(problem%mortar, self%dw), in_rest_frames(problem%mortar, self%dt), error)
       else
         call self%near%update(problem, self%dw, self%dt, error)
       end if
@@ -112,6 +116,19 @@ contains
       call self%exact%update(problem, dw, dt, error)
     end if
   end subroutine update_newton_krylov
+
+  !> Derivatives by displacements and tractions in the frames of the bodies at rest, which `round` has.
+  pure function in_rest_frames(mortar, d) result(e)
+    type(mortar_t), intent(in) :: mortar  !< present coupling
+    real(dp), intent(in) :: d(:, :, :)    !< in its frames (3, 3, multipliers)
+    real(dp) :: e(3, 3, size(d, 3))
+    integer :: j
+    e = d
+    if (.not. allocated(mortar%turn)) return
+    do j = 1, size(d, 3)
+      e(:, :, j) = matmul(d(:, :, j), mortar%turn(:, :, j))
+    end do
+  end function in_rest_frames
 
   !> Factorise the matrix as it is, from here on.
   subroutine take_exact(self, problem, reason, error)
@@ -144,7 +161,7 @@ contains
     real(dp) :: residual
     if (.not. allocated(self%exact)) then
       call run_gmres(self, problem, r_u, r_c, du, dtraction, residual, error)
-      if (allocated(error) .or. residual <= stalled) return
+      if (allocated(error) .or. residual <= max(stalled, self%accuracy)) return
       call take_exact(self, problem, 'GMRES stalls at '//to_text(residual), error)
       if (allocated(error)) return
     end if
@@ -226,11 +243,17 @@ contains
     real(dp), intent(out) :: y(:)                     !< correction
     type(error_t), allocatable, intent(out) :: error  !< solver failure
     real(dp), allocatable :: r_u(:, :), r_c(:, :), u(:, :), t(:, :)
+    integer :: j
     associate (p => self%problem)
       allocate (r_u(3, p%n), r_c(3, p%mortar%n), u(3, p%n), t(3, p%mortar%n))
       call unpack_correction(-x, r_u, r_c)
       r_c = r_c/spread(max(p%mortar%area, tiny(1._dp)), 1, 3)
       call self%solver%near%solve(self%round, r_u, r_c, u, t, error)
+      if (allocated(self%solver%round) .and. allocated(p%mortar%turn)) then
+        do j = 1, p%mortar%n
+          t(:, j) = matmul(p%mortar%turn(:, :, j), t(:, j))
+        end do
+      end if
       y = [reshape(u, [size(u)]), reshape(t, [size(t)])]
     end associate
   end subroutine approximate_newton

@@ -3,11 +3,13 @@
 !>
 !>   [ K          -B^T a c ] [ du   ]   [ -r_u   ]      K stiffness of the free dofs, B the mortar coupling,
 !>   [ -a R_w B   -a c R_t ] [ dt/c ] = [  a r_c ]      R_w, R_t derivatives of the contact law, a areas, c its scale.
-!> The pattern holds every contact state, so it is analysed once; only the entries of the law change.
+!> The pattern holds every contact state, so it is analysed once; only the entries of the law change, and where faces are paired
+!> anew those of B. Other pairs may need another pattern.
 module hd_newton_matrix
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
+  use hd_mortar, only: coupling_block
   use hd_problem, only: problem_t, assemble_stiffness
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, unsymmetric
@@ -22,6 +24,7 @@ module hd_newton_matrix
     integer, pointer :: row(:) => null(), col(:) => null()
     real(dp), pointer :: val(:) => null()
     integer :: law_start = 0                     !< entries after this one depend on the contact state
+    integer :: pattern = 0                       !< of the mortar coupling that was laid out
   contains
     procedure :: update => update_matrix
     procedure :: solve => solve_newton
@@ -42,10 +45,13 @@ contains
   !> The same where the sparse stiffness is there already.
   subroutine lay_out_newton_matrix(problem, matrix, error)
     type(problem_t), intent(in) :: problem            !< problem
-    type(newton_matrix_t), intent(out) :: matrix      !< analysed matrix
+    type(newton_matrix_t), intent(inout) :: matrix    !< new, or with another pattern; analysed
     type(error_t), allocatable, intent(out) :: error  !< out of memory
     integer, allocatable :: position(:)
     integer :: a, c
+    call release(matrix)
+    matrix%dofs = 0
+    matrix%pattern = problem%mortar%pattern
     allocate (matrix%equation(3, problem%n), source=0)
     do a = 1, problem%n
       do c = 1, 3
@@ -70,7 +76,8 @@ contains
     type(problem_t), intent(in) :: problem           !< problem
     type(newton_matrix_t), intent(inout) :: matrix   !< gets row, col, val
     integer :: a, b, c, d, j, k, pass, n
-    real(dp) :: v
+    logical :: turned
+    turned = allocated(problem%mortar%turn)
     do pass = 1, 2
       n = 0
       do a = 1, problem%n
@@ -83,21 +90,13 @@ contains
           end do
         end do
       end do
-      do j = 1, problem%mortar%n
-        do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
-          v = -problem%mortar%area(j)*problem%law%scale*problem%mortar%val(k)
-          do c = 1, 3
-            call put(matrix%equation(c, problem%mortar%col(k)), multiplier(j, c), v)
-          end do
-        end do
-      end do
       matrix%law_start = n
       do j = 1, problem%mortar%n
         do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
           do d = 1, 3
             do c = 1, 3
-              if (c == 1 .and. d > 1) cycle
-              call put(multiplier(j, c), matrix%equation(d, problem%mortar%col(k)), 0._dp)
+              if (c == d .or. turned) call put(matrix%equation(d, problem%mortar%col(k)), multiplier(j, c), 0._dp)
+              if (c > 1 .or. d == 1 .or. turned) call put(multiplier(j, c), matrix%equation(d, problem%mortar%col(k)), 0._dp)
             end do
           end do
         end do
@@ -236,23 +235,31 @@ contains
     end subroutine neighbour
   end subroutine coupled_graph
 
-  !> Enter the derivatives of the contact law and factorise.
+  !> Enter coupling and derivatives of the contact law, and factorise.
   subroutine update_matrix(self, problem, dw, dt, error)
     class(newton_matrix_t), intent(inout) :: self     !< matrix
     type(problem_t), intent(in) :: problem            !< problem
     real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
+    real(dp) :: block(3, 3), rows(3, 3)
     integer :: c, d, j, k, n
+    logical :: turned
+    if (problem%mortar%pattern /= self%pattern) call lay_out_newton_matrix(problem, self, error)
+    if (allocated(error)) return
     if (allocated(problem%lagrangian)) call enter_stiffness(problem, self)
+    turned = allocated(problem%mortar%turn)
     n = self%law_start
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
+        block = -problem%mortar%area(j)*coupling_block(problem%mortar, j, k)
+        rows = matmul(dw(:, :, j), block)
+        block = problem%law%scale*block
         do d = 1, 3
           if (self%equation(d, problem%mortar%col(k)) == 0) cycle
-          do c = merge(1, 2, d == 1), 3
-            n = n + 1
-            self%val(n) = -problem%mortar%area(j)*dw(c, d, j)*problem%mortar%val(k)
+          do c = 1, 3
+            if (c == d .or. turned) call enter(block(c, d))
+            if (c > 1 .or. d == 1 .or. turned) call enter(rows(c, d))
           end do
         end do
       end do
@@ -264,6 +271,12 @@ contains
     call self%mumps%factorise(error)
     self%factor_entries = self%mumps%factor_entries
     self%flops = self%mumps%flops
+  contains
+    subroutine enter(value)
+      real(dp), intent(in) :: value
+      n = n + 1
+      self%val(n) = value
+    end subroutine enter
   end subroutine update_matrix
 
   !> Newton correction for given residuals.
@@ -302,5 +315,6 @@ contains
     class(newton_matrix_t), intent(inout) :: self  !< matrix
     call self%mumps%release()
     if (associated(self%row)) deallocate (self%row, self%col, self%val)
+    if (allocated(self%equation)) deallocate (self%equation)
   end subroutine release
 end module hd_newton_matrix

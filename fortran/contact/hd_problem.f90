@@ -9,10 +9,11 @@ module hd_problem
   use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
+  use hd_pairing, only: pairing_t, pair_faces
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, &
-    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state
+    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -28,6 +29,7 @@ module hd_problem
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
     type(mortar_t) :: mortar                   !< interface
+    type(pairing_t), allocatable :: pairing    !< faces of the interface, if they are paired anew as they move
     type(contact_law_t) :: law                 !< its law
   end type problem_t
 
@@ -266,14 +268,27 @@ contains
     end do
   end subroutine sum_cells
 
-  !> Gap and total tangential displacement of the master against the slave.
-  pure subroutine gap_and_slip(problem, load, state)
+  !> Couple the faces where they are; nothing to do for pairs that stay those at rest.
+  subroutine pair_bodies(problem, u)
+    type(problem_t), intent(inout) :: problem  !< gets its mortar anew
+    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    if (allocated(problem%pairing)) call pair_faces(problem%pairing, u, problem%mortar)
+  end subroutine pair_bodies
+
+  !> Gap and total tangential displacement of the master against the slave. Points that are paired anew add the way of the load
+  !> step, in their present frame, to the way before.
+  pure subroutine gap_and_slip(problem, load, previous, state)
     type(problem_t), intent(in) :: problem   !< problem
     type(load_t), intent(in) :: load         !< load
+    type(state_t), intent(in) :: previous    !< state at the beginning of the load step
     type(state_t), intent(inout) :: state    !< gets gap and slip from its displacements
     real(dp) :: w(3, problem%mortar%n)
     w = relative_displacement(problem%mortar, state%u)
     state%gap = load%gap + w(1, :)
     state%slip = w(2:, :)
+    if (.not. allocated(problem%mortar%turn)) return
+    state%gap = state%gap + problem%mortar%offset(1, :)
+    w = relative_displacement(problem%mortar, previous%u)
+    state%slip = previous%slip + state%slip - w(2:, :)
   end subroutine gap_and_slip
 end module hd_problem

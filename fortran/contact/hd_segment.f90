@@ -139,25 +139,27 @@ contains
     end do
   end subroutine clip
 
-  !> Integration points on the triangles of a polygon.
+  !> Integration points on the triangles between the middle of a polygon and its sides: its mirror image gets the mirrored points.
   subroutine add_points(polygon, a, b, nodes_a, nodes_b, facet, points)
     real(dp), intent(in) :: polygon(:, :)     !< corners (2, n) [m]
     real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
     integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
     integer, intent(in) :: facet              !< master facet
     type(point_t), allocatable, intent(inout) :: points(:)  !< grows
-    type(point_t) :: new(7*max(0, size(polygon, 2) - 2))
-    real(dp) :: u(2), v(2), x(2), area, xi(2)
+    type(point_t) :: new(7*size(polygon, 2))
+    real(dp) :: middle(2), u(2), v(2), x(2), area, xi(2)
     integer :: t, p, n
     n = 0
-    do t = 2, size(polygon, 2) - 1
-      u = polygon(:, t) - polygon(:, 1)
-      v = polygon(:, t + 1) - polygon(:, 1)
+    if (size(polygon, 2) < 3) return
+    middle = sum(polygon, 2)/size(polygon, 2)
+    do t = 1, size(polygon, 2)
+      u = polygon(:, t) - middle
+      v = polygon(:, modulo(t, size(polygon, 2)) + 1) - middle
       area = 0.5_dp*abs(u(1)*v(2) - u(2)*v(1))
       if (area <= 1e-14_dp*maxval(abs(a(:, 3) - a(:, 1)))**2) cycle
       do p = 1, 7
         n = n + 1
-        x = polygon(:, 1) + rule(1, p)*u + rule(2, p)*v
+        x = middle + rule(1, p)*u + rule(2, p)*v
         xi = locate(a, x)
         new(n)%corner = shape_corner(xi)
         new(n)%slave(:nodes_a) = shape_facet(nodes_a, xi)

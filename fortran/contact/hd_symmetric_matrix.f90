@@ -11,7 +11,7 @@ module hd_symmetric_matrix
   use hd_face_system, only: face_system_t, new_face_system
   use hd_linear_solver, only: linear_solver_t
   use hd_metis, only: nested_dissection
-  use hd_mortar, only: add_nodal_forces
+  use hd_mortar, only: add_nodal_forces, coupling_block
   use hd_mumps, only: mumps_t, symmetric
   use hd_mumps_single, only: mumps_single_t
   use hd_newton_matrix, only: coupled_graph
@@ -24,6 +24,7 @@ module hd_symmetric_matrix
   type, extends(linear_solver_t) :: symmetric_matrix_t
     logical :: single = .false.                  !< precision of the factors
     logical :: analysed = .false.                !< pattern is that of the symmetry
+    integer :: pattern = 0                       !< of the mortar coupling that was laid out
     integer :: dofs = 0                          !< displacement unknowns
     integer, allocatable :: agent(:)             !< node that stands for each node, itself for some
     integer, allocatable :: images(:)            !< nodes that an agent stands for, 0 elsewhere
@@ -83,6 +84,7 @@ contains
     integer, allocatable :: position(:)
     integer :: a
     call release_symmetric(matrix)
+    matrix%pattern = problem%mortar%pattern
     allocate (matrix%agent(problem%n), matrix%turned(problem%n), matrix%on_plane(problem%n))
     call choose_agents(problem, matrix%symmetry, matrix%agent, matrix%turned, matrix%on_plane)
     allocate (matrix%images(problem%n), source=0)
@@ -207,7 +209,7 @@ contains
       j = matrix%list(i)
       scale = problem%mortar%area(j)*problem%law%scale*matrix%images(problem%mortar%node(j))
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
-        block = -scale*problem%mortar%val(k)*system%r(:, :, j)
+        block = -scale*matmul(system%r(:, :, j), coupling_block(problem%mortar, j, k))
         block(system%rank(j) + 1:, :) = 0
         b = matrix%agent(problem%mortar%col(k))
         if (matrix%turned(problem%mortar%col(k))) block(:, 2) = -block(:, 2)
@@ -281,6 +283,7 @@ contains
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     integer :: j
+    if (self%pattern /= problem%mortar%pattern) self%analysed = .false.
     if (.not. self%analysed) call analyse(problem, self, error)
     if (allocated(error)) return
     self%dw = dw

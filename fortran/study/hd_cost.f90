@@ -26,6 +26,7 @@ module hd_cost
   real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
   real(dp), parameter :: solve_time = 4e-9_dp   !< per entry of symmetric factors and solve
   real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
+  real(dp), parameter :: pairs_time = 1.7_dp    !< times as long where pairs follow: more iterations, more steps of GMRES
   real(dp), parameter :: tangent_time = 3e-6_dp !< per dof and iteration, large displacements
   real(dp), parameter :: face_time = 2.3e-10_dp !< per cube of the face dofs of both bodies, inversion
 
@@ -58,6 +59,7 @@ contains
       memory_mb=30 + 2.7e-3_dp*nodes + 5.2e-6_dp*entries(part))
     list(6) = cost_t('exact', seconds=iterations*(factor_time(dof, 1._dp, 1._dp) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
+    if (.not. small .and. s%shape == 'pressed') list%seconds = pairs_time*list%seconds
     round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
     list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')

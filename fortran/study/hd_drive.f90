@@ -13,6 +13,7 @@ module hd_drive
   use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
+  use hd_pairing, only: pairing_t
   use hd_problem, only: problem_t, load_t, new_problem, add_springs
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
@@ -88,16 +89,28 @@ contains
     call new_problem(bodies, drive%problem, error)
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
-    if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
-    if (scene%ring_contact == 'unilateral') then
-      inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
-      call add_rigid(drive%problem%mortar, inside)
+    inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
+    if (scene%kinematics == 'nonlinear' .and. scene%shape == 'pressed' .and. scene%contact_mode /= 'bonded') then
+      if (scene%slave == 'ring') master = bore(drive)
+      drive%problem%pairing = pairing_t(drive%face, master, drive%problem%mortar, radius=drive%radius, &
+        sign=merge(-1, 1, scene%slave == 'cup'), slave_nodes=bodies(1)%nodes())
+      if (scene%ring_contact == 'unilateral') drive%problem%pairing%inside = inside
     end if
+    if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
+    if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
     call load_rim(scene, drive)
     call renew_drive(scene, drive, error)
   end subroutine new_drive
+
+  !> The whole bore of the cup, which is its second body: the ring slips along the axis by tenths of w.
+  function bore(drive) result(face)
+    type(drive_t), intent(in) :: drive     !< drive
+    type(face_t) :: face
+    call strip_face(drive%cup, drive%problem%bodies(2), 1, 1, count(drive%cup%inner(1, :) >= drive%radius), drive%radius, face)
+    face%nodes = face%nodes + drive%problem%first(2)
+  end function bore
 
   !> Enter what leaves mesh, supports and stiffness as they are: contact law, wave generator.
   subroutine renew_drive(scene, drive, error)

@@ -13,7 +13,7 @@ module hd_facets
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: facets_t, sums_t, scene_joint, evaluate_facets, sum_up
+  public :: facets_t, sums_t, scene_joint, evaluate_facets, sum_up, contact_torque
 
   !> Facets are numbered axially first, then round the axis.
   type :: facets_t
@@ -202,6 +202,16 @@ contains
       end if
     end associate
   end function moment
+
+  !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].
+  pure real(dp) function contact_torque(drive, state) result(m)
+    type(drive_t), intent(in) :: drive  !< drive
+    type(state_t), intent(in) :: state  !< state or iterate
+    real(dp) :: force(3, drive%problem%n)
+    force = 0
+    call add_nodal_forces(drive%problem%mortar, -state%traction, force)
+    m = moment(drive, state, force, drive%b_ring)
+  end function contact_torque
 
   !> Moment of the support springs about the axis [N m].
   pure real(dp) function spring_torque(drive, state) result(m)

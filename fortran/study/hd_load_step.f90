@@ -7,12 +7,12 @@ module hd_load_step
   use hd_cost, only: band_rows
   use hd_drive, only: drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
-  use hd_facets, only: sums_t
+  use hd_facets, only: contact_torque
   use hd_log, only: say, detail, set_log_level, quiet
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
-  use hd_problem, only: state_t, load_t
+  use hd_problem, only: state_t, load_t, pair_bodies
   use hd_run, only: run_t, new_run, accept, place, final_position
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
@@ -157,18 +157,18 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< solver, files
     type(state_t) :: trial
     type(load_t) :: load
-    type(sums_t) :: sums
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
     real(dp) :: ratio, start, torque
-    integer :: threads
+    integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = 0.05_dp*run%drive%radius
     run%drive%problem%law%friction = merge(run%scene%torque_friction, run%scene%friction, &
       position > 1 + 1e-12_dp .and. run%scene%torque_friction > 0)
     torque = max(0._dp, position - 1)*run%scene%torque
+    if (position > 1) options%torque = abs(run%scene%torque)
     call drive_load(run%drive, min(position, 1._dp), torque, load)
     trial = run%state
     ratio = 0
@@ -191,7 +191,8 @@ contains
     if (run%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
-    run%record%iterations = run%record%iterations + size(history) - 1
+    taken = history(size(history))%iteration
+    run%record%iterations = run%record%iterations + taken
     step = run%step
     step%number = run%record%steps + 1
     call place(run, position, step)
@@ -200,8 +201,8 @@ contains
     call log_iterations(history)
     run%period = maxval(history%period)
     if (run%period > 0) run%record%cycles = run%record%cycles + 1
-    run%step%iterations = run%step%iterations + size(history) - 1
-    run%easy = size(history) <= few_iterations
+    run%step%iterations = run%step%iterations + taken
+    run%easy = taken < few_iterations
     if (solved) then
       run%before = run%state
       run%state = trial
@@ -211,10 +212,11 @@ contains
       run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
       call place(run, position, run%step)
     else if (sliding) then
-      sums%friction_torque = sum(run%drive%problem%mortar%area*trial%traction(2, :))*run%drive%radius
-      slip_torque = abs(sums%friction_torque)
-      if (slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0  ! rounding: friction holds nothing
+      slip_torque = abs(contact_torque(run%drive, trial))
+      if (.not. run%drive%problem%law%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) &
+        slip_torque = 0  ! rounding: friction holds nothing
     end if
+    if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
   end subroutine solve_part
 
   !> A torque at the cup's bottom against the teeth of the circular spline.

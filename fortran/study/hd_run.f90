@@ -16,7 +16,7 @@ module hd_run
   use hd_kept, only: assembly_t, take_model, keep_model
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, write_step, write_teeth, write_grids, &
     close_output
-  use hd_problem, only: state_t, load_t, new_state
+  use hd_problem, only: state_t, load_t, new_state, pair_bodies
   use hd_scene, only: scene_t
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
@@ -99,6 +99,7 @@ contains
     run%record%symmetry = mark%symmetry
     run%step%number = mark%steps
     call place(run, run%position, run%step)
+    call pair_bodies(run%drive%problem, run%state%u)
     call measure(run)
     call say('resumed   after load step '//to_text(mark%steps)//', torque '//to_text(run%step%torque)//' N m')
   end subroutine restore_run

@@ -107,6 +107,10 @@ contains
     else
       call assemble_stiffness(drive%problem, error)
       if (.not. allocated(error)) call make_condensed(drive%problem, .true., near, error)
+      if (allocated(drive%problem%pairing)) then
+        krylov%round = drive%problem
+        deallocate (krylov%round%lagrangian, krylov%round%pairing, krylov%round%stiffness%val)
+      end if
     end if
     if (allocated(error)) return
     call new_newton_krylov(near, krylov)

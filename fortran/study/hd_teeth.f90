@@ -142,7 +142,7 @@ contains
     state%u = state%u + teeth%rotation*teeth%response(n + 1)%u
     state%traction = state%traction + teeth%rotation*teeth%response(n + 1)%traction
     call drive_load(drive, 1._dp, 0._dp, load)
-    call gap_and_slip(drive%problem, load, state)
+    call gap_and_slip(drive%problem, load, teeth%assembled, state)
   end subroutine turn_hub
 
   !> Equations of the closed teeth and of the hub.

@@ -8,6 +8,7 @@ program hd_tester
   use test_random, only: run_random
   use test_interface, only: run_interface
   use test_mesh_series, only: run_mesh_series
+  use test_pairing, only: run_pairing
   use test_rotation, only: run_rotation
   use test_text, only: run_text
   implicit none
@@ -18,6 +19,7 @@ program hd_tester
   call run_element()
   call run_contact()
   call run_interface()
+  call run_pairing()
   call run_rotation()
   call run_mesh_series()
   if (.not. report_checks()) stop 1, quiet=.true.

@@ -17,7 +17,7 @@ module test_contact
   use hd_revolution, only: revolve, strip_face, strip_t
   implicit none
   private
-  public :: run_contact, block, block_face, new_problem_of, solve
+  public :: run_contact, block, block_face, new_problem_of, solve, two_rings
 
   !> A preconditioner that does nothing useful.
   type, extends(linear_solver_t) :: useless_t

@@ -21,20 +21,21 @@ def solve(exe, folder, *keys):
     return hdengine.load(folder)
 
 
-def assert_same(a, b):
-    """Tractions agree to 1e-9 of the peak pressure in every facet and step."""
+def assert_same(a, b, within=1e-9):
+    """Tractions agree to a part of the peak pressure in every facet and step."""
     for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
-        np.testing.assert_allclose(a.contact[name], b.contact[name], rtol=0, atol=1e-9 * b.contact["pressure_pa"].max())
+        np.testing.assert_allclose(a.contact[name], b.contact[name], rtol=0, atol=within * b.contact["pressure_pa"].max())
 
 
 @pytest.mark.parametrize("keys", [[], ["wave_generator.eccentricity=5e-6", "contact.friction=0.5"], ["mesh.ring_divisions=20"],
                                   ["contact.mode=bonded"], LARGE, FORMED], ids=str)
 def test_factors_change_nothing(exe, tmp_path, keys):
-    """GMRES around symmetric factors, in double and single precision, or around the round bodies, gives what exact factors give."""
+    """GMRES around symmetric factors, in double and single precision, or around the round bodies, gives what exact factors give; with
+    large displacements as far as pairs may be left from their places, 1e-5 of the radius."""
     exact = solve(exe, tmp_path / "exact", *keys, "solver.method=newton", "solver.factors=exact")
     for factors in ("symmetric", "single", "harmonic"):
         r = solve(exe, tmp_path / factors, *keys, "solver.method=newton", f"solver.factors={factors}")
-        assert_same(r, exact)
+        assert_same(r, exact, 1e-6 if keys == LARGE else 1e-9)
         assert r.summary["model"]["inner_iterations"] > 0 and "GMRES" in r.summary["model"]["solver"]
 
 
@@ -45,7 +46,7 @@ def test_newton_uses_symmetry(exe, tmp_path, keys):
     results = {s: solve(exe, tmp_path / s, *keys, "solver.method=newton", f"solver.symmetry={s}") for s in ("full", "half", "quarter")}
     for s in ("half", "quarter"):
         assert results[s].summary["model"]["symmetry_assembly"] == s
-        assert_same(results[s], results["full"])
+        assert_same(results[s], results["full"], 1e-6 if LARGE[0] in keys else 1e-9)  # pairs: see above
 
 
 @pytest.mark.parametrize("keys, name", [([], "condensed by harmonics"), (LARGE, "GMRES"), (FORMED, "GMRES"),

@@ -32,7 +32,7 @@ module hd_facets
   type :: sums_t
     real(dp) :: rotation = 0           !< mean rotation of the rim, work-conjugate to an even torque [rad]
     real(dp) :: normal_force = 0       !< int p dA [N]
-    real(dp) :: reaction_force = 0     !< the same from the nodal forces of the flexspline [N]
+    real(dp) :: reaction_force = 0     !< the same from its nodal forces, less what is radial of shear and tilt [N]
     real(dp) :: facet_force = 0        !< the same from the table of facets [N]
     real(dp) :: lobe_force_x = 0       !< int p |cos theta| dA within 45 degrees of the long axis [N]
     real(dp) :: contact_area = 0       !< [m^2]
@@ -141,7 +141,7 @@ contains
     type(sums_t), intent(out) :: sums       !< sums
     real(dp), allocatable :: r(:, :), theta(:), p(:)
     type(state_t) :: free
-    integer :: first
+    integer :: first, last
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)
       theta = drive%reference(2, problem%mortar%node)
@@ -157,6 +157,9 @@ contains
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)
+      first = problem%first(drive%b_cup)
+      last = first + problem%bodies(drive%b_cup)%nodes()
+      sums%reaction_force = sums%normal_force - sum(r(1, first + 1:last))
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
       r = internal_residual(problem, load, state)
@@ -168,8 +171,7 @@ contains
       free%traction = 0
       r = internal_residual(problem, load, free)
       where (problem%fixed) r = 0
-      first = problem%first(drive%b_cup)
-      sums%reaction_force = sum(r(1, first + 1:first + problem%bodies(drive%b_cup)%nodes()))
+      sums%reaction_force = sums%reaction_force + sum(r(1, first + 1:last))
     end associate
   end subroutine sum_up
 

@@ -35,6 +35,7 @@ def test_newton_is_quadratic_and_moments_balance(exe, tmp_path):
         res = h["residual"][rounds == k]
         assert res[-1] < max(3e3 * res[-2] ** 2, 1e-11)
     assert abs(r.steps["torque_balance_nm"][-1]) < 1e-3 * 5
+    np.testing.assert_allclose(r.steps["normal_force_n"], r.steps["reaction_force_n"], rtol=1e-8)
 
 
 def rows_of(grid, body):

@@ -133,8 +133,8 @@ def kinematics(ax):
 
 def small_slip(ax):
     small = ["mesh.divisions=24", "mesh.band_facets=4", "solver.kinematics=nonlinear", "load.torque=12", "load.torque_steps=6", "load.support=bearing"]
-    for shape, name in (("pressed", "pressed: pairs follow"), ("as_formed", "as_formed: pairs at rest")):
-        steps, *_ = run(*small, f"wave_generator.shape={shape}")
+    for shape, name in (("pressed", "pressed: pairs follow"), ("as_formed", "formed on a cone: pairs at rest")):
+        steps, *_ = run(*small, f"wave_generator.shape={shape}", f"wave_generator.cone_angle_deg={0.1 * (shape == 'as_formed')}")
         mine = [s for s in steps if s["torque_nm"] > 0]
         x, y = [s["torque_nm"] for s in mine], [s["torque_balance_nm"] / s["torque_nm"] for s in mine]
         if shape == "pressed":

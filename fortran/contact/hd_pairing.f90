@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Which points of two round faces press on each other after large displacements, and in which frame.
+!> Which points of two faces press on each other after large displacements, and in which frame. At rest both lie on one curve round
+!> the axis, a circle or one near it.
 !>
 !> A point of the slave at the angle theta and its opposite at theta + beta, z + zeta of the master are apart by
-!>   y = R(beta) [radius + u_r, u_theta, u_z]_master - [radius + u_r, u_theta, u_z]_slave + [0, 0, zeta]
+!>   y = R(beta) [radius + u_r, u_theta, u_z]_master - [radius + u_r, u_theta, u_z]_slave + [0, 0, zeta],  radius that of curvature,
 !> in the slave's directions at theta. The pair is where y has no part along the deformed slave's tangents; its normal gives the
 !> gap. Both follow from the displacements alone, whatever was before. Within an equilibrium they stand still: hd_newton solves
 !> it and pairs anew, until nothing moves.
@@ -20,7 +21,9 @@ module hd_pairing
     type(face_t) :: slave, master             !< faces at rest; the master may reach further than where they touch
     type(mortar_t) :: rest                    !< their coupling at rest, displacements of the master against the slave
     type(face_t), allocatable :: inside       !< face that meets a rigid surface
-    real(dp) :: radius = 0                    !< of both faces and of their chart [m]
+    real(dp) :: radius = 0                    !< of the chart [m]
+    real(dp), allocatable :: stretch(:)       !< length of the faces over that of the chart round the axis (multipliers)
+    real(dp), allocatable :: bend(:)          !< turn of the normal at rest over length of the chart (multipliers) [rad/m]
     real(dp) :: sign = 1                      !< -1 if displacements of the slave against the master are asked for
     integer :: slave_nodes = 0                !< nodes of the slave's body, which come first
   end type pairing_t
@@ -36,7 +39,6 @@ contains
     real(dp) :: shift(2, pairing%rest%n), frames(3, 3, pairing%rest%n), y(3), base(3)
     integer :: i, j, n
     n = pairing%rest%n
-    base = [pairing%radius, 0._dp, 0._dp]
     frames = deformed_frames(pairing, u)
     new = pairing%rest
     shift = 0
@@ -44,7 +46,7 @@ contains
       do j = 1, n
         if (.not. new%area(j) > 0) cycle
         y = matmul(frames(:, :, j), apart(pairing, new, u, shift(:, j), j))
-        shift(:, j) = shift(:, j) - y(2:)
+        shift(:, j) = shift(:, j) - y(2:)/[pairing%stretch(j), 1._dp]
       end do
       call new_mortar(pairing%slave, pairing%master, new, shift)
     end do
@@ -57,7 +59,8 @@ contains
     new%carry = new%turn
     new%offset = 0
     do j = 1, n
-      new%carry(:, :, j) = matmul(frames(:, :, j), rotation(shift(1, j)/pairing%radius))
+      base = [pairing%stretch(j)/pairing%bend(j), 0._dp, 0._dp]
+      new%carry(:, :, j) = matmul(frames(:, :, j), rotation(shift(1, j)*pairing%bend(j)))
       new%offset(:, j) = pairing%sign*(matmul(new%carry(:, :, j), base) + &
         matmul(frames(:, :, j), [0._dp, 0._dp, shift(2, j)] - base))
     end do
@@ -102,13 +105,13 @@ contains
     integer, intent(in) :: j                 !< multiplier
     real(dp) :: y(3), base(3), sides(3, 2)
     integer :: b, k
-    base = [pairing%radius, 0._dp, 0._dp]
+    base = [pairing%stretch(j)/pairing%bend(j), 0._dp, 0._dp]
     sides = 0
     do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
       b = merge(2, 1, mortar%col(k) > pairing%slave_nodes)
       sides(:, b) = sides(:, b) + mortar%val(k)*u(:, mortar%col(k))
     end do
-    y = matmul(rotation(shift(1)/pairing%radius), base + sides(:, 2)) - base + sides(:, 1)
+    y = matmul(rotation(shift(1)*pairing%bend(j)), base + sides(:, 2)) - base + sides(:, 1)
     y(3) = y(3) + shift(2)
   end function apart
 
@@ -136,7 +139,7 @@ contains
     end associate
     do j = 1, pairing%rest%n
       associate (v => u(:, pairing%rest%node(j)))
-        a = slope(:, 1, j)/weight(1, j) + [-v(2)/pairing%radius, 1 + v(1)/pairing%radius, 0._dp]
+        a = slope(:, 1, j)/weight(1, j) + [-v(2)*pairing%bend(j), pairing%stretch(j) + v(1)*pairing%bend(j), 0._dp]
         b = slope(:, 2, j)/weight(2, j) + [0._dp, 0._dp, 1._dp]
       end associate
       normal = cross(a, b)

@@ -6,7 +6,7 @@ module hd_cam
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: cam_deformation, cam_displacement, form_body
+  public :: cam_deformation, cam_displacement, form_body, formed_curve
 
 contains
 
@@ -39,6 +39,20 @@ contains
       du = -2*w*sin(2*theta)
     end if
   end subroutine cam_displacement
+
+  !> Length of the formed curve over that of the circle of the contact radius, and turn of its normal over that length.
+  elemental subroutine formed_curve(scene, theta, stretch, bend)
+    type(scene_t), intent(in) :: scene       !< scene without a cone
+    real(dp), intent(in) :: theta            !< angle of the circle [rad]
+    real(dp), intent(out) :: stretch         !< 1 on a circle
+    real(dp), intent(out) :: bend            !< [rad/m]
+    real(dp), parameter :: h = 1e-4_dp
+    real(dp) :: u(3), v(3), du(3), dv(3), turn(3)
+    call cam_displacement(scene%cam, scene%bore_radius, scene%w, theta + [-h, 0._dp, h], u, v, du, dv)
+    stretch = hypot(scene%bore_radius + u(2) + dv(2), v(2) - du(2))/scene%bore_radius
+    turn = atan2(v - du, scene%bore_radius + u + dv)
+    bend = (1 + (turn(3) - turn(1))/(2*h))/scene%bore_radius
+  end subroutine formed_curve
 
   !> Give a revolved body the cam's shape: every circle of the contact radius becomes the cam's curve, thicknesses stand on
   !> its normals, the first dof of a node follows the normal. Behind the band the shape fades out linearly to the bottom.

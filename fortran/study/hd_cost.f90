@@ -59,7 +59,7 @@ contains
       memory_mb=30 + 2.7e-3_dp*nodes + 5.2e-6_dp*entries(part))
     list(6) = cost_t('exact', seconds=iterations*(factor_time(dof, 1._dp, 1._dp) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
-    if (.not. small .and. s%shape == 'pressed') list%seconds = pairs_time*list%seconds
+    if (.not. small) list%seconds = pairs_time*list%seconds
     round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
     list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')

@@ -5,7 +5,7 @@
 !> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
   use hd_kinds, only: dp, pi
-  use hd_cam, only: cam_deformation, cam_displacement, form_body
+  use hd_cam, only: cam_deformation, cam_displacement, form_body, formed_curve
   use hd_error, only: error_t
   use hd_scene, only: scene_t
   use hd_body, only: body_t
@@ -13,7 +13,6 @@ module hd_drive
   use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
-  use hd_pairing, only: pairing_t
   use hd_problem, only: problem_t, load_t, new_problem, add_springs
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
@@ -49,7 +48,7 @@ contains
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
     type(body_t) :: bodies(2)
-    type(face_t) :: slave, master, inside
+    type(face_t) :: slave, master, inside, bore
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -71,6 +70,7 @@ contains
       call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
+      call strip_face(drive%cup, cup, 1, 1, count(drive%cup%inner(1, :) >= drive%radius), drive%radius, bore)
       call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
     end associate
     drive%axial_facets = size(drive%ring%inner, 2) - 1
@@ -79,8 +79,10 @@ contains
       slave = master
       master = drive%face
       drive%face = slave
+      bore = master
     end if
     master%nodes = master%nodes + bodies(1)%nodes()
+    bore%nodes = bore%nodes + bodies(1)%nodes()
     drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
     if (scene%shape == 'as_formed') then
       call form_body(scene, bodies(1))
@@ -90,12 +92,8 @@ contains
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
     inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
-    if (scene%kinematics == 'nonlinear' .and. scene%shape == 'pressed' .and. scene%contact_mode /= 'bonded') then
-      if (scene%slave == 'ring') master = bore(drive)
-      drive%problem%pairing = pairing_t(drive%face, master, drive%problem%mortar, radius=drive%radius, &
-        sign=merge(-1, 1, scene%slave == 'cup'), slave_nodes=bodies(1)%nodes())
-      if (scene%ring_contact == 'unilateral') drive%problem%pairing%inside = inside
-    end if
+    if (scene%kinematics == 'nonlinear' .and. scene%contact_mode /= 'bonded' .and. (scene%shape == 'pressed' .or. &
+      .not. abs(scene%cone_angle_deg) > 0)) call follow_faces(scene, drive, bore, inside)
     if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
     if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
@@ -104,13 +102,26 @@ contains
     call renew_drive(scene, drive, error)
   end subroutine new_drive
 
-  !> The whole bore of the cup, which is its second body: the ring slips along the axis by tenths of w.
-  function bore(drive) result(face)
-    type(drive_t), intent(in) :: drive     !< drive
-    type(face_t) :: face
-    call strip_face(drive%cup, drive%problem%bodies(2), 1, 1, count(drive%cup%inner(1, :) >= drive%radius), drive%radius, face)
-    face%nodes = face%nodes + drive%problem%first(2)
-  end function bore
+  !> Pair the faces anew as they move.
+  subroutine follow_faces(scene, drive, master, inside)
+    type(scene_t), intent(in) :: scene            !< scene
+    type(drive_t), intent(inout) :: drive         !< gets its pairing, from the coupling at rest
+    type(face_t), intent(in) :: master            !< face of the second body: of the cup the whole bore, on which the ring slips
+    type(face_t), intent(in) :: inside            !< inside of the ring
+    allocate (drive%problem%pairing)
+    associate (pairing => drive%problem%pairing, n => drive%problem%mortar%n)
+      pairing%slave = drive%face
+      pairing%master = master
+      pairing%rest = drive%problem%mortar
+      if (scene%ring_contact == 'unilateral') pairing%inside = inside
+      pairing%radius = drive%radius
+      if (scene%slave == 'cup') pairing%sign = -1
+      pairing%slave_nodes = drive%problem%bodies(1)%nodes()
+      allocate (pairing%stretch(n), source=1._dp)
+      allocate (pairing%bend(n), source=1/drive%radius)
+      if (scene%shape == 'as_formed') call formed_curve(scene, drive%reference(2, pairing%rest%node), pairing%stretch, pairing%bend)
+    end associate
+  end subroutine follow_faces
 
   !> Enter what leaves mesh, supports and stiffness as they are: contact law, wave generator.
   subroutine renew_drive(scene, drive, error)

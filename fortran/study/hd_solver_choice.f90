@@ -103,6 +103,7 @@ contains
       pressed%shape = 'pressed'
       call new_drive(pressed, round, error)
       if (.not. allocated(error)) call make_condensed(round%problem, .true., near, error)
+      if (allocated(round%problem%pairing)) deallocate (round%problem%pairing)
       krylov%round = round%problem
     else
       call assemble_stiffness(drive%problem, error)

@@ -39,6 +39,8 @@ contains
     call two_rings(hex8i, n_inner, n_outer, bodies(1), bodies(2), slave, master)
     call new_mortar(slave, master, mortar)
     pairing = pairing_t(slave, master, mortar, radius=radius, sign=sign, slave_nodes=bodies(1)%nodes())
+    allocate (pairing%stretch(mortar%n), source=1._dp)
+    allocate (pairing%bend(mortar%n), source=1/radius)
     mortar%val = sign*mortar%val
   end subroutine new_rings
 

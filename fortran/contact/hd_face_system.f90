@@ -10,6 +10,7 @@ module hd_face_system
   use hd_krylov, only: operator_t, solve_gmres
   use hd_lapack, only: solve_dense
   use hd_symmetry, only: symmetry_t, mirror_sign
+  use hd_vector, only: cross
   implicit none
   private
   public :: face_system_t, new_face_system
@@ -107,12 +108,6 @@ contains
     p(:, :rank) = inverse(:, :rank)
     q = matmul(inverse(:, rank + 1:), s(rank + 1:))
   end subroutine split_tractions
-
-  pure function cross(a, b) result(c)
-    real(dp), intent(in) :: a(3), b(3)
-    real(dp) :: c(3)
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
   !> Right-hand side for relative displacements w that are known.
   pure function right_side(self, w) result(b)

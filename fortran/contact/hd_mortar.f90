@@ -12,7 +12,8 @@ module hd_mortar
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
-  public :: mortar_t, new_mortar, add_rigid, relative_displacement, add_nodal_forces, coupling_block, facet_mean
+  public :: mortar_t, new_mortar, add_rigid, relative_displacement, side_sums, add_nodal_forces, coupling_block, &
+    radial_force, facet_mean
 
   !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
   type :: mortar_t
@@ -257,15 +258,11 @@ contains
     type(mortar_t), intent(in) :: mortar  !< coupling
     real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
     real(dp) :: w(3, mortar%n), sides(3, 2)
-    integer :: j, k, b
+    integer :: j, k
     w = 0
     do j = 1, mortar%n
       if (allocated(mortar%turn)) then
-        sides = 0
-        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-          b = merge(2, 1, mortar%col(k) > mortar%slave_nodes)
-          sides(:, b) = sides(:, b) + mortar%val(k)*u(:, mortar%col(k))
-        end do
+        sides = side_sums(mortar, mortar%slave_nodes, u, j)
         w(:, j) = matmul(mortar%turn(:, :, j), sides(:, 1)) + matmul(mortar%carry(:, :, j), sides(:, 2))
       else
         do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
@@ -274,6 +271,21 @@ contains
       end if
     end do
   end function relative_displacement
+
+  !> Weighted sums over the nodes of a multiplier, those of the slave and of the master, each in the dofs of its nodes.
+  pure function side_sums(mortar, slave_nodes, u, j) result(sides)
+    type(mortar_t), intent(in) :: mortar  !< coupling
+    integer, intent(in) :: slave_nodes    !< nodes above this number are the master's
+    real(dp), intent(in) :: u(:, :)       !< nodal vectors (3, nodes)
+    integer, intent(in) :: j              !< multiplier
+    real(dp) :: sides(3, 2)
+    integer :: b, k
+    sides = 0
+    do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+      b = merge(2, 1, mortar%col(k) > slave_nodes)
+      sides(:, b) = sides(:, b) + mortar%val(k)*u(:, mortar%col(k))
+    end do
+  end function side_sums
 
   !> Add the nodal forces of tractions given on the master [Pa]; the slave gets the opposite.
   pure subroutine add_nodal_forces(mortar, traction, f)
@@ -312,6 +324,24 @@ contains
       block = mortar%val(k)*mortar%turn(:, :, j)
     end if
   end function coupling_block
+
+  !> Part of the tractions of the first multipliers along the first dof of one side, summed over their areas [N]. That of the nodal
+  !> forces is the same if the weights of every multiplier add up to one.
+  pure real(dp) function radial_force(mortar, traction, on_master, n) result(f)
+    type(mortar_t), intent(in) :: mortar     !< coupling
+    real(dp), intent(in) :: traction(:, :)   !< (3, multipliers) [Pa]
+    logical, intent(in) :: on_master         !< side
+    integer, intent(in) :: n                 !< multipliers that count
+    integer :: j
+    if (.not. allocated(mortar%turn)) then
+      f = sum(mortar%area(:n)*traction(1, :n))
+      return
+    end if
+    f = 0
+    do j = 1, n
+      f = f + mortar%area(j)*dot_product(traction(:, j), merge(mortar%carry(:, 1, j), mortar%turn(:, 1, j), on_master))
+    end do
+  end function radial_force
 
   !> Means over the slave facets of a field known at the multipliers.
   pure function facet_mean(mortar, field) result(mean)

@@ -9,8 +9,10 @@
 !> it and pairs anew, until nothing moves.
 module hd_pairing
   use hd_kinds, only: dp
+  use hd_body, only: frame
   use hd_face, only: face_t
-  use hd_mortar, only: mortar_t, new_mortar, add_rigid, relative_displacement
+  use hd_mortar, only: mortar_t, new_mortar, add_rigid, relative_displacement, side_sums
+  use hd_vector, only: cross
   implicit none
   private
   public :: pairing_t, pair_faces, pairing_error
@@ -55,12 +57,12 @@ contains
     if (allocated(pairing%inside)) call add_rigid(new, pairing%inside)
     allocate (new%turn(3, 3, new%n), new%carry(3, 3, new%n), new%offset(3, new%n))
     new%turn(:, :, :n) = frames
-    new%turn(:, :, n + 1:) = spread(rotation(0._dp), 3, new%rigid)
+    new%turn(:, :, n + 1:) = spread(frame(0._dp), 3, new%rigid)
     new%carry = new%turn
     new%offset = 0
     do j = 1, n
       base = [pairing%stretch(j)/pairing%bend(j), 0._dp, 0._dp]
-      new%carry(:, :, j) = matmul(frames(:, :, j), rotation(shift(1, j)*pairing%bend(j)))
+      new%carry(:, :, j) = matmul(frames(:, :, j), frame(shift(1, j)*pairing%bend(j)))
       new%offset(:, j) = pairing%sign*(matmul(new%carry(:, :, j), base) + &
         matmul(frames(:, :, j), [0._dp, 0._dp, shift(2, j)] - base))
     end do
@@ -104,14 +106,9 @@ contains
     real(dp), intent(in) :: shift(2)         !< way to the opposite on the chart [m]
     integer, intent(in) :: j                 !< multiplier
     real(dp) :: y(3), base(3), sides(3, 2)
-    integer :: b, k
     base = [pairing%stretch(j)/pairing%bend(j), 0._dp, 0._dp]
-    sides = 0
-    do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-      b = merge(2, 1, mortar%col(k) > pairing%slave_nodes)
-      sides(:, b) = sides(:, b) + mortar%val(k)*u(:, mortar%col(k))
-    end do
-    y = matmul(rotation(shift(1)*pairing%bend(j)), base + sides(:, 2)) - base + sides(:, 1)
+    sides = side_sums(mortar, pairing%slave_nodes, u, j)
+    y = matmul(frame(shift(1)*pairing%bend(j)), base + sides(:, 2)) - base + sides(:, 1)
     y(3) = y(3) + shift(2)
   end function apart
 
@@ -148,17 +145,4 @@ contains
       frames(3, :, j) = cross(frames(1, :, j), frames(2, :, j))
     end do
   end function deformed_frames
-
-  !> Components at an angle further round the axis, in the directions here.
-  pure function rotation(angle) result(r)
-    real(dp), intent(in) :: angle   !< [rad]
-    real(dp) :: r(3, 3)
-    r = reshape([cos(angle), sin(angle), 0._dp, -sin(angle), cos(angle), 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
-  end function rotation
-
-  pure function cross(a, b) result(c)
-    real(dp), intent(in) :: a(3), b(3)
-    real(dp) :: c(3)
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 end module hd_pairing

@@ -8,9 +8,10 @@ module hd_facets
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint
-  use hd_mortar, only: facet_mean, add_nodal_forces
+  use hd_mortar, only: facet_mean, add_nodal_forces, radial_force
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
+  use hd_vector, only: cross
   implicit none
   private
   public :: facets_t, sums_t, scene_joint, evaluate_facets, sum_up, contact_torque
@@ -96,7 +97,7 @@ contains
         facets%x(:, f) = sum(c, 2)/4
         d = c(:, 3) - c(:, 1)
         e = c(:, 4) - c(:, 2)
-        facets%normal(:, f) = [d(2)*e(3) - d(3)*e(2), d(3)*e(1) - d(1)*e(3), d(1)*e(2) - d(2)*e(1)]
+        facets%normal(:, f) = cross(d, e)
         facets%normal(:, f) = facets%normal(:, f)/norm2(facets%normal(:, f))
         associate (s => state%contact(mortar%facet(:, f)))
           facets%state(f) = open_state
@@ -157,9 +158,6 @@ contains
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)
-      first = problem%first(drive%b_cup)
-      last = first + problem%bodies(drive%b_cup)%nodes()
-      sums%reaction_force = sums%normal_force - sum(r(1, first + 1:last))
       sums%friction_capacity = problem%law%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
       r = internal_residual(problem, load, state)
@@ -171,7 +169,10 @@ contains
       free%traction = 0
       r = internal_residual(problem, load, free)
       where (problem%fixed) r = 0
-      sums%reaction_force = sums%reaction_force + sum(r(1, first + 1:last))
+      first = problem%first(drive%b_cup)
+      last = first + problem%bodies(drive%b_cup)%nodes()
+      sums%reaction_force = sums%normal_force + (sum(r(1, first + 1:last)) - &
+        radial_force(problem%mortar, state%traction, drive%b_cup == 2, m))
     end associate
   end subroutine sum_up
 

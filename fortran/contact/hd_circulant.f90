@@ -8,9 +8,9 @@ module hd_circulant
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
-  use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, &
-    amplitude
-  use hd_lapack, only: invert_symmetric, multiply_dense
+  use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
+  use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries
+  use hd_lapack, only: invert_symmetric
   use hd_problem, only: problem_t
   use hd_symmetry, only: symmetry_t
   implicit none
@@ -24,8 +24,7 @@ module hd_circulant
     integer, allocatable :: ptr(:), row(:), sector(:)  !< weights by multiplier: face node, sector from 0
     real(dp), allocatable :: val(:)
     real(dp), allocatable :: angle(:)               !< their angles [rad]
-    real(dp), allocatable :: hat(:, :, :)           !< compliance by harmonic (3 nodes, 3 nodes, 0:n/2) [m/N]
-    complex(dp), allocatable :: factor(:, :)        !< between dofs and amplitudes (3 nodes, n/stride/2 + 1)
+    type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
     real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
     complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
@@ -41,8 +40,8 @@ module hd_circulant
     integer :: serial = 0                           !< of the coupling whose weights the sides have
     integer :: rows = 0                             !< multipliers along the axis
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
-    real(dp), allocatable :: inverse(:, :, :)       !< F^-1 by harmonic, mean over the sectors (3 rows, 3 rows, 0:n/2)
-    type(side_t) :: ring                            !< workspace of the preconditioner
+    logical :: inverted = .false.                   !< the inverse is there
+    type(side_t) :: ring                            !< F^-1 by harmonic, mean over the sectors, and workspace to apply it
   contains
     procedure :: prepare => prepare_circulant
     procedure :: solve => solve_circulant
@@ -119,7 +118,7 @@ contains
       end do
       side%ptr(mortar%n + 1) = n + 1
     end associate
-    allocate (side%hat(3*size(side%nodes), 3*size(side%nodes), 0:side%sectors/2))
+    call new_harmonic_matrix(side%angle, side%sectors/2, side%hat)
   end subroutine collect_side
 
   !> Take over the weights of faces that are paired anew.
@@ -133,7 +132,7 @@ contains
       call collect_side(problem, b, side)
       same = size(circulant%sides(b)%nodes) == size(side%nodes)
       if (same) same = all(circulant%sides(b)%nodes == side%nodes)
-      if (same) call move_alloc(circulant%sides(b)%hat, side%hat)
+      if (same) call move_alloc(circulant%sides(b)%hat%entry, side%hat%entry)
       if (.not. same) circulant%known = 0
       circulant%sides(b) = side
     end do
@@ -161,6 +160,7 @@ contains
     type(problem_t), intent(in) :: problem            !< problem
     type(symmetry_t), intent(in) :: symmetry          !< of the load step
     type(error_t), allocatable, intent(out) :: error  !< body not held, memory
+    real(dp), allocatable :: hat(:, :)
     integer :: b, k, stride
     stride = merge(2, 1, symmetry%half_turn)
     if (problem%mortar%serial /= self%serial) call couple(problem, self)
@@ -169,16 +169,22 @@ contains
     do b = 1, 2
       call factorise_harmonics(self%bodies(b), stride, error)
       if (allocated(error)) return
-      !$omp parallel do schedule(dynamic)
+      !$omp parallel private(hat)
+      allocate (hat(self%sides(b)%hat%n, self%sides(b)%hat%n))
+      !$omp do schedule(dynamic)
       do k = 0, self%sides(b)%sectors/2, stride
         if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0)) cycle
-        call face_compliance(self%bodies(b), self%sides(b)%nodes, k, self%sides(b)%hat(:, :, k))
+        call face_compliance(self%bodies(b), self%sides(b)%nodes, k, hat)
+        call self%sides(b)%hat%set(k, hat)
       end do
+      !$omp end do
+      deallocate (hat)
+      !$omp end parallel
       self%factor_entries = self%factor_entries + int(harmonic_entries(self%bodies(b), stride), int64)
     end do
     self%known = merge(stride, min(stride, self%known), self%known == 0)
     self%stride = stride
-    if (allocated(self%inverse)) deallocate (self%inverse)
+    self%inverted = .false.
     call release_parts(self)
     call merge_sides(self)
     self%products = sum([((real(self%parts(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=1, size(self%parts))])
@@ -186,7 +192,7 @@ contains
     do b = 1, size(self%parts)
       call plan_side(self%parts(b), stride, error)
       if (allocated(error)) return
-      self%apply_flops = self%apply_flops + 8*real(size(self%parts(b)%hat, 1), dp)**2*size(self%parts(b)%wave, 2) + &
+      self%apply_flops = self%apply_flops + 8*real(self%parts(b)%hat%n, dp)**2*size(self%parts(b)%wave, 2) + &
         10*size(self%parts(b)%field)*log(real(size(self%parts(b)%field, 1), dp))
     end do
   end subroutine prepare_circulant
@@ -194,7 +200,7 @@ contains
   !> Both sides, or one where every multiplier meets exactly one node of either.
   subroutine merge_sides(self)
     type(circulant_t), intent(inout) :: self  !< gets parts
-    integer :: at(self%rows), j
+    integer :: at(self%rows), j, k
     logical :: single
     single = self%sides(1)%sectors == self%sides(2)%sectors .and. size(self%sides(1)%nodes) == self%rows .and. &
       size(self%sides(2)%nodes) == self%rows .and. size(self%row) == size(self%sides(1)%ptr) - 1
@@ -216,9 +222,11 @@ contains
     allocate (self%parts(1))
     self%parts(1) = self%sides(1)
     self%parts(1)%val = 1
-    associate (to => [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)])
-      self%parts(1)%hat = self%sides(1)%hat + self%sides(2)%hat(to, to, :)
-    end associate
+    do k = 0, self%sides(1)%sectors/2, self%stride
+      associate (to => [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)], other => self%sides(2)%hat%full(k))
+        call self%parts(1)%hat%set(k, self%sides(1)%hat%full(k) + other(to, to))
+      end associate
+    end do
   end subroutine merge_sides
 
   !> Kernel by difference of sectors, workspace and plans.
@@ -230,12 +238,14 @@ contains
     real(dp), allocatable :: column(:, :)
     integer :: j, k, m, n
     n = side%sectors/stride
-    m = size(side%hat, 1)
+    m = side%hat%n
     allocate (side%kernel(m, m, n), side%field(n, m), side%wave(m, n/2 + 1), wave(n/2 + 1, m), column(n, m))
-    side%factor = all_factors(side%angle, stride, n/2)
+    do k = 0, n/2
+      side%kernel(:, :, k + 1) = side%hat%full(k*stride)/n
+    end do
     do j = 1, m
       do k = 0, n/2
-        wave(k + 1, :) = side%hat(:, j, k*stride)/n*side%factor(:, k + 1)*conjg(side%factor(j, k + 1))
+        wave(k + 1, :) = side%kernel(:, j, k + 1)*side%hat%factor(:, k*stride)*conjg(side%hat%factor(j, k*stride))
       end do
       call backward_real(wave, column, error)
       if (allocated(error)) return
@@ -282,9 +292,7 @@ contains
           end do
         end do
         call execute_forward_real(part%forward, part%field, part%wave)
-        do k = 0, n/2
-          call multiply_harmonic(part%hat(:, :, k*self%stride), part%factor(:, k + 1), part%wave(:, k + 1))
-        end do
+        call part%hat%multiply(self%stride, part%wave)
         call execute_backward_real(part%backward, part%wave, part%field)
         part%field = part%field/n
         do j = 1, size(f, 2)
@@ -299,40 +307,14 @@ contains
     end do
   end subroutine apply_circulant
 
-  !> Factors between dofs of the first sector and their real amplitudes, for harmonics 0, stride, ...
-  pure function all_factors(angle, stride, last) result(d)
-    real(dp), intent(in) :: angle(:)      !< of the nodes [rad]
-    integer, intent(in) :: stride, last   !< the last harmonic is stride*last
-    complex(dp), allocatable :: d(:, :)
-    integer :: c, k
-    allocate (d(3*size(angle), last + 1))
-    do k = 0, last
-      do c = 1, 3
-        d(c::3, k + 1) = amplitude(k*stride, angle, c)
-      end do
-    end do
-  end function all_factors
-
-  !> Multiply one harmonic of all fields by a real matrix of amplitudes.
-  subroutine multiply_harmonic(a, factor, wave)
-    real(dp), intent(in), contiguous :: a(:, :)     !< matrix
-    complex(dp), intent(in) :: factor(:)            !< of the dofs
-    complex(dp), intent(inout) :: wave(:)           !< amplitudes of one harmonic (dofs)
-    real(dp) :: x(size(factor), 2), y(size(factor), 2)
-    x(:, 1) = real(conjg(factor)*wave)
-    x(:, 2) = aimag(conjg(factor)*wave)
-    call multiply_dense(a, x, y)
-    wave = factor*cmplx(y(:, 1), y(:, 2), dp)
-  end subroutine multiply_harmonic
-
   !> Inverse of F where it is circulant, else of its mean over the sectors of the ring.
   subroutine precondition_circulant(self, w, f, error)
     class(circulant_t), intent(inout) :: self         !< prepared
     real(dp), intent(in) :: w(:, :)                   !< relative displacements (3, multipliers) [m]
     real(dp), intent(out) :: f(:, :)                  !< forces (3, multipliers) [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    integer :: j, k, n
-    if (.not. allocated(self%inverse)) call invert_mean(self, error)
+    integer :: j, n
+    if (.not. self%inverted) call invert_mean(self, error)
     if (allocated(error)) return
     associate (ring => self%ring)
       n = size(ring%field, 1)
@@ -340,9 +322,7 @@ contains
         if (self%sector(j) < n) ring%field(self%sector(j) + 1, 3*self%row(j) - 2:3*self%row(j)) = w(:, j)
       end do
       call execute_forward_real(ring%forward, ring%field, ring%wave)
-      do k = 0, n/2
-        call multiply_harmonic(self%inverse(:, :, k*self%stride), ring%factor(:, k + 1), ring%wave(:, k + 1))
-      end do
+      call ring%hat%multiply(self%stride, ring%wave)
       call execute_backward_real(ring%backward, ring%wave, ring%field)
       ring%field = ring%field/n
       do j = 1, size(w, 2)
@@ -360,7 +340,8 @@ contains
     integer :: d, j, k, l, p, n, alias
     logical :: turned
     n = self%sides(1)%sectors
-    allocate (self%inverse(3*self%rows, 3*self%rows, 0:n/2), mean(3*self%rows, 3*self%rows))
+    call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, self%ring%hat)
+    allocate (mean(3*self%rows, 3*self%rows))
     do k = 0, n/2, self%stride
       mean = 0
       do p = 1, size(self%parts)
@@ -368,7 +349,7 @@ contains
           alias = modulo(k, part%sectors)
           turned = 2*alias > part%sectors
           if (turned) alias = part%sectors - alias
-          allocate (m(size(part%hat, 1), 3*self%rows), source=0._dp)
+          allocate (m(part%hat%n, 3*self%rows), source=0._dp)
           do j = 1, size(self%row)
             do l = part%ptr(j), part%ptr(j + 1) - 1
               weight = part%val(l)*cos(k*(2*pi*self%sector(j)/n - 2*pi*part%sector(l)/part%sectors - part%angle(part%row(l))))
@@ -379,7 +360,7 @@ contains
               end do
             end do
           end do
-          mean = mean + matmul(transpose(m), matmul(part%hat(:, :, alias), m))/(real(n, dp)*part%sectors)
+          mean = mean + matmul(transpose(m), matmul(part%hat%full(alias), m))/(real(n, dp)*part%sectors)
           deallocate (m)
         end associate
       end do
@@ -389,11 +370,11 @@ contains
       end do
       call invert_symmetric(mean, error)
       if (allocated(error)) return
-      self%inverse(:, :, k) = mean
+      call self%ring%hat%set(k, mean)
     end do
-    self%ring%factor = all_factors([(0._dp, j=1, self%rows)], self%stride, n/self%stride/2)
     allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
     call plan_rows(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
+    self%inverted = .not. allocated(error)
   end subroutine invert_mean
 
   !> Add the blocks F(list, j) diag(sign) to a column of blocks.

@@ -5,9 +5,10 @@
 module hd_circulant
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp, pi
+  use hd_circulant_side, only: side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
-  use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
+  use hd_fft, only: free_plan, execute_backward_real, execute_forward_real, plan_rows
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries
   use hd_lapack, only: invert_symmetric
@@ -17,24 +18,11 @@ module hd_circulant
   private
   public :: circulant_t, new_circulant, has_circulant
 
-  !> Face of one body (or of both, merged).
-  type :: side_t
-    integer :: sectors = 0                          !< of the body
-    integer, allocatable :: nodes(:)                !< face nodes of the first sector
-    integer, allocatable :: ptr(:), row(:), sector(:)  !< weights by multiplier: face node, sector from 0
-    real(dp), allocatable :: val(:)
-    real(dp), allocatable :: angle(:)               !< their angles [rad]
-    type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
-    real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
-    real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
-    complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
-    type(fft_plan_t) :: forward, backward
-  end type side_t
-
   type, extends(compliance_t) :: circulant_t
     type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
-    type(side_t), allocatable :: sides(:)           !< one for each body
-    type(side_t), allocatable :: parts(:)           !< what is applied: both sides, or one merged
+    type(side_t), pointer :: sides(:) => null()     !< one for each body
+    type(side_t), pointer :: parts(:) => null()     !< what is applied: both sides, or one merged
+    logical :: merged = .false.                     !< it is one merged
     integer :: stride = 0                           !< 2: fields repeat after half a turn
     integer :: known = 0                            !< stride for which hat is complete, 0: none
     integer :: serial = 0                           !< of the coupling whose weights the sides have
@@ -47,7 +35,9 @@ module hd_circulant
     procedure :: solve => solve_circulant
     procedure :: apply => apply_circulant
     procedure :: precondition => precondition_circulant
+    procedure :: prepare_columns => prepare_circulant_columns
     procedure :: add_column => add_circulant_column
+    procedure :: own => own_block
     procedure :: release => release_circulant
   end type circulant_t
 
@@ -85,42 +75,6 @@ contains
     call place_multipliers(problem, circulant)
   end subroutine new_circulant
 
-  !> Face nodes of a body and the weights of the multipliers on them.
-  subroutine collect_side(problem, b, side)
-    type(problem_t), intent(in) :: problem  !< problem
-    integer, intent(in) :: b                !< body
-    type(side_t), intent(out) :: side       !< its face
-    integer :: number(problem%bodies(b)%nodes_per_sector), first, i, j, k, m, n
-    first = problem%first(b)
-    m = problem%bodies(b)%nodes_per_sector
-    side%sectors = problem%bodies(b)%sectors
-    associate (mortar => problem%mortar)
-      number = 0
-      do k = 1, size(mortar%col)
-        i = mortar%col(k) - first
-        if (i > 0 .and. i <= m*side%sectors) number(modulo(i - 1, m) + 1) = 1
-      end do
-      side%nodes = pack([(i, i=1, m)], number > 0)
-      side%angle = problem%bodies(b)%angle(side%nodes)
-      number(side%nodes) = [(i, i=1, size(side%nodes))]
-      allocate (side%ptr(mortar%n + 1), side%row(size(mortar%col)), side%sector(size(mortar%col)), side%val(size(mortar%col)))
-      n = 0
-      do j = 1, mortar%n
-        side%ptr(j) = n + 1
-        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-          i = mortar%col(k) - first
-          if (i <= 0 .or. i > m*side%sectors) cycle
-          n = n + 1
-          side%row(n) = number(modulo(i - 1, m) + 1)
-          side%sector(n) = (i - 1)/m
-          side%val(n) = mortar%val(k)
-        end do
-      end do
-      side%ptr(mortar%n + 1) = n + 1
-    end associate
-    call new_harmonic_matrix(side%angle, side%sectors/2, side%hat)
-  end subroutine collect_side
-
   !> Take over the weights of faces that are paired anew.
   subroutine couple(problem, circulant)
     type(problem_t), intent(in) :: problem           !< problem
@@ -128,6 +82,7 @@ contains
     type(side_t) :: side
     logical :: same
     integer :: b
+    call release_parts(circulant)
     do b = 1, 2
       call collect_side(problem, b, side)
       same = size(circulant%sides(b)%nodes) == size(side%nodes)
@@ -184,7 +139,6 @@ contains
     end do
     self%known = merge(stride, min(stride, self%known), self%known == 0)
     self%stride = stride
-    self%inverted = .false.
     call release_parts(self)
     call merge_sides(self)
     self%products = sum([((real(self%parts(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=1, size(self%parts))])
@@ -215,10 +169,9 @@ contains
           abs(abs(self%sides(1)%val(j)) - 1) < 1e-10_dp .and. abs(abs(self%sides(2)%val(j)) - 1) < 1e-10_dp
       end do
     end if
-    if (.not. single) then
-      self%parts = self%sides
-      return
-    end if
+    self%merged = single
+    self%parts => self%sides
+    if (.not. single) return
     allocate (self%parts(1))
     self%parts(1) = self%sides(1)
     self%parts(1)%val = 1
@@ -229,30 +182,16 @@ contains
     end do
   end subroutine merge_sides
 
-  !> Kernel by difference of sectors, workspace and plans.
-  subroutine plan_side(side, stride, error)
-    type(side_t), intent(inout) :: side               !< face
-    integer, intent(in) :: stride                     !< 1 or 2
+  !> Compliance between all sectors.
+  subroutine prepare_circulant_columns(self, error)
+    class(circulant_t), intent(inout) :: self         !< prepared
     type(error_t), allocatable, intent(out) :: error  !< memory
-    complex(dp), allocatable :: wave(:, :)
-    real(dp), allocatable :: column(:, :)
-    integer :: j, k, m, n
-    n = side%sectors/stride
-    m = side%hat%n
-    allocate (side%kernel(m, m, n), side%field(n, m), side%wave(m, n/2 + 1), wave(n/2 + 1, m), column(n, m))
-    do k = 0, n/2
-      side%kernel(:, :, k + 1) = side%hat%full(k*stride)/n
-    end do
-    do j = 1, m
-      do k = 0, n/2
-        wave(k + 1, :) = side%kernel(:, j, k + 1)*side%hat%factor(:, k*stride)*conjg(side%hat%factor(j, k*stride))
-      end do
-      call backward_real(wave, column, error)
+    integer :: p
+    do p = 1, size(self%parts)
+      call fill_kernel(self%parts(p), self%stride, error)
       if (allocated(error)) return
-      side%kernel(:, j, :) = transpose(column)
     end do
-    call plan_rows(n, m, side%field, side%wave, side%forward, side%backward, error)
-  end subroutine plan_side
+  end subroutine prepare_circulant_columns
 
   !> u = K^-1 f.
   subroutine solve_circulant(self, problem, f, u, error)
@@ -275,35 +214,10 @@ contains
     class(circulant_t), intent(inout) :: self    !< prepared
     real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
     real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
-    integer :: c, j, k, p, n, ring, s
-    ring = self%sides(1)%sectors/self%stride
+    integer :: p
     w = 0
     do p = 1, size(self%parts)
-      associate (part => self%parts(p))
-        n = size(part%field, 1)
-        part%field = 0
-        do j = 1, size(f, 2)
-          if (self%sector(j) >= ring) cycle
-          do k = part%ptr(j), part%ptr(j + 1) - 1
-            s = modulo(part%sector(k), n) + 1
-            do c = 1, 3
-              part%field(s, 3*part%row(k) - 3 + c) = part%field(s, 3*part%row(k) - 3 + c) + part%val(k)*f(c, j)
-            end do
-          end do
-        end do
-        call execute_forward_real(part%forward, part%field, part%wave)
-        call part%hat%multiply(self%stride, part%wave)
-        call execute_backward_real(part%backward, part%wave, part%field)
-        part%field = part%field/n
-        do j = 1, size(f, 2)
-          do k = part%ptr(j), part%ptr(j + 1) - 1
-            s = modulo(part%sector(k), n) + 1
-            do c = 1, 3
-              w(c, j) = w(c, j) + part%val(k)*part%field(s, 3*part%row(k) - 3 + c)
-            end do
-          end do
-        end do
-      end associate
+      call add_response(self%parts(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, f, w)
     end do
   end subroutine apply_circulant
 
@@ -384,26 +298,23 @@ contains
     real(dp), intent(in) :: sign(3)                !< signs of its components
     integer, intent(in) :: list(:)                 !< multipliers that are looked at
     real(dp), intent(inout) :: column(:, :, :)     !< (3, 3, list) [m/N]
-    integer :: c, d, i, k, l, p, n
-    real(dp) :: v(3)
+    integer :: p
     do p = 1, size(self%parts)
-      associate (part => self%parts(p))
-        n = size(part%kernel, 3)
-        do l = part%ptr(j), part%ptr(j + 1) - 1
-          do i = 1, size(list)
-            do k = part%ptr(list(i)), part%ptr(list(i) + 1) - 1
-              d = part%sector(k) - part%sector(l)
-              d = modulo(d, n) + 1
-              do c = 1, 3
-                v = part%kernel(3*part%row(k) - 2:3*part%row(k), 3*part%row(l) - 3 + c, d)
-                column(:, c, i) = column(:, c, i) + part%val(k)*part%val(l)*sign(c)*v
-              end do
-            end do
-          end do
-        end do
-      end associate
+      call add_side_column(self%parts(p), j, sign, list, column)
     end do
   end subroutine add_circulant_column
+
+  !> Block F(j, j).
+  function own_block(self, j) result(block)
+    class(circulant_t), intent(in) :: self  !< prepared
+    integer, intent(in) :: j                !< multiplier
+    real(dp) :: block(3, 3)                 !< [m/N]
+    integer :: p
+    block = 0
+    do p = 1, size(self%parts)
+      block = block + side_block(self%parts(p), j)
+    end do
+  end function own_block
 
   !> Give back plans and workspace.
   subroutine release_parts(self)
@@ -412,12 +323,13 @@ contains
     call free_plan(self%ring%forward)
     call free_plan(self%ring%backward)
     if (allocated(self%ring%field)) deallocate (self%ring%field, self%ring%wave)
-    if (.not. allocated(self%parts)) return
+    self%inverted = .false.
+    if (.not. associated(self%parts)) return
     do p = 1, size(self%parts)
-      call free_plan(self%parts(p)%forward)
-      call free_plan(self%parts(p)%backward)
+      call release_side(self%parts(p))
     end do
-    deallocate (self%parts)
+    if (self%merged) deallocate (self%parts)
+    nullify (self%parts)
   end subroutine release_parts
 
   !> Give back all memory.

@@ -24,7 +24,9 @@ module hd_compliance
     procedure(solve_bodies), deferred :: solve
     procedure(apply_compliance), deferred :: apply
     procedure(precondition_compliance), deferred :: precondition
+    procedure :: prepare_columns
     procedure(add_column), deferred :: add_column
+    procedure :: own
     procedure(release_compliance), deferred :: release
   end type compliance_t
 
@@ -81,4 +83,23 @@ module hd_compliance
       class(compliance_t), intent(inout) :: self  !< compliance
     end subroutine release_compliance
   end interface
+
+contains
+
+  !> Make what add_column needs, where prepare has not.
+  subroutine prepare_columns(self, error)
+    class(compliance_t), intent(inout) :: self        !< prepared
+    type(error_t), allocatable, intent(out) :: error  !< memory
+  end subroutine prepare_columns
+
+  !> Block F(j, j).
+  function own(self, j) result(block)
+    class(compliance_t), intent(in) :: self  !< prepared
+    integer, intent(in) :: j                 !< multiplier
+    real(dp) :: block(3, 3)                  !< [m/N]
+    real(dp) :: column(3, 3, 1)
+    column = 0
+    call self%add_column(j, [1._dp, 1._dp, 1._dp], [j], column)
+    block = column(:, :, 1)
+  end function own
 end module hd_compliance

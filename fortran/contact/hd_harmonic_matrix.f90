@@ -3,7 +3,7 @@
 !> kept (in blocks of 8 x 8).
 module hd_harmonic_matrix
   use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, pi
   use hd_harmonics, only: amplitude
   implicit none
   private
@@ -19,6 +19,7 @@ module hd_harmonic_matrix
   contains
     procedure :: set
     procedure :: full
+    procedure :: kernel
     procedure :: multiply
   end type harmonic_matrix_t
 
@@ -82,6 +83,26 @@ contains
       at = at + padded(j)
     end do
   end function full
+
+  !> Block between two sectors, for fields that repeat `stride` times round the axis.
+  pure function kernel(self, stride, sectors, difference) result(a)
+    class(harmonic_matrix_t), intent(in) :: self  !< matrix
+    integer, intent(in) :: stride                 !< 1 or 2
+    integer, intent(in) :: sectors                !< of one repetition
+    integer, intent(in) :: difference             !< of the sectors
+    real(dp) :: a(self%n, self%n), part(self%n, self%n)
+    complex(dp) :: f(self%n), turn
+    integer :: j, k
+    a = 0
+    do k = 0, sectors/2
+      part = self%full(stride*k)
+      f = self%factor(:, stride*k)
+      turn = exp(cmplx(0, 2*pi*k*difference/sectors, dp))*merge(1, 2, k == 0 .or. 2*k == sectors)/sectors
+      do j = 1, self%n
+        a(:, j) = a(:, j) + part(:, j)*real(f*(conjg(f(j))*turn))
+      end do
+    end do
+  end function kernel
 
   !> Product with a field given by its harmonics 0, stride, 2 stride, ...
   subroutine multiply(self, stride, wave)

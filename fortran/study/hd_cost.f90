@@ -47,7 +47,7 @@ contains
     small = s%kinematics /= 'nonlinear'
     tangent = merge(0._dp, tangent_time*dof, small)
     harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
-    list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick))
+    list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
     list(2) = cost_t('schur', seconds=factor_time(dof, 0.5_dp, 1._dp) + face_time*(rows*s%divisions)**3 + &
       iterations*5*harmonic, &
       memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
@@ -117,14 +117,15 @@ contains
     nodes = real(s%divisions, dp)*section
   end subroutine count_nodes
 
-  !> Memory of condensation by harmonics: stiffness, one band per harmonic, compliance of the face [MB].
-  pure real(dp) function harmonic_mb(s, nodes, section, rows, thick) result(mb)
+  !> Memory of condensation by harmonics: nodes, facets, compliance of the face and one band per harmonic [MB].
+  pure real(dp) function harmonic_mb(s, nodes, section, rows, thick, images) result(mb)
     type(scene_t), intent(in) :: s                          !< scene
     real(dp), intent(in) :: nodes, section, rows, thick     !< counts
+    real(dp), intent(in) :: images                          !< 2: half of the harmonics
     real(dp) :: layers
     layers = max(s%through_wall, s%through_ring)
     if (thick > layers) layers = 3*(layers + 2) - 2  ! hex20r
-    mb = 20 + 1.25_dp*(600e-6_dp*nodes + 4e-6_dp*s%divisions*(6*rows**2 + 30*section*(layers + 2)))
+    mb = 20 + 1.15_dp*(450e-6_dp*nodes + s%divisions*(1.3e-3_dp*rows + (6e-6_dp*rows**2 + 120e-6_dp*section*(layers + 2))/images))
   end function harmonic_mb
 
   !> The fastest solver that fits, the smallest where none does.

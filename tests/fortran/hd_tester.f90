@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 program hd_tester
   use hd_check, only: report_checks
+  use test_circulant, only: run_circulant
   use test_contact, only: run_contact
   use test_element, only: run_element
   use test_fft, only: run_fft
@@ -17,6 +18,7 @@ program hd_tester
   call run_heights()
   call run_random()
   call run_element()
+  call run_circulant()
   call run_contact()
   call run_interface()
   call run_pairing()

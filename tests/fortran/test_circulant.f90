@@ -1,0 +1,96 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+module test_circulant
+  use hd_check, only: check_close
+  use hd_circulant_side, only: side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
+  use hd_error, only: error_t
+  use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
+  use hd_kinds, only: dp
+  implicit none
+  private
+  public :: run_circulant
+
+contains
+
+  subroutine run_circulant()
+    integer :: nodes
+    do nodes = 1, 6
+      call products(nodes)
+    end do
+    call one_side(1)
+    call one_side(2)
+  end subroutine run_circulant
+
+  !> Symmetric positive matrix.
+  function some_matrix(n, k) result(a)
+    integer, intent(in) :: n, k
+    real(dp) :: a(n, n)
+    integer :: i, j
+    do j = 1, n
+      do i = 1, n
+        a(i, j) = cos(1.3_dp*(i + j) + 0.7_dp*(k*i*j)) + merge(2*n, 0, i == j)
+      end do
+    end do
+  end function some_matrix
+
+  !> What is kept is the whole matrix, and multiplies as it does.
+  subroutine products(nodes)
+    integer, intent(in) :: nodes
+    type(harmonic_matrix_t) :: matrix
+    complex(dp) :: wave(3*nodes, 0:2), expected(3*nodes, 0:2)
+    real(dp) :: angle(nodes)
+    integer :: i, k
+    angle = [(0.1_dp*i, i=1, nodes)]
+    call new_harmonic_matrix(angle, 4, matrix)
+    do k = 0, 4
+      call matrix%set(k, some_matrix(3*nodes, k))
+    end do
+    call check_close(maxval(abs(matrix%full(3) - some_matrix(3*nodes, 3))), 0._dp, 0._dp, 'one triangle holds the whole matrix')
+    do k = 0, 2
+      wave(:, k) = [(cmplx(sin(i + 2._dp*k), cos(3._dp*i - k), dp), i=1, 3*nodes)]
+      associate (factor => matrix%factor(:, 2*k))
+        expected(:, k) = factor*matmul(some_matrix(3*nodes, 2*k), conjg(factor)*wave(:, k))
+      end associate
+    end do
+    call matrix%multiply(2, wave)
+    call check_close(maxval(abs(wave - expected)), 0._dp, 1e-12_dp, 'products by harmonics are those of the whole matrices')
+  end subroutine products
+
+  !> Response by FFT, columns and blocks of multipliers that meet nodes of two sectors are those of one matrix.
+  subroutine one_side(stride)
+    integer, intent(in) :: stride
+    integer, parameter :: n = 8, m = 2   !< sectors, nodes of each
+    type(side_t) :: side
+    type(error_t), allocatable :: error
+    real(dp) :: f(3, n), w(3, n), column(3, 3, n), expected(3, n)
+    integer :: j, k
+    side%sectors = n
+    side%ptr = [(2*j - 1, j=1, n + 1)]
+    side%row = [(1, 2, j=1, n)]
+    side%sector = [(j - 1, modulo(j, n), j=1, n)]
+    side%val = [(0.7_dp, 0.3_dp, j=1, n)]
+    side%angle = [0._dp, 0.2_dp]
+    call new_harmonic_matrix(side%angle, n/2, side%hat)
+    do k = 0, n/2
+      call side%hat%set(k, some_matrix(3*m, k))
+    end do
+    call plan_side(side, stride, error)
+    call fill_kernel(side, stride, error)
+    expected = 0
+    do j = 1, n
+      f(:, j) = [sin(1._dp*modulo(j, n/stride)), 0.5_dp, cos(2._dp*modulo(j, n/stride))]
+    end do
+    do j = 1, n/stride
+      column = 0
+      call add_side_column(side, j, [1._dp, 1._dp, 1._dp], [(k, k=1, n)], column)
+      do k = 1, n
+        expected(:, k) = expected(:, k) + matmul(column(:, :, k), f(:, j))
+      end do
+      call check_close(maxval(abs(column(:, :, j) - side_block(side, j))), 0._dp, 1e-12_dp, &
+        'the block of a multiplier is that of its column')
+    end do
+    w = 0
+    call add_response(side, stride, [(j <= n/stride, j=1, n)], f, w)
+    call check_close(maxval(abs(w - expected)), 0._dp, 1e-12_dp, 'columns add up to the response')
+    call release_side(side)
+  end subroutine one_side
+end module test_circulant

@@ -9,7 +9,7 @@ module hd_circulant
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: free_plan, execute_backward_real, execute_forward_real, plan_rows
-  use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
+  use hd_harmonic_matrix, only: new_harmonic_matrix
   use hd_harmonics, only: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries
   use hd_lapack, only: invert_symmetric
   use hd_problem, only: problem_t

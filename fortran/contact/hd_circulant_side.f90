@@ -74,7 +74,7 @@ contains
     reach = 0
     do j = 1, size(side%ptr) - 1
       associate (sector => side%sector(side%ptr(j):side%ptr(j + 1) - 1))
-        if (size(sector) > 0) reach = max(reach, maxval(abs(nearest(sector - sector(1), side%sectors))))
+        if (size(sector) > 0) reach = max(reach, maxval(abs(short_way(sector - sector(1), side%sectors))))
       end associate
     end do
     reach = 2*reach
@@ -87,10 +87,10 @@ contains
   end subroutine plan_side
 
   !> Difference of sectors the short way round.
-  elemental integer function nearest(difference, sectors)
+  elemental integer function short_way(difference, sectors)
     integer, intent(in) :: difference, sectors
-    nearest = modulo(difference + sectors/2, sectors) - sectors/2
-  end function nearest
+    short_way = modulo(difference + sectors/2, sectors) - sectors/2
+  end function short_way
 
   !> Compliance between all sectors.
   subroutine fill_kernel(side, stride, error)
@@ -183,7 +183,7 @@ contains
     block = 0
     do l = side%ptr(j), side%ptr(j + 1) - 1
       do k = side%ptr(j), side%ptr(j + 1) - 1
-        d = nearest(side%sector(k) - side%sector(l), side%sectors)
+        d = short_way(side%sector(k) - side%sector(l), side%sectors)
         block = block + side%val(k)*side%val(l)*side%near(3*side%row(k) - 2:3*side%row(k), 3*side%row(l) - 2:3*side%row(l), d)
       end do
     end do

@@ -125,7 +125,7 @@ subroutine run_facets(handle, n, fields, status, message)
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle, n
-  real(c_double), intent(out) :: fields(n, 17)
+  real(c_double), intent(out) :: fields(n, 25)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
@@ -145,6 +145,7 @@ subroutine run_facets(handle, n, fields, status, message)
         fields(:, 15) = f%state
         fields(:, 16) = f%k_n
         fields(:, 17) = f%k_t
+        fields(:, 18:) = transpose(reshape(f%corner, [8, n]))
       end associate
     end if
   end if

@@ -26,7 +26,8 @@ module hd_facets
     real(dp), allocatable :: traction(:, :)   !< pressure and shear along theta and z, on the flexspline (3, facets) [Pa]
     real(dp), allocatable :: slip(:, :)       !< displacement of the flexspline against the ring along theta, z (2, facets) [m]
     integer, allocatable :: state(:)          !< 0 open, 1 stick, 2 slip
-    real(dp), allocatable :: k_n(:), k_t(:)   !< joint stiffness [N/m]
+    real(dp), allocatable :: corner(:, :, :)  !< pressure and shear of the corners, as the joint takes them (2, 4, facets) [Pa]
+    real(dp), allocatable :: k_n(:), k_t(:)   !< joint stiffness, the mean of the corners' [N/m]
   end type facets_t
 
   !> Sums over the contact and the supports.
@@ -68,19 +69,24 @@ contains
       scene%asperity_radius, scene%closure == 'paper', joint, error)
   end subroutine scene_joint
 
-  !> Fields on the facets.
+  !> Fields on the facets. The joint answers to the pressure and shear of a point: a facet's means would lie between slip here
+  !> and slip there, or contact and none, where no point is; K_TS then converges as the length of the facets and slower.
   subroutine evaluate_facets(drive, joint, state, facets)
     type(drive_t), intent(in) :: drive      !< drive
     type(joint_t), intent(in) :: joint      !< joint
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(out) :: facets   !< fields
-    real(dp), allocatable :: x(:, :)
+    real(dp), allocatable :: x(:, :), point(:, :)
     type(response_t), allocatable :: response(:)
-    real(dp) :: c(3, 4), d(3), e(3)
+    real(dp) :: c(3, 4), d(3), e(3), unit
     integer :: f, i, n
     n = size(drive%face%nodes, 2)
     allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
-    allocate (response(n))
+    allocate (facets%corner(2, 4, n), facets%k_n(n), facets%k_t(n), point(2, size(state%traction, 2)))
+    allocate (response(size(point, 2)))
+    point(1, :) = state%traction(1, :)
+    point(2, :) = below_slip(joint%mu*point(1, :), hypot(state%traction(2, :), state%traction(3, :)))
+    call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
     associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
       x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
       facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
@@ -104,33 +110,37 @@ contains
           if (any(s == slip_state)) facets%state(f) = slip_state
           if (any(s == stick_state)) facets%state(f) = stick_state
         end associate
+        unit = merge(1._dp, facets%area(f), joint%paper)
+        facets%corner(:, :, f) = point(:, mortar%facet(:, f))
+        facets%k_n(f) = unit*sum(response(mortar%facet(:, f))%k_n)/4
+        facets%k_t(f) = unit*sum(response(mortar%facet(:, f))%k_t)/4
       end do
     end associate
-    call evaluate_joint(joint, facets%traction(1, :), below_slip(joint%mu*facets%traction(1, :), &
-      hypot(facets%traction(2, :), facets%traction(3, :))), facets%area, response)
-    facets%k_n = response%k_n
-    facets%k_t = response%k_t
   end subroutine evaluate_facets
 
-  !> Shear of a facet for its joint. All its points slip where it equals mu p but for rounding: K_T jumps to 0 there, so that
-  !> rounding would decide; the facet counts with the limit from below, as its neighbours do whose points slip apart.
+  !> Shear of a point for its joint. It slips where that equals mu p but for rounding: K_T jumps to 0 there, so that rounding
+  !> would decide; the point counts with the limit from below.
   elemental real(dp) function below_slip(limit, shear) result(q)
     real(dp), intent(in) :: limit  !< mu p [Pa]
-    real(dp), intent(in) :: shear  !< of the facet [Pa]
+    real(dp), intent(in) :: shear  !< of the point [Pa]
     q = shear
     if (abs(shear - limit) <= 1e-6_dp*limit) q = (1 - 1e-6_dp)*limit
   end function below_slip
 
-  !> Mean pressure of the middle fifth of the band: a region that does not change with the mesh.
+  !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh: linear along a facet.
   pure real(dp) function middle_pressure(drive, facets) result(p)
     type(drive_t), intent(in) :: drive    !< drive
     type(facets_t), intent(in) :: facets  !< its facets
-    real(dp) :: z(2, size(facets%area)), middle, half, part(size(facets%area))
+    real(dp), dimension(size(facets%area)) :: low, high, part, slope
+    real(dp) :: z(2, size(facets%area)), middle, half
     z = drive%face%chart(2, [1, 3], :)
     middle = 0.5_dp*(minval(z) + maxval(z))
     half = 0.1_dp*(maxval(z) - minval(z))
-    part = max(0._dp, min(z(2, :), middle + half) - max(z(1, :), middle - half))/(z(2, :) - z(1, :))*facets%area
-    p = sum(part*facets%traction(1, :))/sum(part)
+    low = max(z(1, :), middle - half)
+    high = min(z(2, :), middle + half)
+    part = max(0._dp, high - low)/(z(2, :) - z(1, :))*facets%area
+    slope = 0.5_dp*sum(facets%corner(1, 3:4, :) - facets%corner(1, 1:2, :), 1)/(z(2, :) - z(1, :))
+    p = sum(part*(facets%traction(1, :) + slope*0.5_dp*(low + high - z(1, :) - z(2, :))))/sum(part)
   end function middle_pressure
 
   !> Sums over the contact, and the balance of the whole.

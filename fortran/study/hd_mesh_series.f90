@@ -16,6 +16,7 @@ module hd_mesh_series
   real(dp), parameter :: first_error = 16       !< estimate expected with one facet; it falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
+  real(dp), parameter :: least = 0.3_dp         !< error of K_TS at least, over facets along the band
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
 contains
@@ -66,6 +67,7 @@ contains
       end if
     end do
     estimate = margin*estimate/(abs(limit) + tiny(1._dp))
+    estimate(1) = max(estimate(1), least/band(level))
   end subroutine extrapolate
 
   !> Slopes over h of the last three pairs of levels agree within a factor of two.

@@ -73,7 +73,8 @@ contains
     call write_echo(folder//'/echo.nml', scene, error)
     if (allocated(error)) return
     call output%contact%open(folder//'/contact.csv', place//',facet,i_theta,i_z,theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,'// &
-      'area_m2,gap_m,pressure_pa,traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m', error)
+      'area_m2,gap_m,pressure_pa,traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m,'// &
+      'pressure_1_pa,shear_1_pa,pressure_2_pa,shear_2_pa,pressure_3_pa,shear_3_pa,pressure_4_pa,shear_4_pa', error)
     if (allocated(error)) return
     call output%history%open(folder//'/history.csv', place//',attempt,iteration,residual,change,open,stick,slip,damping,'// &
       'linear_error,seconds', error)
@@ -147,6 +148,10 @@ contains
       call output%contact%add(facets%state(f))
       call output%contact%add(facets%k_n(f))
       call output%contact%add(facets%k_t(f))
+      do i = 1, 4
+        call output%contact%add(facets%corner(1, i, f))
+        call output%contact%add(facets%corner(2, i, f))
+      end do
       call output%contact%end_row(error)
       if (allocated(error)) return
     end do

@@ -263,7 +263,7 @@ contains
     type(string_t), allocatable :: lines(:)
     integer :: i
     if (run%record%steps == 0 .or. run%scene%support == 'teeth') return  ! bonded there: no joint
-    call range_warnings(run%joint, maxval(run%facets%traction(1, :)), lines)
+    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
     do i = 1, size(lines)
       call push(run%record%warnings, lines(i)%s)
       call say('warning: '//lines(i)%s)

@@ -13,7 +13,8 @@ _SUMS = ("step", "in_torque", "load_factor", "torque_nm", "rotation_rad", "norma
          "contact_area_m2", "pressure_max_pa", "pressure_mid_mean_pa", "friction_torque_nm", "friction_capacity_nm",
          "torque_balance_nm", "iterations", "seconds")
 _FIELDS = ("theta_rad", "x_m", "y_m", "z_m", "n_x", "n_y", "n_z", "area_m2", "gap_m", "pressure_pa", "traction_theta_pa",
-           "traction_z_pa", "slip_theta_m", "slip_z_m", "state", "k_n_n_per_m", "k_t_n_per_m")
+           "traction_z_pa", "slip_theta_m", "slip_z_m", "state", "k_n_n_per_m", "k_t_n_per_m",
+           *(f"{name}_{i}_pa" for i in (1, 2, 3, 4) for name in ("pressure", "shear")))
 
 
 @dataclass

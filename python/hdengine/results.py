@@ -40,10 +40,21 @@ def row_edges(area, shape, band_length):
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_shear(facets, friction):
-    """Shear of the facets as the engine gives it to the joint [Pa]: where all points slip, just below mu p, not at it."""
-    shear, limit = np.hypot(facets["traction_theta_pa"], facets["traction_z_pa"]), friction * facets["pressure_pa"]
-    return np.where(abs(shear - limit) <= 1e-6 * limit, (1 - 1e-6) * limit, shear)
+def facet_stiffness(facets, joint):
+    """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
+
+    Parameters
+    ----------
+    facets : mapping of ndarray (...)
+        Columns of contact.csv.
+    joint : Joint
+
+    Returns
+    -------
+    k_n, k_t : ndarray (...)
+    """
+    pressure, shear = (np.stack([facets[f"{name}_{i}_pa"] for i in (1, 2, 3, 4)], -1) for name in ("pressure", "shear"))
+    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear, facets["area_m2"][..., None]))
 
 
 def long_axis(facets, shape, positions, band_length):
@@ -193,12 +204,10 @@ class Result:
         ndarray (3, steps)
             Low, median, high [N m/rad].
         """
-        c = self.contact
-        shear = facet_shear(c, self.scene["contact.friction"])
         place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("n_x", "n_y", "n_z")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)
-            values = [torsion.torsional_stiffness(*joint.stiffness(c["pressure_pa"], shear, c["area_m2"]), place, normal)
+            values = [torsion.torsional_stiffness(*facet_stiffness(self.contact, joint), place, normal)
                       for joint in self.joint.samples(**errors)]
         return np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
 

@@ -10,7 +10,7 @@ from . import torsion
 from ._engine import InputError
 from .contact import read_scene
 from .joint import Joint
-from .results import facet_shear
+from .results import facet_stiffness
 from .study import Study
 
 # key: (low, high, why); docs/sensitivity.md has the sources
@@ -68,23 +68,20 @@ class ContactField:
 
     def __init__(self, result, step=-1):
         self.scene = dict(result.scene)
-        c = {name: column[step] for name, column in result.contact.items()}
-        self._load = c["pressure_pa"], facet_shear(c, self.scene["contact.friction"]), c["area_m2"]
+        self._facets = c = {name: column[step] for name, column in result.contact.items()}
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
 
     def __repr__(self):
-        return f"ContactField: {len(self._load[0])} facets at {self.torque_nm:g} N m"
+        return f"ContactField: {len(self._facets['area_m2'])} facets at {self.torque_nm:g} N m"
 
     def k_ts(self, **keys):
         """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
         scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
         joint = scene_joint(scene)
-        pressure, shear, area = self._load
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            k_n, k_t = joint.stiffness(pressure, shear, area)
-        return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
+            return float(torsion.torsional_stiffness(*facet_stiffness(self._facets, joint), *self._place))
 
 
 def joint_tornado(field, ranges=JOINT):

@@ -178,7 +178,7 @@ def test_torsional_band(exe, tmp_path):
     assert call(exe, ROOT / "data/cd14.nml", *SMALL, "--out", tmp_path / "b.out", "-q").returncode == 0
     result = hdengine.load(tmp_path / "b.out")
     c = result.contact
-    k_n, k_t = result.joint.stiffness(c["pressure_pa"], hdengine.results.facet_shear(c, 0.15), c["area_m2"])
+    k_n, k_t = hdengine.results.facet_stiffness(c, result.joint)
     np.testing.assert_allclose(k_n, c["k_n_n_per_m"], rtol=1e-12)
     np.testing.assert_allclose(k_t, c["k_t_n_per_m"], rtol=1e-9, atol=1e-9 * k_t.max())
     low, middle, high = result.torsional_band(d_error=0.006, ln_g_error=0.04, correlation=0.9, count=40)

@@ -143,9 +143,9 @@ contains
     call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//percent(maxval(change)))
   end subroutine choose
 
-  !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two layers may agree and both be wrong. K_TS
-  !> goes on as the layers' thickness, and what it changes is nearly the same on all meshes: finer ones take so few layers that a
-  !> quarter of what is carried to them from here, the most that was seen to be wrong with it, is within a fifth of the tolerance.
+  !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two may agree and both be wrong. The change
+  !> goes on as the thickness of a layer, and is much the same on all meshes: it is carried to finer ones, which take so few layers
+  !> that a quarter of it (what it may be wrong by) is within a fifth of the tolerance.
   subroutine choose_layers(pilot, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried

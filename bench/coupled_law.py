@@ -18,6 +18,7 @@ import numpy as np
 import hdengine
 from hdengine import torsion
 from hdengine.plot import plt
+from hdengine.results import facet_stiffness
 from paper_comparison import ROOT, put, table
 
 SCENE = str(ROOT / "data/cd14.nml")
@@ -40,16 +41,14 @@ def runs(work, mesh, name):
 
 def eq45(result, sheared=True, normal=True):
     """K_TS of every step from the stored tractions [N m/rad], with or without shear in K_T and the normal part."""
-    c = result.contact
-    shear = np.hypot(c["traction_theta_pa"], c["traction_z_pa"])
-    k_n, k_t = result.joint.stiffness(c["pressure_pa"], shear * sheared, c["area_m2"])
+    k_n, k_t = facet_stiffness(result.contact, result.joint, sheared)
     return torsion.torsional_stiffness(k_n * normal, k_t, result.vectors("x_m", "y_m", "z_m"), result.vectors("n_x", "n_y", "n_z"))
 
 
 def own_energy(result, start):
     """T^2 / sum(q^2 / K_T): the joint's compliance under the shear that the torque adds in this run [N m/rad]."""
     c = result.contact
-    _, k_t = result.joint.stiffness(c["pressure_pa"], 0.0, c["area_m2"])
+    _, k_t = facet_stiffness(c, result.joint, sheared=False)
     square = sum((c[f"traction_{a}_pa"] - c[f"traction_{a}_pa"][start])**2 for a in ("theta", "z")) * c["area_m2"]**2
     work = np.divide(square, k_t, out=np.zeros_like(square), where=k_t > 0).sum(axis=1)
     return result.torque_nm[start + 1:]**2 / work[start + 1:]
@@ -59,7 +58,7 @@ def rear_row(result):
     """Shares of the rearmost row of facets in K_T and in the torque, in per cent."""
     c, torque = result.contact, result.steps["torque_nm"]
     start = int(np.flatnonzero(torque > 0)[0]) - 1
-    k_t = result.joint.stiffness(c["pressure_pa"][-1], 0.0, c["area_m2"][-1])[1].reshape(result.shape).sum(axis=0)
+    k_t = facet_stiffness(c, result.joint, sheared=False)[1][-1].reshape(result.shape).sum(axis=0)
     shear = ((c["traction_theta_pa"][-1] - c["traction_theta_pa"][start]) * c["area_m2"][-1]).reshape(result.shape).sum(axis=0)
     return [float(100 * v[-1] / v.sum()) for v in (k_t, shear)]
 

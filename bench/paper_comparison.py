@@ -92,7 +92,7 @@ def trend_line(t):
     fall = np.array(t["fall_percent"])
     verdict = ["yes" if torque != "does not agree" else "no",
                "yes" if paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree" else
-               "falls" if np.all(fall < -0.5) else "no", "yes" if t["inside"] else "no"]
+               "falls" if np.all(fall < -paper.RESOLVED) else "no", "yes" if t["inside"] else "no"]
     rise = f"slips at {slips:.2f} N m" if slips else paper.signed([t["rise_percent"]])
     where = " / ".join(f"{v:.3f}" for v in t["top_mm"]) if t["top_mm"] else "-"
     return [*t["name"].split(", "), rise, paper.signed(fall), where, paper.signed(t["gain_percent"]), " ".join(verdict)]

@@ -96,12 +96,12 @@ def planned(keys, tolerance, folder):
             "mesh": {k: scene[f"mesh.{k}"] for k in ("divisions", "band_facets", "edge_length", "through_wall")}}, scene
 
 
-def judge(i, folder, tolerances, row=None):
+def judge(i, folder, tolerances, finest_level, row=None):
     """A scene: what was promised at each tolerance, and what is true; a reference of an earlier row is used if it is fine enough."""
     keys = draw(i)
     runs, scenes = zip(*(planned(keys, tolerance, folder) for tolerance in tolerances))
     row = (row or {}) | {"scene": i, "keys": keys, "runs": list(runs)}
-    made = [(run["level"], scene) for run, scene in zip(runs, scenes) if run.get("met") == "yes" and run["level"] + 3 <= FINEST]
+    made = [(run["level"], scene) for run, scene in zip(runs, scenes) if run.get("met") == "yes" and run["level"] + 3 <= finest_level]
     level, finest = max(made, key=lambda m: m[0], default=(0, None))
     if made and row.get("reference_level", 0) < level + 3:
         try:
@@ -181,6 +181,7 @@ def main():
     parser.add_argument("--again", action="store_true", help="plan scenes of the file again; their references are kept")
     parser.add_argument("--seconds", type=float, default=540, help="no new scene is begun after so long")
     parser.add_argument("--tolerances", type=float, nargs="+", default=TOLERANCES)
+    parser.add_argument("--finest", type=int, default=FINEST, help="level of the finest reference")
     args = parser.parse_args()
     os.nice(10)
 
@@ -196,7 +197,7 @@ def main():
         if time.time() - start > args.seconds:
             break
         if i not in rows or args.again:
-            row = judge(i, folder, args.tolerances, rows.get(i))
+            row = judge(i, folder, args.tolerances, args.finest, rows.get(i))
             with OUT.open("a") as f:
                 f.write(json.dumps(row) + "\n")
     shutil.rmtree(folder)

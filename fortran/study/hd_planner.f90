@@ -351,7 +351,7 @@ contains
     type(error_t), allocatable, intent(out) :: error         !< whatever ended a run early
     type(pilot_t) :: pilot
     type(plan_t) :: plan
-    type(scene_t) :: s
+    type(scene_t) :: s, linear
     real(dp) :: q(3), base(2), facets(2), seconds(2), before
     character(len=100) :: line
     character(len=1), parameter :: nl = new_line('a')
@@ -362,11 +362,13 @@ contains
     call new_pilot(scene, '', .false., pilot, error)
     if (.not. allocated(error)) call choose_all(pilot, plan, error)
     s = meshed(plan%scene, coarse(plan%scene))
+    linear = small_displacements(s)
     if (s%kinematics == 'nonlinear') s%edge_length = 0
+    if (.not. allocated(error)) call pilot%probe(linear, q, error)
     if (.not. allocated(error)) call pilot%probe(s, q, error)
     if (allocated(error)) return
-    base = [pilot%seconds_of(small_displacements(meshed(plan%scene, coarse(plan%scene)))), pilot%seconds_of(s)]
-    facets = [s%divisions*band_rows(meshed(plan%scene, coarse(plan%scene))), s%divisions*band_rows(s)]
+    base = [pilot%seconds_of(linear), pilot%seconds_of(s)]
+    facets = [linear%divisions*band_rows(linear), s%divisions*band_rows(s)]
     do i = 1, size(plan%reasons)
       text = text//plan%reasons(i)%s//nl
     end do

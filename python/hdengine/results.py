@@ -40,7 +40,7 @@ def row_edges(area, shape, band_length):
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_stiffness(facets, joint):
+def facet_stiffness(facets, joint, sheared=True):
     """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
 
     Parameters
@@ -48,13 +48,15 @@ def facet_stiffness(facets, joint):
     facets : mapping of ndarray (...)
         Columns of contact.csv.
     joint : Joint
+    sheared : bool
+        False: as if there were no shear.
 
     Returns
     -------
     k_n, k_t : ndarray (...)
     """
     pressure, shear = (np.stack([facets[f"{name}_{i}_pa"] for i in (1, 2, 3, 4)], -1) for name in ("pressure", "shear"))
-    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear, facets["area_m2"][..., None]))
+    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear * sheared, facets["area_m2"][..., None]))
 
 
 def long_axis(facets, shape, positions, band_length):

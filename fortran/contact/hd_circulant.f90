@@ -328,7 +328,10 @@ contains
     do p = 1, size(self%parts)
       call release_side(self%parts(p))
     end do
-    if (self%merged) deallocate (self%parts)
+    if (self%merged) then
+      self%parts(1) = side_t()
+      deallocate (self%parts)
+    end if
     nullify (self%parts)
   end subroutine release_parts
 
@@ -336,7 +339,10 @@ contains
   subroutine release_circulant(self)
     class(circulant_t), intent(inout) :: self  !< compliance
     call release_parts(self)
-    if (allocated(self%bodies)) deallocate (self%bodies, self%sides)
+    if (allocated(self%bodies)) then
+      self%sides = side_t()  ! gfortran 12 loses what a pointer's elements hold
+      deallocate (self%bodies, self%sides)
+    end if
     self%stride = 0
     self%known = 0
   end subroutine release_circulant

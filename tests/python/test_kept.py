@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mesh and factors are kept from one run of a process to the next, and only where they are the same."""
 import json
+import resource
 
 import numpy as np
 import pytest
@@ -40,3 +41,19 @@ def test_other_models_are_not_kept(tmp_path, keys):
     """Another mesh, section, material, support or method makes a new model."""
     solve(tmp_path / "a")
     assert not solve(tmp_path / "b", **keys)[1]
+
+
+def test_runs_leave_no_memory_behind():
+    """Ten runs after the third, each on a model of its own (9 MB of harmonics), add less than one such model: all is given back."""
+    def resident():
+        return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize() / 1e6
+
+    for i in range(13):
+        hdengine.forget()
+        with hdengine.Run(mesh={"divisions": 124, "band_facets": 22}, solver={"kinematics": "linear"},
+                          load={"assembly_steps": 1, "torque_steps": 0}, geometry={"wall_thickness": 0.3e-3 + 1e-6 * i}) as run:
+            list(run)
+        hdengine.forget()
+        if i == 2:
+            before = resident()
+    assert resident() - before < 9

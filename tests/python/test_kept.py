@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mesh and factors are kept from one run of a process to the next, and only where they are the same."""
 import json
-import resource
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -43,17 +44,27 @@ def test_other_models_are_not_kept(tmp_path, keys):
     assert not solve(tmp_path / "b", **keys)[1]
 
 
-def test_runs_leave_no_memory_behind():
-    """Ten runs after the third, each on a model of its own (9 MB of harmonics), add less than one such model: all is given back."""
-    def resident():
-        return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize() / 1e6
+GROWTH = """
+import resource
+import hdengine
 
-    for i in range(13):
-        hdengine.forget()
-        with hdengine.Run(mesh={"divisions": 124, "band_facets": 22}, solver={"kinematics": "linear"},
-                          load={"assembly_steps": 1, "torque_steps": 0}, geometry={"wall_thickness": 0.3e-3 + 1e-6 * i}) as run:
-            list(run)
-        hdengine.forget()
-        if i == 2:
-            before = resident()
-    assert resident() - before < 9
+def resident():
+    return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize() / 1e6
+
+for i in range(13):
+    hdengine.forget()
+    with hdengine.Run(mesh={"divisions": 124, "band_facets": 22}, solver={"kinematics": "linear"},
+                      load={"assembly_steps": 1, "torque_steps": 0}, geometry={"wall_thickness": 0.3e-3 + 1e-6 * i}) as run:
+        list(run)
+    hdengine.forget()
+    if i == 2:
+        before = resident()
+print(resident() - before)
+"""
+
+
+def test_runs_leave_no_memory_behind():
+    """Ten runs after the third, each on a model of its own, in a process of their own: all memory is given back (130 MB stay where
+    only the harmonics are lost)."""
+    done = subprocess.run([sys.executable, "-c", GROWTH], capture_output=True, text=True, check=True)
+    assert float(done.stdout.split()[-1]) < 30

@@ -64,7 +64,7 @@ print(resident() - before)
 
 
 def test_runs_leave_no_memory_behind():
-    """Ten runs after the third, each on a model of its own, in a process of their own: all memory is given back (130 MB stay where
+    """Ten runs after the third, each on a model of its own, in a process of their own: all memory is given back (60 MB stay where
     only the harmonics are lost)."""
     done = subprocess.run([sys.executable, "-c", GROWTH], capture_output=True, text=True, check=True)
     assert float(done.stdout.split()[-1]) < 30

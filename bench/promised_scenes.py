@@ -4,8 +4,9 @@
 
 Promised are the limits of K_TS, normal force and mid-band pressure for fine facets. True are those of the three next levels of the
 series, 2^(1/2), 2 and 2^(3/2) finer, with cells at the edges 2^(3/2) shorter and four layers, the same load steps and (small)
-displacements; what more layers change is taken from 4, 8 and 16 of them on 16 rows, to the end of the line through the last two. A promise is made where the summary says "met": "yes"; meshes above LIMIT_MB are refused. References above level FINEST
-are too costly: such promises stay unjudged. One reference serves all tolerances of a scene, that of the smallest.
+displacements; what more layers change is taken from 4, 8 and 16 of them on 16 rows, to the end of the line through the last two.
+A promise is made where the summary says "met": "yes"; meshes above LIMIT_MB are refused. References above level --finest are too
+costly: such promises stay unjudged. One reference serves all tolerances of a scene, that of the smallest.
 
 Usage: bench/promised_scenes.py [--count 200] [--first 0] [--every 1] [--seconds 540] [--tolerances 0.1 0.03 0.01]; scenes that
 bench/results/promised_scenes.jsonl holds are not run again; several may run at once. Figure and Markdown at the end.

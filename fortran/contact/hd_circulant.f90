@@ -20,9 +20,8 @@ module hd_circulant
 
   type, extends(compliance_t) :: circulant_t
     type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
-    type(side_t), pointer :: sides(:) => null()     !< one for each body
-    type(side_t), pointer :: parts(:) => null()     !< what is applied: both sides, or one merged
-    logical :: merged = .false.                     !< it is one merged
+    type(side_t), allocatable :: sides(:)           !< one for each body; the third: both merged
+    integer :: part(2) = [1, 0]                     !< first and last side that are applied: both bodies', or the merged one
     integer :: stride = 0                           !< 2: fields repeat after half a turn
     integer :: known = 0                            !< stride for which hat is complete, 0: none
     integer :: serial = 0                           !< of the coupling whose weights the sides have
@@ -63,7 +62,7 @@ contains
     end if
     circulant%name = 'condensed by harmonics'
     circulant%fast = .true.
-    allocate (circulant%bodies(2), circulant%sides(2))
+    allocate (circulant%bodies(2), circulant%sides(3))
     do b = 1, 2
       m = problem%bodies(b)%nodes_per_sector
       first = problem%first(b)
@@ -141,13 +140,13 @@ contains
     self%stride = stride
     call release_parts(self)
     call merge_sides(self)
-    self%products = sum([((real(self%parts(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=1, size(self%parts))])
+    self%products = sum([((real(self%sides(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=self%part(1), self%part(2))])
     self%apply_flops = 0
-    do b = 1, size(self%parts)
-      call plan_side(self%parts(b), stride, error)
+    do b = self%part(1), self%part(2)
+      call plan_side(self%sides(b), stride, error)
       if (allocated(error)) return
-      self%apply_flops = self%apply_flops + 8*real(self%parts(b)%hat%n, dp)**2*size(self%parts(b)%wave, 2) + &
-        10*size(self%parts(b)%field)*log(real(size(self%parts(b)%field, 1), dp))
+      self%apply_flops = self%apply_flops + 8*real(self%sides(b)%hat%n, dp)**2*size(self%sides(b)%wave, 2) + &
+        10*size(self%sides(b)%field)*log(real(size(self%sides(b)%field, 1), dp))
     end do
   end subroutine prepare_circulant
 
@@ -169,15 +168,14 @@ contains
           abs(abs(self%sides(1)%val(j)) - 1) < 1e-10_dp .and. abs(abs(self%sides(2)%val(j)) - 1) < 1e-10_dp
       end do
     end if
-    self%merged = single
-    self%parts => self%sides
+    self%part = [1, 2]
     if (.not. single) return
-    allocate (self%parts(1))
-    self%parts(1) = self%sides(1)
-    self%parts(1)%val = 1
+    self%part = 3
+    self%sides(3) = self%sides(1)
+    self%sides(3)%val = 1
     do k = 0, self%sides(1)%sectors/2, self%stride
       associate (to => [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)], other => self%sides(2)%hat%full(k))
-        call self%parts(1)%hat%set(k, self%sides(1)%hat%full(k) + other(to, to))
+        call self%sides(3)%hat%set(k, self%sides(1)%hat%full(k) + other(to, to))
       end associate
     end do
   end subroutine merge_sides
@@ -187,8 +185,8 @@ contains
     class(circulant_t), intent(inout) :: self         !< prepared
     type(error_t), allocatable, intent(out) :: error  !< memory
     integer :: p
-    do p = 1, size(self%parts)
-      call fill_kernel(self%parts(p), self%stride, error)
+    do p = self%part(1), self%part(2)
+      call fill_kernel(self%sides(p), self%stride, error)
       if (allocated(error)) return
     end do
   end subroutine prepare_circulant_columns
@@ -216,8 +214,8 @@ contains
     real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
     integer :: p
     w = 0
-    do p = 1, size(self%parts)
-      call add_response(self%parts(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, f, w)
+    do p = self%part(1), self%part(2)
+      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, f, w)
     end do
   end subroutine apply_circulant
 
@@ -258,8 +256,8 @@ contains
     allocate (mean(3*self%rows, 3*self%rows))
     do k = 0, n/2, self%stride
       mean = 0
-      do p = 1, size(self%parts)
-        associate (part => self%parts(p))
+      do p = self%part(1), self%part(2)
+        associate (part => self%sides(p))
           alias = modulo(k, part%sectors)
           turned = 2*alias > part%sectors
           if (turned) alias = part%sectors - alias
@@ -299,8 +297,8 @@ contains
     integer, intent(in) :: list(:)                 !< multipliers that are looked at
     real(dp), intent(inout) :: column(:, :, :)     !< (3, 3, list) [m/N]
     integer :: p
-    do p = 1, size(self%parts)
-      call add_side_column(self%parts(p), j, sign, list, column)
+    do p = self%part(1), self%part(2)
+      call add_side_column(self%sides(p), j, sign, list, column)
     end do
   end subroutine add_circulant_column
 
@@ -311,8 +309,8 @@ contains
     real(dp) :: block(3, 3)                 !< [m/N]
     integer :: p
     block = 0
-    do p = 1, size(self%parts)
-      block = block + side_block(self%parts(p), j)
+    do p = self%part(1), self%part(2)
+      block = block + side_block(self%sides(p), j)
     end do
   end function own_block
 
@@ -324,25 +322,18 @@ contains
     call free_plan(self%ring%backward)
     if (allocated(self%ring%field)) deallocate (self%ring%field, self%ring%wave)
     self%inverted = .false.
-    if (.not. associated(self%parts)) return
-    do p = 1, size(self%parts)
-      call release_side(self%parts(p))
+    do p = self%part(1), self%part(2)
+      call release_side(self%sides(p))
     end do
-    if (self%merged) then
-      self%parts(1) = side_t()
-      deallocate (self%parts)
-    end if
-    nullify (self%parts)
+    if (self%part(1) == 3) self%sides(3) = side_t()
+    self%part = [1, 0]
   end subroutine release_parts
 
   !> Give back all memory.
   subroutine release_circulant(self)
     class(circulant_t), intent(inout) :: self  !< compliance
     call release_parts(self)
-    if (allocated(self%bodies)) then
-      self%sides = side_t()  ! gfortran 12 loses what a pointer's elements hold
-      deallocate (self%bodies, self%sides)
-    end if
+    if (allocated(self%bodies)) deallocate (self%bodies, self%sides)
     self%stride = 0
     self%known = 0
   end subroutine release_circulant

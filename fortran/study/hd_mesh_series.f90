@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A series of meshes, each about 2^(1/2) finer than the one before in all directions, and the limits of fine facets it points to.
 !>
-!> K_TS converges in proportion to the facets' length h, slowly but evenly: the facets that the edge of the contact crosses
-!> decide. So the line through the last three levels is taken to h = 0. Normal force and mid-band pressure converge so in some
-!> scenes only; in others they are already near their limit and jump: there the finest mesh stands for it.
+!> K_TS converges in proportion to the facets' length h, slowly but evenly: the facets on the edge of the contact and of the
+!> region that sticks decide. So the line through the last three levels is taken to h = 0. Normal force and mid-band pressure
+!> converge so in some scenes only; in others they are already near their limit and jump: there the finest mesh stands for it.
 module hd_mesh_series
   use hd_kinds, only: dp, pi
   use hd_scene, only: scene_t

@@ -22,6 +22,7 @@ module hd_planner
   public :: new_planned_run, run_planned, plan_text
 
   real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
+  real(dp), parameter :: doubt = 0.25_dp        !< share of what is carried to finer meshes that may be wrong
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
@@ -174,12 +175,12 @@ contains
     finest = q(:, n) + last
     do i = 0, n
       rest = abs(finest - q(:, i))/(abs(finest) + tiny(1._dp))
-      if (maxval(rest) <= 4*small*plan%scene%promise .or. i == n) exit
+      if (doubt*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
     end do
     plan%scene%through_wall = s(i)%through_wall
     plan%scene%through_ring = s(i)%through_ring
     where (abs(q(:, i)) > 0) plan%carried = finest/q(:, i)
-    plan%change = plan%change + rest/4 + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
+    plan%change = plan%change + doubt*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
     call note(plan, 'layers '//choice_text(s(i), 'layers')//': finer ones change K_TS by '//percent(plan%carried(1) - 1)// &
       ': carried to finer meshes')
   end subroutine choose_layers

@@ -13,7 +13,7 @@ module hd_mesh_series
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
-  real(dp), parameter :: first_error = 16       !< estimate expected with one facet; it falls as 1 / facets^2 (reference scenes)
+  real(dp), parameter :: first_error = 16       !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
   real(dp), parameter :: least = 0.3_dp         !< error of K_TS at least, over facets along the band
@@ -32,7 +32,7 @@ contains
   !> Estimate that is expected on a level.
   pure real(dp) function expected_error(level)
     integer, intent(in) :: level  !< of the series
-    expected_error = first_error/band(level)**2
+    expected_error = max(first_error/band(level)**2, least/band(level))
   end function expected_error
 
   !> Scene on a mesh of the series; the user's sections stay.

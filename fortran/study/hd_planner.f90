@@ -388,7 +388,7 @@ contains
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*expected_error(level), seconds, before + seconds(2), estimate_memory_mb(s), &
+        100*(expected_error(level) + maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> CSV tables, written row by row.
 module hd_table
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_file
@@ -13,16 +14,26 @@ module hd_table
   type :: table_t
     private
     integer :: unit = -1
-    character(len=:), allocatable :: path, line
+    character(len=:), allocatable :: path
+    character(len=:), allocatable :: line   !< the row so far, longer than that
+    integer :: used = 0                     !< characters of it
   contains
     procedure :: open => open_table
     procedure :: reopen
     procedure :: bytes
     generic :: add => add_integer, add_real, add_text
-    procedure, private :: add_integer, add_real, add_text
+    procedure, private :: add_integer, add_real, add_text, begin_row
     procedure :: end_row
     procedure :: close => close_table
   end type table_t
+
+  interface
+    integer(c_int) function c_decimal(x, text) bind(c, name='hd_decimal')
+      import :: c_char, c_double, c_int
+      real(c_double), value :: x
+      character(kind=c_char), intent(out) :: text(*)
+    end function c_decimal
+  end interface
 
 contains
 
@@ -34,7 +45,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     integer :: status
     self%path = path
-    self%line = ''
+    call self%begin_row()
     open (newunit=self%unit, file=path, action='write', status='replace', recl=100000, iostat=status)
     if (status == 0) write (self%unit, '(a)', iostat=status) columns
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
@@ -48,7 +59,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< absent, shorter already, cannot be written
     integer :: status
     self%path = path
-    self%line = ''
+    call self%begin_row()
     call truncate_file(path, bytes, error)
     if (allocated(error)) return
     open (newunit=self%unit, file=path, action='write', status='old', position='append', recl=100000, iostat=status)
@@ -64,10 +75,17 @@ contains
     inquire (unit=self%unit, size=bytes)
   end function bytes
 
+  !> An empty row.
+  subroutine begin_row(self)
+    class(table_t), intent(inout) :: self  !< table
+    if (.not. allocated(self%line)) self%line = repeat(' ', 1024)
+    self%used = 0
+  end subroutine begin_row
+
   subroutine add_integer(self, value)
     class(table_t), intent(inout) :: self
     integer, intent(in) :: value
-    self%line = self%line//','//to_text(value)
+    call self%add_text(to_text(value))
   end subroutine add_integer
 
   !> Reals keep all their digits.
@@ -75,14 +93,21 @@ contains
     class(table_t), intent(inout) :: self
     real(dp), intent(in) :: value
     character(len=25) :: buffer
-    write (buffer, '(es24.16e3)') value
-    self%line = self%line//','//trim(adjustl(buffer))
+    integer :: n
+    n = c_decimal(value, buffer)
+    call self%add_text(buffer(:n))
   end subroutine add_real
 
   subroutine add_text(self, value)
     class(table_t), intent(inout) :: self
     character(len=*), intent(in) :: value
-    self%line = self%line//','//trim(value)
+    integer :: last
+    last = self%used + len_trim(value) + 1
+    do while (last > len(self%line))
+      self%line = self%line//repeat(' ', len(self%line))
+    end do
+    self%line(self%used + 1:last) = ','//value
+    self%used = last
   end subroutine add_text
 
   !> Write the row and flush it.
@@ -90,8 +115,8 @@ contains
     class(table_t), intent(inout) :: self             !< table
     type(error_t), allocatable, intent(out) :: error  !< disk full
     integer :: status
-    write (self%unit, '(a)', iostat=status) self%line(2:)
-    self%line = ''
+    write (self%unit, '(a)', iostat=status) self%line(2:self%used)
+    call self%begin_row()
     if (status /= 0) call raise(error, code_file, "cannot write '"//self%path//"': is the disk full?")
   end subroutine end_row
 

@@ -11,9 +11,11 @@ program hd_tester
   use test_mesh_series, only: run_mesh_series
   use test_pairing, only: run_pairing
   use test_rotation, only: run_rotation
+  use test_table, only: run_table
   use test_text, only: run_text
   implicit none
   call run_text()
+  call run_table()
   call run_fft()
   call run_heights()
   call run_random()

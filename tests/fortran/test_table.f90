@@ -1,0 +1,57 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+module test_table
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_check, only: check
+  use hd_error, only: error_t
+  use hd_kinds, only: dp
+  use hd_system, only: remove_file
+  use hd_table, only: table_t
+  implicit none
+  private
+  public :: run_table
+
+  character(len=*), parameter :: path = 'test_table.csv'
+  integer, parameter :: n = 200
+
+contains
+
+  subroutine run_table()
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    real(dp) :: x(n), y(n)
+    integer :: i, unit
+    integer(int64) :: bytes
+    character(len=6000) :: line
+    x = [(-1.7_dp**i/(1 + 1e-3_dp*i)*1e-30_dp, i=1, n)]
+    x(:6) = [0._dp, 0.25_dp, -huge(x), -tiny(x), tiny(x)*epsilon(x), 1/3._dp]
+    call table%open(path, 'a,b', error)
+    do i = 1, n
+      call table%add(x(i))
+    end do
+    call table%end_row(error)
+    bytes = table%bytes()
+    call table%add(-7)
+    call table%add('open  ')
+    call table%end_row(error)
+    call table%close()
+    open (newunit=unit, file=path, action='read', status='old', recl=6000)
+    read (unit, '(a)') line
+    call check(line == 'a,b', 'a table begins with its header')
+    read (unit, '(a)') line
+    read (line, *) y
+    call check(all(abs(x - y) <= 0), 'reals of a long row read back as the same numbers, the smallest and largest too')
+    call check(index(line, '0,0.25,-1.7976931348623157e+308,-2.2250738585072014e-308,') == 1, 'zeros and short reals are short')
+    read (unit, '(a)') line
+    close (unit)
+    call check(line == '-7,open', 'integers and texts stand as they are')
+    call table%reopen(path, bytes, error)
+    call table%add(8)
+    call table%end_row(error)
+    call table%close()
+    open (newunit=unit, file=path, action='read', status='old', recl=6000)
+    read (unit, '(/,/,a)') line
+    close (unit)
+    call check(line == '8', 'a table goes on behind the bytes that stay')
+    call remove_file(path)
+  end subroutine run_table
+end module test_table

@@ -32,6 +32,7 @@ contains
     bytes = table%bytes()
     call table%add(-7)
     call table%add('open  ')
+    call table%add(8)
     call table%end_row(error)
     call table%close()
     open (newunit=unit, file=path, action='read', status='old', recl=6000)
@@ -43,7 +44,7 @@ contains
     call check(index(line, '0,0.25,-1.7976931348623157e+308,-2.2250738585072014e-308,') == 1, 'zeros and short reals are short')
     read (unit, '(a)') line
     close (unit)
-    call check(line == '-7,open', 'integers and texts stand as they are')
+    call check(line == '-7,open,8', 'integers stand as they are, texts without trailing blanks')
     call table%reopen(path, bytes, error)
     call table%add(8)
     call table%end_row(error)

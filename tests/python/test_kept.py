@@ -52,7 +52,6 @@ def resident():
     return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize() / 1e6
 
 for i in range(13):
-    hdengine.forget()
     with hdengine.Run(mesh={"divisions": 124, "band_facets": 22}, solver={"kinematics": "linear"},
                       load={"assembly_steps": 1, "torque_steps": 0}, geometry={"wall_thickness": 0.3e-3 + 1e-6 * i}) as run:
         list(run)

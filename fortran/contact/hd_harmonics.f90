@@ -7,10 +7,10 @@
 !> (stride 2) need the even harmonics only.
 module hd_harmonics
   use hd_kinds, only: dp, pi
+  use hd_band, only: factorise_band, solve_band, part_of_inverse
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
   use hd_fft, only: fft_plan_t, plan_forward_real, plan_backward_real, execute_forward_real, execute_backward_real, free_plan
-  use hd_lapack, only: factorise_band, solve_band
   implicit none
   private
   public :: harmonics_t, new_harmonics, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
@@ -235,17 +235,16 @@ contains
     integer, intent(in) :: nodes(:)             !< face nodes of the first sector
     integer, intent(in) :: k                    !< harmonic
     real(dp), intent(out) :: hat(:, :)          !< (3 nodes, 3 nodes) [m/N]
-    real(dp), allocatable :: c(:, :)
-    integer :: eq(3*size(nodes)), i
+    real(dp), allocatable :: part(:, :)
+    integer, allocatable :: at(:)
+    integer :: eq(3*size(nodes)), dof(0:harmonics%dofs), i
     eq = reshape(harmonics%equation(:, nodes), [3*size(nodes)])
-    allocate (c(harmonics%dofs, size(eq)), source=0._dp)
-    do i = 1, size(eq)
-      if (eq(i) > 0) c(eq(i), i) = 1
-    end do
-    call solve_band(harmonics%factor(k)%a, c)
+    dof = 0
+    dof(eq) = [(i, i=1, size(eq))]
+    at = pack(dof(1:), dof(1:) > 0)
+    allocate (part(size(at), size(at)))
+    call part_of_inverse(harmonics%factor(k)%a, eq(at), part)
     hat = 0
-    do i = 1, size(eq)
-      if (eq(i) > 0) hat(i, :) = c(eq(i), :)
-    end do
+    hat(at, at) = part
   end subroutine face_compliance
 end module hd_harmonics

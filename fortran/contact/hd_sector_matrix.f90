@@ -100,10 +100,7 @@ contains
       do k = a%ptr(i), a%ptr(i + 1) - 1
         c = a%col(k)
         t = a%shift(k)
-        do d = 1, 3
-          s(:, d) = s(:, d) + a%val(d, 1, k)*v(1 + t:n + t, 1, c) + a%val(d, 2, k)*v(1 + t:n + t, 2, c) + &
-            a%val(d, 3, k)*v(1 + t:n + t, 3, c)
-        end do
+        call add_block(n, a%val(:, :, k), v(1 + t, 1, c), v(1 + t, 2, c), v(1 + t, 3, c), s(1, 1), s(1, 2), s(1, 3))
       end do
       do d = 1, 3
         y(d, i::m) = y(d, i::m) + s(:, d)
@@ -112,4 +109,19 @@ contains
     !$omp end do
     !$omp end parallel
   end subroutine add_product
+
+  !> Add a block times one field to another, three components at once.
+  pure subroutine add_block(n, block, x, y, z, p, q, r)
+    integer, intent(in) :: n                         !< sectors
+    real(dp), intent(in) :: block(3, 3)              !< [N/m]
+    real(dp), intent(in) :: x(n), y(n), z(n)         !< components
+    real(dp), intent(inout) :: p(n), q(n), r(n)      !< those of the product
+    integer :: i
+    !$omp simd
+    do i = 1, n
+      p(i) = p(i) + block(1, 1)*x(i) + block(1, 2)*y(i) + block(1, 3)*z(i)
+      q(i) = q(i) + block(2, 1)*x(i) + block(2, 2)*y(i) + block(2, 3)*z(i)
+      r(i) = r(i) + block(3, 1)*x(i) + block(3, 2)*y(i) + block(3, 3)*z(i)
+    end do
+  end subroutine add_block
 end module hd_sector_matrix

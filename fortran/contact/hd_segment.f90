@@ -20,6 +20,8 @@ module hd_segment
     integer :: n = 1
     logical :: periodic = .false.
     integer, allocatable :: ptr(:), facet(:)
+    real(dp), allocatable :: low(:, :), high(:, :)  !< limits of each facet (2, facets) [m]
+    real(dp), allocatable :: sum(:)                 !< of the first coordinates of its corners [m]
   end type bins_t
 
   !> Degree-5 rule of seven points on the unit triangle, weights sum to 1.
@@ -35,16 +37,17 @@ contains
   subroutine new_bins(face, bins)
     type(face_t), intent(in) :: face   !< face
     type(bins_t), intent(out) :: bins  !< its bins
-    real(dp) :: low(size(face%chart, 3)), high(size(face%chart, 3)), length
+    real(dp) :: length
     integer :: slot(size(face%chart, 3)), f, place(size(face%chart, 3))
-    low = minval(face%chart(1, :, :), 1)
-    high = maxval(face%chart(1, :, :), 1)
+    bins%low = minval(face%chart, 2)
+    bins%high = maxval(face%chart, 2)
+    bins%sum = sum(face%chart(1, :, :), 1)
     bins%periodic = face%period > 0
-    bins%start = minval(low)
-    length = merge(face%period, maxval(high) - bins%start, bins%periodic)
-    bins%n = max(1, int(length/maxval(high - low)))
+    bins%start = minval(bins%low(1, :))
+    length = merge(face%period, maxval(bins%high(1, :)) - bins%start, bins%periodic)
+    bins%n = max(1, int(length/maxval(bins%high(1, :) - bins%low(1, :))))
     bins%width = length/bins%n
-    slot = bin_of(bins, low)
+    slot = bin_of(bins, bins%low(1, :))
     allocate (bins%ptr(0:bins%n), source=0)
     do f = 1, size(slot)
       bins%ptr(slot(f) + 1) = bins%ptr(slot(f) + 1) + 1
@@ -78,12 +81,15 @@ contains
     type(face_t), intent(in) :: master                    !< master face
     type(bins_t), intent(in) :: bins                      !< bins of the master face
     type(point_t), allocatable, intent(out) :: points(:)  !< integration points
-    real(dp) :: a(2, 4), b(2, 4), polygon(2, 16), shift
-    integer :: i, k, n, lowest, highest, m
+    real(dp) :: a(2, 4), b(2, 4), low(2), high(2), middle, polygon(2, 16), shift
+    integer :: g, i, k, n, lowest, highest, m
     a = slave%chart(:, :, f)
+    low = minval(a, 2)
+    high = maxval(a, 2)
+    middle = sum(a(1, :))
     allocate (points(0))
-    lowest = floor((minval(a(1, :)) - bins%start)/bins%width) - 1
-    highest = floor((maxval(a(1, :)) - bins%start)/bins%width)
+    lowest = floor((low(1) - bins%start)/bins%width) - 1
+    highest = floor((high(1) - bins%start)/bins%width)
     if (.not. bins%periodic) then
       lowest = max(lowest, 0)
       highest = min(highest, bins%n - 1)
@@ -93,14 +99,15 @@ contains
     do i = lowest, highest
       k = merge(modulo(i, bins%n), i, bins%periodic)
       do m = bins%ptr(k) + 1, bins%ptr(k + 1)
-        b = master%chart(:, :, bins%facet(m))
-        if (bins%periodic) then
-          shift = master%period*nint((sum(a(1, :)) - sum(b(1, :)))/(4*master%period))
-          b(1, :) = b(1, :) + shift
-        end if
-        if (any(minval(a, 2) >= maxval(b, 2)) .or. any(maxval(a, 2) <= minval(b, 2))) cycle
+        g = bins%facet(m)
+        if (low(2) >= bins%high(2, g) .or. high(2) <= bins%low(2, g)) cycle
+        shift = 0
+        if (bins%periodic) shift = master%period*nint((middle - bins%sum(g))/(4*master%period))
+        if (low(1) >= bins%high(1, g) + shift .or. high(1) <= bins%low(1, g) + shift) cycle
+        b = master%chart(:, :, g)
+        b(1, :) = b(1, :) + shift
         call clip(a, b, polygon, n)
-        call add_points(polygon(:, :n), a, b, size(slave%nodes, 1), size(master%nodes, 1), bins%facet(m), points)
+        call add_points(polygon(:, :n), a, b, size(slave%nodes, 1), size(master%nodes, 1), g, points)
       end do
     end do
   end subroutine integrate_overlaps

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> LAPACK and BLAS: matrix product, dense and banded factorisations.
+!> LAPACK and BLAS: products and factorisations of dense matrices.
 module hd_lapack
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_kinds, only: dp
@@ -7,8 +7,7 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: blas_threads, multiply_dense, multiply_transposed, solve_dense, factorise_band, solve_band, invert_symmetric, &
-    multiply_symmetric
+  public :: dgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -29,21 +28,6 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: pivot(*), info
     end subroutine dgesv
-    subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
-      import :: dp
-      character(len=1), intent(in) :: uplo
-      integer, intent(in) :: n, kd, ldab
-      real(dp), intent(inout) :: ab(ldab, *)
-      integer, intent(out) :: info
-    end subroutine dpbtrf
-    subroutine dpbtrs(uplo, n, kd, nrhs, ab, ldab, b, ldb, info)
-      import :: dp
-      character(len=1), intent(in) :: uplo
-      integer, intent(in) :: n, kd, nrhs, ldab, ldb
-      real(dp), intent(in) :: ab(ldab, *)
-      real(dp), intent(inout) :: b(ldb, *)
-      integer, intent(out) :: info
-    end subroutine dpbtrs
     subroutine dpotrf(uplo, n, a, lda, info)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -127,21 +111,4 @@ contains
     if (info > 0) call raise(error, code_linear_solver, 'the condensed contact matrix is singular at unknown '// &
       to_text(info)//': a body is not held')
   end subroutine solve_dense
-
-  !> Cholesky factor of a symmetric positive definite band matrix, upper storage: ab(kd + 1 + i - j, j) = a(i, j).
-  subroutine factorise_band(ab, error)
-    real(dp), intent(inout), contiguous :: ab(:, :)     !< band (kd + 1, n)
-    type(error_t), allocatable, intent(out) :: error    !< not positive definite
-    integer :: info
-    call dpbtrf('U', size(ab, 2), size(ab, 1) - 1, ab, size(ab, 1), info)
-    if (info > 0) call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held')
-  end subroutine factorise_band
-
-  !> Solve with a band factor in place.
-  subroutine solve_band(ab, b)
-    real(dp), intent(in), contiguous :: ab(:, :)     !< factor (kd + 1, n)
-    real(dp), intent(inout), contiguous :: b(:, :)   !< right-hand sides, then solutions (n, count)
-    integer :: info
-    call dpbtrs('U', size(ab, 2), size(ab, 1) - 1, size(b, 2), ab, size(ab, 1), b, size(b, 1), info)
-  end subroutine solve_band
 end module hd_lapack

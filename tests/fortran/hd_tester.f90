@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 program hd_tester
   use hd_check, only: report_checks
+  use test_band, only: run_band
   use test_circulant, only: run_circulant
   use test_contact, only: run_contact
   use test_element, only: run_element
@@ -16,6 +17,7 @@ program hd_tester
   implicit none
   call run_text()
   call run_table()
+  call run_band()
   call run_fft()
   call run_heights()
   call run_random()

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two right-hand sides with a Cholesky factor of a band at once: each entry is read once for both. */
+
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("avx512f", "fma", "default")))
+#else
+#define CLONES
+#endif
+
+/* n: order; kd: half width; u: upper band (n columns of kd + 1, the diagonal last) of A = U^T U; x (n, 2): right-hand sides,
+   then solutions */
+CLONES void hd_solve_band(int n, int kd, const double *restrict u, double *restrict x)
+{
+  double *restrict y = x + n;
+  for (int j = 0; j < n; j++) { /* U^T */
+    const int m = j < kd ? j : kd;
+    const double *restrict a = u + (long)(kd + 1) * j + kd - m;
+    double s = 0, t = 0;
+#pragma omp simd reduction(+ : s, t)
+    for (int i = 0; i < m; i++) {
+      s += a[i] * x[j - m + i];
+      t += a[i] * y[j - m + i];
+    }
+    x[j] = (x[j] - s) / a[m];
+    y[j] = (y[j] - t) / a[m];
+  }
+  for (int j = n - 1; j >= 0; j--) { /* U */
+    const int m = j < kd ? j : kd;
+    const double *restrict a = u + (long)(kd + 1) * j + kd - m;
+    const double s = x[j] /= a[m], t = y[j] /= a[m];
+#pragma omp simd
+    for (int i = 0; i < m; i++) {
+      x[j - m + i] -= s * a[i];
+      y[j - m + i] -= t * a[i];
+    }
+  }
+}

@@ -1,0 +1,60 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+module test_band
+  use hd_band, only: factorise_band, part_of_inverse, solve_band
+  use hd_check, only: check
+  use hd_error, only: error_t
+  use hd_kinds, only: dp
+  use hd_lapack, only: invert_symmetric
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: run_band
+
+contains
+
+  subroutine run_band()
+    type(error_t), allocatable :: error
+    real(dp) :: singular(3, 5)
+    call check_size(1, 1)
+    call check_size(40, 1)
+    call check_size(97, 5)
+    call check_size(150, 31)
+    call check_size(150, 32)
+    call check_size(200, 77)
+    call check_size(30, 40)
+    singular = 1
+    call factorise_band(singular, error)
+    call check(allocated(error), 'a singular band is refused')
+  end subroutine run_band
+
+  !> Against the inverse of the full matrix.
+  subroutine check_size(n, kd)
+    integer, intent(in) :: n, kd
+    real(dp) :: u(kd + 1, n), full(n, n), b(n, 2), x(n, 2)
+    real(dp), allocatable :: part(:, :)
+    integer, allocatable :: rows(:)
+    type(error_t), allocatable :: error
+    integer :: i, j
+    character(len=:), allocatable :: name
+    name = to_text(n)//', half width '//to_text(kd)
+    call random_number(u)
+    u(kd + 1, :) = 2*kd + u(kd + 1, :)
+    full = 0
+    do j = 1, n
+      do i = max(1, j - kd), j
+        full(i, j) = u(kd + 1 + i - j, j)
+      end do
+    end do
+    call factorise_band(u, error)
+    call check(.not. allocated(error), 'factor of a band of order '//name)
+    call invert_symmetric(full, error)
+    call random_number(b)
+    x = b
+    call solve_band(u, x)
+    call check(maxval(abs(x - matmul(full, b))) < 1e-12_dp*maxval(abs(x)), 'two right-hand sides of order '//name)
+    rows = pack([(i, i=1, n)], [(i == n .or. (2*i > n .and. modulo(i, 3) > 0), i=1, n)])
+    allocate (part(size(rows), size(rows)))
+    call part_of_inverse(u, rows, part)
+    call check(maxval(abs(part - full(rows, rows))) < 1e-12_dp*maxval(abs(full)), 'part of the inverse of order '//name)
+  end subroutine check_size
+end module test_band

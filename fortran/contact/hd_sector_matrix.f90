@@ -2,6 +2,7 @@
 !> Stiffness of a revolved body, stored for one sector: all others are the same. A product runs over all sectors at once,
 !> dof by dof, so its inner loops are contiguous.
 module hd_sector_matrix
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use hd_kinds, only: dp
   use hd_body, only: body_t
   implicit none
@@ -18,6 +19,16 @@ module hd_sector_matrix
     integer, allocatable :: shift(:)        !< -1, 0 or 1
     real(dp), allocatable :: val(:, :, :)   !< blocks (3, 3, size(col)) [N/m]
   end type sector_matrix_t
+
+  interface
+    pure subroutine hd_sector_product(n, blocks, a, col, shift, v, s) bind(c)
+      import :: c_double, c_int
+      integer(c_int), value :: n, blocks
+      integer(c_int), intent(in) :: col(*), shift(*)
+      real(c_double), intent(in) :: a(3, 3, *), v(-1:n, 3, *)
+      real(c_double), intent(out) :: s(n, 3)
+    end subroutine hd_sector_product
+  end interface
 
 contains
 
@@ -79,49 +90,32 @@ contains
     real(dp), intent(in) :: u(:, :)          !< nodal vectors of the body (3, nodes)
     real(dp), intent(inout) :: y(:, :)       !< nodal vectors of the body (3, nodes)
     real(dp), allocatable :: v(:, :, :), s(:, :)
-    integer :: c, d, i, k, m, n, t
+    integer :: filled, from, i, j, m, n
     n = a%sectors
+    filled = (n + 7)/8*8
     m = size(a%ptr) - 1
-    allocate (v(0:n + 1, 3, m))
-    !$omp parallel private(s, c, d, i, k, t) if(size(a%col)*n > long_loop)
-    allocate (s(n, 3))
+    allocate (v(-1:filled, 3, m))
+    !$omp parallel private(s, from, i, j) if(size(a%col)*n > long_loop)
+    allocate (s(filled, 3))
     !$omp do schedule(static)
     do i = 1, m
-      do d = 1, 3
-        v(1:n, d, i) = u(d, i::m)
-        v(0, d, i) = v(n, d, i)
-        v(n + 1, d, i) = v(1, d, i)
+      do j = 0, n - 1
+        v(j, :, i) = u(:, i + j*m)
       end do
+      v(-1, :, i) = v(n - 1, :, i)
+      v(n, :, i) = v(0, :, i)
+      v(n + 1:, :, i) = 0
     end do
     !$omp end do
     !$omp do schedule(static)
     do i = 1, m
-      s = 0
-      do k = a%ptr(i), a%ptr(i + 1) - 1
-        c = a%col(k)
-        t = a%shift(k)
-        call add_block(n, a%val(:, :, k), v(1 + t, 1, c), v(1 + t, 2, c), v(1 + t, 3, c), s(1, 1), s(1, 2), s(1, 3))
-      end do
-      do d = 1, 3
-        y(d, i::m) = y(d, i::m) + s(:, d)
+      from = a%ptr(i)
+      call hd_sector_product(filled, a%ptr(i + 1) - from, a%val(:, :, from), a%col(from), a%shift(from), v, s)
+      do j = 1, n
+        y(:, i + (j - 1)*m) = y(:, i + (j - 1)*m) + s(j, :)
       end do
     end do
     !$omp end do
     !$omp end parallel
   end subroutine add_product
-
-  !> Add a block times one field to another, three components at once.
-  pure subroutine add_block(n, block, x, y, z, p, q, r)
-    integer, intent(in) :: n                         !< sectors
-    real(dp), intent(in) :: block(3, 3)              !< [N/m]
-    real(dp), intent(in) :: x(n), y(n), z(n)         !< components
-    real(dp), intent(inout) :: p(n), q(n), r(n)      !< those of the product
-    integer :: i
-    !$omp simd
-    do i = 1, n
-      p(i) = p(i) + block(1, 1)*x(i) + block(1, 2)*y(i) + block(1, 3)*z(i)
-      q(i) = q(i) + block(2, 1)*x(i) + block(2, 2)*y(i) + block(2, 3)*z(i)
-      r(i) = r(i) + block(3, 1)*x(i) + block(3, 2)*y(i) + block(3, 3)*z(i)
-    end do
-  end subroutine add_block
 end module hd_sector_matrix

@@ -167,37 +167,38 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< memory
     type(fft_plan_t) :: forward, backward
     real(dp), allocatable :: field(:), c(:, :)
-    complex(dp), allocatable :: wave(:), all_waves(:, :)
+    complex(dp), allocatable :: wave(:, :), phase(:)
     complex(dp) :: factor
     integer :: a, d, e, k, m, n
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(n), wave(n/2 + 1), all_waves(harmonics%dofs, n/2 + 1))
+    allocate (field(n), wave(0:n/2, harmonics%dofs))
     call plan_forward_real(n, 1, field, wave, forward, error)
     if (allocated(error)) return
     call plan_backward_real(n, 1, wave, field, backward, error)
     if (allocated(error)) return
-    deallocate (field, wave)
-    !$omp parallel private(field, wave, c, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
-    allocate (field(n), wave(n/2 + 1), c(harmonics%dofs, 2))
+    deallocate (field)
+    !$omp parallel private(field, c, phase, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
+    allocate (field(n), c(harmonics%dofs, 2), phase(m))
     !$omp do schedule(static)
     do a = 1, m
       do d = 1, 3
         e = harmonics%equation(d, a)
         if (e == 0) cycle
         field = f(d, a:(n - 1)*m + a:m)
-        call execute_forward_real(forward, field, wave)
-        all_waves(e, :) = wave
+        call execute_forward_real(forward, field, wave(0, e))
       end do
     end do
     !$omp end do
     !$omp do schedule(static)
     do k = 0, n/2
+      phase = amplitude(k*stride, harmonics%angle, 1)
       do a = 1, m
         do d = 1, 3
           e = harmonics%equation(d, a)
           if (e == 0) cycle
-          factor = conjg(amplitude(k*stride, harmonics%angle(a), d))*all_waves(e, k + 1)
+          factor = conjg(phase(a))*wave(k, e)
+          if (d == 2) factor = (0._dp, -1._dp)*factor
           c(e, 1) = real(factor)
           c(e, 2) = aimag(factor)
         end do
@@ -206,7 +207,10 @@ contains
       do a = 1, m
         do d = 1, 3
           e = harmonics%equation(d, a)
-          if (e > 0) all_waves(e, k + 1) = amplitude(k*stride, harmonics%angle(a), d)*cmplx(c(e, 1), c(e, 2), dp)/n
+          if (e == 0) cycle
+          factor = phase(a)*cmplx(c(e, 1), c(e, 2), dp)/n
+          if (d == 2) factor = (0._dp, 1._dp)*factor
+          wave(k, e) = factor
         end do
       end do
     end do
@@ -217,8 +221,7 @@ contains
         e = harmonics%equation(d, a)
         u(d, a::m) = 0
         if (e == 0) cycle
-        wave = all_waves(e, :)
-        call execute_backward_real(backward, wave, field)
+        call execute_backward_real(backward, wave(0, e), field)
         u(d, a:n*m:m) = field
         if (stride == 2) u(d, n*m + a::m) = field
       end do

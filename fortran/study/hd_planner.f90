@@ -11,7 +11,7 @@ module hd_planner
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, first_level, expected_error, meshed, extrapolate
+  use hd_mesh_series, only: levels, first_level, expected_error, least_error, meshed, extrapolate
   use hd_output, only: check_folder
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
@@ -226,6 +226,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
     plan%estimate = plan%estimate + plan%change
+    plan%estimate(1) = max(plan%estimate(1), least_error(level))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 

@@ -2,7 +2,7 @@
 module test_mesh_series
   use hd_check, only: check, check_close
   use hd_kinds, only: dp
-  use hd_mesh_series, only: extrapolate
+  use hd_mesh_series, only: extrapolate, expected_error, first_level, least_error
   implicit none
   private
   public :: run_mesh_series
@@ -11,7 +11,9 @@ contains
 
   subroutine run_mesh_series()
     real(dp), parameter :: rows(6) = [4._dp, 6._dp, 8._dp, 12._dp, 16._dp, 22._dp]
+    real(dp), parameter :: x(3) = [0.1_dp, 0.03_dp, 0.01_dp]
     real(dp) :: q(3, 6), limit(3), estimate(3)
+    integer :: i
     q(1, :) = 2 + 5/rows
     q(2, :) = 7 - 3/rows
     q(3, :) = 3 + [0.2_dp, -0.1_dp, 0.05_dp, 0.04_dp, -0.03_dp, 0.02_dp]
@@ -25,5 +27,8 @@ contains
     q(1, :) = 2 + 5/rows**2
     call extrapolate(q, 6, limit, estimate)
     call check(abs(limit(1) - 2) < estimate(1)*limit(1), 'the estimate covers a second order taken for a first')
+    call check(least_error(6) < 0.03_dp .and. least_error(9) > 0.01_dp .and. least_error(10) < 0.01_dp, &
+      'three per cent may be promised on 22 rows, one on 90 only')
+    call check(all([(expected_error(first_level(x(i))) <= 2*x(i), i=1, 3)]), 'refinement begins where the tolerance may be met')
   end subroutine run_mesh_series
 end module test_mesh_series

@@ -17,8 +17,8 @@ module hd_mesh_series
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
   real(dp), parameter :: least = 0.3_dp         !< error of K_TS at least, over facets along the band
-  real(dp), parameter :: jumps = 0.6_dp         !< of K_TS and its limit from mesh to mesh, over facets along the band: twice the rms
-                                                !< of 239 promises on 16 and 22 rows
+  real(dp), parameter :: jumps = 0.6_dp         !< of the limit of K_TS, over facets along the band: twice the rms error of 239
+                                                !< promises on 16 and 22 rows
   real(dp), parameter :: layers_differ = 5e-3_dp  !< what more layers change of K_TS on one mesh and on another: twice the rms
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 

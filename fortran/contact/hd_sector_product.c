@@ -1,15 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A row of 3 x 3 blocks of one sector times a field, for all sectors: eight at once, their sums stay in registers. */
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define CLONES
-#endif
-
-typedef double lanes __attribute__((vector_size(64), aligned(8)));
-#define LANES(p) (*(lanes *)(p))
-#define READ(p) (*(const lanes *)(p))
+#include "../base/hd_clones.h"
 
 /* n: sectors, filled up to a multiple of 8; blocks: of the row; a (3, 3, blocks); col, shift (blocks): column node from 1, sectors
    further on; v (-1:n, 3, nodes): field, sectors of a node one behind the other; s (n, 3): product */

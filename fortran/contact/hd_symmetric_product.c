@@ -1,16 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Two products y = A x with a symmetric matrix, of which the upper triangle is read once. Products of this size wait for memory:
    half the entries take half the time. */
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define CLONES
-#endif
-
-typedef double lanes __attribute__((vector_size(64), aligned(8)));
-#define LANES(p) (*(lanes *)(p))
-#define READ(p) (*(const lanes *)(p))
+#include "../base/hd_clones.h"
 #define SUM(v) (((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])))
 
 /* n: order, a multiple of 8; a: columns down to the end of their 8 x 8 block on the diagonal, one behind the other; x, y (n, 2) */

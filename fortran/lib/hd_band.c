@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Two right-hand sides with a Cholesky factor of a band at once: each entry is read once for both. */
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define CLONES
-#endif
+#include "../base/hd_clones.h"
 
 /* n: order; kd: half width; u: upper band (n columns of kd + 1, the diagonal last) of A = U^T U; x (n, 2): right-hand sides,
    then solutions */

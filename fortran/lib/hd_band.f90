@@ -63,10 +63,11 @@ contains
   !> Entries of A^-1 between some rows.
   subroutine part_of_inverse(u, rows, part)
     real(dp), intent(in), contiguous :: u(:, :)  !< factor (kd + 1, n), kd > 0
-    integer, intent(in) :: rows(:)               !< ascending, not empty
+    integer, intent(in) :: rows(:)               !< ascending
     real(dp), intent(out) :: part(:, :)          !< (rows, rows)
     real(dp), allocatable :: x(:, :)
     integer :: i
+    if (size(rows) == 0) return
     allocate (x(size(rows), rows(1):size(u, 2)))
     call follow(size(rows), rows(1), size(u, 2), size(u, 1) - 1, u, rows, x)
     do i = 1, size(rows)

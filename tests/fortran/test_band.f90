@@ -22,6 +22,7 @@ contains
     call check_size(150, 32)
     call check_size(200, 77)
     call check_size(30, 40)
+    call part_of_inverse(singular, [integer ::], singular(:0, :0))
     singular = 1
     call factorise_band(singular, error)
     call check(allocated(error), 'a singular band is refused')

@@ -118,13 +118,12 @@ contains
     end associate
   end subroutine evaluate_facets
 
-  !> Shear of a point for its joint. It slips where that equals mu p but for rounding: K_T jumps to 0 there, so that rounding
-  !> would decide; the point counts with the limit from below.
+  !> Shear of a point for its joint. It slips where that equals mu p but for the residual, and K_T jumps to 0 there, so that
+  !> the residual would decide; every point that slips counts with the limit from below.
   elemental real(dp) function below_slip(limit, shear) result(q)
     real(dp), intent(in) :: limit  !< mu p [Pa]
     real(dp), intent(in) :: shear  !< of the point [Pa]
-    q = shear
-    if (abs(shear - limit) <= 1e-6_dp*limit) q = (1 - 1e-6_dp)*limit
+    q = min(shear, (1 - 1e-6_dp)*limit)
   end function below_slip
 
   !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh: linear along a facet.

@@ -74,7 +74,10 @@ def solve(keys, folder):
 def finer(keys, level, scene, layers=4):
     """Keys of a mesh of the series with cells at the edges three refinements finer than those of a plan."""
     rows = BAND[level - 1]
-    around = max(16, 4 * round(np.pi * scene["geometry.bore_radius"] * rows / (3.2 * scene["geometry.band_length"])))
+    around = round(np.pi * scene["geometry.bore_radius"] * rows / (3.2 * scene["geometry.band_length"]))
+    while 30**12 % around:  # sizes that FFTW is fast at, as the planner's
+        around += 1
+    around = max(16, 4 * around)
     return keys | {"mesh.band_facets": rows, "mesh.divisions": around, "mesh.edge_length": scene["mesh.edge_length"] / 2**1.5,
                    "mesh.through_wall": layers, "mesh.through_ring": layers,
                    "load.assembly_steps": scene["load.assembly_steps"], "load.torque_steps": scene["load.torque_steps"]}

@@ -9,6 +9,8 @@ module hd_revolution
   private
   public :: strip_t, revolve, strip_node, strip_face, append_intervals
 
+  real(dp), parameter :: growth = 1.5_dp  !< of intervals away from an edge
+
   !> Meridian strip: station i joins inner(:, i) to outer(:, i); `layers` cells lie between them.
   type :: strip_t
     real(dp), allocatable :: inner(:, :)  !< r, z of the inner line (2, stations) [m]
@@ -141,32 +143,60 @@ contains
     end do
   end subroutine strip_face
 
-  !> Append n equal intervals after the last entry of a list of coordinates. The first and the last may be divided further, each
-  !> part about half as long as the one before, down to a given length at their outer ends.
+  !> Append intervals after the last entry of a list of coordinates.
   pure subroutine append_intervals(list, last, n, first_end, last_end)
     real(dp), allocatable, intent(inout) :: list(:)  !< coordinates [m]
     real(dp), intent(in) :: last                     !< new last coordinate [m]
-    integer, intent(in) :: n                         !< equal intervals (nothing is added for 0)
-    real(dp), intent(in) :: first_end, last_end      !< shortest parts of the first and the last; 0: whole [m]
-    real(dp) :: start, length
+    integer, intent(in) :: n                         !< as of `graded`; nothing is added for 0
+    real(dp), intent(in) :: first_end, last_end      !< as of `graded` [m]
+    real(dp), allocatable :: part(:)
+    real(dp) :: start
     integer :: i
     if (n == 0) return
     start = list(size(list))
-    length = (last - start)/n
-    list = [list, start + parts(merge(length, 0.5_dp*length, n > 1 .or. last_end <= 0), first_end), &
-      [(start + length*i, i=1, n - 1)]]
-    associate (back => parts(merge(length, 0.5_dp*length, n > 1 .or. first_end <= 0), last_end))
-      list = [list, last - back(size(back):1:-1), last]
-    end associate
-  contains
-    !> Lengths from the outer end, the shortest first.
-    pure function parts(whole, shortest) result(x)
-      real(dp), intent(in) :: whole, shortest  !< [m]
-      real(dp), allocatable :: x(:)
-      integer :: k
-      k = 0
-      if (shortest > 0) k = max(0, nint(log(whole/shortest)/log(2._dp)))
-      x = [(whole*(shortest/whole)**(real(i, dp)/k), i=k, 1, -1)]
-    end function parts
+    part = graded(last - start, n, first_end, last_end)
+    list = [list, [(start + sum(part(:i)), i=1, size(part) - 1)], last]
   end subroutine append_intervals
+
+  !> Lengths of n equal intervals. An end may begin with a given length instead, from which the lengths grow until they are about
+  !> equal to the others; the last of them are stretched so that the equal ones stay in their places. So the same lengths stand at
+  !> an end and in the middle whatever the other is: results do not jump as either is refined.
+  pure function graded(whole, n, first_end, last_end) result(part)
+    real(dp), intent(in) :: whole                !< their sum [m]
+    integer, intent(in) :: n                     !< >= 1
+    real(dp), intent(in) :: first_end, last_end  !< shortest interval at either end; 0: none [m]
+    real(dp), allocatable :: part(:), front(:), back(:)
+    real(dp) :: equal, room
+    equal = whole/n
+    room = n  ! of one end, in equal intervals
+    if (first_end > 0 .and. last_end > 0) room = merge(real(n/2, dp), 0.5_dp, n > 1)
+    front = growing(equal, room, first_end)
+    back = growing(equal, room, last_end)
+    part = [front, spread(equal, 1, nint((whole - sum(front) - sum(back))/equal)), back(size(back):1:-1)]
+  end function graded
+
+  !> Lengths from the shortest on that fill a whole number of equal ones, or all the room if that is less than one.
+  pure function growing(equal, room, shortest) result(x)
+    real(dp), intent(in) :: equal     !< length of the others [m]
+    real(dp), intent(in) :: room      !< most that may be filled, in equal lengths
+    real(dp), intent(in) :: shortest  !< 0: none [m]
+    real(dp), allocatable :: x(:)
+    integer, parameter :: stretched = 3
+    real(dp) :: filled
+    integer :: i, k
+    x = [real(dp) ::]
+    if (.not. (shortest > 0 .and. shortest < equal)) return
+    do k = ceiling(log(equal/shortest)/log(growth) - 1e-6_dp), 1, -1
+      x = [(shortest*growth**i, i=0, k - 1)]
+      if (sum(x) <= 1.2_dp*room*equal) exit
+    end do
+    filled = equal*min(room, real(max(1, nint(sum(x)/equal)), dp))
+    if (k == 1) x = [x, x]
+    i = max(2, k - stretched + 1)  ! the shortest stays
+    if (sum(x(:i - 1)) < filled) then
+      x(i:) = x(i:)*(filled - sum(x(:i - 1)))/sum(x(i:))
+    else
+      x = [filled]
+    end if
+  end function growing
 end module hd_revolution

@@ -3,12 +3,12 @@
 !> from rest the iterations grow as the mesh is refined; a coarser solution has found that set already.
 module hd_coarser
   use hd_kinds, only: dp
-  use hd_cost, only: band_rows
   use hd_drive, only: drive_t
   use hd_kept, only: assembly_t
   use hd_problem, only: state_t, new_state
   use hd_revolution, only: strip_t, strip_node
   use hd_scene, only: scene_t
+  use hd_section, only: band_rows
   implicit none
   private
   public :: coarser_t, has_coarser, coarser_scene

@@ -7,10 +7,11 @@ module hd_cost
   use hd_kinds, only: dp
   use hd_clock, only: machine_memory_mb
   use hd_scene, only: scene_t
+  use hd_section, only: band_rows
   use hd_text, only: to_text
   implicit none
   private
-  public :: cost_t, predict_costs, cheapest, cost_text, band_rows, estimate_memory_mb, allowed_memory_mb
+  public :: cost_t, predict_costs, cheapest, cost_text, estimate_memory_mb, allowed_memory_mb
 
   !> One solver.
   type :: cost_t
@@ -90,13 +91,6 @@ contains
       krylov_time = 6*(precision*solve_time*entries(n)/2 + apply_time*dof)
     end function krylov_time
   end function predict_costs
-
-  !> Rows of facets along the band, those at its edges included.
-  pure integer function band_rows(s) result(rows)
-    type(scene_t), intent(in) :: s  !< scene
-    rows = s%band_facets
-    if (s%edge_length > 0) rows = rows + 2*max(0, nint(log(s%band_length/s%band_facets/s%edge_length)/log(2._dp)))
-  end function band_rows
 
   !> Nodes of both bodies and of a sector, dofs of the contact face along the band, cells through the thickness.
   pure subroutine count_nodes(s, nodes, section, rows, thick)

@@ -10,7 +10,8 @@ module hd_drive
   use hd_scene, only: scene_t
   use hd_body, only: body_t
   use hd_face, only: face_t
-  use hd_revolution, only: strip_t, revolve, strip_face, append_intervals
+  use hd_revolution, only: strip_t, revolve, strip_face
+  use hd_section, only: ring_strip, cup_strip, rim_end
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
   use hd_problem, only: problem_t, load_t, new_problem, add_springs
@@ -143,80 +144,6 @@ contains
     c(2, :) = body%angle
     c(3, :) = body%x(3, :)
   end function cylindrical
-
-  !> First station of the cup at or behind the end of the rim.
-  pure integer function rim_end(scene, cup)
-    type(scene_t), intent(in) :: scene  !< scene
-    type(strip_t), intent(in) :: cup    !< section
-    rim_end = 1 + count(cup%outer(2, :) < scene%rim_length*(1 - 1e-9_dp) .and. cup%outer(1, :) >= scene%bore_radius)
-  end function rim_end
-
-  !> Meridian section of the ring.
-  pure subroutine ring_strip(scene, strip)
-    type(scene_t), intent(in) :: scene   !< scene
-    type(strip_t), intent(out) :: strip  !< section
-    real(dp), allocatable :: z(:)
-    z = [scene%band_start]
-    call append_intervals(z, scene%band_start + scene%band_length, &
-      merge(scene%ring_facets, scene%band_facets, scene%ring_facets > 0), scene%edge_length, scene%edge_length)
-    allocate (strip%inner(2, size(z)), strip%outer(2, size(z)))
-    strip%inner(1, :) = scene%bore_radius - scene%ring_thickness
-    strip%outer(1, :) = scene%bore_radius
-    strip%inner(2, :) = z
-    strip%outer(2, :) = z
-    strip%layers = scene%through_ring
-  end subroutine ring_strip
-
-  !> Meridian section of the cup: wall from the opening to a mitred corner, bottom from there to the hub.
-  pure subroutine cup_strip(scene, strip, first, last)
-    type(scene_t), intent(in) :: scene      !< scene
-    type(strip_t), intent(out) :: strip     !< section
-    integer, intent(out) :: first, last     !< stations at the ends of the contact band
-    real(dp), allocatable :: z(:), r(:)
-    real(dp) :: h, corner, wall_start, behind
-    integer :: i, wall, bottom
-    h = scene%band_length/scene%band_facets
-    corner = scene%cup_length - scene%bottom_thickness
-    z = [0._dp]
-    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)), 0._dp, scene%edge_length)
-    first = size(z)
-    call append_intervals(z, scene%band_start + scene%band_length, scene%band_facets, scene%edge_length, scene%edge_length)
-    last = size(z)
-    wall_start = z(last)
-    behind = scene%edge_length
-    if (scene%rim_length > wall_start .and. scene%rim_length < corner) then
-      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)), behind, 0._dp)
-      wall_start = scene%rim_length
-      behind = 0
-    end if
-    wall = merge(scene%wall_elements, max(1, nint((corner - wall_start)/h)), scene%wall_elements > 0)
-    call append_intervals(z, corner, wall, behind, 0._dp)
-    r = [scene%bore_radius]
-    bottom = merge(scene%bottom_elements, max(1, nint((scene%bore_radius - scene%hub_radius)/h)), scene%bottom_elements > 0)
-    call append_intervals(r, scene%hub_radius, bottom, 0._dp, 0._dp)
-    wall = size(z)
-    allocate (strip%inner(2, wall + bottom), strip%outer(2, wall + bottom))
-    do i = 1, wall
-      strip%inner(:, i) = [scene%bore_radius, z(i)]
-      strip%outer(:, i) = [scene%bore_radius + thickness(scene, z(i)), z(i)]
-    end do
-    strip%outer(2, wall) = scene%cup_length
-    do i = 1, bottom
-      strip%inner(:, wall + i) = [r(i + 1), corner]
-      strip%outer(:, wall + i) = [r(i + 1), scene%cup_length]
-    end do
-    strip%layers = scene%through_wall
-  end subroutine cup_strip
-
-  !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].
-  elemental real(dp) function thickness(scene, z)
-    type(scene_t), intent(in) :: scene  !< scene
-    real(dp), intent(in) :: z           !< distance from the opening [m]
-    real(dp) :: f
-    f = min(max((z - scene%rim_length)/scene%rim_taper, 0._dp), 1._dp)
-    if (f < 1e-9_dp) f = 0
-    thickness = (1 - f)*scene%rim_thickness + f*scene%wall_thickness
-  end function thickness
 
   !> Supports. The wave generator prescribes the ring's inner face, or the ends of the balls' springs that pull it. The ring is held
   !> axially along the middle of that face.

@@ -4,7 +4,6 @@ module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
   use hd_coarser, only: has_coarser, coarser_scene
-  use hd_cost, only: band_rows
   use hd_drive, only: drive_load
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_facets, only: contact_torque
@@ -14,6 +13,7 @@ module hd_load_step
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
   use hd_run, only: run_t, new_run, accept, place, final_position
+  use hd_section, only: band_rows
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text

@@ -6,20 +6,20 @@
 !> converge so in some scenes only; in others they are already near their limit and jump: there the finest mesh stands for it.
 module hd_mesh_series
   use hd_kinds, only: dp, pi
+  use hd_fft, only: smooth_size
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: levels, first_level, expected_error, least_error, meshed, extrapolate
+  public :: levels, differ, first_level, expected_error, least_error, meshed, extrapolate
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
   real(dp), parameter :: first_error = 16       !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
-  real(dp), parameter :: least = 0.3_dp         !< error of K_TS at least, over facets along the band
-  real(dp), parameter :: jumps = 0.6_dp         !< of the limit of K_TS, over facets along the band: twice the rms error of 239
-                                                !< promises on 16 and 22 rows
-  real(dp), parameter :: layers_differ = 5e-3_dp  !< what more layers change of K_TS on one mesh and on another: twice the rms
+  real(dp), parameter :: jumps = 0.32_dp        !< of the limit of K_TS, over facets along the band: twice the rms error
+  !> What more layers than one, than several, change of K_TS on one mesh and on another: twice the rms.
+  real(dp), parameter :: differ(2) = [1e-2_dp, 2.5e-3_dp]
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
 contains
@@ -35,13 +35,14 @@ contains
   !> Estimate that is expected on a level.
   pure real(dp) function expected_error(level)
     integer, intent(in) :: level  !< of the series
-    expected_error = max(first_error/band(level)**2, least_error(level))
+    expected_error = max(first_error/band(level)**2, least_error(level, 2))
   end function expected_error
 
   !> Error of K_TS that a level leaves however well its meshes agree: three of them may agree by chance.
-  pure real(dp) function least_error(level)
-    integer, intent(in) :: level  !< of the series
-    least_error = hypot(jumps/band(level), layers_differ)
+  pure real(dp) function least_error(level, layers)
+    integer, intent(in) :: level   !< of the series
+    integer, intent(in) :: layers  !< through the wall
+    least_error = hypot(jumps/band(level), differ(min(2, layers)))
   end function least_error
 
   !> Scene on a mesh of the series; the user's sections stay.
@@ -50,7 +51,7 @@ contains
     integer, intent(in) :: level        !< of the series
     s = scene
     s%band_facets = band(level)
-    s%divisions = max(16, 4*nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)))
+    s%divisions = max(16, 4*smooth_size(nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)), .false.))
     s%ring_divisions = 0
     s%ring_facets = 0
     s%wall_elements = 0
@@ -76,7 +77,6 @@ contains
       end if
     end do
     estimate = margin*estimate/(abs(limit) + tiny(1._dp))
-    estimate(1) = max(estimate(1), least/band(level))
   end subroutine extrapolate
 
   !> Slopes over h of the last three pairs of levels agree within a factor of two.

@@ -67,7 +67,8 @@ contains
     call whole(t, 'mesh', 'through_wall', s%through_wall, 1, 100, 'cells through wall, rim and bottom')
     call whole(t, 'mesh', 'through_ring', s%through_ring, 1, 100, 'cells through the ring')
     call number(t, 'mesh', 'edge_length', s%edge_length, 'm', 0._dp, big, &
-      'cells on either side of both edges of the band are halved towards the edge down to this length; 0: not', closed=.true.)
+      'shortest cells, on either side of both edges of the band; from there they grow by half, up to the others; 0: all equal', &
+      closed=.true.)
     call text(t, 'mesh', 'element', s%element, 'hex8 hex8i hex20r', &
       'hexahedron: plain, with incompatible modes, quadratic reduced')
     call number(t, 'mesh', 'memory_limit_mb', s%memory_limit_mb, 'MB', 0._dp, big, &

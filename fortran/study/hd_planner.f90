@@ -7,22 +7,23 @@
 module hd_planner
   use hd_kinds, only: dp
   use hd_coarser, only: has_coarser
-  use hd_cost, only: band_rows, estimate_memory_mb, allowed_memory_mb
+  use hd_cost, only: estimate_memory_mb, allowed_memory_mb
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, first_level, expected_error, least_error, meshed, extrapolate
+  use hd_mesh_series, only: levels, differ, first_level, expected_error, least_error, meshed, extrapolate
   use hd_output, only: check_folder
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
+  use hd_section, only: band_rows
   use hd_text, only: string_t, push, to_text, percent
   implicit none
   private
   public :: new_planned_run, run_planned, plan_text
 
   real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
-  real(dp), parameter :: doubt = 0.25_dp        !< share of what is carried to finer meshes that may be wrong
+  real(dp), parameter :: doubt(2) = [0.25_dp, 0.125_dp]  !< share of what one layer, several carry to finer meshes that may be wrong
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
@@ -146,7 +147,7 @@ contains
 
   !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two may agree and both be wrong. The change
   !> goes on as the thickness of a layer, and is much the same on all meshes: it is carried to finer ones, which take so few layers
-  !> that a quarter of it (what it may be wrong by) is within a fifth of the tolerance.
+  !> that what it may be wrong by, a quarter of it (several layers: an eighth), is within a fifth of the tolerance.
   subroutine choose_layers(pilot, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried
@@ -173,14 +174,14 @@ contains
     end if
     if (allocated(error)) return
     finest = q(:, n) + last
-    do i = 0, n
+    do i = merge(1, 0, differ(1) > 0.5_dp*plan%scene%promise .and. n > 0), n
       rest = abs(finest - q(:, i))/(abs(finest) + tiny(1._dp))
-      if (doubt*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
+      if (doubt(min(2, s(i)%through_wall))*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
     end do
     plan%scene%through_wall = s(i)%through_wall
     plan%scene%through_ring = s(i)%through_ring
     where (abs(q(:, i)) > 0) plan%carried = finest/q(:, i)
-    plan%change = plan%change + doubt*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
+    plan%change = plan%change + doubt(min(2, s(i)%through_wall))*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
     call note(plan, 'layers '//choice_text(s(i), 'layers')//': finer ones change K_TS by '//percent(plan%carried(1) - 1)// &
       ': carried to finer meshes')
   end subroutine choose_layers
@@ -209,8 +210,8 @@ contains
     plan%scene%edge_length = 0
     call choose_kinematics(pilot, plan, error)
     if (.not. allocated(error)) call choose(pilot, 'load steps', 0, 4, plan, error)
-    ! two: edge cells stay shorter than the rows of the finest meshes
-    if (.not. allocated(error)) call choose(pilot, 'edge cells', 2, 5, plan, error)
+    ! three: edge cells stay much shorter than the rows of the finest meshes
+    if (.not. allocated(error)) call choose(pilot, 'edge cells', 3, 4, plan, error)
     if (.not. allocated(error)) call choose_layers(pilot, plan, error)
   end subroutine choose_all
 
@@ -226,7 +227,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
     plan%estimate = plan%estimate + plan%change
-    plan%estimate(1) = max(plan%estimate(1), least_error(level))
+    plan%estimate(1) = max(plan%estimate(1), least_error(level, plan%scene%through_wall))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 
@@ -253,13 +254,15 @@ contains
     do start = first_level(scene%promise), 5, -1
       if (fits(meshed(plan%scene, start))) exit
     end do
+    now = meshed(plan%scene, coarse(plan%scene))
     do level = start - 3, levels
       next = meshed(plan%scene, level)
       call pilot%probe(small_displacements(next), q(:, level), error)
       if (allocated(error)) then
-        if (level <= start .or. error%code /= code_not_converged) return
+        if (error%code /= code_not_converged) return
         deallocate (error)
-        call note(plan, 'the next mesh does not converge: this one is run')
+        call note(plan, 'the next mesh does not converge: this one is run'// &
+          merge(', nothing is known of its error', '                               ', level <= start))
         exit
       end if
       now = next
@@ -303,8 +306,11 @@ contains
     run%record%to_limit = plan%to_limit
     run%record%level = plan%level
     run%record%reasons = plan%reasons
-    if (plan%level > 0 .and. .not. plan%met) &
+    if (plan%level == 0) then
+      call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error')
+    else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: estimated error '//percent(maxval(plan%estimate)))
+    end if
   end subroutine new_planned_run
 
   !> Plan a scene and run it.

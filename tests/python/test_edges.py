@@ -13,21 +13,31 @@ ONE = {"load__assembly_steps": 1, "load__torque_steps": 1}
 
 
 def last(**keys):
-    """Last load step of the reference scene."""
+    """Last load step of the reference scene, and its facets round the axis and along the band."""
     with hdengine.Run(CD14, **ONE, **keys) as run:
         for step in run:
             pass
     return step, (run.facets // run.axial_facets, run.axial_facets)
 
 
-def test_cells_halve_towards_the_edges():
-    """mesh.edge_length: each outer row is half its neighbour down to that length, the rows between and the area stay."""
-    plain, shape = last(mesh={"divisions": 24, "band_facets": 6})
-    fine, more = last(mesh={"divisions": 24, "band_facets": 6, "edge_length": 0.25e-3})
-    assert shape == (24, 6) and more == (24, 12)
-    rows = np.diff(hdengine.results.row_edges(fine.facets["area_m2"], more, 12e-3))
-    np.testing.assert_allclose(rows, 1e-3 * np.array([0.25, 0.25, 0.5, 1, 2, 2, 2, 2, 1, 0.5, 0.25, 0.25]), rtol=1e-9)
-    assert fine.facets["area_m2"].sum() == pytest.approx(plain.facets["area_m2"].sum(), rel=1e-12)
+def rows_of(facets):
+    """Lengths of the rows of CD-14-100 with so many facets along the band [m], the shortest 0.1 mm."""
+    step, shape = last(mesh={"divisions": 24, "band_facets": facets, "edge_length": 0.1e-3})
+    assert step.facets["area_m2"].sum() == pytest.approx(2 * np.pi * 17.5e-3 * 12e-3, rel=0.02)
+    return np.diff(hdengine.results.row_edges(step.facets["area_m2"], shape, 12e-3))
+
+
+def test_the_edges_stay_as_rows_are_refined():
+    """mesh.edge_length: rows grow by half from that length at either edge, the same on all meshes; a row ends where the rim begins to thin
+    (8.5 mm behind the edge) and where it has (9.5 mm), behind which rows are half as long."""
+    coarse, fine = rows_of(8), rows_of(12)
+    for rows in (coarse, fine):
+        np.testing.assert_allclose(rows[:3], 1e-4 * 1.5 ** np.arange(3), rtol=1e-6)
+        assert rows[-1] == pytest.approx(1e-4, rel=1e-6)
+        ends = np.cumsum(rows)
+        for place in (8.5e-3, 9.5e-3):
+            assert np.min(np.abs(ends - place)) < 1e-9
+    assert len(fine) > len(coarse) and coarse.max() == pytest.approx(8.5e-3 / 6, rel=0.3)
 
 
 def test_edge_cells_take_the_error_from_k_ts():

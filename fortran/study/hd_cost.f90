@@ -6,8 +6,9 @@
 module hd_cost
   use hd_kinds, only: dp
   use hd_clock, only: machine_memory_mb
+  use hd_revolution, only: strip_t
   use hd_scene, only: scene_t
-  use hd_section, only: band_rows
+  use hd_section, only: band_rows, cup_strip, ring_strip
   use hd_text, only: to_text
   implicit none
   private
@@ -96,12 +97,12 @@ contains
   pure subroutine count_nodes(s, nodes, section, rows, thick)
     type(scene_t), intent(in) :: s                            !< scene
     real(dp), intent(out) :: nodes, section, rows, thick      !< counts
-    real(dp) :: h
-    h = s%band_length/s%band_facets
-    rows = band_rows(s) + 1
-    section = ((s%cup_length + s%bore_radius - s%hub_radius)/h + 2*(band_rows(s) - s%band_facets))*(s%through_wall + 1) + &
-      rows*(s%through_ring + 1)
-    rows = 3*rows
+    type(strip_t) :: cup, ring
+    integer :: first, last
+    call cup_strip(s, cup, first, last)
+    call ring_strip(s, ring)
+    section = size(cup%inner, 2)*(s%through_wall + 1) + size(ring%inner, 2)*(s%through_ring + 1)
+    rows = 3*(band_rows(s) + 1)
     thick = max(s%through_wall, s%through_ring)
     if (s%element == 'hex20r') then
       section = 3.5_dp*section

@@ -84,7 +84,7 @@ def plot_positions(result):
     z = _reference_z(result)
     for label, place, style in zip(("I", "II", "III"), result.scene["output.positions"], ("-", "--", "-.")):
         row = int(np.argmin(abs(z - place)))
-        narrow = np.diff(result.row_edges())[row] < 0.5 * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
+        narrow = np.diff(result.row_edges())[row] < 0.35 * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
         name = f"{label}: {1e3 * z[row]:.2g} mm" + (", edge cells" if narrow else "")
         axes[0].plot(theta, _grid(result, "pressure_pa")[:, row] / 1e6, style, label=name)
         axes[1].plot(theta, _grid(result, "traction_theta_pa")[:, row] / 1e6, style, label=name)

@@ -164,6 +164,17 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
     assert json.loads((small_run / "summary.json").read_text())["scene"]["solver.kinematics"] == "linear"
 
 
+def test_the_last_mesh_that_converged_is_run(exe, tmp_path):
+    """From rest and with few iterations coarse meshes converge, the estimate's do not: the finest that did is run, nothing is promised."""
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=26",
+                "solver.max_cuts=0", "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, reasons = planned(tmp_path / "p")
+    assert "the next mesh does not converge: this one is run, nothing is known of its error" in reasons
+    assert s["status"] == "complete" and s["plan"]["met"] == "no" and s["scene"]["mesh.band_facets"] < 16
+    assert any("nothing is known of the error" in w for w in s["warnings"])
+
+
 @pytest.mark.full
 def test_a_refinement_that_does_not_converge_is_passed_over(exe, tmp_path):
     """Edge cells of one length do not converge on the coarse mesh of this scene: the plan goes on with the others."""

@@ -106,6 +106,8 @@ def planned(keys, tolerance, folder):
     except hdengine.HdengineError as e:
         return {"tolerance": tolerance, "message": str(e)[:120]}
     plan, scene = s["plan"], s["scene"]
+    if not plan["level"]:
+        return {"tolerance": tolerance, "met": "no", "level": 0, "seconds": seconds, "message": plan["reasons"][-2]}
     return {"tolerance": tolerance, "met": plan["met"], "level": plan["level"], "seconds": seconds,
             "estimate": [plan[f"estimated_error_{n}"] for n in NAMES], "limit": [plan[n] for n in LIMITS], "mesh_gives": q,
             "scene": {k: scene[k] for k in CHOSEN}}

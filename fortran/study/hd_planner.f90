@@ -103,8 +103,9 @@ contains
     end select
   end function finer
 
-  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements. A
-  !> refinement that does not converge is passed over.
+  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; of edge cells, or by more than
+  !> the refinement before (too thin for their length, they spoil the result); small displacements. A refinement that does not
+  !> converge is passed over.
   subroutine choose(pilot, choice, least, most, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     character(len=*), intent(in) :: choice            !< load steps, edge cells
@@ -113,11 +114,12 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(error_t), allocatable :: trouble
     type(scene_t) :: now, next
-    real(dp) :: q(3), new(3), change(3)
+    real(dp) :: q(3), new(3), change(3), before(3)
     logical :: compared
     integer :: i
     now = small_displacements(meshed(plan%scene, coarse(plan%scene)))
     next = now
+    change = 0
     compared = .false.
     call pilot%probe(now, q, error)
     if (allocated(error)) return
@@ -128,7 +130,12 @@ contains
         if (trouble%code == code_not_converged) cycle
         exit
       end if
+      before = change
       change = abs(new - q)/(abs(new) + tiny(1._dp))
+      if (choice == 'edge cells' .and. i > least .and. maxval(change) > maxval(before)) then
+        change = before
+        exit
+      end if
       compared = .true.
       if (i > least .and. maxval(change) <= small*plan%scene%promise) exit
       now = next

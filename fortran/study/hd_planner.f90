@@ -103,8 +103,8 @@ contains
     end select
   end function finer
 
-  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; of edge cells, or by more than
-  !> the refinement before (too thin for their length, they spoil the result); small displacements. A refinement that does not
+  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance, or, of edge cells, by more
+  !> than the refinement before (too thin for their length, they spoil the result); small displacements. A refinement that does not
   !> converge is passed over.
   subroutine choose(pilot, choice, least, most, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
@@ -217,8 +217,8 @@ contains
     plan%scene%edge_length = 0
     call choose_kinematics(pilot, plan, error)
     if (.not. allocated(error)) call choose(pilot, 'load steps', 0, 4, plan, error)
-    ! three: edge cells stay much shorter than the rows of the finest meshes
-    if (.not. allocated(error)) call choose(pilot, 'edge cells', 3, 4, plan, error)
+    ! so that edge cells stay shorter than the rows of the meshes to come, much shorter for small tolerances
+    if (.not. allocated(error)) call choose(pilot, 'edge cells', merge(3, 2, plan%scene%promise < 0.05_dp), 4, plan, error)
     if (.not. allocated(error)) call choose_layers(pilot, plan, error)
   end subroutine choose_all
 

@@ -164,6 +164,21 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
     assert json.loads((small_run / "summary.json").read_text())["scene"]["solver.kinematics"] == "linear"
 
 
+def test_edge_cells_too_thin_are_not_taken(exe, tmp_path):
+    """Here cells of 6 um, 300 times as long as wide, change K_TS by more than those of 25 um did: these stand."""
+    done = call(exe, CD14, "geometry.wall_thickness=0.515881e-3", "geometry.rim_thickness=1.02647e-3", "geometry.ring_thickness=0.910129e-3",
+                "geometry.band_length=9.5305e-3", "wave_generator.w=0.128133e-3", "wave_generator.interference=0.994672e-6",
+                "contact.friction=0.129882", "load.torque=7.15399", "run.tolerance=0.1", "solver.kinematics=linear", "output.vtu=none",
+                "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, _ = planned(tmp_path / "p")
+    k = {float(m.group(1)): float(m.group(2)) for m in re.finditer(r"_edge_([^_]+)_layers_1_1_steps_1_1_[^,]*, +(\S+),",
+                                                                   (tmp_path / "p/plan.csv").read_text())}
+    thin, kept, wide = sorted(k)[1:4]  # without 0
+    assert abs(k[thin] / k[kept] - 1) > abs(k[kept] / k[wide] - 1)
+    assert s["scene"]["mesh.edge_length"] == pytest.approx(kept, rel=1e-4) and s["plan"]["met"] == "yes"
+
+
 def test_the_last_mesh_that_converged_is_run(exe, tmp_path):
     """From rest and with few iterations coarse meshes converge, the estimate's do not: the finest that did is run, nothing is promised."""
     done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=26",

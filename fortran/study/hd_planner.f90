@@ -154,7 +154,8 @@ contains
 
   !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two may agree and both be wrong. The change
   !> goes on as the thickness of a layer, and is much the same on all meshes: it is carried to finer ones, which take so few layers
-  !> that what it may be wrong by, a quarter of it (several layers: an eighth), is within a fifth of the tolerance.
+  !> that what it may be wrong by, a quarter of it (several layers: an eighth), is within a fifth of the tolerance; one layer only
+  !> where what it differs by between meshes is, too.
   subroutine choose_layers(pilot, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried
@@ -181,7 +182,7 @@ contains
     end if
     if (allocated(error)) return
     finest = q(:, n) + last
-    do i = merge(1, 0, differ(1) > 0.5_dp*plan%scene%promise .and. n > 0), n
+    do i = merge(1, 0, differ(1) > small*plan%scene%promise .and. n > 0), n
       rest = abs(finest - q(:, i))/(abs(finest) + tiny(1._dp))
       if (doubt(min(2, s(i)%through_wall))*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
     end do

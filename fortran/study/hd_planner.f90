@@ -132,7 +132,7 @@ contains
       end if
       before = change
       change = abs(new - q)/(abs(new) + tiny(1._dp))
-      if (choice == 'edge cells' .and. i > least .and. maxval(change) > maxval(before)) then
+      if (compared .and. choice == 'edge cells' .and. i > least .and. maxval(change) > maxval(before)) then
         change = before
         exit
       end if
@@ -270,7 +270,7 @@ contains
         if (error%code /= code_not_converged) return
         deallocate (error)
         call note(plan, 'the next mesh does not converge: this one is run'// &
-          merge(', nothing is known of its error', '                               ', level <= start))
+          trim(merge(', nothing is known of its error', '                               ', level <= start)))
         exit
       end if
       now = next

@@ -11,7 +11,8 @@ A promise is made where the summary says "met": "yes"; meshes above LIMIT_MB are
 costly: such promises stay unjudged. One reference serves all tolerances of a scene, that of the smallest.
 
 Usage: bench/promised_scenes.py [--count 200] [--first 0] [--every 1] [--seconds 540] [--tolerances 0.1 0.03 0.01] [--finest 10];
-what bench/results/promised_scenes.jsonl holds is not run again; several may run at once. Figure and Markdown at the end.
+what bench/results/promised_scenes.jsonl holds is not run again; several may run at once on different scenes (the last row of a scene counts).
+Figure and Markdown at the end.
 """
 import argparse
 import json

@@ -17,7 +17,7 @@ module hd_mesh_series
   real(dp), parameter :: first_error = 16       !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
-  real(dp), parameter :: jumps = 0.32_dp        !< of the limit of K_TS, over facets along the band: twice the rms error
+  real(dp), parameter :: jumps = 0.32_dp        !< of the limit of K_TS, over facets along the band: twice the rms of series
   !> What more layers than one, than several, change of K_TS on one mesh and on another: twice the rms.
   real(dp), parameter :: differ(2) = [1e-2_dp, 2.5e-3_dp]
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it

@@ -28,15 +28,16 @@ contains
     real(dp), allocatable, intent(inout) :: z(:)  !< stations, the first of the band at the end [m]
     real(dp), allocatable :: ends(:)
     real(dp) :: last, share
-    integer :: i
+    integer :: i, times
     associate (edge => scene%edge_length)
       last = scene%band_start + scene%band_length
       ends = [real(dp) ::]
       if (edge > 0) ends = scene%rim_length + [0._dp, scene%rim_taper]
       ends = [pack(ends, ends > scene%band_start + 4*edge .and. ends < last - 4*edge), last]
       do i = 1, size(ends)
-        share = merge(1, 2, i == 1)*(ends(i) - z(size(z)))/scene%band_length
-        call append_intervals(z, ends(i), max(merge(1, 2, i == 1), nint(share*facets)), merge(edge, 0._dp, i == 1), &
+        times = min(i, 2)
+        share = (ends(i) - z(size(z)))/scene%band_length
+        call append_intervals(z, ends(i), max(times, nint(times*share*facets)), merge(edge, 0._dp, i == 1), &
           merge(edge, 0._dp, i == size(ends)))
       end do
     end associate

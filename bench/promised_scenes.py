@@ -81,7 +81,7 @@ def finer(keys, level, scene, layers=4):
         around += 1
     around = max(16, 4 * around)
     return keys | {"mesh.band_facets": rows, "mesh.divisions": around, "mesh.edge_length": scene["mesh.edge_length"] / 2**1.5,
-                   "mesh.through_wall": layers, "mesh.through_ring": layers,
+                   "mesh.through_wall": layers, "mesh.through_ring": layers, "solver.tolerance": 1e-5,
                    "load.assembly_steps": scene["load.assembly_steps"], "load.torque_steps": scene["load.torque_steps"]}
 
 

@@ -10,16 +10,17 @@ module hd_mesh_series
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: levels, differ, first_level, expected_error, least_error, meshed, extrapolate
+  public :: levels, rough, first_level, expected_error, least_error, meshed, extrapolate
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
   real(dp), parameter :: first_error = 16       !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
-  real(dp), parameter :: jumps = 0.32_dp        !< of the limit of K_TS, over facets along the band: twice the rms of series
-  !> What more layers than one, than several, change of K_TS on one mesh and on another: twice the rms.
-  real(dp), parameter :: differ(2) = [1e-2_dp, 2.5e-3_dp]
+  real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on edge cells refined twice and one layer may do
+  real(dp), parameter :: jumps = 0.44_dp        !< error of K_TS's limit times facets along the band: twice the rms of promises
+  real(dp), parameter :: rough_jumps = 0.62_dp  !< the same where the tolerance is rough
+  real(dp), parameter :: differ = 2.5e-3_dp     !< what more layers change of K_TS on one mesh and on another: twice the rms
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
 contains
@@ -28,21 +29,22 @@ contains
   pure integer function first_level(tolerance) result(level)
     real(dp), intent(in) :: tolerance  !< relative
     do level = 5, levels - 1
-      if (expected_error(level) <= 2*tolerance) return
+      if (expected_error(level, tolerance) <= 2*tolerance) return
     end do
   end function first_level
 
   !> Estimate that is expected on a level.
-  pure real(dp) function expected_error(level)
-    integer, intent(in) :: level  !< of the series
-    expected_error = max(first_error/band(level)**2, least_error(level, 2))
+  pure real(dp) function expected_error(level, tolerance)
+    integer, intent(in) :: level       !< of the series
+    real(dp), intent(in) :: tolerance  !< relative
+    expected_error = max(first_error/band(level)**2, least_error(level, tolerance))
   end function expected_error
 
   !> Error of K_TS that a level leaves however well its meshes agree: three of them may agree by chance.
-  pure real(dp) function least_error(level, layers)
-    integer, intent(in) :: level   !< of the series
-    integer, intent(in) :: layers  !< through the wall
-    least_error = hypot(jumps/band(level), differ(min(2, layers)))
+  pure real(dp) function least_error(level, tolerance)
+    integer, intent(in) :: level       !< of the series
+    real(dp), intent(in) :: tolerance  !< relative
+    least_error = hypot(merge(rough_jumps, jumps, tolerance >= rough)/band(level), differ)
   end function least_error
 
   !> Scene on a mesh of the series; the user's sections stay.

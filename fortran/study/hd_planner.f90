@@ -11,7 +11,7 @@ module hd_planner
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, differ, first_level, expected_error, least_error, meshed, extrapolate
+  use hd_mesh_series, only: levels, rough, first_level, expected_error, least_error, meshed, extrapolate
   use hd_output, only: check_folder
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
@@ -23,7 +23,8 @@ module hd_planner
   public :: new_planned_run, run_planned, plan_text
 
   real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
-  real(dp), parameter :: doubt(2) = [0.25_dp, 0.125_dp]  !< share of what one layer, several carry to finer meshes that may be wrong
+  real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual that moves K_TS by 0.003 of it at most (ten scenes)
+  real(dp), parameter :: doubt = 0.125_dp       !< share of what layers carry to finer meshes that may be wrong
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
@@ -153,9 +154,8 @@ contains
   end subroutine choose
 
   !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two may agree and both be wrong. The change
-  !> goes on as the thickness of a layer, and is much the same on all meshes: it is carried to finer ones, which take so few layers
-  !> that what it may be wrong by, a quarter of it (several layers: an eighth), is within a fifth of the tolerance; one layer only
-  !> where what it differs by between meshes is, too.
+  !> goes on as the thickness of a layer, and from two layers on is much the same on all meshes: it is carried to finer ones, which
+  !> take so few layers that what it may be wrong by is within a fifth of the tolerance; one only where the tolerance is rough.
   subroutine choose_layers(pilot, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried
@@ -182,14 +182,14 @@ contains
     end if
     if (allocated(error)) return
     finest = q(:, n) + last
-    do i = merge(1, 0, differ(1) > small*plan%scene%promise .and. n > 0), n
+    do i = merge(0, 1, plan%scene%promise >= rough), n
       rest = abs(finest - q(:, i))/(abs(finest) + tiny(1._dp))
-      if (doubt(min(2, s(i)%through_wall))*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
+      if (doubt*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
     end do
     plan%scene%through_wall = s(i)%through_wall
     plan%scene%through_ring = s(i)%through_ring
     where (abs(q(:, i)) > 0) plan%carried = finest/q(:, i)
-    plan%change = plan%change + doubt(min(2, s(i)%through_wall))*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
+    plan%change = plan%change + doubt*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
     call note(plan, 'layers '//choice_text(s(i), 'layers')//': finer ones change K_TS by '//percent(plan%carried(1) - 1)// &
       ': carried to finer meshes')
   end subroutine choose_layers
@@ -216,10 +216,12 @@ contains
     plan%scene%assembly_steps = 1
     plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     plan%scene%edge_length = 0
+    plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%promise)
+    call note(plan, 'residual of Newton''s iterations '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance is enough')
     call choose_kinematics(pilot, plan, error)
     if (.not. allocated(error)) call choose(pilot, 'load steps', 0, 4, plan, error)
     ! so that edge cells stay shorter than the rows of the meshes to come, much shorter for small tolerances
-    if (.not. allocated(error)) call choose(pilot, 'edge cells', merge(3, 2, plan%scene%promise < 0.05_dp), 4, plan, error)
+    if (.not. allocated(error)) call choose(pilot, 'edge cells', merge(2, 3, plan%scene%promise >= rough), 4, plan, error)
     if (.not. allocated(error)) call choose_layers(pilot, plan, error)
   end subroutine choose_all
 
@@ -235,7 +237,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
     plan%estimate = plan%estimate + plan%change
-    plan%estimate(1) = max(plan%estimate(1), least_error(level, plan%scene%through_wall))
+    plan%estimate(1) = max(plan%estimate(1), least_error(level, plan%scene%promise))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 
@@ -403,7 +405,7 @@ contains
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*(expected_error(level) + maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
+        100*(expected_error(level, scene%promise) + maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do

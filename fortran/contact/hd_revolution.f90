@@ -7,7 +7,7 @@ module hd_revolution
   use hd_hexahedron, only: hex20r
   implicit none
   private
-  public :: strip_t, revolve, strip_node, strip_face, append_intervals
+  public :: strip_t, growth, revolve, strip_node, strip_face, append_intervals
 
   real(dp), parameter :: growth = 1.5_dp  !< of intervals away from an edge
 
@@ -164,12 +164,12 @@ contains
   pure function graded(whole, n, first_end, last_end) result(part)
     real(dp), intent(in) :: whole                !< their sum [m]
     integer, intent(in) :: n                     !< >= 1
-    real(dp), intent(in) :: first_end, last_end  !< shortest interval at either end; 0: none [m]
+    real(dp), intent(in) :: first_end, last_end  !< shortest interval at either end; none if 0 or beyond the equal ones [m]
     real(dp), allocatable :: part(:), front(:), back(:)
     real(dp) :: equal, room
     equal = whole/n
     room = n  ! of one end, in equal intervals
-    if (first_end > 0 .and. last_end > 0) room = merge(real(n/2, dp), 0.5_dp, n > 1)
+    if (all([first_end, last_end] > 0 .and. [first_end, last_end] < equal)) room = merge(real(n/2, dp), 0.5_dp, n > 1)
     front = growing(equal, room, first_end)
     back = growing(equal, room, last_end)
     part = [front, spread(equal, 1, nint((whole - sum(front) - sum(back))/equal)), back(size(back):1:-1)]
@@ -190,10 +190,10 @@ contains
       x = [(shortest*growth**i, i=0, k - 1)]
       if (sum(x) <= 1.2_dp*room*equal) exit
     end do
+    if (k == 1) x = [shortest, growth*shortest]
     filled = equal*min(room, real(max(1, nint(sum(x)/equal)), dp))
-    if (k == 1) x = [x, x]
     i = max(2, k - stretched + 1)  ! the shortest stays
-    if (sum(x(:i - 1)) < filled) then
+    if (sum(x(:i - 1)) + 0.5_dp*x(i - 1) < filled) then
       x(i:) = x(i:)*(filled - sum(x(:i - 1)))/sum(x(i:))
     else
       x = [filled]

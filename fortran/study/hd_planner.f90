@@ -104,9 +104,8 @@ contains
     end select
   end function finer
 
-  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance, or, of edge cells, by more
-  !> than the refinement before (too thin for their length, they spoil the result); small displacements. A refinement that does not
-  !> converge is passed over.
+  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements. A
+  !> refinement that does not converge is passed over.
   subroutine choose(pilot, choice, least, most, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     character(len=*), intent(in) :: choice            !< load steps, edge cells
@@ -115,7 +114,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(error_t), allocatable :: trouble
     type(scene_t) :: now, next
-    real(dp) :: q(3), new(3), change(3), before(3)
+    real(dp) :: q(3), new(3), change(3)
     logical :: compared
     integer :: i
     now = small_displacements(meshed(plan%scene, coarse(plan%scene)))
@@ -131,12 +130,7 @@ contains
         if (trouble%code == code_not_converged) cycle
         exit
       end if
-      before = change
       change = abs(new - q)/(abs(new) + tiny(1._dp))
-      if (compared .and. choice == 'edge cells' .and. i > least .and. maxval(change) > maxval(before)) then
-        change = before
-        exit
-      end if
       compared = .true.
       if (i > least .and. maxval(change) <= small*plan%scene%promise) exit
       now = next

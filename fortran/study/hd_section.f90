@@ -2,7 +2,7 @@
 !> Meridian sections of the drive: the ring, and the cup from its opening over rim, wall and bottom to the hub.
 module hd_section
   use hd_kinds, only: dp
-  use hd_revolution, only: strip_t, append_intervals
+  use hd_revolution, only: strip_t, growth, append_intervals
   use hd_scene, only: scene_t
   implicit none
   private
@@ -37,11 +37,21 @@ contains
       do i = 1, size(ends)
         times = min(i, 2)
         share = (ends(i) - z(size(z)))/scene%band_length
-        call append_intervals(z, ends(i), max(times, nint(times*share*facets)), merge(edge, 0._dp, i == 1), &
-          merge(edge, 0._dp, i == size(ends)))
+        call append_intervals(z, ends(i), max(times, nint(times*share*facets)), row_length(scene, z(size(z))), &
+          row_length(scene, ends(i)))
       end do
     end associate
   end subroutine append_band
+
+  !> Length that rows growing from the nearest edge of the band have at a station; 0 without cells at the edges [m]. So rows go on
+  !> growing where one stretch of them ends: K_TS rises by per cents if the next begins twenty times as long.
+  pure real(dp) function row_length(scene, z)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: z           !< distance from the opening [m]
+    row_length = 0
+    if (scene%edge_length > 0) row_length = scene%edge_length + &
+      (growth - 1)*min(abs(z - scene%band_start), abs(z - (scene%band_start + scene%band_length)))
+  end function row_length
 
   !> First station of the cup at or behind the end of the rim.
   pure integer function rim_end(scene, cup)
@@ -71,7 +81,7 @@ contains
     type(strip_t), intent(out) :: strip     !< section
     integer, intent(out) :: first, last     !< stations at the ends of the contact band
     real(dp), allocatable :: z(:), r(:)
-    real(dp) :: h, corner, wall_start, behind
+    real(dp) :: h, corner, wall_start
     integer :: i, wall, bottom
     h = scene%band_length/scene%band_facets
     corner = scene%cup_length - scene%bottom_thickness
@@ -81,14 +91,13 @@ contains
     call append_band(scene, scene%band_facets, z)
     last = size(z)
     wall_start = z(last)
-    behind = scene%edge_length
     if (scene%rim_length > wall_start .and. scene%rim_length < corner) then
-      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)), behind, 0._dp)
+      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)), &
+        row_length(scene, wall_start), row_length(scene, scene%rim_length))
       wall_start = scene%rim_length
-      behind = 0
     end if
     wall = merge(scene%wall_elements, max(1, nint((corner - wall_start)/h)), scene%wall_elements > 0)
-    call append_intervals(z, corner, wall, behind, 0._dp)
+    call append_intervals(z, corner, wall, row_length(scene, wall_start), 0._dp)
     r = [scene%bore_radius]
     bottom = merge(scene%bottom_elements, max(1, nint((scene%bore_radius - scene%hub_radius)/h)), scene%bottom_elements > 0)
     call append_intervals(r, scene%hub_radius, bottom, 0._dp, 0._dp)

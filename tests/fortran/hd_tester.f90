@@ -12,6 +12,7 @@ program hd_tester
   use test_mesh_series, only: run_mesh_series
   use test_pairing, only: run_pairing
   use test_rotation, only: run_rotation
+  use test_section, only: run_section
   use test_table, only: run_table
   use test_text, only: run_text
   implicit none
@@ -28,5 +29,6 @@ program hd_tester
   call run_pairing()
   call run_rotation()
   call run_mesh_series()
+  call run_section()
   if (.not. report_checks()) stop 1, quiet=.true.
 end program hd_tester

@@ -37,14 +37,14 @@ def whole(exe, tmp_path_factory):
 
 
 def test_agreement_by_chance_is_not_believed(exe, tmp_path):
-    """K_TS is not said to be known better than its limits jump, 0.32 over the rows, and layers differ, 0.25 % with two: these meshes agree better."""
+    """K_TS is not said to be known better than promises were, 0.44 over the rows, and layers differ, 0.25 % with two: these meshes agree better."""
     done = call(exe, CD14, "geometry.wall_thickness=0.651429e-3", "geometry.rim_thickness=0.694779e-3", "geometry.ring_thickness=0.511287e-3",
                 "geometry.band_length=13.8636e-3", "wave_generator.w=0.166818e-3", "wave_generator.interference=15.1433e-6",
                 "contact.friction=0.0933477", "load.torque=3.05662", "run.tolerance=0.03", "solver.kinematics=linear", "output.vtu=none",
                 "--out", tmp_path / "r", "-q")
     assert done.returncode == 0, done.stderr
     s, _ = planned(tmp_path / "r")
-    least = np.hypot(0.32 / s["scene"]["mesh.band_facets"], 0.0025)
+    least = np.hypot(0.44 / s["scene"]["mesh.band_facets"], 0.0025)
     assert s["scene"]["mesh.through_wall"] == 2 and s["plan"]["met"] == "yes"
     assert s["plan"]["estimated_error_k_ts"] == pytest.approx(least, rel=1e-9)
 
@@ -54,7 +54,7 @@ def test_a_run_meets_its_tolerance_and_says_why(whole):
     s, reasons = planned(whole[0])
     assert s["status"] == "complete" and s["plan"]["met"] == "yes"
     assert max(v for k, v in s["plan"].items() if k.startswith("estimated")) <= 0.3
-    for word in ("element hex8i", "kinematics linear", "load steps", "edge cells", "layers", "mesh", "solver condensed"):
+    for word in ("element hex8i", "residual of Newton", "kinematics linear", "load steps", "edge cells", "layers", "mesh", "solver condensed"):
         assert word in reasons and word in whole[1], word
     assert f"{s['scene']['mesh.divisions']} x " in reasons and s["scene"]["mesh.band_facets"] <= 16
 
@@ -164,24 +164,9 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
     assert json.loads((small_run / "summary.json").read_text())["scene"]["solver.kinematics"] == "linear"
 
 
-def test_edge_cells_too_thin_are_not_taken(exe, tmp_path):
-    """Here cells of 6 um, 300 times as long as wide, change K_TS by more than those of 25 um did: these stand."""
-    done = call(exe, CD14, "geometry.wall_thickness=0.515881e-3", "geometry.rim_thickness=1.02647e-3", "geometry.ring_thickness=0.910129e-3",
-                "geometry.band_length=9.5305e-3", "wave_generator.w=0.128133e-3", "wave_generator.interference=0.994672e-6",
-                "contact.friction=0.129882", "load.torque=7.15399", "run.tolerance=0.1", "solver.kinematics=linear", "output.vtu=none",
-                "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
-    s, _ = planned(tmp_path / "p")
-    k = {float(m.group(1)): float(m.group(2)) for m in re.finditer(r"_edge_([^_]+)_layers_1_1_steps_1_1_[^,]*, +(\S+),",
-                                                                   (tmp_path / "p/plan.csv").read_text())}
-    thin, kept, wide = sorted(k)[1:4]  # without 0
-    assert abs(k[thin] / k[kept] - 1) > abs(k[kept] / k[wide] - 1)
-    assert s["scene"]["mesh.edge_length"] == pytest.approx(kept, rel=1e-4) and s["plan"]["met"] == "yes"
-
-
 def test_the_last_mesh_that_converged_is_run(exe, tmp_path):
     """From rest and with few iterations coarse meshes converge, the estimate's do not: the finest that did is run, nothing is promised."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=26",
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=24",
                 "solver.max_cuts=0", "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     s, reasons = planned(tmp_path / "p")

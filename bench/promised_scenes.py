@@ -29,7 +29,7 @@ import hdengine
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "bench/results/promised_scenes.jsonl"
-BAND = (4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128)
+BAND = (4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256)
 TOLERANCES = (0.1, 0.03, 0.01)
 NAMES = ("k_ts", "normal_force", "mid_band_pressure")
 LIMITS = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa")

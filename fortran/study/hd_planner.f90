@@ -211,7 +211,7 @@ contains
     plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     plan%scene%edge_length = 0
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%promise)
-    call note(plan, 'residual of Newton''s iterations '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance is enough')
+    call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
     call choose_kinematics(pilot, plan, error)
     if (.not. allocated(error)) call choose(pilot, 'load steps', 0, 4, plan, error)
     ! so that edge cells stay shorter than the rows of the meshes to come, much shorter for small tolerances

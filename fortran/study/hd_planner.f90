@@ -154,7 +154,7 @@ contains
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
-    integer, parameter :: most = 4
+    integer, parameter :: most = 3
     type(scene_t) :: s(0:most)
     type(error_t), allocatable :: trouble
     real(dp) :: q(3, 0:most), last(3), finest(3), rest(3)
@@ -176,7 +176,7 @@ contains
     end if
     if (allocated(error)) return
     finest = q(:, n) + last
-    do i = merge(0, 1, plan%scene%promise >= rough), n
+    do i = 0, n
       rest = abs(finest - q(:, i))/(abs(finest) + tiny(1._dp))
       if (doubt*maxval(rest) <= small*plan%scene%promise .or. i == n) exit
     end do
@@ -210,6 +210,8 @@ contains
     plan%scene%assembly_steps = 1
     plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     plan%scene%edge_length = 0
+    plan%scene%through_wall = merge(1, 2, plan%scene%promise >= rough)  ! with one, thin edge cells change K_TS by what is not there
+    plan%scene%through_ring = plan%scene%through_wall
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%promise)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
     call choose_kinematics(pilot, plan, error)

@@ -18,8 +18,8 @@ module hd_mesh_series
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
   real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on edge cells refined twice and one layer may do
-  real(dp), parameter :: jumps = 0.44_dp        !< error of K_TS's limit times facets along the band: twice the rms of promises
-  real(dp), parameter :: rough_jumps = 0.62_dp  !< the same where the tolerance is rough
+  !> Error of the limits of K_TS and mid-band pressure times facets along the band: twice the rms of judged promises.
+  real(dp), parameter :: jumps = 0.40_dp, rough_jumps = 0.87_dp
   real(dp), parameter :: differ = 2.5e-3_dp     !< what more layers change of K_TS on one mesh and on another: twice the rms
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
@@ -40,7 +40,7 @@ contains
     expected_error = max(first_error/band(level)**2, least_error(level, tolerance))
   end function expected_error
 
-  !> Error of K_TS that a level leaves however well its meshes agree: three of them may agree by chance.
+  !> Error of K_TS and mid-band pressure that a level leaves however well its meshes agree: three of them may agree by chance.
   pure real(dp) function least_error(level, tolerance)
     integer, intent(in) :: level       !< of the series
     real(dp), intent(in) :: tolerance  !< relative

@@ -233,7 +233,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
     plan%estimate = plan%estimate + plan%change
-    plan%estimate(1) = max(plan%estimate(1), least_error(level, plan%scene%promise))
+    plan%estimate([1, 3]) = max(plan%estimate([1, 3]), least_error(level, plan%scene%promise))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 

@@ -137,7 +137,7 @@ contains
     call text(t, 'solver', 'symmetry', s%symmetry, 'auto full half quarter', 'part of the face that is solved: '// &
       'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')
     call number(t, 'solver', 'tolerance', s%tolerance, '', 1e-14_dp, 0.1_dp, &
-      'relative residual of forces and contact law', closed=.true.)
+      'relative residual of forces and contact law; with run.tolerance a thousandth of that if it is more', closed=.true.)
     call whole(t, 'solver', 'max_iterations', s%max_iterations, 1, 10000, 'Newton iterations per load step')
     call whole(t, 'solver', 'max_cuts', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
     call number(t, 'solver', 'time_limit_s', s%time_limit_s, 's', 0._dp, big, &

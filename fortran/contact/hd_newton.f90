@@ -2,8 +2,9 @@
 !> Semi-smooth Newton iteration of one load step: equilibrium and contact law together (Hueeber, Stadler, Wohlmuth 2008).
 !>
 !> Where the contact states run in a cycle, or the residual stalls, friction is softened: shear follows the slip elastically
-!> from an anchor, the outer iterate (proximal point method). Each outer step moves the anchor to the solution and stiffens;
-!> where the anchor is the solution the softened law is Coulomb's. Once the residual is small, Newton's method finishes.
+!> from an anchor, the outer iterate (proximal point method). Each outer step moves the anchor to the solution and stiffens, on
+!> and on where that is easy: steps of one compliance may come near only by a half per cent each. Where the anchor is the solution
+!> the softened law is Coulomb's. Once the residual is small, Newton's method finishes.
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
@@ -62,12 +63,16 @@ module hd_newton
     integer :: best = 0                    !< its iteration
     integer :: since = 0                   !< iteration at which the series began
     integer :: outer = 0                   !< softened outer steps
+    real(dp) :: hard = 1                   !< residual of the hard law after the last of them
+    integer :: begun = 0                   !< iteration at which the outer step began
     logical :: damped = .false.            !< the line search is on from here on
   end type globalisation_t
 
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
+  real(dp), parameter :: stiff = 1.5_dp         !< below it the outer steps get stiffer only after easy ones,
+  integer, parameter :: easy = 2                !< of so many iterations
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
   real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
@@ -246,12 +251,14 @@ contains
       return
     end if
     if (here%law%softness > 0) then
-      if (here%merit > inner_tolerance) return
+      if (here%merit > min(inner_tolerance, 0.1_dp*global%hard)) return
       global%outer = global%outer + 1
-      global%softness = max(0.1_dp*global%softness, 1/here%law%scale)
+      if (global%softness*here%law%scale > stiff .or. iteration - global%begun <= easy) global%softness = 0.1_dp*global%softness
+      global%begun = iteration
       here%anchor = state%traction
       here%law%softness = 0
       call linearise(problem, load, previous, state, here)
+      global%hard = here%merit
       if (here%merit < global%harden) then
         global%harden = 0.1_dp*global%harden
         global%saved = state

@@ -4,9 +4,9 @@
 
 Promised are the limits of K_TS, normal force and mid-band pressure for fine facets. True are those of the three next levels of the
 series, 2^(1/2), 2 and 2^(3/2) finer, with cells at the edges 2^(3/2) shorter and four layers, the same load steps and (small)
-displacements, to a residual of 1e-5; what eight layers change is taken from the first of these meshes, what more change from 8 and 16 of them on 16 rows, to
-the end of the line (rows without "reference_layers": all of it from 4, 8 and 16 on 16 rows, half a per cent less sure; "reference_meshes":
-"former": before rows kept their lengths as a mesh is refined, K_TS some tenths of a per cent less sure).
+displacements, to a residual of 1e-5; what eight layers change is taken from the first of these meshes, what more change from 8 and 16
+of them on 16 rows, to the end of the line (rows without "reference_layers": all of it from 4, 8 and 16 on 16 rows, half a per cent less
+sure; "reference_meshes": "former": before rows kept their lengths as a mesh is refined, K_TS some tenths of a per cent less sure).
 A promise is made where the summary says "met": "yes"; meshes above LIMIT_MB are refused. References above level --finest are too
 costly: such promises stay unjudged. One reference serves all tolerances of a scene, that of the smallest.
 

@@ -2,9 +2,9 @@
 !> Semi-smooth Newton iteration of one load step: equilibrium and contact law together (Hueeber, Stadler, Wohlmuth 2008).
 !>
 !> Where the contact states run in a cycle, or the residual stalls, friction is softened: shear follows the slip elastically
-!> from an anchor, the outer iterate (proximal point method). Each outer step moves the anchor to the solution and stiffens, on
-!> and on where that is easy: steps of one compliance may come near only by a half per cent each. Where the anchor is the solution
-!> the softened law is Coulomb's. Once the residual is small, Newton's method finishes.
+!> from an anchor, the outer iterate (proximal point method). Each outer step moves the anchor to the solution and stiffens, in the
+!> end only while that is easy; where the anchor is the solution the softened law is Coulomb's. Once the residual is small,
+!> Newton's method finishes.
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
@@ -71,8 +71,8 @@ module hd_newton
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
-  real(dp), parameter :: stiff = 1.5_dp         !< below it the outer steps get stiffer only after easy ones,
-  integer, parameter :: easy = 2                !< of so many iterations
+  real(dp), parameter :: stiff = 1.5_dp         !< compliance times that scale below which outer steps stiffen only after easy ones
+  integer, parameter :: easy = 2                !< iterations of an easy outer step
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
   real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's

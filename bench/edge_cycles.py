@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does Newton's method settle where cells at the edges are short? Every second scene of promised_scenes.py on two meshes with edge cells
+of a 768th of the band, one load step of assembly and torque, residual 1e-8, no halvings.
+
+Usage: bench/edge_cycles.py [--count 200] [--first 0] [--every 2]; one row a run: iterations and softened load steps, or the message.
+"""
+import argparse
+from tempfile import TemporaryDirectory
+
+from promised_scenes import draw, solve
+
+from hdengine import HdengineError
+
+MESHES = ((64, 12, 1), (96, 16, 4))  # divisions, rows, layers
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--every", type=int, default=2)
+    args = parser.parse_args()
+    runs = failed = 0
+    print("| scene | divisions | iterations | load steps with cycles |\n|---|---|---|---|")
+    with TemporaryDirectory() as folder:
+        for i in range(args.first, args.count, args.every):
+            for divisions, rows, layers in MESHES:
+                keys = draw(i)
+                keys |= {"mesh.divisions": divisions, "mesh.band_facets": rows, "mesh.edge_length": keys["geometry.band_length"] / 768,
+                         "mesh.through_wall": layers, "mesh.through_ring": layers, "load.assembly_steps": 1, "load.torque_steps": 1,
+                         "solver.tolerance": 1e-8, "solver.max_cuts": 0}
+                runs += 1
+                try:
+                    results = solve(keys, folder)[1]["results"]
+                    print(f"| {i} | {divisions} | {results['iterations']} | {results['cycles']} |", flush=True)
+                except HdengineError as e:
+                    failed += 1
+                    print(f"| {i} | {divisions} | {str(e)[:80]} | |", flush=True)
+    print(f"{failed} of {runs} did not converge")
+
+
+if __name__ == "__main__":
+    main()

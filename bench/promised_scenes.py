@@ -7,7 +7,8 @@ Promised are the limits of K_TS, normal force and mid-band pressure for fine fac
 and (small) displacements, to a residual of 1e-5; what eight layers change is taken from the level next to that mesh, what more change
 from 8 and 16 of them on 16 rows, to the end of the line. Earlier references rest on the three finest levels; "reference_meshes":
 "former": before rows kept their lengths as a mesh is refined; without "reference_layers": all layers from 16 rows. What the levels
-scatter about their line is said of each kind; a reference of former meshes does not judge SHARP promises.
+scatter about their line is said of each kind; a reference of former meshes does not judge SHARP promises, one with longer cells at the
+edges than a plan's does not judge that (it may be another tolerance's; of former meshes they were not recorded).
 A promise is made where the summary says "met": "yes"; meshes above LIMIT_MB are refused. References above level --finest are too
 costly: such promises stay unjudged. One reference serves all tolerances of a scene, that of the smallest.
 
@@ -131,13 +132,15 @@ def judge(row, folder, finest_level):
     """What is true of the promises of a scene, with one reference for all: an earlier one if it is fine enough."""
     runs = [run for run in row["runs"] if run.get("met") == "yes"]
     made = [run for run in runs if run["level"] + 3 <= finest_level and "scene" in run]
-    finest = max(made, key=lambda run: run["level"], default={"level": 0})
+    finest = max(made, key=lambda run: (run["level"], -run["scene"]["mesh.edge_length"]), default={"level": 0})
     sharp = row.get("reference_meshes") != "former" or finest.get("tolerance", 1) > SHARP
-    if made and (row.get("reference_level", 0) < finest["level"] + 3 or not sharp):
+    edges = not made or row.get("reference_edge_length", 0) <= finest["scene"]["mesh.edge_length"]
+    if made and (row.get("reference_level", 0) < finest["level"] + 3 or not (sharp and edges)):
         try:
             row["reference"], row["reference_seconds"] = truth(row["keys"], finest["level"], finest["scene"], folder)
             row["reference_level"] = finest["level"] + 3
             row["reference_layers"] = BAND[finest["level"]]
+            row["reference_edge_length"] = finest["scene"]["mesh.edge_length"] / 2**1.5
             row.pop("reference_meshes", None)
         except hdengine.HdengineError as e:
             row["reference_message"] = str(e)[:120]
@@ -148,7 +151,8 @@ def judge(row, folder, finest_level):
             run.pop("true_error_of_mesh", None)
         for run in runs:
             sharp = run["tolerance"] > SHARP or row.get("reference_meshes") != "former"
-            if run["level"] + 3 <= row["reference_level"] and sharp:
+            edges = row.get("reference_edge_length", 0) <= run.get("scene", {}).get("mesh.edge_length", 0)
+            if run["level"] + 3 <= row["reference_level"] and sharp and edges:
                 run["true_error"] = abs(np.array(run["limit"]) / true - 1).tolist()
                 run["true_error_of_mesh"] = abs(np.array(run["mesh_gives"]) / true - 1).tolist()
     return row

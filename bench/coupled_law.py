@@ -48,7 +48,7 @@ def eq45(result, sheared=True, normal=True):
 def own_energy(result, start):
     """T^2 / sum(q^2 / K_T): the joint's compliance under the shear that the torque adds in this run [N m/rad]."""
     c = result.contact
-    _, k_t = facet_stiffness(c, result.joint, sheared=False)
+    _, k_t = result.joint.stiffness(c["pressure_pa"], 0.0, c["area_m2"])  # means, as the law has them: no power means at ends of contact
     square = sum((c[f"traction_{a}_pa"] - c[f"traction_{a}_pa"][start])**2 for a in ("theta", "z")) * c["area_m2"]**2
     work = np.divide(square, k_t, out=np.zeros_like(square), where=k_t > 0).sum(axis=1)
     return result.torque_nm[start + 1:]**2 / work[start + 1:]

@@ -5,6 +5,7 @@ module hd_facets
   use hd_error, only: error_t
   use hd_asperity, only: asperity_t, new_asperity
   use hd_body, only: cartesian, axial_moment
+  use hd_contact_edge, only: softening
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint
@@ -84,8 +85,7 @@ contains
     allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
     allocate (facets%corner(2, 4, n), facets%k_n(n), facets%k_t(n), point(2, size(state%traction, 2)))
     allocate (response(size(point, 2)))
-    point(1, :) = state%traction(1, :)
-    point(2, :) = below_slip(joint%mu*point(1, :), hypot(state%traction(2, :), state%traction(3, :)))
+    point = effective(drive, joint%mu, state%traction)
     call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
     associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
       x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
@@ -118,6 +118,33 @@ contains
     end associate
   end subroutine evaluate_facets
 
+  !> Pressure and shear of the points (2, points) as the joint takes them: power means where contact ends along the axis and
+  !> round it [Pa].
+  function effective(drive, mu, traction) result(point)
+    type(drive_t), intent(in) :: drive        !< drive
+    real(dp), intent(in) :: mu                !< coefficient of friction
+    real(dp), intent(in) :: traction(:, :)    !< of the points (3, points) [Pa]
+    real(dp) :: point(2, size(traction, 2))
+    integer, allocatable :: grid(:, :)
+    real(dp), allocatable :: z(:), softer(:)
+    integer :: i, k, n, m
+    n = drive%axial_facets
+    m = size(drive%face%nodes, 2)/n
+    allocate (grid(n + 1, m))
+    grid(:n, :) = reshape(drive%problem%mortar%facet(1, :), [n, m])
+    grid(n + 1, :) = drive%problem%mortar%facet(4, n::n)
+    z = [drive%face%chart(2, 1, :n), drive%face%chart(2, 4, n)]
+    point(1, :) = traction(1, :)
+    point(2, :) = below_slip(mu*point(1, :), hypot(traction(2, :), traction(3, :)))
+    do i = 1, m
+      point(:, grid(:, i)) = point(:, grid(:, i))*spread(softening(z, traction(1, grid(:, i))), 1, 2)
+    end do
+    do i = 1, n + 1  ! the angles are equal; three more points at either end close the ring
+      softer = softening([(real(k, dp), k=1, m + 6)], traction(1, grid(i, [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3])))
+      point(:, grid(i, :)) = point(:, grid(i, :))*spread(softer(4:m + 3), 1, 2)
+    end do
+  end function effective
+
   !> Shear of a point for its joint. It slips where that equals mu p but for the residual, and K_T jumps to 0 there, so that
   !> the residual would decide; every point that slips counts with the limit from below.
   elemental real(dp) function below_slip(limit, shear) result(q)
@@ -127,10 +154,12 @@ contains
   end function below_slip
 
   !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh: linear along a facet.
-  pure real(dp) function middle_pressure(drive, facets) result(p)
+  pure real(dp) function middle_pressure(drive, state, facets) result(p)
     type(drive_t), intent(in) :: drive    !< drive
+    type(state_t), intent(in) :: state    !< converged state
     type(facets_t), intent(in) :: facets  !< its facets
     real(dp), dimension(size(facets%area)) :: low, high, part, slope
+    real(dp) :: corner(4, size(facets%area))
     real(dp) :: z(2, size(facets%area)), middle, half
     z = drive%face%chart(2, [1, 3], :)
     middle = 0.5_dp*(minval(z) + maxval(z))
@@ -138,7 +167,8 @@ contains
     low = max(z(1, :), middle - half)
     high = min(z(2, :), middle + half)
     part = max(0._dp, high - low)/(z(2, :) - z(1, :))*facets%area
-    slope = 0.5_dp*sum(facets%corner(1, 3:4, :) - facets%corner(1, 1:2, :), 1)/(z(2, :) - z(1, :))
+    corner = reshape(state%traction(1, [drive%problem%mortar%facet]), shape(corner))
+    slope = 0.5_dp*sum(corner(3:4, :) - corner(1:2, :), 1)/(z(2, :) - z(1, :))
     p = sum(part*(facets%traction(1, :) + slope*0.5_dp*(low + high - z(1, :) - z(2, :))))/sum(part)
   end function middle_pressure
 
@@ -163,7 +193,7 @@ contains
       sums%lobe_force_x = sum(a*p*abs(cos(theta)), mask=abs(cos(theta)) > sqrt(0.5_dp))
       sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)
-      sums%pressure_middle = middle_pressure(drive, facets)
+      sums%pressure_middle = middle_pressure(drive, state, facets)
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)

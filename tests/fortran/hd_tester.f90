@@ -4,6 +4,7 @@ program hd_tester
   use test_band, only: run_band
   use test_circulant, only: run_circulant
   use test_contact, only: run_contact
+  use test_contact_edge, only: run_contact_edge
   use test_element, only: run_element
   use test_fft, only: run_fft
   use test_heights, only: run_heights
@@ -25,6 +26,7 @@ program hd_tester
   call run_element()
   call run_circulant()
   call run_contact()
+  call run_contact_edge()
   call run_interface()
   call run_pairing()
   call run_rotation()

@@ -1,0 +1,41 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+module test_contact_edge
+  use hd_check, only: check, check_close
+  use hd_contact_edge, only: softening
+  use hd_kinds, only: dp
+  implicit none
+  private
+  public :: run_contact_edge
+
+contains
+
+  !> Pressure that ends as the square root of the distance, given as means over cells: stiffness p^0.6 against its integral.
+  subroutine run_contact_edge()
+    integer, parameter :: n = 12
+    real(dp) :: z(n), p(n), f(n), end, soft
+    integer :: i, shift
+    z = [(i*1._dp, i=1, n)]
+    do shift = 1, 9
+      end = 9.5_dp + 0.1_dp*shift
+      p = cells(end - z)
+      f = softening(z, p)
+      call check(all(f > 0 .and. f <= 1) .and. all(abs(f(:8) - 1) < 1e-12_dp), 'only the last two nodes of contact change')
+      soft = sum((f(9:10)*p(9:10))**0.6_dp)
+      call check_close(soft, (end - 8.5_dp)**1.3_dp/1.3_dp, 1e-9_dp, 'stiffness of the last two cells')
+      call check(sum(p(9:10)**0.6_dp) > 1.01_dp*soft, 'mean pressures are too stiff')
+      call check(all(abs(softening(-z(n:1:-1), p(n:1:-1)) - f(n:1:-1)) < 1e-9_dp), 'both ends alike')
+      call check(all(abs(softening(7*z - 2, 3*p) - f) < 1e-9_dp), 'in any units')
+    end do
+    call check(all(abs(softening(z, spread(1._dp, 1, n)) - 1) < 1e-12_dp), 'no change where contact ends with the band')
+    p = 0
+    p(5) = 1
+    call check(all(abs(softening(z, p) - 1) < 1e-12_dp), 'no change of a single node')
+  end subroutine run_contact_edge
+
+  !> Means of max(0, x)^(1/2) over cells of length 1 about nodes at a distance x before the end.
+  pure function cells(x) result(p)
+    real(dp), intent(in) :: x(:)  !< distances
+    real(dp) :: p(size(x))
+    p = (max(0._dp, x + 0.5_dp)**1.5_dp - max(0._dp, x - 0.5_dp)**1.5_dp)/1.5_dp
+  end function cells
+end module test_contact_edge

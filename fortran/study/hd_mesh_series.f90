@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A series of meshes, each about 2^(1/2) finer than the one before in all directions, and the limits of fine facets it points to.
 !>
-!> K_TS converges in proportion to the facets' length h, slowly but evenly: the facets on the edge of the contact and of the
-!> region that sticks decide. So the line through the last three levels is taken to h = 0. Normal force and mid-band pressure
-!> converge so in some scenes only; in others they are already near their limit and jump: there the finest mesh stands for it.
+!> With power means where contact ends (hd_contact_edge) K_TS, normal force and mid-band pressure converge about as the square of
+!> the facets' length h: the line through the last three levels over h^2 is taken to h = 0.
 module hd_mesh_series
   use hd_kinds, only: dp, pi
   use hd_fft, only: smooth_size
@@ -14,22 +13,22 @@ module hd_mesh_series
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
-  real(dp), parameter :: first_error = 16       !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
+  real(dp), parameter :: first_error = 4.5_dp   !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
-  real(dp), parameter :: share = 1/3._dp        !< of the way from a mesh to the limit that counts as its error at least
   real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on edge cells refined twice and one layer may do
-  !> Error of the limits of K_TS and mid-band pressure times facets along the band: twice the rms of judged promises.
-  real(dp), parameter :: jumps = 0.40_dp, rough_jumps = 0.87_dp
+  !> Errors of the limits of K_TS, normal force, mid-band pressure: twice the rms of judged promises, times facets along the band;
+  !> rough, where edge cells and layer decide, as they are.
+  real(dp), parameter :: jumps(3) = [0.20_dp, 0.06_dp, 0.30_dp], rough_least(3) = [0.035_dp, 0.008_dp, 0.045_dp]
   real(dp), parameter :: differ = 2.5e-3_dp     !< what more layers change of K_TS on one mesh and on another: twice the rms
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
 contains
 
-  !> Level on which the tolerance may be met: estimates scatter by a factor of two.
+  !> Level on which the tolerance may be met; estimates need three coarser ones.
   pure integer function first_level(tolerance) result(level)
     real(dp), intent(in) :: tolerance  !< relative
-    do level = 5, levels - 1
-      if (expected_error(level, tolerance) <= 2*tolerance) return
+    do level = 4, levels - 1
+      if (expected_error(level, tolerance) <= tolerance) return
     end do
   end function first_level
 
@@ -37,14 +36,17 @@ contains
   pure real(dp) function expected_error(level, tolerance)
     integer, intent(in) :: level       !< of the series
     real(dp), intent(in) :: tolerance  !< relative
-    expected_error = max(first_error/band(level)**2, least_error(level, tolerance))
+    expected_error = max(first_error/band(level)**2, maxval(least_error(level, tolerance)))
   end function expected_error
 
-  !> Error of K_TS and mid-band pressure that a level leaves however well its meshes agree: three of them may agree by chance.
-  pure real(dp) function least_error(level, tolerance)
+  !> Errors of the limits that a level leaves however well its meshes agree: three of them may agree by chance.
+  pure function least_error(level, tolerance) result(e)
     integer, intent(in) :: level       !< of the series
     real(dp), intent(in) :: tolerance  !< relative
-    least_error = hypot(merge(rough_jumps, jumps, tolerance >= rough)/band(level), differ)
+    real(dp) :: e(3)
+    e = jumps/band(level)
+    e([1, 3]) = hypot(e([1, 3]), differ)
+    if (tolerance >= rough) e = max(e, rough_least)
   end function least_error
 
   !> Scene on a mesh of the series; the user's sections stay.
@@ -61,44 +63,34 @@ contains
   end function meshed
 
   !> Limits from four levels: K_TS, normal force, mid-band pressure, and their estimated relative errors: what the last level
-  !> changed of a line's limit, at least a share of the way to it; of a mesh, the way that its distance from the coarser ones
-  !> leaves to go if it is the first order's.
+  !> changed of the line's limit, or the way that is left to it if that is more, and the limit's standard deviation.
   pure subroutine extrapolate(q, level, limit, estimate)
     real(dp), intent(in) :: q(:, :)      !< quantities by level (3, levels)
     integer, intent(in) :: level         !< the finest that is known, 4 at least
     real(dp), intent(out) :: limit(3)    !< in the units of q
     real(dp), intent(out) :: estimate(3) !< relative
-    integer :: i, k
+    real(dp) :: before, deviation
+    integer :: i
     do i = 1, 3
-      if (i == 1 .or. in_proportion(q(i, :), level)) then
-        limit(i) = line_end(q(i, :), level)
-        estimate(i) = max(abs(limit(i) - line_end(q(i, :), level - 1)), share*abs(limit(i) - q(i, level)))
-      else
-        limit(i) = q(i, level)
-        estimate(i) = maxval([(abs(q(i, level) - q(i, level - k))*band(level - k)/real(band(level) - band(level - k), dp), k=1, 3)])
-      end if
+      call fit_line(q(i, level - 3:level - 1), level - 1, before, deviation)
+      call fit_line(q(i, level - 2:level), level, limit(i), deviation)
+      estimate(i) = margin*max(abs(limit(i) - before), abs(limit(i) - q(i, level))) + deviation
     end do
-    estimate = margin*estimate/(abs(limit) + tiny(1._dp))
+    estimate = estimate/(abs(limit) + tiny(1._dp))
   end subroutine extrapolate
 
-  !> Slopes over h of the last three pairs of levels agree within a factor of two.
-  pure logical function in_proportion(q, level)
-    real(dp), intent(in) :: q(:)     !< a quantity by level
-    integer, intent(in) :: level     !< the finest that is known
-    real(dp) :: h(4), slope(3)
-    h = 1._dp/band(level - 3:level)
-    slope = (q(level - 2:level) - q(level - 3:level - 1))/(h(2:) - h(:3))
-    in_proportion = all(slope(2:)*slope(:2) > 0) .and. all(abs(slope(2:)) < 2*abs(slope(:2))) .and. &
-      all(abs(slope(:2)) < 2*abs(slope(2:)))
-  end function in_proportion
-
-  !> The line through the last three levels at h = 0, least squares.
-  pure real(dp) function line_end(q, level)
-    real(dp), intent(in) :: q(:)     !< a quantity by level
-    integer, intent(in) :: level     !< the finest of the three
-    real(dp) :: h(3), mean
-    h = 1._dp/band(level - 2:level)
-    mean = sum(h)/3
-    line_end = sum(q(level - 2:level))/3 - mean*sum((h - mean)*q(level - 2:level))/sum((h - mean)**2)
-  end function line_end
+  !> The line through three levels over h^2 at h = 0, least squares, and its standard deviation from what they lie off it.
+  pure subroutine fit_line(q, level, limit, deviation)
+    real(dp), intent(in) :: q(3)         !< a quantity on these levels
+    integer, intent(in) :: level         !< the finest of the three
+    real(dp), intent(out) :: limit       !< of the line
+    real(dp), intent(out) :: deviation   !< standard, of one degree of freedom
+    real(dp) :: x(3), mean, slope
+    x = 1._dp/band(level - 2:level)**2
+    mean = sum(x)/3
+    x = x - mean
+    slope = sum(x*q)/sum(x**2)
+    limit = sum(q)/3 - slope*mean
+    deviation = norm2(q - limit - slope*(x + mean))*sqrt(1/3._dp + mean**2/sum(x**2))
+  end subroutine fit_line
 end module hd_mesh_series

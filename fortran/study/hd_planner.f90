@@ -42,7 +42,7 @@ contains
   !> Level on which everything but the mesh is chosen: the coarsest that the estimates need.
   pure integer function coarse(scene)
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
-    coarse = first_level(scene%promise) - 3
+    coarse = (first_level(scene%promise) + 1)/2
   end function coarse
 
   !> The same scene with small displacements: errors of the mesh are estimated with them, large ones have much the same.
@@ -233,7 +233,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
     plan%estimate = plan%estimate + plan%change
-    plan%estimate([1, 3]) = max(plan%estimate([1, 3]), least_error(level, plan%scene%promise))
+    plan%estimate = max(plan%estimate, least_error(level, plan%scene%promise))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
 
@@ -357,8 +357,8 @@ contains
   end function fits
 
   !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
-  !> Time grows as facets^1.4 (condensed) and ^1.3 (sparse matrix); a linear run repeats its estimate from known states, first
-  !> guesses save large displacements three fifths of the iterations.
+  !> Time grows as facets^1.4 (condensed) and ^1.1 (large displacements, up to level 6); a linear run repeats its estimate from
+  !> known states, first guesses save large displacements three fifths of the iterations.
   subroutine plan_text(scene, text, error)
     type(scene_t), intent(in) :: scene                       !< scene with a tolerance
     character(len=:), allocatable, intent(out) :: text       !< plan
@@ -396,7 +396,7 @@ contains
     before = sum(pilot%known%seconds)
     do level = 1, levels
       s = meshed(plan%scene, level)
-      seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.3_dp]
+      seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.1_dp]
       if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)

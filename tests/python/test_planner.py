@@ -37,18 +37,18 @@ def whole(exe, tmp_path_factory):
 
 
 def test_agreement_by_chance_is_not_believed(exe, tmp_path):
-    """K_TS is not said to be known better than promises were, 0.40 over the rows, and layers differ, 0.25 % with two: these meshes agree better.
-    Nor is the pressure."""
-    done = call(exe, CD14, "geometry.wall_thickness=0.651429e-3", "geometry.rim_thickness=0.694779e-3", "geometry.ring_thickness=0.511287e-3",
-                "geometry.band_length=13.8636e-3", "wave_generator.w=0.166818e-3", "wave_generator.interference=15.1433e-6",
-                "contact.friction=0.0933477", "load.torque=3.05662", "run.tolerance=0.03", "solver.kinematics=linear", "output.vtu=none",
-                "--out", tmp_path / "r", "-q")
+    """K_TS and pressure are not said to be known better than promises were, 0.20 and 0.30 over the rows, and layers differ, 0.25 %: these meshes
+    agree better."""
+    done = call(exe, CD14, "geometry.wall_thickness=0.000472336", "geometry.rim_thickness=0.000702304", "geometry.ring_thickness=0.00103381",
+                "geometry.band_length=0.0116512", "wave_generator.w=0.00014422", "wave_generator.interference=2.67261e-05",
+                "contact.friction=0.149341", "load.torque=1.34735",
+                "run.tolerance=0.03", "solver.kinematics=linear", "output.vtu=none", "--out", tmp_path / "r", "-q")
     assert done.returncode == 0, done.stderr
     s, _ = planned(tmp_path / "r")
-    least = np.hypot(0.40 / s["scene"]["mesh.band_facets"], 0.0025)
     assert s["scene"]["mesh.through_wall"] == 2 and s["plan"]["met"] == "yes"
-    assert s["plan"]["estimated_error_k_ts"] == pytest.approx(least, rel=1e-9)
-    assert s["plan"]["estimated_error_mid_band_pressure"] >= least * (1 - 1e-9)
+    for name, jump in (("k_ts", 0.20), ("mid_band_pressure", 0.30)):
+        least = np.hypot(jump / s["scene"]["mesh.band_facets"], 0.0025)
+        assert s["plan"][f"estimated_error_{name}"] == pytest.approx(least, rel=1e-9)
     assert "_layers_1_1_" not in (tmp_path / "r/plan.csv").read_text()  # edge cells, too, are chosen with two
 
 
@@ -63,23 +63,19 @@ def test_a_run_meets_its_tolerance_and_says_why(whole):
 
 
 def test_limits_are_those_of_the_line_through_three_meshes(whole):
-    """K_TS: the straight line over 1 / rows through the last three meshes of plan.csv, by numpy, taken to 0. Force and pressure: so
-    where the slopes of the last three pairs agree within a factor of two, else the mesh itself. All times what ever more layers
+    """The straight line over 1 / rows^2 through the last three meshes of plan.csv, by numpy, taken to 0, times what ever more layers
     change on a coarse mesh: the line through the last two doublings."""
     s, _ = planned(whole[0])
     table = [line.split(",") for line in (whole[0] / "plan.csv").read_text().splitlines()[1:]]
     own = "_".join(table[-1][0].split("_")[1:])
-    last = [row for row in table if "_".join(row[0].split("_")[1:]) == own][-4:]
-    h = np.array([1 / float(re.match(r"\d+x(\d+)_", row[0]).group(1)) for row in last])
-    q = np.array([row[1:4] for row in last], float)
-    slope = np.diff(q, axis=0) / np.diff(h)[:, None]
-    ratio = slope[1:] / slope[:-1]
-    line = ((ratio > 0.5) & (ratio < 2)).all(axis=0) | [True, False, False]
+    meshes = {float(re.match(r"\d+x(\d+)_", row[0]).group(1)): row[1:4] for row in table if "_".join(row[0].split("_")[1:]) == own}
+    rows = np.array(sorted(meshes)[-3:])
+    q = np.array([meshes[n] for n in rows], float)
     layers = {int(row[0].split("_layers_")[1].split("_")[0]): np.array(row[1:4], float) for row in table
               if row[0].startswith(layered(table)) and "_steps_1_1_" in row[0]}
     most, now = max(layers), int(own.split("layers_")[1].split("_")[0])
     assert most >= 4 * min(layers)
-    limits = np.where(line, np.polyfit(h[1:], q[1:], 1)[1], q[-1]) * (2 * layers[most] - layers[most // 2]) / layers[now]
+    limits = np.polyfit(rows**-2, q, 1)[1] * (2 * layers[most] - layers[most // 2]) / layers[now]
     result = hdengine.load(whole[0])
     assert [v[0] for v in result.limits.values()] == pytest.approx(list(limits), rel=1e-9)
     limit, _, mesh_over_limit = result.limits["k_ts_nm_per_rad"]
@@ -169,12 +165,12 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
 
 def test_the_last_mesh_that_converged_is_run(exe, tmp_path):
     """From rest and with few iterations coarse meshes converge, the estimate's do not: the finest that did is run, nothing is promised."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=14",
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=12",
                 "solver.max_cuts=0", "contact.friction=0.05", "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     s, reasons = planned(tmp_path / "p")
     assert "the next mesh does not converge: this one is run, nothing is known of its error" in reasons
-    assert s["status"] == "complete" and s["plan"]["met"] == "no" and s["scene"]["mesh.band_facets"] < 16
+    assert s["status"] == "complete" and s["plan"]["met"] == "no" and s["scene"]["mesh.band_facets"] < 12
     assert any("nothing is known of the error" in w for w in s["warnings"])
 
 

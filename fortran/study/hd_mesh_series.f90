@@ -15,10 +15,10 @@ module hd_mesh_series
   integer, parameter :: levels = size(band)
   real(dp), parameter :: first_error = 4.5_dp   !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
-  real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on edge cells refined twice and one layer may do
-  !> Errors of the limits of K_TS, normal force, mid-band pressure: twice the rms of judged promises, times facets along the band;
-  !> rough, where edge cells and layer decide, as they are.
-  real(dp), parameter :: jumps(3) = [0.20_dp, 0.06_dp, 0.30_dp], rough_least(3) = [0.035_dp, 0.008_dp, 0.045_dp]
+  real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on one layer may do
+  !> Errors of the limits of K_TS, normal force, mid-band pressure: twice the rms of judged promises, times the square of the facets
+  !> along the band; rough, where the layer decides, as they are.
+  real(dp), parameter :: jumps(3) = [3.2_dp, 1.0_dp, 5.3_dp], rough_least(3) = [0.035_dp, 0.008_dp, 0.045_dp]
   real(dp), parameter :: differ = 2.5e-3_dp     !< what more layers change of K_TS on one mesh and on another: twice the rms
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
@@ -44,7 +44,7 @@ contains
     integer, intent(in) :: level       !< of the series
     real(dp), intent(in) :: tolerance  !< relative
     real(dp) :: e(3)
-    e = jumps/band(level)
+    e = jumps/band(level)**2
     e([1, 3]) = hypot(e([1, 3]), differ)
     if (tolerance >= rough) e = max(e, rough_least)
   end function least_error

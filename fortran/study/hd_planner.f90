@@ -22,7 +22,7 @@ module hd_planner
   private
   public :: new_planned_run, run_planned, plan_text
 
-  real(dp), parameter :: small = 0.2_dp         !< of the tolerance: a choice that changes less is good enough
+  real(dp), parameter :: small = 0.3_dp         !< of the tolerance: a choice that changes less is good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual that moves K_TS by 0.003 of it at most (ten scenes)
   real(dp), parameter :: doubt = 0.125_dp       !< share of what layers carry to finer meshes that may be wrong
 
@@ -104,8 +104,8 @@ contains
     end select
   end function finer
 
-  !> The coarsest choice whose refinement changes a coarse mesh by less than a fifth of the tolerance; small displacements. A
-  !> refinement that does not converge is passed over.
+  !> The coarsest choice whose refinement changes a coarse mesh by less than three tenths of the tolerance; where the last change
+  !> there is more than half the tolerance, a finer mesh decides.
   subroutine choose(pilot, choice, least, most, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     character(len=*), intent(in) :: choice            !< load steps, edge cells
@@ -113,15 +113,51 @@ contains
     type(plan_t), intent(inout) :: plan               !< gets it
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(error_t), allocatable :: trouble
-    type(scene_t) :: now, next
-    real(dp) :: q(3), new(3), change(3)
+    type(scene_t) :: chosen, other
+    character(len=:), allocatable :: doubtful
+    real(dp) :: change(3), new(3)
+    doubtful = ''
+    call compare(pilot, choice, coarse(plan%scene), least, most, plan%scene, chosen, change, error)
+    if (allocated(error)) return
+    if (maxval(change) > 0.5_dp*plan%scene%promise) then
+      call compare(pilot, choice, coarse(plan%scene) + 2, least, most, plan%scene, other, new, trouble)
+      if (.not. allocated(trouble)) then
+        doubtful = ' on '//to_text(other%band_facets)//' rows ('//percent(maxval(change))//' on '// &
+          to_text(chosen%band_facets)//')'
+        chosen = other
+        change = new
+      end if
+    end if
+    plan%change = hypot(plan%change, change)
+    plan%scene%assembly_steps = chosen%assembly_steps
+    plan%scene%torque_steps = chosen%torque_steps
+    plan%scene%edge_length = chosen%edge_length
+    call note(plan, choice//' '//choice_text(chosen, choice)//': finer ones change '//percent(maxval(change))//doubtful)
+  end subroutine choose
+
+  !> A choice made finer on a mesh of the series until that changes less than three tenths of the tolerance; small displacements. A
+  !> refinement that does not converge is passed over. Edge cells are compared on many layers: with few of them thin cells change
+  !> K_TS by up to four times as much, and what layers change of the chosen cells is carried to finer meshes (choose_layers).
+  subroutine compare(pilot, choice, level, least, most, scene, chosen, change, error)
+    type(pilot_t), intent(inout) :: pilot             !< runs
+    character(len=*), intent(in) :: choice            !< load steps, edge cells
+    integer, intent(in) :: level                      !< of the series
+    integer, intent(in) :: least, most                !< refinements: chosen at least, tried at most
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    type(scene_t), intent(out) :: chosen              !< the mesh with the coarsest that will do
+    real(dp), intent(out) :: change(3)                !< of K_TS, normal force, mid-band pressure by the next finer one, relative
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(error_t), allocatable :: trouble
+    type(scene_t) :: next
+    real(dp) :: q(3), new(3)
     logical :: compared
     integer :: i
-    now = small_displacements(meshed(plan%scene, coarse(plan%scene)))
-    next = now
+    chosen = small_displacements(meshed(scene, level))
+    if (choice == 'edge cells') chosen = finer(finer(chosen, 'layers'), 'layers')
+    next = chosen
     change = 0
     compared = .false.
-    call pilot%probe(now, q, error)
+    call pilot%probe(chosen, q, error)
     if (allocated(error)) return
     do i = 1, most
       next = finer(next, choice)
@@ -132,24 +168,18 @@ contains
       end if
       change = abs(new - q)/(abs(new) + tiny(1._dp))
       compared = .true.
-      if (i > least .and. maxval(change) <= small*plan%scene%promise) exit
-      now = next
+      if (i > least .and. maxval(change) <= small*scene%promise) exit
+      chosen = next
       q = new
     end do
     if (allocated(trouble)) then
       if (.not. compared .or. trouble%code /= code_not_converged) call move_alloc(trouble, error)
     end if
-    if (allocated(error)) return
-    plan%change = plan%change + change
-    plan%scene%assembly_steps = now%assembly_steps
-    plan%scene%torque_steps = now%torque_steps
-    plan%scene%edge_length = now%edge_length
-    call note(plan, choice//' '//choice_text(now, choice)//': finer ones change '//percent(maxval(change)))
-  end subroutine choose
+  end subroutine compare
 
   !> Layers, doubled on a coarse mesh until that changes little, twice at least: one and two may agree and both be wrong. The change
   !> goes on as the thickness of a layer, and from two layers on is much the same on all meshes: it is carried to finer ones, which
-  !> take so few layers that what it may be wrong by is within a fifth of the tolerance; one only where the tolerance is rough.
+  !> take so few layers that what it may be wrong by is within three tenths of the tolerance; one only where the tolerance is rough.
   subroutine choose_layers(pilot, plan, error)
     type(pilot_t), intent(inout) :: pilot             !< runs
     type(plan_t), intent(inout) :: plan               !< gets layers and what is carried
@@ -183,7 +213,7 @@ contains
     plan%scene%through_wall = s(i)%through_wall
     plan%scene%through_ring = s(i)%through_ring
     where (abs(q(:, i)) > 0) plan%carried = finest/q(:, i)
-    plan%change = plan%change + doubt*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp))
+    plan%change = hypot(plan%change, doubt*rest + 0.5_dp*abs(last)/(abs(finest) + tiny(1._dp)))
     call note(plan, 'layers '//choice_text(s(i), 'layers')//': finer ones change K_TS by '//percent(plan%carried(1) - 1)// &
       ': carried to finer meshes')
   end subroutine choose_layers
@@ -216,7 +246,7 @@ contains
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
     call choose_kinematics(pilot, plan, error)
     if (.not. allocated(error)) call choose(pilot, 'load steps', 0, 4, plan, error)
-    ! so that edge cells stay shorter than the rows of the meshes to come, much shorter for small tolerances
+    ! shorter than the rows of the meshes to come, so that those next to them stay the same on all: K_TS jumps by 1 % otherwise
     if (.not. allocated(error)) call choose(pilot, 'edge cells', merge(2, 3, plan%scene%promise >= rough), 4, plan, error)
     if (.not. allocated(error)) call choose_layers(pilot, plan, error)
   end subroutine choose_all
@@ -232,7 +262,7 @@ contains
     plan%level = level
     plan%to_limit = 1
     where (abs(q(:, level)) > 0) plan%to_limit = limit/q(:, level)
-    plan%estimate = plan%estimate + plan%change
+    plan%estimate = hypot(plan%estimate, plan%change)
     plan%estimate = max(plan%estimate, least_error(level, plan%scene%promise))
     plan%met = maxval(plan%estimate) <= plan%scene%promise
   end subroutine judge
@@ -401,7 +431,7 @@ contains
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*(expected_error(level, scene%promise) + maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
+        100*hypot(expected_error(level, scene%promise), maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do

@@ -272,7 +272,7 @@ contains
               end do
             end do
           end do
-          mean = mean + matmul(transpose(m), matmul(part%hat%full(alias), m))/(real(n, dp)*part%sectors)
+          call add_congruent(part%hat%full(alias), m, 1/(real(n, dp)*part%sectors), mean)
           deallocate (m)
         end associate
       end do
@@ -288,6 +288,28 @@ contains
     call plan_rows(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
     self%inverted = .not. allocated(error)
   end subroutine invert_mean
+
+  !> Add N^T F N times a factor; N has few entries in a column: a full product takes 6 % of a fine run.
+  pure subroutine add_congruent(f, n, factor, a)
+    real(dp), intent(in) :: f(:, :)              !< symmetric (rows, rows)
+    real(dp), intent(in) :: n(:, :)              !< (rows, columns)
+    real(dp), intent(in) :: factor               !< of the product
+    real(dp), intent(inout) :: a(:, :)           !< gets it (columns, columns)
+    real(dp), allocatable :: product(:, :)
+    integer :: c, r
+    allocate (product(size(n, 1), size(n, 2)), source=0._dp)
+    do c = 1, size(n, 2)
+      do r = 1, size(n, 1)
+        if (abs(n(r, c)) > 0) product(:, c) = product(:, c) + n(r, c)*f(:, r)
+      end do
+    end do
+    product = transpose(product)
+    do c = 1, size(n, 2)
+      do r = 1, size(n, 1)
+        if (abs(n(r, c)) > 0) a(:, c) = a(:, c) + factor*n(r, c)*product(:, r)
+      end do
+    end do
+  end subroutine add_congruent
 
   !> Add the blocks F(list, j) diag(sign) to a column of blocks.
   subroutine add_circulant_column(self, j, sign, list, column)

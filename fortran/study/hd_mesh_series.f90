@@ -79,18 +79,22 @@ contains
     estimate = estimate/(abs(limit) + tiny(1._dp))
   end subroutine extrapolate
 
-  !> The line through three levels over h^2 at h = 0, least squares, and its standard deviation from what they lie off it.
+  !> The line through three levels over h^2 at h = 0, least squares, and its standard deviation from what they lie off it. That goes
+  !> as h^2, too: weights are 1 / h^4.
   pure subroutine fit_line(q, level, limit, deviation)
     real(dp), intent(in) :: q(3)         !< a quantity on these levels
     integer, intent(in) :: level         !< the finest of the three
     real(dp), intent(out) :: limit       !< of the line
     real(dp), intent(out) :: deviation   !< standard, of one degree of freedom
-    real(dp) :: x(3), mean, slope
+    real(dp) :: x(3), w(3), mean, slope, spread
     x = 1._dp/band(level - 2:level)**2
-    mean = sum(x)/3
+    w = 1/x**2
+    w = w/sum(w)
+    mean = sum(w*x)
     x = x - mean
-    slope = sum(x*q)/sum(x**2)
-    limit = sum(q)/3 - slope*mean
-    deviation = norm2(q - limit - slope*(x + mean))*sqrt(1/3._dp + mean**2/sum(x**2))
+    spread = sum(w*x**2)
+    slope = sum(w*x*q)/spread
+    limit = sum(w*q) - slope*mean
+    deviation = sqrt(sum(w*(q - limit - slope*(x + mean))**2)*(1 + mean**2/spread))
   end subroutine fit_line
 end module hd_mesh_series

@@ -9,11 +9,10 @@ module hd_mesh_series
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: levels, rough, first_level, expected_error, least_error, meshed, extrapolate
+  public :: levels, rough, first_level, least_error, meshed, extrapolate
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
-  real(dp), parameter :: first_error = 4.5_dp   !< estimate with one facet; falls as 1 / facets^2 (reference scenes)
   real(dp), parameter :: margin = 1.3_dp        !< on estimates
   real(dp), parameter :: rough = 0.05_dp        !< tolerance from which on one layer may do
   !> Errors of the limits of K_TS, normal force, mid-band pressure: twice the rms of judged promises, times the square of the facets
@@ -28,16 +27,9 @@ contains
   pure integer function first_level(tolerance) result(level)
     real(dp), intent(in) :: tolerance  !< relative
     do level = 4, levels - 1
-      if (expected_error(level, tolerance) <= tolerance) return
+      if (maxval(least_error(level, tolerance)) <= tolerance) return
     end do
   end function first_level
-
-  !> Estimate that is expected on a level.
-  pure real(dp) function expected_error(level, tolerance)
-    integer, intent(in) :: level       !< of the series
-    real(dp), intent(in) :: tolerance  !< relative
-    expected_error = max(first_error/band(level)**2, maxval(least_error(level, tolerance)))
-  end function expected_error
 
   !> Errors of the limits that a level leaves however well its meshes agree: three of them may agree by chance.
   pure function least_error(level, tolerance) result(e)

@@ -11,7 +11,7 @@ module hd_planner
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, rough, first_level, expected_error, least_error, meshed, extrapolate
+  use hd_mesh_series, only: levels, rough, first_level, least_error, meshed, extrapolate
   use hd_output, only: check_folder
   use hd_pilot, only: pilot_t, new_pilot, solve
   use hd_run, only: run_t, new_run, finish
@@ -431,7 +431,8 @@ contains
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*hypot(expected_error(level, scene%promise), maxval(plan%change)), seconds, before + seconds(2), estimate_memory_mb(s), &
+        100*maxval(hypot(least_error(level, scene%promise), plan%change)), seconds, before + seconds(2), &
+        estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)
     end do

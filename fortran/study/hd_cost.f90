@@ -5,7 +5,7 @@
 !> meshes one cell thick; solid ones grow faster). Coefficients: one core, measured on the scenes of bench/solver_choice.py.
 module hd_cost
   use hd_kinds, only: dp
-  use hd_clock, only: machine_memory_mb
+  use hd_memory, only: free_memory_mb
   use hd_revolution, only: strip_t
   use hd_scene, only: scene_t
   use hd_section, only: band_rows, cup_strip, ring_strip
@@ -158,10 +158,10 @@ contains
     mb = list(cheapest(list, allowed_memory_mb(s)))%memory_mb
   end function estimate_memory_mb
 
-  !> Memory that a run may take: as the scene says, else four fifths of the machine's [MB]; 0 where nobody knows.
+  !> Memory that a run may take: as the scene says, else four fifths of what is free [MB]; not above 0 where nobody knows.
   real(dp) function allowed_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
     mb = s%memory_limit_mb
-    if (mb <= 0) mb = 0.8_dp*machine_memory_mb()
+    if (mb <= 0) mb = 0.8_dp*free_memory_mb()
   end function allowed_memory_mb
 end module hd_cost

@@ -4,6 +4,7 @@ module hd_input
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_file, code_memory
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb
+  use hd_mesh_series, only: least_promise
   use hd_namelist, only: namelist_t, read_namelist, report
   use hd_parameters, only: table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
@@ -203,6 +204,8 @@ contains
   subroutine check_scene(s, faults)
     type(scene_t), intent(in) :: s                            !< scene whose keys are in range
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
+    call need(.not. s%promise > 0 .or. s%promise >= least_promise, 'run.tolerance', s%promise, &
+      '0, or what the finest mesh of a plan can promise and more', least_promise)
     call need(s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', s%bore_radius)
     call need(s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', s%bore_radius)
     call need(s%ring_thickness < s%bore_radius, 'geometry.ring_thickness', s%ring_thickness, 'below bore_radius', s%bore_radius)
@@ -261,10 +264,13 @@ contains
     type(scene_t), intent(in) :: s                    !< scene
     type(error_t), allocatable, intent(out) :: error  !< too large
     real(dp) :: need, limit
+    character(len=:), allocatable :: whose
     need = estimate_memory_mb(s)
     limit = allowed_memory_mb(s)
+    whose = ''
+    if (.not. s%memory_limit_mb > 0) whose = ', 80 % of what is free now'
     if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(anint(need))// &
-      ' MB, the limit is '//to_text(anint(limit))//' MB'//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
+      ' MB, the limit is '//to_text(anint(limit))//' MB'//whose//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
       ') or mesh.band_facets ('//to_text(s%band_facets)//'), or raise mesh.memory_limit_mb')
   end subroutine check_memory
 

@@ -2,13 +2,14 @@
 !> A run that generates a surface or reads specimens, and fits D and G: heights, structure.csv, fit.csv, summary.json. No contact.
 module hd_map_run
   use hd_kinds, only: dp, sp, i8, pi
-  use hd_clock, only: wall_seconds, timestamp, peak_memory_mb
+  use hd_clock, only: wall_seconds, timestamp
   use hd_error, only: error_t, raise, code_file, code_memory, code_done
   use hd_heights, only: method_t, choose_method, heights, heights_single
   use hd_input, only: write_echo
   use hd_json, only: json_t
   use hd_log, only: say
   use hd_map_fit, only: specimen_t, found_t, read_specimens, fit_specimens, write_fits, add_fits, place_files
+  use hd_memory, only: peak_memory_mb
   use hd_npy, only: write_npy
   use hd_scene, only: scene_t, map_t
   use hd_structure_function, only: structure_line

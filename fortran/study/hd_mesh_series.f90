@@ -9,7 +9,7 @@ module hd_mesh_series
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: levels, rough, first_level, least_error, meshed, extrapolate
+  public :: levels, rough, least_promise, first_level, least_error, meshed, extrapolate
 
   integer, parameter :: band(10) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90]  !< facets along the band, by level
   integer, parameter :: levels = size(band)
@@ -19,6 +19,7 @@ module hd_mesh_series
   !> along the band; rough, where the layer decides, as they are.
   real(dp), parameter :: jumps(3) = [3.2_dp, 1.0_dp, 5.3_dp], rough_least(3) = [0.035_dp, 0.008_dp, 0.045_dp]
   real(dp), parameter :: differ = 2.5e-3_dp     !< what more layers change of K_TS on one mesh and on another: twice the rms
+  real(dp), parameter :: least_promise = 2.6e-3_dp  !< least error of the finest level, rounded up
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
 
 contains

@@ -72,7 +72,7 @@ contains
     call text(t, 'mesh', 'element', s%element, 'hex8 hex8i hex20r', &
       'hexahedron: plain, with incompatible modes, quadratic reduced')
     call number(t, 'mesh', 'memory_limit_mb', s%memory_limit_mb, 'MB', 0._dp, big, &
-      'larger meshes are refused before they are tried; 0: 80 % of the machine', closed=.true.)
+      'larger meshes are refused before they are tried; 0: 80 % of what machine, batch job and ulimit leave', closed=.true.)
     call number(t, 'wave_generator', 'w', s%w, 'm', 0._dp, big, 'radial deformation (deformation coefficient)', closed=.true.)
     call text(t, 'wave_generator', 'cam', s%cam, 'ellipse cosine', 'ellipse with semi-axes r + w, r - w, or w cos 2 theta')
     call text(t, 'wave_generator', 'ring_tangent', s%ring_tangent, 'follow free', &

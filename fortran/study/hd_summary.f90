@@ -3,7 +3,7 @@
 module hd_summary
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use hd_kinds, only: dp
-  use hd_clock, only: timestamp, peak_memory_mb
+  use hd_clock, only: timestamp
   use hd_cost, only: cost_t, predict_costs, cheapest, allowed_memory_mb
   use hd_drive, only: drive_t
   use hd_error, only: error_t, code_done, code_stopped
@@ -11,6 +11,7 @@ module hd_summary
   use hd_joint, only: joint_t
   use hd_json, only: json_t
   use hd_linear_solver, only: linear_solver_t
+  use hd_memory, only: peak_memory_mb
   use hd_parameters, only: table_t, new_table
   use hd_scene, only: scene_t
   use hd_text, only: string_t

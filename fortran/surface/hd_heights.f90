@@ -3,9 +3,9 @@
 !> direct sum or products: the choice and the heights are the same on every processor.
 module hd_heights
   use hd_kinds, only: dp, sp, i8
-  use hd_clock, only: machine_memory_mb
   use hd_direct, only: direct_sum
-  use hd_error, only: error_t, raise, code_input, code_memory
+  use hd_error, only: error_t, raise, code_input
+  use hd_memory, only: need_memory
   use hd_nufft, only: nufft_t, new_nufft, nufft_sum
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
   use hd_product, only: product_t, new_product, product_sum
@@ -69,9 +69,7 @@ contains
     end if
     method%memory_mb = extra(method%evaluator) / 1048576
     mb = points * bytes / 1048576 + method%memory_mb
-    if (mb > machine_memory_mb()) call raise(error, code_memory, 'heights of '//to_text(nx)//' x '//to_text(ny)// &
-      ' points from '//to_text(waves)//' waves need '//to_text(nint(mb, i8))//' MB, the machine has '// &
-      to_text(nint(machine_memory_mb(), i8))//' MB')
+    call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)//' points from '//to_text(waves)//' waves', mb, error)
   end subroutine choose_method
 
   !> Heights in double precision.

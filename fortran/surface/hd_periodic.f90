@@ -6,9 +6,9 @@
 !> unit area of the frequency plane. Each mode of the period within 1/length <= |q| <= 1/shortest gets that density at q.
 module hd_periodic
   use hd_kinds, only: dp, i8, pi
-  use hd_clock, only: machine_memory_mb
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_fft, only: backward_real_2d
+  use hd_memory, only: need_memory
   use hd_random, only: uniforms
   use hd_text, only: to_text
   implicit none
@@ -43,8 +43,7 @@ contains
     end if
     if (allocated(error)) return
     mb = 16 * real(n, dp)**2 / 1048576
-    if (mb > machine_memory_mb()) call raise(error, code_memory, 'a periodic surface of '//to_text(n)//' x '//to_text(n)// &
-      ' points needs '//to_text(nint(mb, i8))//' MB, the machine has '//to_text(nint(machine_memory_mb(), i8))//' MB')
+    call need_memory('a periodic surface of '//to_text(n)//' x '//to_text(n)//' points', mb, error)
   end subroutine check_periodic
 
   !> Heights [m] with mean zero at the points (i - 1) length / n. A seed gives the same surface at every n.

@@ -94,6 +94,13 @@ def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
     assert done.returncode == 2 and "run.tolerance" in done.stderr
 
 
+def test_a_tolerance_that_no_mesh_can_promise_is_refused(exe, tmp_path):
+    """Code 2 at once, with the least that can be promised, not a plan that refines until memory ends."""
+    done = call(exe, CD14, "run.tolerance=1e-4", "--out", tmp_path / "r")
+    assert done.returncode == 2 and "run.tolerance = 1.0e-4" in done.stderr and "0.0026" in done.stderr
+    assert not (tmp_path / "r").exists()
+
+
 @pytest.mark.full
 def test_where_a_coarse_mesh_cannot_tell_a_finer_one_decides(exe):
     """Edge cells move the mid-band pressure of this scene by 1 % on 12 rows, as often as not in one sense, and little on 22."""

@@ -2,6 +2,8 @@
 """The matrix solvers: one answer, symmetry, the choice by predicted cost, and what is said where memory does not suffice."""
 import itertools
 import json
+import os
+import subprocess
 
 import numpy as np
 import pytest
@@ -100,6 +102,21 @@ def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
     assert done.returncode == 6
     for word in ("MB", "500", "mesh.divisions", "mesh.band_facets"):
         assert word in done.stderr
+
+
+def test_a_limit_of_the_shell_counts_as_the_machines(exe, tmp_path):
+    """ulimit -v, as batch systems set it: a mesh beyond four fifths of it is refused before it is tried, one within runs."""
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+    def run(*keys):
+        return subprocess.run(["sh", "-c", 'ulimit -v 500000 && exec "$@"', "sh", exe, CD14, *keys, "--out", tmp_path / "m", "-q"],
+                              capture_output=True, text=True, env=environment)
+
+    refused = run("mesh.divisions=400", "mesh.band_facets=80")
+    assert refused.returncode == 6 and "the limit is 391.0 MB, 80 % of what is free" in refused.stderr
+    done = run(*SMALL)
+    assert done.returncode == 0, done.stderr
+    assert hdengine.load(tmp_path / "m").summary["predicted"]["memory_allowed_mb"] == pytest.approx(0.8 * 500000 / 1024)
 
 
 def test_short_memory_takes_a_smaller_solver(exe, tmp_path):

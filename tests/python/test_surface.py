@@ -192,7 +192,7 @@ BAD = {
     "dtype": (dict(dtype="int32"), "dtype = int32"),
     "seed": (dict(seed=1.5), "seed"),
     "origin": (dict(origin=float("inf")), "origin"),
-    "memory": (dict(shape=1_000_000), "need [0-9]+ MB"),
+    "memory": (dict(shape=1_000_000), "[0-9]+ MB are needed, [0-9]+ MB are free"),
     "too many points": (dict(shape=(2**31, 4)), "below 2"),
 }
 

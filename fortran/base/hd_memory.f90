@@ -1,0 +1,97 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Memory that this process has taken, and may take; -1 where the system does not tell [MB].
+module hd_memory
+  use hd_kinds, only: dp, i8
+  use hd_error, only: error_t, raise, code_memory
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: peak_memory_mb, free_memory_mb, need_memory
+
+  real(dp), parameter :: bytes_per_mb = 1048576
+
+contains
+
+  !> Largest resident memory of this process so far [MB].
+  real(dp) function peak_memory_mb()
+    peak_memory_mb = number_behind('/proc/self/status', 'VmHWM:')/1024
+  end function peak_memory_mb
+
+  !> Memory for this process, with what it has already: what others leave of the machine, or less where a limit is set, as by a
+  !> batch system, a container or ulimit -v [MB].
+  real(dp) function free_memory_mb() result(free)
+    real(dp) :: limits(3)
+    limits(1) = number_behind('/proc/meminfo', 'MemAvailable:')*1024
+    if (limits(1) > 0) limits(1) = limits(1) + number_behind('/proc/self/status', 'VmRSS:')*1024
+    limits(2) = group_limit()
+    limits(3) = number_behind('/proc/self/limits', 'Max address space')
+    free = -1
+    if (any(limits > 0)) free = minval(limits, limits > 0)/bytes_per_mb
+  end function free_memory_mb
+
+  !> Refuse what does not fit.
+  subroutine need_memory(what, mb, error)
+    character(len=*), intent(in) :: what              !< who needs it
+    real(dp), intent(in) :: mb                        !< need [MB]
+    type(error_t), allocatable, intent(out) :: error  !< more than is free
+    real(dp) :: free
+    free = free_memory_mb()
+    if (free > 0 .and. mb > free) call raise(error, code_memory, what//': '//to_text(nint(mb, i8))//' MB are needed, '// &
+      to_text(nint(free, i8))//' MB are free')
+  end subroutine need_memory
+
+  !> Least limit of the control group of this process and of those around it, version 2 or 1; -1: none [bytes].
+  real(dp) function group_limit() result(least)
+    character(len=*), parameter :: mount = '/sys/fs/cgroup'
+    character(len=1000) :: line
+    integer :: unit, status, i
+    least = -1
+    open (newunit=unit, file='/proc/self/cgroup', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      i = index(line, ':/')
+      if (index(line, ':memory:') > 0) then
+        call climb(mount//'/memory', trim(line(i + 1:)), '/memory.limit_in_bytes')
+      else if (line(:3) == '0::') then
+        call climb(mount, trim(line(i + 1:)), '/memory.max')
+      end if
+    end do
+    close (unit)
+  contains
+    subroutine climb(root, path, file)
+      character(len=*), intent(in) :: root, path, file
+      real(dp) :: limit
+      integer :: last
+      last = len(path)
+      do while (last > 0)
+        limit = number_behind(root//path(:last)//file, '')
+        if (limit > 0 .and. (least < 0 .or. limit < least)) least = limit
+        last = index(path(:last), '/', back=.true.) - 1
+      end do
+      limit = number_behind(root//file, '')
+      if (limit > 0 .and. (least < 0 .or. limit < least)) least = limit
+    end subroutine climb
+  end function group_limit
+
+  !> The number behind the first words of a line; -1 if there is none.
+  real(dp) function number_behind(file, words) result(number)
+    character(len=*), intent(in) :: file   !< of the system
+    character(len=*), intent(in) :: words  !< first words of the line
+    character(len=200) :: line
+    integer :: unit, status
+    number = -1
+    open (newunit=unit, file=file, action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      if (index(line, words) /= 1) cycle
+      read (line(len(words) + 1:), *, iostat=status) number
+      if (status /= 0) number = -1
+      exit
+    end do
+    close (unit)
+  end function number_behind
+end module hd_memory

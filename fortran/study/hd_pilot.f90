@@ -5,7 +5,7 @@ module hd_pilot
   use hd_kinds, only: dp
   use hd_checkpoint, only: check_same_scene
   use hd_clock, only: wall_seconds
-  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
   use hd_load_step, only: advance
   use hd_run, only: run_t, new_run, finish, quantities
@@ -81,13 +81,24 @@ contains
     if (.not. allocated(error)) call solve(run, error)
     if (.not. allocated(error)) q = quantities(run)
     if (allocated(run%drive)) call finish(run, trouble)
-    if (allocated(error)) return
+    if (allocated(error)) then
+      if (error%code == code_stopped) call raise(error, code_stopped, stopped(self))
+      return
+    end if
     new%q = q
     new%seconds = wall_seconds() - new%seconds
     call push(self%name, name_of(scene))
     self%known = [self%known, new]
     call keep(self, error)
   end subroutine probe
+
+  !> What a stop while planning leaves.
+  pure function stopped(self) result(text)
+    class(pilot_t), intent(in) :: self  !< results
+    character(len=:), allocatable :: text
+    text = 'stopped at a limit while planning'
+    if (len(self%folder) > 0) text = text//'; '//to_text(size(self%known))//' runs of it are kept, --resume goes on'
+  end function stopped
 
   !> Time that a mesh took; 0 if it was not solved [s].
   real(dp) function seconds_of(self, scene) result(seconds)

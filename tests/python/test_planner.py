@@ -128,6 +128,9 @@ def test_a_stopped_plan_goes_on(exe, whole, tmp_path):
     lines = (whole[0] / "plan.csv").read_text().splitlines()
     stopped = call(exe, CD14, *QUICK, "solver.time_limit_s=1e-3", "--out", folder)
     assert stopped.returncode == 7 and not (folder / "summary.json").exists()
+    assert "stopped at a limit while planning; 0 runs of it are kept" in stopped.stderr
+    printed = call(exe, "--plan", CD14, *QUICK, "solver.time_limit_s=1e-3")
+    assert printed.returncode == 7 and "while planning" in printed.stderr and "resume" not in printed.stderr
     (folder / "plan.csv").write_text("\n".join(lines[:5]) + "\n")  # four coarse runs were solved
     other = call(exe, CD14, *QUICK, "load.torque=4", "--out", folder, "--resume")
     assert other.returncode == 2 and "load.torque" in other.stderr

@@ -8,13 +8,17 @@ module hd_pilot
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
   use hd_load_step, only: advance
+  use hd_log, only: set_log_level, say, quiet, verbose
   use hd_run, only: run_t, new_run, finish, quantities
   use hd_scene, only: scene_t
+  use hd_section, only: band_rows
   use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file
   use hd_text, only: string_t, push, to_text
   implicit none
   private
-  public :: pilot_t, new_pilot, solve
+  public :: pilot_t, new_pilot, solve, growth
+
+  real(dp), parameter :: growth = 1.4_dp  !< time of a mesh goes as this power of its facets, small displacements
 
   !> Results of a mesh.
   type :: probe_t
@@ -30,6 +34,7 @@ module hd_pilot
   contains
     procedure :: probe
     procedure :: seconds_of
+    procedure :: foretell
   end type pilot_t
 
 contains
@@ -68,7 +73,7 @@ contains
     type(run_t), allocatable :: run
     type(scene_t) :: s
     type(probe_t) :: new
-    integer :: i
+    integer :: i, level
     i = place_of(self, scene)
     q = 0
     if (i > 0) q = self%known(i)%q
@@ -76,19 +81,27 @@ contains
     s = scene
     if (s%time_limit_s > 0) s%time_limit_s = max(1e-3_dp, s%time_limit_s - (wall_seconds() - self%begun))
     new%seconds = wall_seconds()
+    call set_log_level(quiet, level)  ! one line instead of a run's own
+    if (level == verbose) call set_log_level(verbose)
     allocate (run)
     call new_run(s, '', '', .false., run, error)
     if (.not. allocated(error)) call solve(run, error)
     if (.not. allocated(error)) q = quantities(run)
     if (allocated(run%drive)) call finish(run, trouble)
+    call set_log_level(level)
     if (allocated(error)) then
-      if (error%code == code_stopped) call raise(error, code_stopped, stopped(self))
+      if (error%code == code_stopped) then
+        call raise(error, code_stopped, stopped(self))
+      else
+        call say(trim(mesh_text(scene))//': '//error%message)
+      end if
       return
     end if
     new%q = q
     new%seconds = wall_seconds() - new%seconds
     call push(self%name, name_of(scene))
     self%known = [self%known, new]
+    call say(trim(log_line(scene, new)))
     call keep(self, error)
   end subroutine probe
 
@@ -110,6 +123,16 @@ contains
     if (i > 0) seconds = self%known(i)%seconds
   end function seconds_of
 
+  !> Say how long the next mesh will take, if that is long.
+  subroutine foretell(self, now, next)
+    class(pilot_t), intent(in) :: self        !< times
+    type(scene_t), intent(in) :: now, next    !< mesh that is solved, a finer one
+    real(dp) :: seconds
+    seconds = seconds_of(self, now)*(real(next%divisions*band_rows(next), dp)/(now%divisions*band_rows(now)))**growth
+    if (seconds > 3) call say('plan      next mesh '//to_text(next%divisions)//' x '//to_text(band_rows(next))// &
+      ' facets: about '//to_text(nint(seconds))//' s')
+  end subroutine foretell
+
   !> Solve the load steps of a run.
   subroutine solve(run, error)
     type(run_t), intent(inout) :: run                 !< run, then at its end
@@ -129,6 +152,26 @@ contains
       to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
       to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
   end function name_of
+
+  !> A mesh for the log.
+  function mesh_text(s) result(text)
+    type(scene_t), intent(in) :: s  !< scene on its mesh
+    character(len=24) :: text
+    write (text, '(a,i5,a,i3,a)') '  trial', s%divisions, ' x', band_rows(s), ' facets'
+  end function mesh_text
+
+  !> A mesh and its results for the log.
+  function log_line(s, found) result(line)
+    type(scene_t), intent(in) :: s         !< scene on its mesh
+    type(probe_t), intent(in) :: found     !< results
+    character(len=200) :: line
+    character(len=20) :: rows
+    rows = 'equal rows'
+    if (s%edge_length > 0) write (rows, '(a,es7.1,a)') 'edge cells ', s%edge_length, ' m'
+    write (line, '(3a,3(i3,a),es11.4,a,f9.1,a,es10.3,a,f7.1,a)') mesh_text(s), ', ', rows//' layers', s%through_wall, ', steps', &
+      s%assembly_steps, ' +', s%torque_steps, merge(', large', ', small', s%kinematics == 'nonlinear')//': K_TS', &
+      found%q(1), ' N m/rad', found%q(2), ' N', found%q(3), ' Pa', found%seconds, ' s'
+  end function log_line
 
   !> Number of a mesh in the list, 0 if it is new.
   pure integer function place_of(self, scene) result(i)

@@ -13,7 +13,7 @@ module hd_planner
   use hd_log, only: say
   use hd_mesh_series, only: levels, rough, first_level, least_error, meshed, extrapolate
   use hd_output, only: check_folder
-  use hd_pilot, only: pilot_t, new_pilot, solve
+  use hd_pilot, only: pilot_t, new_pilot, solve, growth
   use hd_run, only: run_t, new_run, finish
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
@@ -293,6 +293,7 @@ contains
     now = meshed(plan%scene, coarse(plan%scene))
     do level = start - 3, levels
       next = meshed(plan%scene, level)
+      call pilot%foretell(small_displacements(now), next)
       call pilot%probe(small_displacements(next), q(:, level), error)
       if (allocated(error)) then
         if (error%code /= code_not_converged) return
@@ -426,7 +427,7 @@ contains
     before = sum(pilot%known%seconds)
     do level = 1, levels
       s = meshed(plan%scene, level)
-      seconds = base*(s%divisions*band_rows(s)/facets)**[1.4_dp, 1.1_dp]
+      seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
       if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level >= start - 3 .and. level /= coarse(scene)) before = before + seconds(1)

@@ -136,7 +136,7 @@ def test_a_stopped_plan_goes_on(exe, whole, tmp_path):
     assert other.returncode == 2 and "load.torque" in other.stderr
     done = call(exe, CD14, *QUICK, "--out", folder, "--resume")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("mesh      ") == whole[1].count("mesh      ") - 4
+    assert done.stdout.count("  trial ") == whole[1].count("  trial ") - 4
     one, two = (planned(f)[0] for f in (whole[0], folder))
     assert two["plan"].pop("reasons") == one["plan"].pop("reasons")
     for key, value in one["plan"].items():

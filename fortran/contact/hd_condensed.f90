@@ -11,9 +11,11 @@ module hd_condensed
   use hd_error, only: error_t
   use hd_face_system, only: face_system_t, new_face_system
   use hd_linear_solver, only: linear_solver_t
+  use hd_log, only: detail
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
+  use hd_text, only: to_text
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -201,6 +203,7 @@ contains
       self%steps = steps
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
+      call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
       krylov = residual <= max(1e-3_dp, self%accuracy) .or. n > largest_dense
     end if
     if (.not. krylov) then

@@ -27,6 +27,7 @@ module hd_circulant
     type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
     type(side_t), allocatable :: sides(:)           !< one for each body; the third: both merged
     integer :: part(2) = [1, 0]                     !< first and last side that are applied: both bodies', or the merged one
+    integer, allocatable :: meets(:)                !< dof of the second face by dof of the first, where they are merged
     integer :: stride = 0                           !< 2: fields repeat after half a turn
     integer :: known = 0                            !< stride for which hat is complete, 0: none
     integer :: serial = 0                           !< of the coupling whose weights the sides have
@@ -74,30 +75,52 @@ contains
       call new_harmonics(problem%bodies(b), problem%fixed(:, first + 1:first + m), problem%spring(:, first + 1:first + m), &
         circulant%bodies(b), error)
       if (allocated(error)) return
-      call collect_side(problem, b, circulant%sides(b))
     end do
     call place_multipliers(problem, circulant)
+    call couple(problem, circulant)
   end subroutine new_circulant
 
-  !> Take over the weights of faces that are paired anew.
+  !> Take over the weights of faces that are paired, or paired anew.
   subroutine couple(problem, circulant)
     type(problem_t), intent(in) :: problem           !< problem
-    type(circulant_t), intent(inout) :: circulant    !< gets sides
-    type(side_t) :: side
-    logical :: same
-    integer :: b
+    type(circulant_t), intent(inout) :: circulant    !< gets sides and parts
+    type(side_t), allocatable :: before(:)
+    integer :: p, part(2)
     call release_parts(circulant)
-    do b = 1, 2
-      call collect_side(problem, b, side)
-      same = size(circulant%sides(b)%nodes) == size(side%nodes)
-      if (same) same = all(circulant%sides(b)%nodes == side%nodes)
-      if (same) call move_alloc(circulant%sides(b)%hat%entry, side%hat%entry)
-      if (.not. same) circulant%known = 0
-      circulant%sides(b) = side
+    part = circulant%part
+    call move_alloc(circulant%sides, before)
+    allocate (circulant%sides(3))
+    do p = 1, 2
+      call collect_side(problem, p, circulant%sides(p))
+    end do
+    call merge_sides(circulant)
+    if (any(part /= circulant%part)) circulant%known = 0
+    do p = circulant%part(1), circulant%part(2)
+      if (circulant%known > 0) then
+        if (.not. same_numbers(circulant%sides(p)%nodes, before(p)%nodes)) circulant%known = 0
+      end if
+    end do
+    do p = circulant%part(1), circulant%part(2)
+      associate (side => circulant%sides(p))
+        if (circulant%known > 0) then
+          call move_alloc(before(p)%hat%entry, side%hat%entry)
+          call move_alloc(before(p)%hat%factor, side%hat%factor)
+          side%hat%n = before(p)%hat%n
+        else
+          call new_harmonic_matrix(side%angle, side%sectors/2, side%hat)
+        end if
+      end associate
     end do
     circulant%stride = 0
     circulant%serial = problem%mortar%serial
   end subroutine couple
+
+  !> Two lists are equal.
+  pure logical function same_numbers(a, b)
+    integer, intent(in) :: a(:), b(:)  !< lists
+    same_numbers = size(a) == size(b)
+    if (same_numbers) same_numbers = all(a == b)
+  end function same_numbers
 
   !> Sector and axial row of every multiplier.
   subroutine place_multipliers(problem, circulant)
@@ -119,8 +142,7 @@ contains
     type(problem_t), intent(in) :: problem            !< problem
     type(symmetry_t), intent(in) :: symmetry          !< of the load step
     type(error_t), allocatable, intent(out) :: error  !< body not held, memory
-    real(dp), allocatable :: hat(:, :)
-    integer :: b, k, stride
+    integer :: b, stride
     stride = merge(2, 1, symmetry%half_turn)
     if (problem%mortar%serial /= self%serial) call couple(problem, self)
     if (stride == self%stride .or. problem%n == 0) return
@@ -128,23 +150,14 @@ contains
     do b = 1, 2
       call factorise_harmonics(self%bodies(b), stride, error)
       if (allocated(error)) return
-      !$omp parallel private(hat)
-      allocate (hat(self%sides(b)%hat%n, self%sides(b)%hat%n))
-      !$omp do schedule(dynamic)
-      do k = 0, self%sides(b)%sectors/2, stride
-        if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0)) cycle
-        call face_compliance(self%bodies(b), self%sides(b)%nodes, k, hat)
-        call self%sides(b)%hat%set(k, hat)
-      end do
-      !$omp end do
-      deallocate (hat)
-      !$omp end parallel
       self%factor_entries = self%factor_entries + int(harmonic_entries(self%bodies(b), stride), int64)
+    end do
+    do b = self%part(1), self%part(2)
+      call fill_hat(self, b, stride)
     end do
     self%known = merge(stride, min(stride, self%known), self%known == 0)
     self%stride = stride
     call release_parts(self)
-    call merge_sides(self)
     self%products = sum([((real(self%sides(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=self%part(1), self%part(2))])
     self%apply_flops = 0
     do b = self%part(1), self%part(2)
@@ -155,10 +168,36 @@ contains
     end do
   end subroutine prepare_circulant
 
+  !> Compliance of a side, by harmonic; what is known stays.
+  subroutine fill_hat(self, p, stride)
+    type(circulant_t), intent(inout) :: self  !< gets sides(p)%hat
+    integer, intent(in) :: p                  !< side; 3 is both
+    integer, intent(in) :: stride             !< 1 or 2
+    real(dp), allocatable :: hat(:, :), other(:, :)
+    integer :: b, k
+    b = merge(1, p, p == 3)
+    !$omp parallel private(hat, other)
+    allocate (hat(self%sides(p)%hat%n, self%sides(p)%hat%n))
+    allocate (other, mold=hat)
+    !$omp do schedule(dynamic)
+    do k = 0, self%sides(p)%sectors/2, stride
+      if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0)) cycle
+      call face_compliance(self%bodies(b), self%sides(b)%nodes, k, hat)
+      if (p == 3) then
+        call face_compliance(self%bodies(2), self%sides(2)%nodes, k, other)
+        hat = hat + other(self%meets, self%meets)
+      end if
+      call self%sides(p)%hat%set(k, hat)
+    end do
+    !$omp end do
+    deallocate (hat, other)
+    !$omp end parallel
+  end subroutine fill_hat
+
   !> Both sides, or one where every multiplier meets exactly one node of either.
   subroutine merge_sides(self)
     type(circulant_t), intent(inout) :: self  !< gets parts
-    integer :: at(self%rows), j, k
+    integer :: at(self%rows), j
     logical :: single
     single = self%sides(1)%sectors == self%sides(2)%sectors .and. size(self%sides(1)%nodes) == self%rows .and. &
       size(self%sides(2)%nodes) == self%rows .and. size(self%row) == size(self%sides(1)%ptr) - 1
@@ -178,11 +217,7 @@ contains
     self%part = 3
     self%sides(3) = self%sides(1)
     self%sides(3)%val = 1
-    do k = 0, self%sides(1)%sectors/2, self%stride
-      associate (to => [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)], other => self%sides(2)%hat%full(k))
-        call self%sides(3)%hat%set(k, self%sides(1)%hat%full(k) + other(to, to))
-      end associate
-    end do
+    self%meets = [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)]
   end subroutine merge_sides
 
   !> Compliance between all sectors.
@@ -353,8 +388,6 @@ contains
     do p = self%part(1), self%part(2)
       call release_side(self%sides(p))
     end do
-    if (self%part(1) == 3) self%sides(3) = side_t()
-    self%part = [1, 0]
   end subroutine release_parts
 
   !> Give back all memory.

@@ -5,7 +5,7 @@ module hd_circulant_side
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
-  use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
+  use hd_harmonic_matrix, only: harmonic_matrix_t
   use hd_problem, only: problem_t
   implicit none
   private
@@ -27,7 +27,7 @@ module hd_circulant_side
 
 contains
 
-  !> Face nodes of a body and the weights of the multipliers on them.
+  !> Face nodes of a body and the weights of the multipliers on them; without `hat`.
   subroutine collect_side(problem, b, side)
     type(problem_t), intent(in) :: problem  !< problem
     integer, intent(in) :: b                !< body
@@ -60,7 +60,6 @@ contains
       end do
       side%ptr(mortar%n + 1) = n + 1
     end associate
-    call new_harmonic_matrix(side%angle, side%sectors/2, side%hat)
   end subroutine collect_side
 
   !> Workspace and plans, and the compliance between the sectors of one multiplier.

@@ -78,7 +78,7 @@ def draw(rows, path):
         ax.set_ylabel(label)
         ax.xaxis.set_minor_formatter(NullFormatter())
         ax.grid(True, which="both", alpha=0.3)
-        ax.set_ylim(ax.get_ylim()[0], ax.get_ylim()[1] * 8)
+        ax.set_ylim(ax.get_ylim()[0], ax.get_ylim()[1] * 30)
         ax.legend(fontsize=11, loc="upper left")
     fig.savefig(path, dpi=110)
 

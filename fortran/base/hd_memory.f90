@@ -4,11 +4,14 @@ module hd_memory
   use hd_kinds, only: dp, i8
   use hd_error, only: error_t, raise, code_memory
   use hd_text, only: to_text
+  !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
   public :: peak_memory_mb, free_memory_mb, need_memory
 
   real(dp), parameter :: bytes_per_mb = 1048576
+  !> Addresses that libraries and threads map without using them, least and per thread [MB]: with less OpenBLAS waits for ever.
+  real(dp), parameter :: mapped = 100, mapped_per_thread = 200
 
 contains
 
@@ -21,10 +24,14 @@ contains
   !> batch system, a container or ulimit -v [MB].
   real(dp) function free_memory_mb() result(free)
     real(dp) :: limits(3)
+    integer :: threads
     limits(1) = number_behind('/proc/meminfo', 'MemAvailable:')*1024
     if (limits(1) > 0) limits(1) = limits(1) + number_behind('/proc/self/status', 'VmRSS:')*1024
     limits(2) = group_limit()
     limits(3) = number_behind('/proc/self/limits', 'Max address space')
+    threads = 1
+    !$ threads = omp_get_max_threads()
+    if (limits(3) > 0) limits(3) = max(bytes_per_mb, limits(3) - bytes_per_mb*(mapped + threads*mapped_per_thread))
     free = -1
     if (any(limits > 0)) free = minval(limits, limits > 0)/bytes_per_mb
   end function free_memory_mb

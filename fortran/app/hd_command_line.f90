@@ -6,9 +6,10 @@ module hd_command_line
   use hd_help, only: help_text, license_text, citation_text, version_text
   use hd_input, only: read_scene, holds_study, explain
   use hd_log, only: set_log_level, quiet, normal, verbose, say
-  use hd_map_run, only: check_map_run, run_map
-  use hd_planner, only: run_planned, plan_text
-  use hd_job, only: run_scene
+  use hd_surface_run, only: check_surface_run, run_surface
+  use hd_plausible, only: implausible
+  use hd_planner, only: plan_text
+  use hd_open_run, only: check_run, run_to_end
   use hd_scene, only: scene_t
   use hd_system, only: become_program
   use hd_text, only: string_t, push, nearest_name, join
@@ -76,8 +77,9 @@ contains
       return
     end if
     if ((command%action == 'run' .or. command%action == 'check' .or. &
-      command%action == 'plan') .and. len(command%input) == 0) &
+      command%action == 'plan') .and. len(command%input) == 0) then
       call raise(error, code_input, 'no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)')
+    end if
   contains
     subroutine take_value(value)
       character(len=:), allocatable, intent(out) :: value
@@ -122,7 +124,9 @@ contains
     type(command_t), intent(in) :: command            !< what is asked
     type(error_t), allocatable, intent(out) :: error  !< what went wrong
     type(scene_t), allocatable :: scene
+    type(string_t), allocatable :: doubts(:)
     character(len=:), allocatable :: answer, folder
+    integer :: i
     call set_log_level(command%level)
     select case (command%action)
     case ('help'); call print_text(help_text())
@@ -138,14 +142,22 @@ contains
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
-      if (scene%map_only) call check_map_run(scene, command%input, error)
+      if (scene%surface_only) then
+        call check_surface_run(scene, command%input, error)
+      else
+        call check_run(scene, error)
+      end if
       if (allocated(error)) return
+      call implausible(scene, doubts)
+      do i = 1, size(doubts)
+        call say('warning: '//doubts(i)%s)
+      end do
       if (command%action == 'check') then
         call say(command%input//' is valid')
         return
       end if
       if (command%action == 'plan') then
-        if (.not. scene%promise > 0) then
+        if (.not. scene%planned_tolerance > 0) then
           call raise(error, code_input, '--plan needs a tolerance: run.tolerance=0.02, or &run tolerance = 0.02 / in the input')
           return
         end if
@@ -156,12 +168,10 @@ contains
       end if
       folder = command%folder
       if (len(folder) == 0) folder = stem(command%input)//'.out'
-      if (scene%map_only) then
-        call run_map(scene, command%input, folder, command%force, error)
-      else if (scene%promise > 0) then
-        call run_planned(scene, command%input, folder, command%force, command%resume, error)
+      if (scene%surface_only) then
+        call run_surface(scene, command%input, folder, command%force, error)
       else
-        call run_scene(scene, command%input, folder, command%force, command%resume, error)
+        call run_to_end(scene, command%input, folder, command%force, command%resume, error)
       end if
     end select
   end subroutine obey
@@ -173,7 +183,7 @@ contains
     type(string_t), allocatable :: words(:)
     integer :: i
     if (size(command%assignments) > 0 .and. command%action /= 'plan') then
-      call raise(error, code_input, "'"//command%assignments(1)%s//"' has no place in a study: write it into &fixed of '"// &
+      call raise(error, code_input, "'"//command%assignments(1)%s//"' has no place in a study: write it under [fixed] of '"// &
         command%input//"'")
       return
     end if

@@ -1,15 +1,31 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The run log on standard output: 80 columns, flushed line by line; silent unless the application switches it on.
+!> The run log: 80 columns; on standard output, flushed line by line, or kept for a program that calls the engine. Silent unless
+!> the application switches it on.
 module hd_log
+  use, intrinsic :: iso_c_binding, only: c_char, c_int
   use, intrinsic :: iso_fortran_env, only: output_unit
   implicit none
   private
-  public :: set_log_level, say, detail, quiet, normal, verbose
+  public :: set_log_level, keep_log, take_line, say, detail, quiet, normal, verbose
 
   integer, parameter :: quiet = 0    !< nothing
   integer, parameter :: normal = 1   !< load steps
   integer, parameter :: verbose = 2  !< Newton iterations too
   integer, save :: level = quiet
+  logical, save :: keeps = .false.   !< lines are kept, not printed
+
+  interface
+    subroutine c_keep_line(text, n) bind(c, name='hd_keep_line')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: text(*)
+      integer(c_int), value :: n
+    end subroutine c_keep_line
+    integer(c_int) function c_take_line(text, size) bind(c, name='hd_take_line')
+      import :: c_char, c_int
+      character(kind=c_char), intent(out) :: text(*)
+      integer(c_int), value :: size
+    end function c_take_line
+  end interface
 
 contains
 
@@ -21,12 +37,29 @@ contains
     level = new
   end subroutine set_log_level
 
-  !> One line of the log.
+  !> From here on lines are kept in memory, for take_line.
+  subroutine keep_log()
+    keeps = .true.
+  end subroutine keep_log
+
+  !> The oldest line that is kept; it is so no more.
+  subroutine take_line(line, found)
+    character(len=*), intent(out) :: line  !< text
+    logical, intent(out) :: found          !< there was one
+    found = c_take_line(line, len(line)) /= 0
+  end subroutine take_line
+
+  !> One line of the log. A terminal that is gone (SIGHUP) ends no run.
   subroutine say(line)
     character(len=*), intent(in) :: line  !< text
+    integer :: status
     if (level < normal) return
-    write (output_unit, '(a)') line
-    flush (output_unit)
+    if (keeps) then
+      call c_keep_line(line, len(line))
+    else
+      write (output_unit, '(a)', iostat=status) line
+      if (status == 0) flush (output_unit, iostat=status)
+    end if
   end subroutine say
 
   !> One line that only the verbose log shows.

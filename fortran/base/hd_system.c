@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <errno.h>
@@ -12,15 +13,64 @@
 #endif
 
 static volatile sig_atomic_t stop_requested = 0;
+static const int signals[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU};
+enum { n_signals = sizeof signals / sizeof *signals };
+static struct sigaction others[n_signals]; /* handlers of the program that this is a library of */
+static int watching = 0;
 
 static void request_stop(int number) { stop_requested = number; }
 
+/* For hdengine.x. What is ignored stays so (nohup, jobs in the background); a second SIGINT or SIGQUIT ends the process. */
 void hd_catch_signals(void)
 {
-  signal(SIGTERM, request_stop);
-  signal(SIGUSR1, request_stop);
-  signal(SIGXCPU, request_stop);
-  signal(SIGINT, request_stop);
+  for (int i = 0; i < n_signals; i++) {
+    struct sigaction now;
+    if (sigaction(signals[i], NULL, &now) == 0 && now.sa_handler == SIG_IGN) continue;
+    memset(&now, 0, sizeof now);
+    now.sa_handler = request_stop;
+    now.sa_flags = SA_RESTART | (signals[i] == SIGINT || signals[i] == SIGQUIT ? (int)SA_RESETHAND : 0);
+    sigaction(signals[i], &now, NULL);
+  }
+}
+
+/* Set the flag and let the program know too. */
+static void request_and_pass(int number, siginfo_t *info, void *context)
+{
+  stop_requested = number;
+  for (int i = 0; i < n_signals; i++) {
+    if (signals[i] != number) continue;
+    if (others[i].sa_flags & SA_SIGINFO) others[i].sa_sigaction(number, info, context);
+    else others[i].sa_handler(number);
+  }
+}
+
+/* For a program that calls the engine: from here on signals that it has handlers for stop the engine too. */
+void hd_watch_signals(void)
+{
+  stop_requested = 0;
+  watching = 1;
+  for (int i = 0; i < n_signals; i++) {
+    struct sigaction now;
+    if (sigaction(signals[i], NULL, &others[i]) != 0) others[i].sa_handler = SIG_DFL;
+    if (others[i].sa_handler == SIG_DFL || others[i].sa_handler == SIG_IGN) continue;
+    memset(&now, 0, sizeof now);
+    now.sa_sigaction = request_and_pass;
+    now.sa_flags = others[i].sa_flags | SA_SIGINFO;
+    now.sa_mask = others[i].sa_mask;
+    sigaction(signals[i], &now, NULL);
+  }
+}
+
+/* The end of that; the signal that stopped the engine, or 0. */
+int hd_unwatch_signals(void)
+{
+  int number = stop_requested;
+  if (!watching) return 0;
+  watching = 0;
+  for (int i = 0; i < n_signals; i++)
+    if (others[i].sa_handler != SIG_DFL && others[i].sa_handler != SIG_IGN) sigaction(signals[i], &others[i], NULL);
+  stop_requested = 0;
+  return number;
 }
 
 int hd_stop_requested(void) { return stop_requested; }
@@ -37,12 +87,14 @@ int hd_truncate(const char *path, long long bytes) { return truncate(path, (off_
 
 int hd_remove(const char *path) { return unlink(path); }
 
-/* 0 absent, 1 file, 2 directory. */
+int hd_remove_directory(const char *path) { return rmdir(path); }
+
+/* 0 absent, 1 file, 2 directory, 3 anything else. */
 int hd_path_kind(const char *path)
 {
   struct stat s;
   if (stat(path, &s) != 0) return 0;
-  return S_ISDIR(s.st_mode) ? 2 : 1;
+  return S_ISDIR(s.st_mode) ? 2 : S_ISREG(s.st_mode) ? 1 : 3;
 }
 
 int hd_is_terminal(void) { return isatty(1); }
@@ -58,6 +110,38 @@ void hd_become(char *const words[])
     if ((size_t)snprintf(name, path + sizeof path - name, "%s", words[0]) < (size_t)(path + sizeof path - name)) execv(path, words);
   }
   execvp(words[0], words);
+}
+
+/* Threads of OpenMP spin while they wait, and take the processor from others; the library reads what it is told only as it is
+   loaded, so the program begins again. */
+void hd_wait_passively(void)
+{
+  char path[PATH_MAX], *words[4096];
+  if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+  ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
+  FILE *file = fopen("/proc/self/cmdline", "rb");
+  if (n > 0 && file) {
+    static char text[1 << 20];
+    size_t size = fread(text, 1, sizeof text, file);
+    int count = 0;
+    for (size_t i = 0; i < size && count < 4095; i += strlen(text + i) + 1) words[count++] = text + i;
+    words[count] = NULL;
+    path[n] = 0;
+    if (size < sizeof text && count > 0 && count < 4095 && setenv("OMP_WAIT_POLICY", "passive", 1) == 0) execv(path, words);
+  }
+  if (file) fclose(file);
+}
+
+void hd_renew_lines(void);
+void hd_renew_planner(void) __attribute__((weak));
+void omp_set_num_threads(int n) __attribute__((weak));
+
+/* In a forked child: the threads that OpenMP believes in are the parent's; a team of one waits for none of them. */
+void hd_renew_after_fork(void)
+{
+  if (omp_set_num_threads) omp_set_num_threads(1);
+  hd_renew_lines();
+  if (hd_renew_planner) hd_renew_planner();
 }
 
 /* A factorisation takes and gives back hundreds of MB each time; keep them (saves a fifth of the time, measured). */

@@ -3,11 +3,12 @@
 module hd_system
   use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char, c_ptr, c_null_ptr, c_loc
-  use hd_error, only: error_t, raise, code_file
+  use hd_error, only: error_t, raise, code_file, code_stopped
   use hd_text, only: string_t
   implicit none
   private
-  public :: catch_signals, keep_memory, stop_requested, make_directory, rename_file, remove_file, truncate_file, &
+  public :: wait_passively, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
+    stop_requested, check_stop, make_directory, rename_file, remove_file, remove_directory, truncate_file, &
     path_kind, on_terminal, become_program
   public :: path_absent, path_file, path_directory
 
@@ -18,6 +19,17 @@ module hd_system
   interface
     subroutine catch_signals() bind(c, name='hd_catch_signals')
     end subroutine catch_signals
+    !> In a forked child: one thread, open locks.
+    subroutine renew_after_fork() bind(c, name='hd_renew_after_fork')
+    end subroutine renew_after_fork
+    subroutine watch_signals() bind(c, name='hd_watch_signals')
+    end subroutine watch_signals
+    integer(c_int) function unwatch_signals() bind(c, name='hd_unwatch_signals')
+      import :: c_int
+    end function unwatch_signals
+    !> Threads of OpenMP that wait sleep, from the program's start on; an environment that says otherwise is left alone.
+    subroutine wait_passively() bind(c, name='hd_wait_passively')
+    end subroutine wait_passively
     subroutine keep_memory() bind(c, name='hd_keep_memory')
     end subroutine keep_memory
     integer(c_int) function c_stop() bind(c, name='hd_stop_requested')
@@ -40,6 +52,10 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
     end function c_remove
+    integer(c_int) function c_rmdir(path) bind(c, name='hd_remove_directory')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_rmdir
     integer(c_int) function c_kind(path) bind(c, name='hd_path_kind')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -59,6 +75,12 @@ contains
   logical function stop_requested()
     stop_requested = c_stop() /= 0
   end function stop_requested
+
+  !> For loops that take long: an error where a stop has been asked for.
+  subroutine check_stop(error)
+    type(error_t), allocatable, intent(out) :: error  !< a signal was caught
+    if (stop_requested()) call raise(error, code_stopped, 'interrupted')
+  end subroutine check_stop
 
   !> Standard output is a terminal.
   logical function on_terminal()
@@ -94,16 +116,18 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< cannot be made
     integer(c_int) :: status
     status = c_mkdir(trim(path)//c_null_char)
-    if (path_kind(path) /= path_directory) &
+    if (path_kind(path) /= path_directory) then
       call raise(error, code_file, "cannot make the folder '"//trim(path)//"': choose another with --out DIR")
+    end if
   end subroutine make_directory
 
   !> Rename a file, replacing the target.
   subroutine rename_file(from, to, error)
     character(len=*), intent(in) :: from, to          !< paths
     type(error_t), allocatable, intent(out) :: error  !< cannot be renamed
-    if (c_rename(trim(from)//c_null_char, trim(to)//c_null_char) /= 0) &
+    if (c_rename(trim(from)//c_null_char, trim(to)//c_null_char) /= 0) then
       call raise(error, code_file, "cannot write '"//trim(to)//"'")
+    end if
   end subroutine rename_file
 
   !> Remove a file if it is there.
@@ -112,6 +136,13 @@ contains
     integer(c_int) :: status
     status = c_remove(trim(path)//c_null_char)
   end subroutine remove_file
+
+  !> Remove a folder if it is empty.
+  subroutine remove_directory(path)
+    character(len=*), intent(in) :: path  !< folder
+    integer(c_int) :: status
+    status = c_rmdir(trim(path)//c_null_char)
+  end subroutine remove_directory
 
   !> Cut a file to its first bytes.
   subroutine truncate_file(path, bytes, error)

@@ -5,7 +5,7 @@ module hd_text
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent
+  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent, split, is_utf8, unquoted
 
   !> One entry of a list of texts.
   type :: string_t
@@ -106,6 +106,46 @@ contains
     end do
   end function lower
 
+  !> A text without its quotes; a doubled quote within stands for one.
+  pure function unquoted(s) result(t)
+    character(len=*), intent(in) :: s  !< as in a namelist, quoted or not
+    character(len=:), allocatable :: t
+    integer :: i
+    t = s
+    if (scan(s(:min(1, len(s))), '''"') == 0) return
+    t = ''
+    i = 2
+    do while (i < len(s))
+      t = t//s(i:i)
+      if (s(i:i + 1) == s(1:1)//s(1:1)) i = i + 1
+      i = i + 1
+    end do
+  end function unquoted
+
+  !> Well-formed UTF-8 (RFC 3629; surrogates are let pass).
+  pure logical function is_utf8(s)
+    character(len=*), intent(in) :: s  !< bytes
+    integer :: i, k, n, byte
+    is_utf8 = .false.
+    i = 1
+    do while (i <= len(s))
+      byte = iachar(s(i:i))
+      select case (byte)
+      case (0:127); n = 0
+      case (194:223); n = 1
+      case (224:239); n = 2
+      case (240:244); n = 3
+      case default; return
+      end select
+      if (i + n > len(s)) return
+      do k = i + 1, i + n
+        if (iand(iachar(s(k:k)), 192) /= 128) return
+      end do
+      i = i + n + 1
+    end do
+    is_utf8 = .true.
+  end function is_utf8
+
   !> Append a text to a list. (An array constructor of texts is miscompiled by gfortran 12.)
   pure subroutine push(list, s)
     type(string_t), allocatable, intent(inout) :: list(:)  !< grows by one; may be unallocated
@@ -178,4 +218,20 @@ contains
       text = to_text(nint(100 * x))//' %'
     end if
   end function percent
+
+  !> Parts of a text between commas.
+  pure function split(text) result(parts)
+    character(len=*), intent(in) :: text  !< text
+    type(string_t), allocatable :: parts(:)
+    integer :: first, comma
+    allocate (parts(0))
+    first = 1
+    do
+      comma = index(text(first:), ',')
+      if (comma == 0) exit
+      call push(parts, text(first:first + comma - 2))
+      first = first + comma
+    end do
+    call push(parts, text(first:))
+  end function split
 end module hd_text

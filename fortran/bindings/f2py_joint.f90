@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: the joint model. `p` holds e1, nu1, e2, nu2, nu_soft, hardness, D, G, gamma, r_m, mu, s_min, A_0
-! and 1 for the closure of the paper.
+! 1 for the closure of the paper, and 1 for plastic spots that unload elastically.
 
 !> Stiffness of facets; `derivatives` holds dK_N/dP, dK_T/dP, dK_T/dtau.
 subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
@@ -10,7 +10,7 @@ subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives,
   use hd_joint, only: joint_t, response_t, evaluate_joint
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(14)
+  real(c_double), intent(in) :: p(15)
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: pressure(n), shear(n), area(n)
   real(c_double), intent(out) :: k_n(n), k_t(n), s_l(n), derivatives(3, n)
@@ -42,6 +42,34 @@ subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives,
   call tell(error, status, message)
 end subroutine joint_facets
 
+!> The joint of a scene as the engine makes it, in the order of `p`. `assignments` holds lines 'group.key=value'.
+subroutine joint_of_scene(path, assignments, p, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_input, only: read_scene
+  use hd_joint, only: joint_t
+  use hd_scene, only: scene_t
+  use hd_scene_joint, only: scene_joint
+  use hd_status, only: tell, lines_of
+  implicit none
+  character(len=*), intent(in) :: path, assignments
+  real(c_double), intent(out) :: p(15)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  type(scene_t), allocatable :: s
+  type(joint_t) :: joint
+  p = 0
+  allocate (s)
+  call read_scene(path, lines_of(assignments), s, error)
+  if (.not. allocated(error)) call scene_joint(s, joint, error)
+  if (.not. allocated(error)) p = [s%flexspline_e, s%flexspline_nu, s%ring_e, s%ring_nu, s%flexspline_nu, &
+    joint%asperity%hardness, joint%d, s%roughness, s%gamma, joint%r_m, joint%mu, joint%s_min, joint%reference_area, &
+    merge(1._c_double, 0._c_double, [joint%paper, joint%plastic])]
+  call tell(error, status, message)
+end subroutine joint_of_scene
+
 !> Integrals of one surface at a given largest spot, by regime: load, normal and tangential stiffness; then psi, S_r.
 subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
@@ -50,7 +78,7 @@ subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   use hd_joint, only: joint_t, spots_at, joint_load, normal_stiffness, tangential_stiffness, real_area
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(14), s_l, tau
+  real(c_double), intent(in) :: p(15), s_l, tau
   real(c_double), intent(out) :: load(4), k_n(4), k_t(4), psi, s_r
   real(c_double) :: by_tau, by_spot
   integer(c_int), intent(out) :: status
@@ -79,7 +107,7 @@ subroutine asperity(p, eps, s, tau, smooth, properties, by_depth, by_area)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: asperity_t, new_asperity, asperity_by_depth, asperity_by_area
   implicit none
-  real(c_double), intent(in) :: p(14), eps, s, tau
+  real(c_double), intent(in) :: p(15), eps, s, tau
   integer(c_int), intent(in) :: smooth
   real(c_double), intent(out) :: properties(9), by_depth(3), by_area(3)
   type(asperity_t) :: a
@@ -96,11 +124,11 @@ subroutine joint_warnings(p, pressure, lines, status, message)
   use hd_flat_joint, only: flat_joint
   use hd_joint, only: joint_t
   use hd_joint_range, only: range_warnings
-  use hd_status, only: tell
+  use hd_status, only: tell, hand_over
   use hd_text, only: string_t, join
   implicit none
-  real(c_double), intent(in) :: p(14), pressure
-  character(len=2048), intent(out) :: lines
+  real(c_double), intent(in) :: p(15), pressure
+  character(len=8192), intent(out) :: lines
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(joint_t) :: joint
@@ -110,7 +138,7 @@ subroutine joint_warnings(p, pressure, lines, status, message)
   call flat_joint(p, joint, error)
   if (.not. allocated(error)) then
     call range_warnings(joint, pressure, list)
-    lines = join(list, new_line('a'))
+    call hand_over(join(list, new_line('a')), lines)
   end if
   call tell(error, status, message)
 end subroutine joint_warnings
@@ -124,7 +152,7 @@ subroutine joint_normal_law(p, zero_pressure, inverse, n, x, y, k, status, messa
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(14), zero_pressure
+  real(c_double), intent(in) :: p(15), zero_pressure
   integer(c_int), intent(in) :: inverse, n
   real(c_double), intent(in) :: x(n)
   real(c_double), intent(out) :: y(n), k(n)
@@ -155,7 +183,7 @@ subroutine joint_tangential_law(p, n, pressure, displacement, shear, k, slipping
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(14)
+  real(c_double), intent(in) :: p(15)
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: pressure(n), displacement(n)
   real(c_double), intent(out) :: shear(n), k(n)

@@ -130,24 +130,27 @@ subroutine surface_spectrum(z, nx, ny, dx, dy, radial, n, frequency, density, st
 end subroutine surface_spectrum
 
 !> Fit of one map (`other` of one point) or of the sum of two. Whole numbers: first lag, last lag, level, model, weighted, known,
-!> fit_noise, M, n_max, search. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, their covariance (9), rms,
-!> rms expected, misfit, chi2, freedom, tilt (2), verdict, size, intervals (8), ridges recognised: M (0 if none), n_max, gamma, L.
+!> fit_noise, M, n_max, band told. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, covariance (9), rms,
+!> rms expected, misfit, chi2, freedom, tilt (2), verdict, size, intervals (8), spectrum fitted (0, 1),
+!> spikes, holes, lines (0, 1); of the spectrum: probe, fold, f_lo, f_hi, accepted, scatter, tail, excess, shares of spikes and
+!> holes, D and window of a second range, deviance; power on both axes over that of rings. Rings: f, power, modes, model.
 !> Curves out, one column each: lag [m], S, S of the model, its standard error and that of a sample (of ln S), S_x, S_y.
-subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, numbers, curves, name, reason, status, message)
+subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, rows, numbers, curves, rings, name, reason, &
+    status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_error, only: error_t
-  use hd_expectation, only: spectrum_t
+  use hd_expectation, only: band_spectrum_t
   use hd_measurement, only: measure, measurement_t
   use hd_surface_fit, only: fit_options_t
   use hd_wave_sum, only: ridges_t
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: nx, ny, mx, my, columns
+  integer(c_int), intent(in) :: nx, ny, mx, my, columns, rows
   real(c_double), intent(in) :: z(nx, ny), other(mx, my)
   real(c_double), intent(in) :: dx, dy, reals(5)
   integer(c_int), intent(in) :: whole(10)
-  real(c_double), intent(out) :: numbers(33), curves(columns, 7)
+  real(c_double), intent(out) :: numbers(52), curves(columns, 7), rings(rows, 4)
   character(len=32), intent(out) :: name
   character(len=512), intent(out) :: reason
   integer(c_int), intent(out) :: status
@@ -157,19 +160,35 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, 
   !f2py threadsafe
   type(error_t), allocatable :: error
   type(measurement_t) :: m
-  integer :: n
+  integer :: n, k
   numbers = ieee_value(dx, ieee_quiet_nan)
   curves = ieee_value(dx, ieee_quiet_nan)
+  rings = ieee_value(dx, ieee_quiet_nan)
   numbers([21, 30]) = 0
   name = ''
   reason = ''
   call measure(z, other, dx, dy, whole(1), whole(2), whole(3) > 0, &
-    spectrum_t(whole(4), reals(1), reals(2), ridges_t(reals(3), whole(8), whole(9), reals(4))), &
+    band_spectrum_t(whole(4), reals(1), reals(2), ridges_t(reals(3), whole(8), whole(9), reals(4))), &
     fit_options_t(whole(5) > 0, whole(6) > 0, whole(7) > 0, reals(5), whole(10) > 0), m, error)
   if (.not. allocated(error)) then
     n = min(size(m%o%s), columns)
     numbers(18:21) = [m%tilt, real(m%verdict%kind, c_double), real(n, c_double)]
-    if (m%recognised) numbers(30:33) = [real(c_double) :: m%ridges%count, m%ridges%n_max, m%ridges%gamma, m%ridges%length]
+    associate (b => m%blind, f => m%blind%fit)
+      if (allocated(b%rings%f)) then
+        numbers(31:33) = [real(c_double) :: b%spikes, b%holes, merge(1, 0, m%of_lines)]
+        numbers(48:49) = b%rings%axis
+        k = min(rows, size(b%rings%f))
+        rings(:k, 1) = b%rings%f(:k)
+        rings(:k, 2) = b%rings%p(:k)
+        rings(:k, 3) = b%rings%m(:k)
+        if (f%last > 0 .and. .not. m%of_lines) then
+          numbers(30) = 1
+          numbers(34:47) = [real(c_double) :: f%probe, f%fold, f%f_lo, f%f_hi, merge(1, 0, f%accepted), f%scatter, b%tail, &
+            b%excess, b%spike_share, b%hole_share, b%above%d, b%above%f_lo, b%above%f_hi, f%deviance]
+          rings(f%first:min(k, f%last), 4) = f%model(:min(k, f%last) - f%first + 1)
+        end if
+      end if
+    end associate
     curves(:n, 1) = m%o%tau(:n)
     curves(:n, 2) = m%o%s(:n)
     curves(:size(m%o%s_x), 6) = m%o%s_x
@@ -193,7 +212,7 @@ subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_band_integral, only: band_integral
   use hd_error, only: error_t
-  use hd_expectation, only: spectrum_t, check_spectrum
+  use hd_expectation, only: band_spectrum_t, check_spectrum
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: model, n
@@ -205,7 +224,7 @@ subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
   !f2py threadsafe
   type(error_t), allocatable :: error
   s = 0
-  call check_spectrum(spectrum_t(model, f_lo, f_hi), error)
+  call check_spectrum(band_spectrum_t(model, f_lo, f_hi), error)
   if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
   call tell(error, status, message)
 end subroutine structure_expected

@@ -6,10 +6,9 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_input, only: read_scene
-  use hd_job, only: resume_run
-  use hd_planner, only: new_planned_run
+  use hd_open_run, only: open_run
   use hd_registry, only: put_run, drop_run
-  use hd_run, only: run_t, new_run
+  use hd_run, only: run_t
   use hd_scene, only: scene_t
   use hd_status, only: tell, lines_of
   use hd_text, only: string_t
@@ -29,13 +28,7 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   call read_scene(path, lines, scene, error)
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
-    if (scene%promise > 0) then
-      call new_planned_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, error)
-    else if (resume /= 0) then
-      call resume_run(scene, trim(path), trim(folder), run, error)
-    else
-      call new_run(scene, trim(path), trim(folder), force /= 0, run, error)
-    end if
+    call open_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, error)
     if (allocated(error)) call drop_run(handle)
   end if
   call tell(error, status, message)
@@ -71,7 +64,7 @@ subroutine run_advance(handle, done, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_registry, only: find_run
-  use hd_load_step, only: advance
+  use hd_load_step, only: solve_step
   use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
@@ -84,21 +77,30 @@ subroutine run_advance(handle, done, status, message)
   logical :: last
   last = .true.
   call find_run(handle, run, error)
-  if (.not. allocated(error)) call advance(run, last, error)
+  if (.not. allocated(error)) call solve_step(run, last, error)
   done = merge(1, 0, last)
   call tell(error, status, message)
 end subroutine run_advance
 
-!> Sums of the last converged step, in the order of python/hdengine/contact.py.
-subroutine run_sums(handle, sums, status, message)
+!> Names of the sums that every run gives, in their order, parted by commas.
+subroutine run_sum_names(text)
+  use hd_facets, only: sum_names
+  implicit none
+  character(len=2048), intent(out) :: text
+  text = sum_names
+end subroutine run_sum_names
+
+!> Sums of the last converged step: number, 1 under torque, load factor, torque, those of run_sum_names, iterations, seconds.
+subroutine run_sums(handle, n, sums, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
+  use hd_facets, only: sum_values
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: handle
-  real(c_double), intent(out) :: sums(15)
+  integer(c_int), intent(in) :: handle, n
+  real(c_double), intent(out) :: sums(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
@@ -106,61 +108,59 @@ subroutine run_sums(handle, sums, status, message)
   sums = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    associate (s => run%sums)
-      sums = [real(run%step%number, c_double), merge(1._c_double, 0._c_double, run%step%phase == 'torque'), &
-        run%step%load_factor, run%step%torque, s%rotation, s%normal_force, s%lobe_force_x, s%contact_area, s%pressure_max, &
-        s%pressure_middle, s%friction_torque, s%friction_capacity, s%torque_balance, real(run%step%iterations, c_double), &
-        run%step%seconds]
-    end associate
+    sums(:4) = [real(run%step%number, c_double), merge(1._c_double, 0._c_double, run%step%phase == 'torque'), &
+      run%step%load_factor, run%step%torque]
+    sums(5:n - 2) = sum_values(run%sums)
+    sums(n - 1:) = [real(run%step%iterations, c_double), run%step%seconds]
   end if
   call tell(error, status, message)
 end subroutine run_sums
 
-!> Facet fields of the last converged step, one column each, in the order of python/hdengine/contact.py.
-subroutine run_facets(handle, n, fields, status, message)
+!> Names of the fields of a facet, in their order, parted by commas.
+subroutine run_facet_names(text)
+  use hd_facets, only: facet_names
+  implicit none
+  character(len=2048), intent(out) :: text
+  text = facet_names
+end subroutine run_facet_names
+
+!> Facet fields of the last converged step, one column for each of run_facet_names.
+subroutine run_facets(handle, n, columns, fields, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
+  use hd_facets, only: facet_row
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: handle, n
-  real(c_double), intent(out) :: fields(n, 25)
+  integer(c_int), intent(in) :: handle, n, columns
+  real(c_double), intent(out) :: fields(n, columns)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
   type(run_t), pointer :: run
+  integer :: f
   fields = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
     if (run%record%steps > 0) then
-      associate (f => run%facets)
-        fields(:, 1) = f%theta
-        fields(:, 2:4) = transpose(f%x)
-        fields(:, 5:7) = transpose(f%normal)
-        fields(:, 8) = f%area
-        fields(:, 9) = f%gap
-        fields(:, 10:12) = transpose(f%traction)
-        fields(:, 13:14) = transpose(f%slip)
-        fields(:, 15) = f%state
-        fields(:, 16) = f%k_n
-        fields(:, 17) = f%k_t
-        fields(:, 18:) = transpose(reshape(f%corner, [8, n]))
-      end associate
+      do f = 1, n
+        fields(f, :) = facet_row(run%facets, f)
+      end do
     end if
   end if
   call tell(error, status, message)
 end subroutine run_facets
 
-!> Write what remains to be written and forget the run.
-subroutine run_close(handle, status, message)
+!> Write what remains to be written and forget the run; `interrupted`: a signal came between two load steps.
+subroutine run_close(handle, interrupted, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_registry, only: find_run, drop_run
-  use hd_run, only: run_t, finish
+  use hd_run, only: run_t, close_run
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: handle
+  integer(c_int), intent(in) :: handle, interrupted
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py threadsafe
@@ -168,7 +168,7 @@ subroutine run_close(handle, status, message)
   type(run_t), pointer :: run
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    call finish(run, error)
+    call close_run(run, error, interrupted /= 0)
     call drop_run(handle)
   end if
   call tell(error, status, message)
@@ -178,7 +178,7 @@ end subroutine run_close
 subroutine model_forget(status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_kept, only: forget_model
+  use hd_model_cache, only: forget_model
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(out) :: status

@@ -218,7 +218,7 @@ subroutine surface_run(path, assignments, folder, force, ran, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_input, only: read_scene
-  use hd_map_run, only: run_map
+  use hd_surface_run, only: run_surface
   use hd_scene, only: scene_t
   use hd_status, only: tell, lines_of
   use hd_text, only: string_t
@@ -235,9 +235,9 @@ subroutine surface_run(path, assignments, folder, force, ran, status, message)
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
-  if (.not. allocated(error) .and. scene%map_only) then
+  if (.not. allocated(error) .and. scene%surface_only) then
     ran = 1
-    call run_map(scene, trim(path), trim(folder), force /= 0, error)
+    call run_surface(scene, trim(path), trim(folder), force /= 0, error)
   end if
   call tell(error, status, message)
 end subroutine surface_run

@@ -31,8 +31,9 @@ contains
     g = grid_t(nx, ny, grid(1), grid(2), grid(3), grid(4))
     call count_waves(s, n_max, waves, error)
     if (.not. allocated(error)) call checked_grid(g, error)
-    if (.not. allocated(error)) &
+    if (.not. allocated(error)) then
       call choose_method(nx, ny, waves, (n_max + 1_i8) * (ridges / 2 + 1), tolerance, bytes, wanted, method, error)
+    end if
   end subroutine read_entry
 
   !> Grid and method of free waves.
@@ -47,7 +48,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
     g = grid_t(nx, ny, grid(1), grid(2), grid(3), grid(4))
     call checked_grid(g, error)
-    if (.not. allocated(error)) &
+    if (.not. allocated(error)) then
       call choose_method(nx, ny, int(count, i8), int(count, i8), tolerance, 8, wanted, method, error)
+    end if
   end subroutine read_free
 end module hd_flat_surface

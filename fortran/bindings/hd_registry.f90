@@ -1,18 +1,21 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Runs that Python holds by an integer handle; a stale handle is an error, not a crash.
+!> Runs and locks that Python holds by an integer handle; a stale handle is an error, not a crash.
 module hd_registry
   use hd_error, only: error_t, raise, code_input
+  use hd_folder_lock, only: folder_lock_t
   use hd_run, only: run_t
   use hd_text, only: to_text
   implicit none
   private
-  public :: put_run, find_run, drop_run
+  public :: put_run, find_run, drop_run, put_lock, drop_lock, leave_locks
 
   integer, parameter :: capacity = 64   !< runs open at the same time
   type :: slot_t
     type(run_t), allocatable :: run
   end type slot_t
   type(slot_t), save, target :: slots(capacity)
+  type(folder_lock_t), save :: locks(capacity)
+  logical, save :: taken(capacity) = .false.
 
 contains
 
@@ -49,4 +52,35 @@ contains
     if (handle < 1 .or. handle > capacity) return
     if (allocated(slots(handle)%run)) deallocate (slots(handle)%run)
   end subroutine drop_run
+
+  !> Take the lock of a folder.
+  subroutine put_lock(folder, handle, error)
+    character(len=*), intent(in) :: folder            !< folder
+    integer, intent(out) :: handle                    !< of the lock
+    type(error_t), allocatable, intent(out) :: error  !< too many, held by another process
+    handle = findloc(taken, .false., 1)
+    if (handle == 0) then
+      call raise(error, code_input, to_text(capacity)//' folders are locked')
+    else
+      call locks(handle)%take(folder, error)
+      taken(handle) = .not. allocated(error)
+    end if
+  end subroutine put_lock
+
+  !> In a forked child: let go of all locks, which stay the parent's.
+  subroutine leave_locks()
+    integer :: i
+    do i = 1, capacity
+      call drop_lock(i)
+      if (allocated(slots(i)%run)) call slots(i)%run%lock%give()
+    end do
+  end subroutine leave_locks
+
+  !> Give a lock back.
+  subroutine drop_lock(handle)
+    integer, intent(in) :: handle  !< of the lock
+    if (handle < 1 .or. handle > capacity) return
+    if (taken(handle)) call locks(handle)%give()
+    taken(handle) = .false.
+  end subroutine drop_lock
 end module hd_registry

@@ -1,12 +1,15 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Error values as status and message, for procedures called from Python.
+!> Error values as status and message, for procedures called from Python. Of a text longer than its argument Python asks for the
+!> rest: the whole stands here until the next one.
 module hd_status
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_text, only: string_t, push
   use hd_error, only: error_t, code_done
   implicit none
   private
-  public :: tell, lines_of
+  public :: tell, hand_over, part_of_text, lines_of
+
+  character(len=:), allocatable, save :: last   !< text handed over last; Python's lock keeps calls apart
 
 contains
 
@@ -19,8 +22,24 @@ contains
     message = ''
     if (.not. allocated(error)) return
     status = error%code
-    message = error%message
+    call hand_over(error%message, message)
   end subroutine tell
+
+  !> Begin of a text, as much as fits.
+  subroutine hand_over(whole, text)
+    character(len=*), intent(in) :: whole   !< text of any length
+    character(len=*), intent(out) :: text   !< its begin
+    last = whole
+    text = whole
+  end subroutine hand_over
+
+  !> A part of the text that was handed over last.
+  subroutine part_of_text(first, text)
+    integer, intent(in) :: first            !< its first character
+    character(len=*), intent(out) :: text   !< from there, blank behind the end
+    text = ''
+    if (allocated(last)) text = last(min(first, len(last) + 1):)
+  end subroutine part_of_text
 
   !> Lines of a text that are not blank.
   function lines_of(text) result(lines)

@@ -12,13 +12,14 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
-    apply_stiffness, pair_bodies
+    apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
+  use hd_system, only: check_stop
   implicit none
   private
-  public :: newton_options_t, iteration_t, iterate, respond
+  public :: newton_options_t, iteration_t, iterate, respond, idle_components
 
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
@@ -47,6 +48,7 @@ module hd_newton
     logical, allocatable :: idle(:, :)   !< components whose dofs are all prescribed: their traction stays 0
     real(dp) :: merit = 0                !< relative residual
     real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
+    real(dp) :: stiffness = 0            !< largest of the bodies, for what rounding leaves of forces that cancel [N/m]
     type(contact_law_t) :: law           !< the law, softened or not
     real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
     real(dp), allocatable :: lead(:, :)   !< shear where points slip when the step begins, else 0 (2, multipliers) [Pa]
@@ -68,6 +70,7 @@ module hd_newton
     logical :: damped = .false.            !< the line search is on from here on
   end type globalisation_t
 
+  real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
@@ -168,13 +171,15 @@ contains
     if (allocated(error)) return
     guess = state
     call update_tangent(problem, guess%u)
-    where (problem%fixed) state%u = load%displacement
+    call prescribe(problem, load, state%u)
     du = state%u
     dt = state%traction
+    here%stiffness = largest_stiffness(problem)
     call linearise(problem, load, previous, state, here)
     ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
-    if (allocated(problem%lagrangian)) &
+    if (allocated(problem%lagrangian)) then
       here%r_u = internal_residual(problem, load, guess) + apply_stiffness(problem, state%u - guess%u)
+    end if
     do
       call system_clock(now)
       row%residual = here%merit
@@ -184,6 +189,8 @@ contains
       row%slip = count(here%contact == slip_state)
       row%seconds = real(now - start, dp)/rate
       history = [history, row]
+      call check_stop(error)
+      if (allocated(error)) return
       state%contact = here%contact
       sliding = here%merit < merge(1e-3_dp, 1e-6_dp, row%open == problem%mortar%n) .and. &
         maxval(abs(state%u)) > options%runaway
@@ -193,18 +200,33 @@ contains
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
+      call update_struts(problem, load, state%u, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
-      if (allocated(problem%pairing) .and. .not. search) &  ! pairs still move, or little is left to do
+      if (allocated(problem%pairing) .and. .not. search) then
+        ! pairs still move, or little is left to do
         solver%accuracy = max(solver%accuracy, min(1e-3_dp, 1e-2_dp*here%merit), min(0.1_dp, 0.1_dp*options%tolerance/here%merit))
+      end if
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
       if (allocated(error) .or. .not. row%linear < useless) return
       row%iteration = row%iteration + 1
-      call advance(problem, load, previous, du, dt, search, state, here, row%damping)
+      call take_newton_step(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
   end subroutine settle
+
+  !> Enter the values of the fixed dofs; a bottom that turns keeps its turn.
+  pure subroutine prescribe(problem, load, u)
+    type(problem_t), intent(in) :: problem   !< problem
+    type(load_t), intent(in) :: load         !< load
+    real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
+    real(dp) :: turn
+    turn = 0
+    if (allocated(problem%hub)) turn = u(2, problem%hub(1))
+    where (problem%fixed) u = load%displacement
+    if (allocated(problem%hub)) u(2, problem%hub) = turn
+  end subroutine prescribe
 
   !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
   subroutine respond(problem, solver, load, factorise, state, error)
@@ -312,7 +334,7 @@ contains
   end subroutine forget
 
   !> Take the Newton step, shortened where that lowers the residual if `search` is set.
-  subroutine advance(problem, load, previous, du, dt, search, state, here, damping)
+  subroutine take_newton_step(problem, load, previous, du, dt, search, state, here, damping)
     type(problem_t), intent(in) :: problem            !< problem
     type(load_t), intent(in) :: load                  !< load
     type(state_t), intent(in) :: previous             !< beginning of the load step
@@ -345,7 +367,7 @@ contains
     state%u = old%u + damping*du
     state%traction = old%traction + damping*dt
     call linearise(problem, load, previous, state, here)
-  end subroutine advance
+  end subroutine take_newton_step
 
   !> Residuals, derivatives of the law and the relative residual of an iterate.
   subroutine linearise(problem, load, previous, state, here)
@@ -362,6 +384,7 @@ contains
         here%contact(problem%mortar%n))
       here%idle = idle_components(problem)
       here%law = problem%law
+      here%law%friction = load%friction
       here%anchor = previous%traction
       here%lead = leads(previous)
     end if
@@ -387,7 +410,10 @@ contains
     call add_nodal_forces(problem%mortar, state%traction, force)
     law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
     scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
+    if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
+    scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
+    if (problem%turning) here%distance = hypot(here%distance, sum(here%r_u(2, problem%hub)))
     here%merit = here%distance/scale
   end subroutine linearise
 

@@ -10,10 +10,12 @@ module hd_problem
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
+  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, strut_energy
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, &
-    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies
+    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
+    strut_closings, strut_forces, stored_energy
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -31,6 +33,13 @@ module hd_problem
     type(mortar_t) :: mortar                   !< interface
     type(pairing_t), allocatable :: pairing    !< faces of the interface, if they are paired anew as they move
     type(contact_law_t) :: law                 !< its law
+    type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
+    real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
+    integer, allocatable :: loose(:)           !< bodies that only contact and struts hold in some rigid motions:
+    integer :: loose_from = 1                  !< of x, y, turn about the axis those from here on
+    integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
+                                               !< dofs are fixed, and so is this one for whoever does not know of it
+    logical :: turning = .false.               !< they may turn; else they are held
   end type problem_t
 
   !> What a load step prescribes.
@@ -38,6 +47,8 @@ module hd_problem
     real(dp), allocatable :: displacement(:, :)  !< values of the fixed dofs (3, n) [m]
     real(dp), allocatable :: force(:, :)         !< nodal forces (3, n) [N]
     real(dp), allocatable :: gap(:)              !< initial gap (multipliers), negative for interference [m]
+    real(dp) :: friction = 0                     !< Coulomb coefficient of the step
+    real(dp), allocatable :: closing(:)          !< offsets of the struts [m]
   end type load_t
 
   !> Fields of a converged step (or an iterate).
@@ -47,6 +58,7 @@ module hd_problem
     real(dp), allocatable :: slip(:, :)      !< relative tangential displacement (2, multipliers) [m]
     real(dp), allocatable :: gap(:)          !< gap (multipliers) [m]
     integer, allocatable :: contact(:)       !< open, stick or slip (multipliers)
+    real(dp), allocatable :: touch(:)        !< offsets of struts that are there from a state on; none before it [m]
   end type state_t
 
 contains
@@ -160,10 +172,24 @@ contains
     allocate (state%slip(2, problem%mortar%n), source=0._dp)
     allocate (state%gap(problem%mortar%n), source=0._dp)
     allocate (state%contact(problem%mortar%n), source=0)
+    allocate (state%touch(0))
   end subroutine new_state
 
-  !> K u: forces of bodies and springs under small displacements [N]; with large displacements those of the present tangent.
+  !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
   function apply_stiffness(problem, u) result(f)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: f(3, problem%n)
+    integer :: i
+    f = elastic_forces(problem, u)
+    if (.not. allocated(problem%struts)) return
+    do i = 1, size(problem%struts)
+      if (problem%strut_rate(i) > 0) call push(problem%struts(i), problem%strut_rate(i)*closing_of(problem%struts(i), u), f)
+    end do
+  end function apply_stiffness
+
+  !> The same without struts.
+  function elastic_forces(problem, u) result(f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(3, problem%n)
@@ -178,7 +204,7 @@ contains
         call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
       end associate
     end do
-  end function apply_stiffness
+  end function elastic_forces
 
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
@@ -200,15 +226,81 @@ contains
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
     real(dp) :: r(3, problem%n), f(3, problem%n)
+    real(dp), allocatable :: forces(:)
+    integer :: i
     f = load%force
     call add_nodal_forces(problem%mortar, state%traction, f)
+    if (allocated(problem%struts)) then
+      forces = strut_forces(problem, load, state%u)
+      do i = 1, size(forces)
+        if (forces(i) > 0) call push(problem%struts(i), -forces(i), f)
+      end do
+    end if
     if (allocated(problem%lagrangian)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
       r = r + problem%spring*state%u - f
     else
-      r = apply_stiffness(problem, state%u) - f
+      r = elastic_forces(problem, state%u) - f
     end if
   end function internal_residual
+
+  !> Closings of the struts [m].
+  pure function strut_closings(problem, load, u) result(c)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    type(load_t), intent(in) :: load        !< load
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: c(size(problem%struts))
+    integer :: i
+    c = load%closing
+    do i = 1, size(c)
+      if (c(i) > -1) c(i) = c(i) + closing_of(problem%struts(i), u)
+    end do
+  end function strut_closings
+
+  !> Forces of the struts [N].
+  pure function strut_forces(problem, load, u) result(f)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    type(load_t), intent(in) :: load        !< load
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: f(size(problem%struts))
+    f = strut_force(problem%struts, strut_closings(problem, load, u))
+  end function strut_forces
+
+  !> Bring the tangents of the struts up to date. While no flank pushes, those that the torque nears to it first count as if they
+  !> did, with the pull that this means: a bottom that nothing holds would turn far in one step of Newton's method, and rub the
+  !> contact into a state far from the solution.
+  subroutine update_struts(problem, load, u, r)
+    type(problem_t), intent(inout) :: problem  !< gets strut_rate
+    type(load_t), intent(in) :: load           !< load
+    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    real(dp), intent(inout), optional :: r(:, :)  !< out-of-balance forces (3, n), get that pull; absent: none counts ahead [N]
+    integer :: i
+    real(dp), parameter :: near = 1e-6_dp  !< [m]
+    real(dp), allocatable :: closing(:)
+    logical, allocatable :: flank(:)
+    if (.not. allocated(problem%struts)) return
+    closing = strut_closings(problem, load, u)
+    problem%strut_rate = strut_tangent(problem%struts, closing)
+    if (.not. present(r)) return
+    flank = problem%struts%power < 1.25_dp .and. closing > -1
+    if (.not. any(flank) .or. any(flank .and. problem%strut_rate > 0) .or. .not. problem%turning) return
+    do i = 1, size(closing)
+      flank(i) = flank(i) .and. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0
+    end do
+    do i = 1, size(closing)
+      if (.not. flank(i) .or. closing(i) < maxval(closing, mask=flank) - near) cycle
+      problem%strut_rate(i) = problem%struts(i)%rate
+      call push(problem%struts(i), problem%strut_rate(i)*closing(i), r)
+    end do
+  end subroutine update_struts
+
+  !> Energy that bodies and struts store under small displacements [J].
+  real(dp) function stored_energy(problem, load, u) result(e)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    type(load_t), intent(in) :: load        !< load
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    e = sum(u*elastic_forces(problem, u))/2 + sum(strut_energy(problem%struts, strut_closings(problem, load, u)))
+  end function stored_energy
 
   !> Allow large displacements from here on.
   subroutine use_lagrangian(problem, error)

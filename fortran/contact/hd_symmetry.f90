@@ -23,8 +23,8 @@ module hd_symmetry
 
   !> Multipliers whose law counts for their images: rounding would close a point and open its image.
   type :: sharing_t
-    integer, allocatable :: agent(:)      !< multiplier that counts for each one; unallocated without symmetry
-    real(dp), allocatable :: sign(:, :)   !< of the components against the agent's (3, multipliers)
+    integer, allocatable :: representative(:)      !< multiplier that counts for each one; unallocated without symmetry
+    real(dp), allocatable :: sign(:, :)   !< of the components against the representative's (3, multipliers)
     logical, allocatable :: on_plane(:)   !< their own mirror images
   contains
     procedure :: take_law
@@ -91,7 +91,7 @@ contains
     type(problem_t), intent(in) :: problem  !< revolved bodies, supports the same in every sector
     type(load_t), intent(in) :: load        !< load at the end of the step
     type(state_t), intent(in) :: state      !< state at its beginning
-    if (.not. all(problem%bodies%revolved)) return
+    if (.not. all(problem%bodies%revolved) .or. allocated(problem%struts)) return
     symmetry%half_turn = holds(problem, load, state, 0)
     if (holds(problem, load, state, 1)) then
       symmetry%mirror = 1
@@ -171,24 +171,24 @@ contains
   end subroutine symmetrise
 
   !> The first of its images stands for every node.
-  pure subroutine choose_agents(problem, symmetry, agent, turned, on_plane)
+  pure subroutine choose_agents(problem, symmetry, representative, turned, on_plane)
     type(problem_t), intent(in) :: problem    !< problem
     type(symmetry_t), intent(in) :: symmetry  !< in use
-    integer, intent(out) :: agent(:)          !< node that stands for each node, itself for some (n)
-    logical, intent(out) :: turned(:)         !< mirrored against its agent (n)
+    integer, intent(out) :: representative(:)          !< node that stands for each node, itself for some (n)
+    logical, intent(out) :: turned(:)         !< mirrored against its representative (n)
     logical, intent(out) :: on_plane(:)       !< its own mirror image (n)
     integer :: image(problem%n), a, pass
-    agent = [(a, a=1, problem%n)]
+    representative = [(a, a=1, problem%n)]
     turned = .false.
     on_plane = .false.
-    if (symmetry%half_turn) agent = min(agent, node_images(problem, 0))
+    if (symmetry%half_turn) representative = min(representative, node_images(problem, 0))
     if (symmetry%mirror == 0) return
     image = node_images(problem, symmetry%mirror)
     do pass = 1, merge(2, 1, symmetry%half_turn)
       if (pass == 2) image = image(node_images(problem, 0))
       on_plane = on_plane .or. image == [(a, a=1, problem%n)]
-      turned = turned .or. image < agent
-      agent = min(agent, image)
+      turned = turned .or. image < representative
+      representative = min(representative, image)
     end do
   end subroutine choose_agents
 
@@ -197,13 +197,13 @@ contains
     type(problem_t), intent(in) :: problem    !< problem
     type(symmetry_t), intent(in) :: symmetry  !< of the load step
     type(sharing_t), intent(out) :: sharing   !< who counts for whom
-    integer :: agent(problem%n), number(problem%n), j
+    integer :: representative(problem%n), number(problem%n), j
     logical :: turned(problem%n), on_plane(problem%n)
     if (symmetry%order() == 1) return
-    call choose_agents(problem, symmetry, agent, turned, on_plane)
+    call choose_agents(problem, symmetry, representative, turned, on_plane)
     associate (node => problem%mortar%node, n => problem%mortar%n)
       number(node) = [(j, j=1, n)]
-      sharing%agent = number(agent(node))
+      sharing%representative = number(representative(node))
       sharing%sign = spread(mirror_sign, 2, n)
       where (spread(.not. turned(node), 1, 3)) sharing%sign = 1
       sharing%on_plane = on_plane(node)
@@ -216,10 +216,10 @@ contains
     real(dp), intent(inout) :: dw(:, :, :)          !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(inout) :: dt(:, :, :)          !< dR/dt (3, 3, multipliers)
     integer :: j
-    if (.not. allocated(self%agent)) return
-    do j = 1, size(self%agent)  ! an agent is not behind its images
-      dw(:, :, j) = dw(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
-      dt(:, :, j) = dt(:, :, self%agent(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+    if (.not. allocated(self%representative)) return
+    do j = 1, size(self%representative)  ! an representative is not behind its images
+      dw(:, :, j) = dw(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+      dt(:, :, j) = dt(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
     end do
   end subroutine take_law
 

@@ -3,12 +3,13 @@
 !>
 !> (A compiler's own reader answers "End of file" to most mistakes, and names the wrong line for others.)
 module hd_namelist
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_error, only: error_t, raise, code_file
-  use hd_system, only: path_kind, path_directory, path_absent
-  use hd_text, only: string_t, push, to_text, lower
+  use hd_system, only: path_kind, path_directory, path_absent, path_file
+  use hd_text, only: string_t, push, join, to_text, lower, is_utf8
   implicit none
   private
-  public :: assignment_t, namelist_t, read_namelist, report
+  public :: assignment_t, namelist_t, read_namelist, report, faults_text
 
   !> One `key = values` of the file.
   type :: assignment_t
@@ -21,17 +22,23 @@ module hd_namelist
   !> A scanned file.
   type :: namelist_t
     character(len=:), allocatable :: path
-    type(string_t), allocatable :: lines(:)
+    character(len=:), allocatable :: text          !< the whole file, blanks for tabs and carriage returns
+    integer, allocatable :: first(:)               !< place of each line in it, and of the line behind the last
     type(assignment_t), allocatable :: assignments(:)
     type(assignment_t), allocatable :: groups(:)   !< group headers
-    type(string_t), allocatable :: faults(:)       !< rendered mistakes
+    type(string_t), allocatable :: faults(:)       !< rendered mistakes, the first of them
+    integer :: more = 0                            !< mistakes beyond those
   end type namelist_t
 
   type :: token_t
-    character(len=:), allocatable :: s
     character(len=1) :: kind = ' '   !< & group, w word, = equals, / end
+    integer :: first = 1, last = 0   !< place in the text
     integer :: line = 0, column = 0
   end type token_t
+
+  integer(int64), parameter :: most_bytes = 2_int64**30  !< of an input file
+  integer, parameter :: most_faults = 400                !< that are told one by one
+  integer, parameter :: widest = 200                     !< characters of a line that a fault shows
 
 contains
 
@@ -41,115 +48,160 @@ contains
     type(namelist_t), intent(out) :: list             !< assignments and faults
     type(error_t), allocatable, intent(out) :: error  !< file cannot be read
     type(token_t), allocatable :: tokens(:)
+    integer :: n
     list%path = path
-    allocate (list%lines(0), list%assignments(0), list%groups(0), list%faults(0))
-    call read_lines(path, list%lines, error)
+    allocate (list%assignments(0), list%groups(0), list%faults(0), list%first(1))
+    list%text = ''
+    list%first = 1
+    call read_text(path, list%text, error)
     if (allocated(error)) return
-    call tokenize(list, tokens)
-    call parse(list, tokens)
+    call find_lines(list)
+    call tokenize(list, tokens, n)
+    call parse(list, tokens(:n))
   end subroutine read_namelist
 
-  !> Lines of a text file; carriage returns, tabs and a byte-order mark are removed.
-  subroutine read_lines(path, lines, error)
-    character(len=*), intent(in) :: path                       !< file
-    type(string_t), allocatable, intent(inout) :: lines(:)     !< lines
-    type(error_t), allocatable, intent(out) :: error           !< cannot be read
-    character(len=4096) :: buffer
-    integer :: unit, status, i
-    if (path_kind(path) == path_absent) then
+  !> A whole text file.
+  subroutine read_text(path, text, error)
+    character(len=*), intent(in) :: path                        !< file
+    character(len=:), allocatable, intent(inout) :: text        !< its bytes
+    type(error_t), allocatable, intent(out) :: error            !< cannot be read
+    integer :: unit, status
+    integer(int64) :: bytes
+    select case (path_kind(path))
+    case (path_absent)
       call raise(error, code_file, "input file '"//path//"' does not exist")
       return
-    else if (path_kind(path) == path_directory) then
+    case (path_file)
+    case (path_directory)
       call raise(error, code_file, "'"//path//"' is a folder, not an input file")
       return
-    end if
-    open (newunit=unit, file=path, action='read', status='old', iostat=status)
-    if (status /= 0) then
-      call raise(error, code_file, "input file '"//path//"' cannot be read")
+    case default
+      call raise(error, code_file, "'"//path//"' is no file that can be read twice, as an input must be: copy it into one")
+      return
+    end select
+    open (newunit=unit, file=path, action='read', status='old', access='stream', form='unformatted', iostat=status)
+    if (status == 0) inquire (unit=unit, size=bytes)
+    if (status == 0 .and. bytes > most_bytes) then
+      call raise(error, code_file, "input file '"//path//"' holds "//to_text(bytes)//' bytes; valid: up to '//to_text(most_bytes))
+      close (unit)
       return
     end if
-    do
-      read (unit, '(a)', iostat=status) buffer
-      if (status /= 0) exit
-      do i = 1, len_trim(buffer)
-        if (buffer(i:i) == achar(9) .or. buffer(i:i) == achar(13)) buffer(i:i) = ' '
-      end do
-      if (size(lines) == 0 .and. buffer(1:3) == char(239)//char(187)//char(191)) buffer = buffer(4:)
-      call push(lines, trim(buffer))
+    if (status == 0) then
+      deallocate (text)
+      allocate (character(len=bytes) :: text)
+      if (bytes > 0) read (unit, iostat=status) text
+      close (unit)
+    end if
+    if (status /= 0) call raise(error, code_file, "input file '"//path//"' cannot be read")
+  end subroutine read_text
+
+  !> Where the lines begin; carriage returns, tabs and a byte-order mark become blanks.
+  subroutine find_lines(list)
+    type(namelist_t), intent(inout) :: list  !< file
+    integer :: i, n
+    associate (s => list%text)
+      if (len(s) >= 3) then
+        if (s(:3) == char(239)//char(187)//char(191)) list%text = s(4:)
+      end if
+    end associate
+    n = 1
+    do i = 1, len(list%text)
+      select case (list%text(i:i))
+      case (achar(10)); n = n + 1
+      case (achar(9), achar(13)); list%text(i:i) = ' '
+      end select
     end do
-    close (unit)
-  end subroutine read_lines
+    deallocate (list%first)
+    allocate (list%first(n + 1))
+    list%first(1) = 1
+    n = 1
+    do i = 1, len(list%text)
+      if (list%text(i:i) /= achar(10)) cycle
+      n = n + 1
+      list%first(n) = i + 1
+    end do
+    list%first(n + 1) = len(list%text) + 2
+  end subroutine find_lines
 
   !> Cut the lines into tokens.
-  subroutine tokenize(list, tokens)
+  subroutine tokenize(list, tokens, count)
     type(namelist_t), intent(inout) :: list               !< file
-    type(token_t), allocatable, intent(out) :: tokens(:)  !< its tokens
+    type(token_t), allocatable, intent(out) :: tokens(:)  !< its tokens, and room behind them
+    integer, intent(out) :: count                         !< of the tokens
     integer :: l, i, j, n
-    allocate (tokens(0))
-    do l = 1, size(list%lines)
-      associate (s => list%lines(l)%s)
-        n = len(s)
-        i = 1
-        do while (i <= n)
-          select case (s(i:i))
-          case (' ', ',')
-            i = i + 1
-          case ('!')
-            exit
-          case ('=', '/')
-            call add_token(tokens, s(i:i), s(i:i), l, i)
-            i = i + 1
-          case ('&')
-            j = i + scan(s(i + 1:)//' ', ' !/,=') - 1
-            call add_token(tokens, lower(s(i + 1:j)), '&', l, i)
-            i = j + 1
-          case ("'", '"')
-            j = closing_quote(s, i)
-            if (j == 0) then
-              call report(list, l, i, n - i + 1, 'unterminated text', 'the closing '//s(i:i)//' is missing')
-              j = n
-            end if
-            call add_token(tokens, s(i:j), 'w', l, i)
-            i = j + 1
-          case default
-            j = i + scan(s(i:)//' ', ' ,=/!&''"') - 2
-            call add_token(tokens, s(i:j), 'w', l, i)
-            i = j + 1
-          end select
-        end do
-      end associate
+    allocate (tokens(256))
+    count = 0
+    do l = 1, size(list%first) - 1
+      n = list%first(l + 1) - 2
+      i = list%first(l)
+      do while (i <= n)
+        select case (list%text(i:i))
+        case (' ', ',')
+          i = i + 1
+        case ('!')
+          exit
+        case ('=', '/')
+          call add(list%text(i:i), i, i)
+          i = i + 1
+        case ('&')
+          j = end_of_word(list%text, i + 1, n, ' !/,=')
+          call add('&', i + 1, j)
+          i = j + 1
+        case ("'", '"')
+          j = closing_quote(list%text, i, n)
+          if (j == 0) then
+            j = n
+            do while (list%text(j:j) == ' ')
+              j = j - 1
+            end do
+            call report(list, l, i - list%first(l) + 1, j - i + 1, 'unterminated text', &
+              'the closing '//list%text(i:i)//' is missing')
+          end if
+          if (.not. is_utf8(list%text(i:j))) call report(list, l, i - list%first(l) + 1, j - i + 1, &
+            'a text that is not UTF-8', 'save the file in that encoding')
+          call add('w', i, j)
+          i = j + 1
+        case default
+          j = end_of_word(list%text, i + 1, n, ' ,=/!&''"')
+          call add('w', i, j)
+          i = j + 1
+        end select
+      end do
     end do
+  contains
+    subroutine add(kind, first, last)
+      character(len=1), intent(in) :: kind
+      integer, intent(in) :: first, last
+      type(token_t), allocatable :: longer(:)
+      if (count == size(tokens)) then
+        allocate (longer(2*count))
+        longer(:count) = tokens
+        call move_alloc(longer, tokens)
+      end if
+      count = count + 1
+      tokens(count) = token_t(kind, first, last, l, i - list%first(l) + 1)
+    end subroutine add
   end subroutine tokenize
 
-  !> Append a token.
-  subroutine add_token(tokens, s, kind, line, column)
-    type(token_t), allocatable, intent(inout) :: tokens(:)  !< grows
-    character(len=*), intent(in) :: s                       !< text
-    character(len=1), intent(in) :: kind                    !< kind
-    integer, intent(in) :: line, column                     !< place
-    type(token_t), allocatable :: longer(:)
-    type(token_t) :: new
-    integer :: i
-    new%s = s
-    new%kind = kind
-    new%line = line
-    new%column = column
-    allocate (longer(size(tokens) + 1))
-    do i = 1, size(tokens)
-      longer(i) = tokens(i)
+  !> Last place of a word that began before i.
+  pure integer function end_of_word(s, i, n, stops) result(j)
+    character(len=*), intent(in) :: s      !< text
+    integer, intent(in) :: i, n            !< next place, end of the line
+    character(len=*), intent(in) :: stops  !< what ends a word
+    do j = i, n
+      if (index(stops, s(j:j)) > 0) exit
     end do
-    longer(size(longer)) = new
-    call move_alloc(longer, tokens)
-  end subroutine add_token
+    j = j - 1
+  end function end_of_word
 
   !> Column of the quote that closes the one at i, 0 if there is none; a doubled quote stands for itself.
-  pure integer function closing_quote(s, i) result(j)
-    character(len=*), intent(in) :: s  !< line
-    integer, intent(in) :: i           !< opening quote
+  pure integer function closing_quote(s, i, n) result(j)
+    character(len=*), intent(in) :: s  !< text
+    integer, intent(in) :: i, n        !< opening quote, end of the line
     j = i + 1
-    do while (j <= len(s))
+    do while (j <= n)
       if (s(j:j) == s(i:i)) then
-        if (j == len(s)) return
+        if (j == n) return
         if (s(j + 1:j + 1) /= s(i:i)) return
         j = j + 1
       end if
@@ -162,9 +214,12 @@ contains
   subroutine parse(list, tokens)
     type(namelist_t), intent(inout) :: list  !< gets assignments
     type(token_t), intent(in) :: tokens(:)   !< tokens
+    type(assignment_t), allocatable :: assignments(:), groups(:)
     character(len=:), allocatable :: group
-    type(assignment_t) :: new
-    integer :: i, opened
+    integer :: i, opened, n_assignments, n_groups
+    allocate (assignments(count(tokens%kind == '=')), groups(count(tokens%kind == '&')))
+    n_assignments = 0
+    n_groups = 0
     group = ''
     opened = 0
     i = 1
@@ -177,10 +232,11 @@ contains
               'group &'//group//' is not closed', "end it with '/' before the next group")
             opened = 0
           end if
-          if (t%s /= 'end') then
-            group = t%s
+          if (lower(word(t)) /= 'end') then
+            group = lower(word(t))
             opened = i
-            call add_group(list, t)
+            n_groups = n_groups + 1
+            groups(n_groups) = assignment_t(group=group, key='', line=t%line, column=t%column)
           end if
           i = i + 1
         case ('/')
@@ -189,46 +245,47 @@ contains
           i = i + 1
         case default
           if (opened == 0) then
-            call report(list, t%line, t%column, len(t%s), 'text outside a group', "groups start with '&name'")
+            call report(list, t%line, t%column, t%last - t%first + 1, 'text outside a group', "groups start with '&name'")
             i = end_of_junk(tokens, i)
           else
-            call take_assignment(list, tokens, group, i, new)
+            call take_assignment(list, tokens, group, i, assignments, n_assignments)
           end if
         end select
       end associate
     end do
     if (opened > 0) call report(list, tokens(opened)%line, tokens(opened)%column, len(group) + 1, &
       'group &'//group//' is not closed', "its '/' is missing at the end")
-    if (size(list%groups) == 0 .and. size(list%faults) == 0) &
+    if (n_groups == 0 .and. size(list%faults) == 0) then
       call report(list, 1, 1, 1, 'the file holds no group', 'an empty scene is written as "&hd_input version = 1 /"')
+    end if
+    call cut(assignments, n_assignments, list%assignments)
+    call cut(groups, n_groups, list%groups)
+  contains
+    pure function word(t) result(s)
+      type(token_t), intent(in) :: t
+      character(len=t%last - t%first + 1) :: s
+      s = list%text(t%first:t%last)
+    end function word
   end subroutine parse
 
-  !> Remember where a group starts.
-  subroutine add_group(list, t)
-    type(namelist_t), intent(inout) :: list  !< gets the header
-    type(token_t), intent(in) :: t           !< its token
-    type(assignment_t) :: header
-    header%group = t%s
-    header%line = t%line
-    header%column = t%column
-    header%key = ''
-    allocate (header%values(0))
-    call append(list%groups, header)
-  end subroutine add_group
-
-  !> Append an assignment.
-  subroutine append(list, new)
-    type(assignment_t), allocatable, intent(inout) :: list(:)  !< grows
-    type(assignment_t), intent(in) :: new                      !< its last entry
-    type(assignment_t), allocatable :: longer(:)
+  !> The first entries of a list; their texts are moved.
+  subroutine cut(list, n, short)
+    type(assignment_t), intent(inout) :: list(:)                 !< list
+    integer, intent(in) :: n                                     !< entries that count
+    type(assignment_t), allocatable, intent(inout) :: short(:)   !< they alone
     integer :: i
-    allocate (longer(size(list) + 1))
-    do i = 1, size(list)
-      longer(i) = list(i)
+    if (allocated(short)) deallocate (short)
+    allocate (short(n))
+    do i = 1, n
+      short(i)%line = list(i)%line
+      short(i)%column = list(i)%column
+      short(i)%value_line = list(i)%value_line
+      short(i)%value_column = list(i)%value_column
+      call move_alloc(list(i)%group, short(i)%group)
+      call move_alloc(list(i)%key, short(i)%key)
+      call move_alloc(list(i)%values, short(i)%values)
     end do
-    longer(size(longer)) = new
-    call move_alloc(longer, list)
-  end subroutine append
+  end subroutine cut
 
   !> First token after stray text: the next group.
   pure integer function end_of_junk(tokens, start) result(i)
@@ -244,42 +301,44 @@ contains
   end function end_of_junk
 
   !> Read `key = values` from token i on.
-  subroutine take_assignment(list, tokens, group, i, new)
-    type(namelist_t), intent(inout) :: list        !< gets the assignment
-    type(token_t), intent(in) :: tokens(:)         !< tokens
-    character(len=*), intent(in) :: group          !< group we are in
-    integer, intent(inout) :: i                    !< next token
-    type(assignment_t), intent(out) :: new         !< assignment
-    new%group = group
-    new%key = lower(tokens(i)%s)
-    allocate (new%values(0))
-    new%line = tokens(i)%line
-    new%column = tokens(i)%column
-    if (.not. kind_is(i + 1, '=')) then
-      call report(list, tokens(i)%line, tokens(i)%column, len(tokens(i)%s), &
-        "'"//tokens(i)%s//"' stands alone in &"//group, "write 'key = value'")
-      i = i + 1
-      do while (kind_is(i, '='))
+  subroutine take_assignment(list, tokens, group, i, assignments, n)
+    type(namelist_t), intent(inout) :: list                  !< gets mistakes
+    type(token_t), intent(in) :: tokens(:)                   !< tokens
+    character(len=*), intent(in) :: group                    !< group we are in
+    integer, intent(inout) :: i                              !< next token
+    type(assignment_t), intent(inout) :: assignments(:)      !< gets the assignment
+    integer, intent(inout) :: n                              !< assignments in it
+    integer :: first, k
+    associate (t => tokens(i))
+      first = i + 2
+      if (.not. kind_is(i + 1, '=')) then
+        call report(list, t%line, t%column, t%last - t%first + 1, &
+          "'"//list%text(t%first:t%last)//"' stands alone in &"//group, "write 'key = value'")
         i = i + 1
-      end do
-      return
-    end if
-    i = i + 2
-    new%value_line = tokens(i - 1)%line
-    new%value_column = tokens(i - 1)%column
-    do while (kind_is(i, 'w') .and. .not. kind_is(i + 1, '='))
-      if (size(new%values) == 0) then
-        new%value_line = tokens(i)%line
-        new%value_column = tokens(i)%column
+      else
+        i = first
+        do while (kind_is(i, 'w') .and. .not. kind_is(i + 1, '='))
+          i = i + 1
+        end do
+        if (i == first) then
+          call report(list, t%line, t%column, t%last - t%first + 1, &
+            "'"//lower(list%text(t%first:t%last))//"' has no value", "write 'key = value'")
+        else
+          n = n + 1
+          assignments(n)%group = group
+          assignments(n)%key = lower(list%text(t%first:t%last))
+          assignments(n)%line = t%line
+          assignments(n)%column = t%column
+          assignments(n)%value_line = tokens(first)%line
+          assignments(n)%value_column = tokens(first)%column
+          allocate (assignments(n)%values(i - first))
+          do k = first, i - 1
+            assignments(n)%values(k - first + 1)%s = list%text(tokens(k)%first:tokens(k)%last)
+          end do
+          if (.not. kind_is(i, '=')) return
+        end if
       end if
-      call push(new%values, tokens(i)%s)
-      i = i + 1
-    end do
-    if (size(new%values) == 0) then
-      call report(list, new%line, new%column, len(new%key), "'"//new%key//"' has no value", "write 'key = value'")
-    else
-      call append(list%assignments, new)
-    end if
+    end associate
     do while (kind_is(i, '='))
       call report(list, tokens(i)%line, tokens(i)%column, 1, "stray '='", "write 'key = value'")
       i = i + 1
@@ -302,11 +361,45 @@ contains
     character(len=*), intent(in) :: hint     !< what would be right
     character(len=:), allocatable :: number, text
     character(len=1), parameter :: nl = new_line('a')
+    integer :: from
+    if (size(list%faults) >= most_faults) then
+      list%more = list%more + 1
+      return
+    end if
     number = to_text(line)
     text = ''
-    if (line <= size(list%lines)) text = list%lines(line)%s
-    call push(list%faults, 'error: '//what//nl//'  --> '//list%path//':'//number//':'//to_text(column)//nl// &
-      ' '//number//' | '//text//nl//repeat(' ', len(number) + 1)//' | '//repeat(' ', column - 1)// &
-      repeat('^', max(1, length))//' '//hint)
+    from = 0
+    if (line < size(list%first)) then
+      text = list%text(list%first(line):list%first(line + 1) - 2)
+      if (len(text) > widest) then
+        from = max(0, column - widest/2)
+        text = text(from + 1:min(len(text), from + widest))
+      end if
+    end if
+    call push(list%faults, 'error: '//printable(what)//nl//'  --> '//list%path//':'//number//':'//to_text(column)//nl// &
+      ' '//number//' | '//trim(printable(text))//nl//repeat(' ', len(number) + 1)//' | '//repeat(' ', column - from - 1)// &
+      repeat('^', min(max(1, length), widest))//' '//hint)
   end subroutine report
+
+  !> All mistakes in one text.
+  function faults_text(list) result(text)
+    type(namelist_t), intent(in) :: list  !< scanned file
+    character(len=:), allocatable :: text
+    character(len=1), parameter :: nl = new_line('a')
+    text = join(list%faults, nl)
+    if (list%more > 0) text = text//nl//'and '//to_text(list%more)//' more mistakes in '//list%path
+  end function faults_text
+
+  !> A text without control characters, in UTF-8, and no longer than a message may be.
+  pure function printable(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=:), allocatable :: t
+    integer :: i, last
+    t = s(:min(len(s), 4*widest))
+    if (len(t) < len(s)) t = t//' ...'
+    last = merge(255, 126, is_utf8(t))
+    do i = 1, len(t)
+      if (iachar(t(i:i)) < 32 .or. iachar(t(i:i)) == 127 .or. iachar(t(i:i)) > last) t(i:i) = '?'
+    end do
+  end function printable
 end module hd_namelist

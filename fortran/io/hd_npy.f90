@@ -58,7 +58,7 @@ contains
     character(len=10) :: head
     character(len=:), allocatable :: words, list
     real(sp), allocatable :: a_4(:, :)
-    integer :: unit, status, n, extent(2), at
+    integer :: unit, status, n, extent(2), at, i
     logical :: double, single, swapped
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
     if (status /= 0) then
@@ -78,6 +78,11 @@ contains
     extent = 1
     if (status == 0) then
       list = words(at + index(words(at:), '('):at + index(words(at:), ')') - 2)
+      if (count([(list(i:i) == ',', i=1, len_trim(list) - 1)]) > 1) then
+        call raise(error, code_file, "'"//path//"' has shape ("//list//'): heights are rows x points, or one row of points')
+        close (unit)
+        return
+      end if
       if (index(list, ',') == len_trim(list)) then
         read (list, *, iostat=status) extent(2)
       else

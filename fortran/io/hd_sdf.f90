@@ -2,7 +2,7 @@
 !> Height maps in the surface data format of ISO 25178-71 (.sdf), binary and text: spacing and heights are in metres.
 module hd_sdf
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-  use, intrinsic :: iso_fortran_env, only: int8, int16, int32
+  use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
   use hd_text, only: to_text, lower
@@ -77,10 +77,11 @@ contains
     real(dp), allocatable, intent(out) :: z(:, :)     !< heights [m]
     character(len=:), allocatable, intent(out) :: why !< what is wrong, '' if nothing
     integer, parameter :: bytes(0:7) = [1, 2, 4, 4, 1, 2, 4, 8]
+    real(dp), parameter :: invalid(0:7) = [255._dp, 65535._dp, 4294967295._dp, 0._dp, 0._dp, -32768._dp, -2147483648._dp, 0._dp]
     integer(int16) :: extent(2)
-    real(dp) :: scale(4), hole, whole
+    real(dp) :: scale(4), hole
     integer(int8) :: code(3)
-    integer :: n
+    integer(int64) :: n
     why = 'its header is cut off'
     if (len(text) < binary_header) return
     extent = transfer(text(43:46), extent)
@@ -89,9 +90,9 @@ contains
     h = header_t(iand(int(extent(1)), 65535), iand(int(extent(2)), 65535), code(2), scale(1), scale(2), scale(3))
     why = fault_of(h)
     if (len(why) > 0) return
-    n = h%nx * h%ny
-    if (code(1) /= 0 .or. .not. any(h%kind == [3, 5, 6, 7])) then
-      why = 'compressed heights or numbers of kind '//to_text(h%kind)//'; 3, 5, 6 and 7 are read'
+    n = int(h%nx, int64) * h%ny
+    if (code(1) /= 0 .or. h%kind < 0 .or. h%kind > 7) then
+      why = 'compressed heights or numbers of kind '//to_text(h%kind)//'; 0 to 7 are read'
     else if (len(text) < binary_header + n * bytes(h%kind)) then
       why = 'heights of '//to_text(h%nx)//' x '//to_text(h%ny)//' points are cut off'
     end if
@@ -99,6 +100,12 @@ contains
     hole = ieee_value(hole, ieee_quiet_nan)
     associate (body => text(binary_header + 1:binary_header + n * bytes(h%kind)))
       select case (h%kind)
+      case (0, 4)
+        z = reshape(real(transfer(body, [0_int8]), dp), [h%nx, h%ny])
+      case (1)
+        z = reshape(real(transfer(body, [0_int16]), dp), [h%nx, h%ny])
+      case (2)
+        z = reshape(real(transfer(body, [0_int32]), dp), [h%nx, h%ny])
       case (3)
         z = reshape(real(transfer(body, [0._sp]), dp), [h%nx, h%ny])
       case (5)
@@ -109,9 +116,11 @@ contains
         z = reshape(transfer(body, [0._dp]), [h%nx, h%ny])
       end select
     end associate
-    whole = merge(-32768._dp, -2147483648._dp, h%kind == 5)
-    if (h%kind == 5 .or. h%kind == 6) then
-      where (z <= whole) z = hole
+    if (h%kind < 3) then                                ! unsigned: what reads as negative is above half the range
+      where (z < 0) z = z + (invalid(h%kind) + 1)
+    end if
+    if (any(h%kind == [1, 2, 5, 6])) then               ! whole numbers of 16 and 32 bits mark holes, those of 8 do not
+      where (z == invalid(h%kind)) z = hole
     end if
     z = z * h%dz
   end subroutine read_binary

@@ -4,6 +4,7 @@ module hd_table
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
+  use hd_checksum, only: checksum, file_checksum
   use hd_error, only: error_t, raise, code_file
   use hd_system, only: truncate_file
   use hd_text, only: to_text
@@ -17,6 +18,7 @@ module hd_table
     character(len=:), allocatable :: path
     character(len=:), allocatable :: line   !< the row so far, longer than that
     integer :: used = 0                     !< characters of it
+    integer(int64), public :: sum = 0       !< checksum of what has been written
   contains
     procedure :: open => open_table
     procedure :: reopen
@@ -48,20 +50,28 @@ contains
     call self%begin_row()
     open (newunit=self%unit, file=path, action='write', status='replace', recl=100000, iostat=status)
     if (status == 0) write (self%unit, '(a)', iostat=status) columns
+    self%sum = checksum(columns//new_line('a'))
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine open_table
 
   !> Take up a table again behind its first bytes; what stands there is lost.
-  subroutine reopen(self, path, bytes, error)
+  subroutine reopen(self, path, bytes, sum, error)
     class(table_t), intent(inout) :: self             !< table
     character(len=*), intent(in) :: path              !< file
     integer(int64), intent(in) :: bytes               !< that stay
-    type(error_t), allocatable, intent(out) :: error  !< absent, shorter already, cannot be written
+    integer(int64), intent(in) :: sum                 !< their checksum
+    type(error_t), allocatable, intent(out) :: error  !< absent, shorter already, changed, cannot be written
     integer :: status
+    logical :: good
     self%path = path
     call self%begin_row()
     call truncate_file(path, bytes, error)
     if (allocated(error)) return
+    call file_checksum(path, bytes, self%sum, good)
+    if (.not. good .or. self%sum /= sum) then
+      call raise(error, code_file, "'"//path//"' is not as the run left it (its checksum differs): begin anew with --force")
+      return
+    end if
     open (newunit=self%unit, file=path, action='write', status='old', position='append', recl=100000, iostat=status)
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine reopen
@@ -116,6 +126,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< disk full
     integer :: status
     write (self%unit, '(a)', iostat=status) self%line(2:self%used)
+    self%sum = checksum(self%line(2:self%used)//new_line('a'), self%sum)
     call self%begin_row()
     if (status /= 0) call raise(error, code_file, "cannot write '"//self%path//"': is the disk full?")
   end subroutine end_row

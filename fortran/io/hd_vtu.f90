@@ -49,10 +49,12 @@ contains
     call put('</PointData>'//nl//'<CellData>'//nl)
     call declare_fields(.true.)
     call put('</CellData>'//nl//'</Piece>'//nl//'</UnstructuredGrid>'//nl//'<AppendedData encoding="raw">'//nl//'_')
-    write (unit, iostat=status) 8*size(points, kind=int64), points
-    write (unit, iostat=status) 8*size(cells, kind=int64), int(cells - 1, int64)
-    write (unit, iostat=status) 8*size(cells, 2, kind=int64), [(int(i, int64)*size(cells, 1), i=1, size(cells, 2))]
-    write (unit, iostat=status) size(cells, 2, kind=int64), spread(int(cell_type, int8), 1, size(cells, 2))
+    if (status == 0) write (unit, iostat=status) 8*size(points, kind=int64), points
+    if (status == 0) write (unit, iostat=status) 8*size(cells, kind=int64), int(cells - 1, int64)
+    if (status == 0) write (unit, iostat=status) 8*size(cells, 2, kind=int64), &
+      [(int(i, int64)*size(cells, 1), i=1, size(cells, 2))]
+    if (status == 0) write (unit, iostat=status) size(cells, 2, kind=int64), &
+      spread(int(cell_type, int8), 1, size(cells, 2))
     call append_fields(.false.)
     call append_fields(.true.)
     call put(nl//'</AppendedData>'//nl//'</VTKFile>'//nl)

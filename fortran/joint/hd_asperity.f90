@@ -39,7 +39,7 @@ module hd_asperity
 
 contains
 
-  !> Asperity of half base length r_m on a surface of dimension d and roughness g.
+  !> Asperity of half base length r_m on a surface of dimension d and roughness g [Eq. 3-5, 7, 8, 10, 38].
   pure function new_asperity(e1, nu1, e2, nu2, nu_soft, hardness, d, g, gamma, r_m) result(a)
     real(dp), intent(in) :: e1, nu1, e2, nu2  !< moduli [Pa] and Poisson's ratios of both bodies
     real(dp), intent(in) :: nu_soft           !< Poisson's ratio of the softer body
@@ -65,7 +65,7 @@ contains
     i = 1 + count(s > edge*a%s_ec)
   end function regime_of_area
 
-  !> Load and stiffnesses of a spot of area s under the shear stress tau (Eq. 9-16, 39, 40).
+  !> Load and stiffnesses of a spot of area s under the shear stress tau [Eq. 9, 13-16, 29, 31, 32, 36, 37, 39, 40].
   elemental subroutine asperity_by_area(a, s, tau, mu, f, k, kt)
     type(asperity_t), intent(in) :: a      !< asperity
     real(dp), intent(in) :: s              !< area [m^2]
@@ -83,7 +83,7 @@ contains
     if (i < 4 .and. stuck > 0) kt = 8*a%g_prime*sqrt(s/pi)*(stuck/(mu*f))**(1/3._dp)
   end subroutine asperity_by_area
 
-  !> Area, load and stiffness at a depth eps (Eq. 7-16); branches are closed on the left at eps / eps_ec = 1, 6, 110 and jump.
+  !> Area, load and stiffness at a depth eps; branches are closed on the left at eps / eps_ec = 1, 6, 110 and jump.
   !> `smooth` blends ln s and ln f by cubics in ln eps within `blend` on both sides of each jump; k is then df/deps there.
   elemental subroutine asperity_by_depth(a, eps, smooth, s, f, k)
     type(asperity_t), intent(in) :: a   !< asperity
@@ -106,7 +106,7 @@ contains
     end do
   end subroutine asperity_by_depth
 
-  !> Area, load and d ln f / d ln eps on one branch at x = eps / eps_ec.
+  !> Area, load and d ln f / d ln eps on one branch at x = eps / eps_ec [Eq. 6, 11, 12, 15].
   elemental subroutine branch(a, i, x, s, f, slope)
     type(asperity_t), intent(in) :: a
     integer, intent(in) :: i                 !< branch 1 to 4

@@ -9,13 +9,14 @@ module hd_joint
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
+  use hd_elastic_law, only: elastic_law_t, elastic_stiffness
   use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge
   use hd_partial_slip, only: slip_series_t, new_slip_series, slip_integral
   use hd_powers, only: expm1, log1p, power_integral, power_partial
   implicit none
   private
   public :: joint_t, spots_t, response_t, new_joint, spot_ratio, spots_at, joint_load, normal_stiffness, &
-    tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint
+    tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint, pressure_power, at_friction, statistical
 
   type :: joint_t
     type(asperity_t) :: asperity
@@ -25,6 +26,8 @@ module hd_joint
     real(dp) :: reference_area = 0  !< A_0 = L^2 [m^2]
     real(dp) :: r_m = 0          !< half base length of the asperities [m]
     logical :: paper = .false.   !< closure of Eq. 28 as printed
+    logical :: plastic = .false. !< plastic spots unload elastically; else they have no stiffness, as in the paper
+    real(dp) :: stiff_power(4) = stiff_power  !< of sigma in each regime
     real(dp) :: psi = 0          !< domain extension factor (Eq. 17)
     real(dp) :: area_factor = 0  !< c_S = S_r / s_l (Eq. 22)
     real(dp) :: b = 0            !< (D-1)/2
@@ -34,6 +37,7 @@ module hd_joint
     real(dp) :: load_unit(4) = 0, stiff_unit(4) = 0    !< integrands at lo, times lo
     real(dp) :: load_whole(4) = 0, stiff_whole(4) = 0  !< integrals over whole regimes
     type(slip_series_t) :: slip(3)
+    type(elastic_law_t), allocatable :: elastic  !< takes the place of the statistical model where it is there
   end type joint_t
 
   !> Largest spot and what follows from it; forces in units of f_ec, stiffness in units of f_ec / eps_ec.
@@ -58,7 +62,7 @@ module hd_joint
 contains
 
   !> Joint from its asperity and its surface.
-  subroutine new_joint(asperity, d, mu, s_min, reference_area, r_m, paper, joint, error)
+  subroutine new_joint(asperity, d, mu, s_min, reference_area, r_m, paper, plastic, joint, error)
     type(asperity_t), intent(in) :: asperity          !< asperity
     real(dp), intent(in) :: d                         !< fractal dimension, 2 < D < 3
     real(dp), intent(in) :: mu                        !< friction coefficient
@@ -66,6 +70,7 @@ contains
     real(dp), intent(in) :: reference_area            !< A_0 [m^2]
     real(dp), intent(in) :: r_m                       !< half base length [m]
     logical, intent(in) :: paper                      !< closure of Eq. 28
+    logical, intent(in) :: plastic                    !< plastic spots unload elastically
     type(joint_t), intent(out) :: joint               !< joint
     type(error_t), allocatable, intent(out) :: error  !< input out of range
     if (.not. (d > 2 .and. d < 3)) then
@@ -88,12 +93,29 @@ contains
     joint%reference_area = reference_area
     joint%r_m = r_m
     joint%paper = paper
+    joint%plastic = plastic
+    if (plastic) joint%stiff_power(4) = stiff_power(1)
     joint%psi = spot_ratio(d)
     joint%area_factor = (d - 1)/(3 - d)*joint%psi**((3 - d)/2)
     joint%b = (d - 1)/2
     joint%unit = joint%b*joint%psi**((3 - d)/2)
     call prepare_regimes(joint)
   end subroutine new_joint
+
+  !> The same joint with another cap on its shear: that of a load step.
+  pure type(joint_t) function at_friction(joint, friction) result(capped)
+    type(joint_t), intent(in) :: joint    !< joint
+    real(dp), intent(in) :: friction      !< Coulomb coefficient
+    capped = joint
+    capped%mu = friction
+  end function at_friction
+
+  !> The statistical model (Hu et al.) of a joint, whatever its model is.
+  pure type(joint_t) function statistical(joint)
+    type(joint_t), intent(in) :: joint    !< joint
+    statistical = joint
+    if (allocated(statistical%elastic)) deallocate (statistical%elastic)
+  end function statistical
 
   !> Limits and whole integrals of the regimes; the plastic load factor is H s_ec / f_ec.
   pure subroutine prepare_regimes(joint)
@@ -105,18 +127,20 @@ contains
     joint%lo = max([0._dp, edge], sigma)
     factor = [load, joint%asperity%hardness*joint%asperity%s_ec/joint%asperity%f_ec]
     joint%load_unit = factor*joint%lo**(load_power - joint%b)
-    joint%stiff_unit = stiff*joint%lo**(stiff_power - joint%b)
+    factor(:3) = stiff(:3)
+    factor(4) = merge(stiff(1), 0._dp, joint%plastic)  ! k = 2 E a of a spot of radius a, whatever its load
+    joint%stiff_unit = factor*joint%lo**(joint%stiff_power - joint%b)
     do i = joint%first, 3
       length = log(edge(i)/joint%lo(i))
       joint%load_whole(i) = joint%load_unit(i)*power_partial(length, load_power(i) - joint%b)
-      joint%stiff_whole(i) = joint%stiff_unit(i)*power_partial(length, stiff_power(i) - joint%b)
+      joint%stiff_whole(i) = joint%stiff_unit(i)*power_partial(length, joint%stiff_power(i) - joint%b)
     end do
     do i = 1, 3
       joint%slip(i) = new_slip_series(1 - joint%d/2, load_power(i) - 1)
     end do
   end subroutine prepare_regimes
 
-  !> psi of Eq. 17 from its transcendental equation (Wang and Komvopoulos 1994), regular at D = 3.
+  !> psi of the size distribution [Eq. 17] from its transcendental equation (Wang and Komvopoulos 1994), regular at D = 3.
   elemental real(dp) function spot_ratio(d) result(psi)
     real(dp), intent(in) :: d  !< fractal dimension
     real(dp) :: ds, h, a, b, x, r, slope, step
@@ -139,7 +163,7 @@ contains
     psi = exp(x)
   end function spot_ratio
 
-  !> Real contact area c_S s_l (Eq. 22) [m^2].
+  !> Real contact area c_S s_l, the sum over the regimes [Eq. 18-22], in m^2.
   elemental real(dp) function real_area(joint, s_l)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), intent(in) :: s_l         !< largest spot [m^2]
@@ -166,12 +190,12 @@ contains
     s%load_slope = joint%b*s%load + share*joint%load_unit(i)*exp((load_power(i) - joint%b)*s%length)
     whole = sum(joint%stiff_whole(joint%first:i - 1))
     s%stiff = share*whole
-    if (i < 4) s%stiff = s%stiff + share*joint%stiff_unit(i)*power_partial(s%length, stiff_power(i) - joint%b)
+    s%stiff = s%stiff + share*joint%stiff_unit(i)*power_partial(s%length, joint%stiff_power(i) - joint%b)
     s%stiff_slope = joint%b*s%stiff
-    if (i < 4) s%stiff_slope = s%stiff_slope + share*joint%stiff_unit(i)*exp((stiff_power(i) - joint%b)*s%length)
+    s%stiff_slope = s%stiff_slope + share*joint%stiff_unit(i)*exp((joint%stiff_power(i) - joint%b)*s%length)
   end function spots_at
 
-  !> Load carried by the spots of each regime (Eq. 23-27) [N].
+  !> Load carried by the spots of each regime [Eq. 23-27], in N.
   pure function joint_load(joint, s_l) result(f)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), intent(in) :: s_l         !< largest spot [m^2]
@@ -179,12 +203,12 @@ contains
     f = by_regime(joint, s_l, joint%load_unit, joint%load_whole, load_power)*joint%asperity%f_ec
   end function joint_load
 
-  !> Normal stiffness of each regime (Eq. 29-35, clipped) [N/m].
+  !> Normal stiffness of each regime, limits clipped [Eq. 30, 33-35], in N/m.
   pure function normal_stiffness(joint, s_l) result(k)
     type(joint_t), intent(in) :: joint  !< joint
     real(dp), intent(in) :: s_l         !< largest spot [m^2]
     real(dp) :: k(4)
-    k = by_regime(joint, s_l, joint%stiff_unit, joint%stiff_whole, stiff_power)*joint%asperity%f_ec/joint%asperity%eps_ec
+    k = by_regime(joint, s_l, joint%stiff_unit, joint%stiff_whole, joint%stiff_power)*joint%asperity%f_ec/joint%asperity%eps_ec
   end function normal_stiffness
 
   !> Integrals of one power law, regime by regime.
@@ -202,7 +226,8 @@ contains
     f = f*joint%unit*s%sigma**joint%b
   end function by_regime
 
-  !> Tangential stiffness of each regime under the shear stress tau on the spots (Eq. 36-44) [N/m], and its derivatives.
+  !> Tangential stiffness of each regime under the shear stress tau on the spots [Eq. 41-44], in N/m, and its
+  !> derivatives.
   !>
   !> A spot carries t = tau s; with x = t / (mu f) = h sigma^-p its stiffness is 8 G' sqrt(s/pi) (1 - x)^(1/3), zero for
   !> x >= 1: the small spots of a regime slip first.
@@ -226,7 +251,15 @@ contains
       call slip_integral(joint%slip(i), joint%lo(i), length, tau*h_of_tau(i), k(i), df)
       by_tau = by_tau + df*h_of_tau(i)
     end do
-    if (s%regime < 4) then
+    if (s%regime == 4 .and. joint%plastic) then  ! x is the same for every plastic spot, tau / (mu H)
+      x = tau/(joint%mu*joint%asperity%hardness)
+      if (x < 1) then
+        df = joint%lo(4)**(1 - joint%d/2)*power_partial(s%length, 1 - joint%d/2)
+        k(4) = df*(1 - x)**(1/3._dp)
+        by_tau = by_tau - df*(1 - x)**(-2/3._dp)/(3*joint%mu*joint%asperity%hardness)
+        by_spot = s%sigma**(1 - joint%d/2)*(1 - x)**(1/3._dp)
+      end if
+    else if (s%regime < 4) then
       x = tau*h_of_tau(s%regime)*s%sigma**(1 - load_power(s%regime))
       if (x < 1) by_spot = s%sigma**(1 - joint%d/2)*(1 - x)**(1/3._dp)
     end if
@@ -237,7 +270,7 @@ contains
     by_spot = by_spot*factor
   end subroutine tangential_stiffness
 
-  !> Largest spot under a pressure P.
+  !> Largest spot under a pressure P [Eq. 28].
   !>
   !> Default: F_r(s_l) = P A_0. `paper` (Eq. 28 as printed): F_r(s_l) = P c_S s_l, which has no root unless P < 0.99 H. Newton's
   !> method on logarithms, ln F over t = ln(s_l / s_min - 1), which is nearly straight from the first spot on; inside a
@@ -324,6 +357,11 @@ contains
     type(response_t), intent(out) :: r          !< stiffness, largest spot, derivatives
     type(spots_t) :: s
     real(dp) :: tau, share, unit, by_tau, by_spot, k(4), spot_by_p
+    if (allocated(joint%elastic)) then
+      call elastic_stiffness(joint%elastic, joint%mu, pressure, shear, r%k_n, r%k_t, r%dk_n_dp, r%dk_t_dp, r%dk_t_dtau)
+      r = response_t(area*r%k_n, area*r%k_t, 0._dp, area*r%dk_n_dp, area*r%dk_t_dp, area*r%dk_t_dtau)
+      return
+    end if
     call find_largest_spot(joint, pressure, s, r%iterations)
     if (.not. s%excess > 0) return
     r%s_l = s%sigma*joint%asperity%s_ec
@@ -343,4 +381,14 @@ contains
     r%dk_t_dp = r%dk_t_dp - share*by_tau*tau*spot_by_p
     r%dk_t_dtau = r%dk_t_dtau*joint%reference_area/real_area(joint, r%s_l)
   end subroutine evaluate_joint
+
+  !> d ln K_T / d ln P at a constant share of the friction; 0 without stiffness.
+  elemental real(dp) function pressure_power(joint, pressure, shear) result(a)
+    type(joint_t), intent(in) :: joint         !< joint
+    real(dp), intent(in) :: pressure, shear    !< nominal [Pa]
+    type(response_t) :: r
+    a = 0
+    call evaluate_joint(joint, pressure, shear, 1._dp, r)
+    if (r%k_t > 0) a = (pressure*r%dk_t_dp + shear*r%dk_t_dtau)/r%k_t
+  end function pressure_power
 end module hd_joint

@@ -2,13 +2,28 @@
 !> Where the joint model leaves the range it is meant for.
 module hd_joint_range
   use hd_kinds, only: dp, pi
-  use hd_joint, only: joint_t, spots_t, find_largest_spot, real_area
+  use hd_asperity, only: edge
+  use hd_error, only: error_t, raise, code_input
+  use hd_joint, only: joint_t, spots_t, find_largest_spot, pressure_power, real_area
   use hd_text, only: string_t, push, to_text
   implicit none
   private
-  public :: range_warnings
+  public :: check_stiffness, range_warnings
 
 contains
+
+  !> Refuse a joint whose spots are all plastic and without stiffness: K_N = K_T = 0 under every load.
+  subroutine check_stiffness(joint, error)
+    type(joint_t), intent(in) :: joint                !< joint
+    type(error_t), allocatable, intent(out) :: error  !< no stiffness
+    real(dp) :: plastic
+    if (joint%first < 4 .or. joint%plastic .or. allocated(joint%elastic)) return
+    plastic = edge(3)*joint%asperity%s_ec
+    call raise(error, code_input, 'the joint has no stiffness under any load, K_N = K_T = 0: the smallest spot, joint.s_min = '// &
+      to_text(joint%s_min)//' m^2, is fully plastic (spots are from '//to_text(plastic)//' m^2 on), and plastic spots have none'// &
+      new_line('a')//'      valid: joint.s_min below '//to_text(plastic)//" m^2, a larger joint.asperity_radius, or "// &
+      "joint.plastic_spots = 'elastic' (they unload elastically)")
+  end subroutine check_stiffness
 
   !> One line for each assumption that does not hold under the largest pressure.
   subroutine range_warnings(joint, pressure, lines)
@@ -16,10 +31,17 @@ contains
     real(dp), intent(in) :: pressure                          !< largest pressure [Pa]
     type(string_t), allocatable, intent(out) :: lines(:)      !< warnings, none if all holds
     type(spots_t) :: s
-    real(dp) :: s_l, base
+    real(dp) :: s_l, base, power
     integer :: iterations
     allocate (lines(0))
     if (.not. pressure > 0) return
+    if (allocated(joint%elastic)) then
+      associate (last => exp(joint%elastic%normal%log_p(size(joint%elastic%normal%log_p))))
+        if (pressure > last*(1 + 1e-9_dp)) call push(lines, 'the largest pressure, '//to_text(pressure)// &
+          ' Pa, exceeds the last of the joint, '//to_text(last)//' Pa: k_N counts as constant above that')
+      end associate
+      return
+    end if
     call find_largest_spot(joint, pressure, s, iterations)
     s_l = s%sigma*joint%asperity%s_ec
     base = pi*joint%r_m**2
@@ -28,10 +50,16 @@ contains
       return
     end if
     if (s_l > base) call push(lines, 'the largest spot, '//to_text(s_l)//' m^2, exceeds the base of an asperity, pi r_m^2 = '// &
-      to_text(base)//' m^2')
+      to_text(base)//' m^2: K_N and K_T are extrapolated. Fit asperity_radius and s_min to a measured or computed stiffness '// &
+      '(docs/explain/joint.md), or raise asperity_radius to '//to_text(sqrt(s_l/pi))//' m or more')
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
       to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '//to_text(joint%reference_area)//' m^2')
-    if (joint%first == 4) call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0')
+    if (joint%first == 4 .and. .not. joint%plastic) then
+      call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0')
+    end if
+    power = pressure_power(joint, pressure, (1 - 1e-6_dp)*joint%mu*pressure)
+    if (power < 0) call push(lines, 'K_T about to slip falls as the pressure grows, d ln K_T / d ln p = '//to_text(power)// &
+      ': more pressure looks softer in Eq. 45')
     if (s%excess < 1e-6_dp) call push(lines, 's_min is not below the largest spot by more than 1e-6: the stiffness rests on s_min')
   end subroutine range_warnings
 end module hd_joint_range

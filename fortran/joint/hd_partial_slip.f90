@@ -44,7 +44,7 @@ contains
     call gauss_rule(s%x, s%w)
   end function new_slip_series
 
-  !> Integral from lo over the length l = ln(hi/lo), and its derivative.
+  !> Integral from lo over the length l = ln(hi/lo) [Eq. 41-43], and its derivative.
   pure subroutine slip_integral(s, lo, l, h, f, df)
     type(slip_series_t), intent(in) :: s    !< series
     real(dp), intent(in) :: lo, l           !< lower limit, logarithmic length

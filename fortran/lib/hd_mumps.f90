@@ -5,6 +5,7 @@
 module hd_mumps
   use hd_kinds, only: dp, i8
   use hd_mumps_struc, only: struc_t => dmumps_struc, run_mumps => dmumps
+  use hd_system, only: check_stop
   use hd_error, only: error_t, raise, code_linear_solver, code_memory, code_internal
   use hd_text, only: to_text
   implicit none

@@ -2,6 +2,7 @@
 !> MUMPS in single precision: factors of half the size, good for six digits, for a caller that refines in double.
 module hd_mumps_single
   use hd_kinds, only: dp, sp, i8
+  use hd_system, only: check_stop
   use hd_error, only: error_t
   use hd_mumps, only: check_mumps, count_entries
   use hd_mumps_struc, only: struc_t => smumps_struc, run_mumps => smumps

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines of the log for a program that calls the engine: one thread writes, another reads; the oldest are lost first. */
+#include <pthread.h>
+#include <string.h>
+
+enum { n_lines = 256, length = 240 };
+static char lines[n_lines][length];
+static unsigned first = 0, count = 0;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
+void hd_keep_line(const char *text, int n)
+{
+  pthread_mutex_lock(&lock);
+  char *line = lines[(first + count) % n_lines];
+  if (count < n_lines) count++;
+  else first = (first + 1) % n_lines;
+  if (n > length - 1) n = length - 1;
+  memcpy(line, text, (size_t)n);
+  line[n] = 0;
+  pthread_mutex_unlock(&lock);
+}
+
+/* The oldest line into text, padded with blanks; 0: there is none. */
+int hd_take_line(char *text, int size)
+{
+  int n = 0, found;
+  memset(text, ' ', (size_t)size);
+  pthread_mutex_lock(&lock);
+  found = count > 0;
+  if (found) {
+    n = (int)strlen(lines[first]);
+    memcpy(text, lines[first], (size_t)(n < size ? n : size));
+    first = (first + 1) % n_lines;
+    count--;
+  }
+  pthread_mutex_unlock(&lock);
+  return found;
+}
+
+/* In a forked child: a lock that another thread of the parent held stays locked for ever. */
+void hd_renew_lines(void) { pthread_mutex_init(&lock, NULL); }

@@ -1,0 +1,175 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Time and memory that each matrix solver will take for a scene, predicted from its mesh, and the choice between them.
+!>
+!> Factors of the sparse matrix have E entries and take F operations, both powers of the number of dof (MUMPS in a METIS order,
+!> meshes one cell thick; solid ones grow faster). Coefficients: one core, measured on the scenes of bench/solver_choice.py.
+module hd_cost
+  use hd_kinds, only: dp
+  use hd_memory, only: free_memory_mb
+  use hd_revolution, only: strip_t
+  use hd_scene, only: scene_t
+  use hd_section, only: band_rows, cup_strip, ring_strip
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: cost_t, predict_costs, cheapest, cost_text, estimate_memory_mb, allowed_memory_mb
+
+  !> One solver.
+  type :: cost_t
+    character(len=9) :: name = ''     !< solver.method, or solver.factors with method 'newton'
+    logical :: applies = .false.      !< to the scene, and allowed by it
+    real(dp) :: seconds = 0           !< CPU time of a run with `iterations` Newton iterations
+    real(dp) :: memory_mb = 0         !< peak
+  end type cost_t
+
+  real(dp), parameter :: iterations = 20        !< Newton iterations
+  real(dp), parameter :: entries_1 = 7.1e6_dp, flops_1 = 2.0e9_dp, dof_1 = 19680   !< E and F of LU at this size
+  real(dp), parameter :: entry_time = 22e-9_dp  !< per entry of the factors, handling
+  real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
+  real(dp), parameter :: solve_time = 4e-9_dp   !< per entry of symmetric factors and solve
+  real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
+  real(dp), parameter :: pairs_time = 1.7_dp    !< times as long where pairs follow: more iterations, more steps of GMRES
+  real(dp), parameter :: tangent_time = 3e-6_dp !< per dof and iteration, large displacements
+  real(dp), parameter :: face_time = 2.3e-10_dp !< per cube of the face dofs of both bodies, inversion
+
+contains
+
+  !> All solvers, those that do not apply too.
+  function predict_costs(s) result(list)
+    type(scene_t), intent(in) :: s  !< scene
+    type(cost_t) :: list(6)
+    real(dp) :: nodes, section, rows, thick, dof, part, images, extra, tangent, harmonic
+    logical :: round, small, newton
+    call count_nodes(s, nodes, section, rows, thick)
+    dof = 3*nodes
+    images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%symmetry /= 'full' .and. &
+      .not. abs(s%eccentricity) > 0 .and. s%shape == 'pressed')
+    extra = min(thick - 1, 2._dp)
+    part = dof/images
+    small = s%kinematics /= 'nonlinear'
+    tangent = merge(0._dp, tangent_time*dof, small)
+    harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
+    list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
+    list(2) = cost_t('schur', seconds=factor_time(dof, 0.5_dp, 1._dp) + face_time*(rows*s%divisions)**3 + &
+      iterations*5*harmonic, &
+      memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
+    list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
+      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, s%shape == 'pressed')*nodes + 4e-6_dp*s%divisions*rows**2)
+    list(4) = cost_t('single', seconds=iterations*(factor_time(part, 0.5_dp, 0.7_dp) + krylov_time(part, 0.6_dp) + tangent), &
+      memory_mb=30 + 2.7e-3_dp*nodes + 2.6e-6_dp*entries(part))
+    list(5) = cost_t('symmetric', seconds=iterations*(factor_time(part, 0.5_dp, 1._dp) + krylov_time(part, 1._dp) + tangent), &
+      memory_mb=30 + 2.7e-3_dp*nodes + 5.2e-6_dp*entries(part))
+    list(6) = cost_t('exact', seconds=iterations*(factor_time(dof, 1._dp, 1._dp) + tangent), &
+      memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
+    if (.not. small) list%seconds = pairs_time*list%seconds
+    round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
+    newton = s%method == 'auto' .or. s%method == 'newton'
+    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')
+    list(2)%applies = s%method == 'schur'  ! pays only where it is kept for many runs
+    list(3:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(3:)%name)
+    if (s%factors == 'auto') then
+      list(3)%applies = newton .and. round
+      list(4:5)%applies = newton .and. s%support /= 'teeth'
+    else if (s%method == 'auto') then
+      list(1)%applies = .false.
+    end if
+    if (s%support == 'drive') then  ! struts and rigid motions are known to two solvers
+      list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto'
+      list(2:5)%applies = .false.
+      list(6)%applies = .not. list(1)%applies
+    end if
+  contains
+    !> Entries of LU of so many dof.
+    pure real(dp) function entries(n)
+      real(dp), intent(in) :: n
+      entries = entries_1*(n/dof_1)**(1.18_dp + 0.1_dp*extra)*1.5_dp**extra
+    end function entries
+
+    !> Seconds of a factorisation; `half` for symmetric ones, `precision` below 1 for single.
+    pure real(dp) function factor_time(n, half, precision)
+      real(dp), intent(in) :: n, half, precision
+      factor_time = half*precision*(entry_time*entries(n) + flop_time*flops_1*(n/dof_1)**(1.53_dp + 0.2_dp*extra)*2**extra)
+    end function factor_time
+
+    !> Seconds of GMRES around symmetric factors.
+    pure real(dp) function krylov_time(n, precision)
+      real(dp), intent(in) :: n, precision
+      krylov_time = 6*(precision*solve_time*entries(n)/2 + apply_time*dof)
+    end function krylov_time
+  end function predict_costs
+
+  !> Nodes of both bodies and of a sector, dofs of the contact face along the band, cells through the thickness.
+  pure subroutine count_nodes(s, nodes, section, rows, thick)
+    type(scene_t), intent(in) :: s                            !< scene
+    real(dp), intent(out) :: nodes, section, rows, thick      !< counts
+    type(strip_t) :: cup, ring
+    integer :: first, last
+    call cup_strip(s, cup, first, last)
+    call ring_strip(s, ring)
+    section = size(cup%inner, 2)*(s%through_wall + 1) + size(ring%inner, 2)*(s%through_ring + 1)
+    rows = 3*(band_rows(s) + 1)
+    thick = max(s%through_wall, s%through_ring)
+    if (s%element == 'hex20r') then
+      section = 3.5_dp*section
+      rows = 3*rows
+      thick = thick + 1
+    end if
+    nodes = real(s%divisions, dp)*section
+  end subroutine count_nodes
+
+  !> Memory of condensation by harmonics: nodes, facets, compliance of the face and one band per harmonic [MB];
+  !> fitted to 41 runs of 18 to 538 MB, a tenth above their mean.
+  pure real(dp) function harmonic_mb(s, nodes, section, rows, thick, images) result(mb)
+    type(scene_t), intent(in) :: s                          !< scene
+    real(dp), intent(in) :: nodes, section, rows, thick     !< counts
+    real(dp), intent(in) :: images                          !< 2: half of the harmonics
+    real(dp) :: layers, band
+    layers = max(s%through_wall, s%through_ring)
+    if (thick > layers) layers = 3*(layers + 2) - 2  ! hex20r
+    band = section*(layers + 2)
+    mb = 1.1_dp*(14 + 530e-6_dp*nodes + 90e-6_dp*rows**2 + &
+      s%divisions*(1.1e-3_dp*rows + 8e-6_dp*band + (2.8e-6_dp*rows**2 + 59e-6_dp*band)/images))
+  end function harmonic_mb
+
+  !> The fastest solver that fits, the smallest where none does.
+  integer function cheapest(list, limit) result(best)
+    type(cost_t), intent(in) :: list(:)   !< predictions
+    real(dp), intent(in) :: limit         !< memory [MB], 0: unknown
+    logical :: fits(size(list))
+    fits = list%applies .and. (list%memory_mb <= limit .or. limit <= 0)
+    if (any(fits)) then
+      best = minloc(list%seconds, 1, fits)
+    else
+      best = minloc(list%memory_mb, 1, list%applies)
+    end if
+  end function cheapest
+
+  !> What was predicted, for the log.
+  function cost_text(list) result(text)
+    type(cost_t), intent(in) :: list(:)   !< predictions
+    character(len=:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(list)
+      if (.not. list(i)%applies) cycle
+      if (len(text) > 0) text = text//', '
+      text = text//trim(list(i)%name)//' '//to_text(real(nint(10*list(i)%seconds), dp)/10)//' s '// &
+        to_text(nint(list(i)%memory_mb))//' MB'
+    end do
+  end function cost_text
+
+  !> Memory that a run of the scene will need with the solver that is chosen [MB].
+  real(dp) function estimate_memory_mb(s) result(mb)
+    type(scene_t), intent(in) :: s  !< scene
+    type(cost_t) :: list(6)
+    list = predict_costs(s)
+    mb = list(cheapest(list, allowed_memory_mb(s)))%memory_mb
+  end function estimate_memory_mb
+
+  !> Memory that a run may take: as the scene says, else four fifths of what is free [MB]; not above 0 where nobody knows.
+  real(dp) function allowed_memory_mb(s) result(mb)
+    type(scene_t), intent(in) :: s  !< scene
+    mb = s%memory_limit_mb
+    if (mb <= 0) mb = 0.8_dp*free_memory_mb()
+  end function allowed_memory_mb
+end module hd_cost

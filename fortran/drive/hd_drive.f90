@@ -1,0 +1,390 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The harmonic drive scene as a contact problem: flexspline cup, bearing ring, wave generator, supports and torque.
+!>
+!> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 carries the multipliers (slave): the ring, or the cup
+!> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
+module hd_drive
+  use hd_kinds, only: dp, pi
+  use hd_ball_bearing, only: ball_angles, ball_struts
+  use hd_cam, only: cam_t, new_cam
+  use hd_error, only: error_t
+  use hd_scene, only: scene_t
+  use hd_body, only: body_t
+  use hd_face, only: face_t
+  use hd_formed_body, only: form_body, formed_curve, put_on_curve
+  use hd_revolution, only: strip_t, revolve, strip_face
+  use hd_section, only: ring_strip, cup_strip, rim_end
+  use hd_hexahedron, only: element_kind
+  use hd_mortar, only: add_rigid, new_mortar
+  use hd_problem, only: problem_t, load_t, new_problem, add_springs
+  use hd_rim_load, only: even_shear, tooth_forces
+  use hd_contact_law, only: contact_mode
+  use hd_strut, only: absent, closing_of
+  use hd_tooth_flanks, only: flank_struts, tooth_gaps
+  implicit none
+  private
+  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth
+
+  type :: drive_t
+    type(problem_t) :: problem               !< bodies, supports, interface
+    type(strip_t) :: ring, cup               !< meridian sections
+    integer :: b_ring = 1, b_cup = 2         !< their bodies
+    type(face_t) :: face                     !< contact face of the slave
+    type(face_t) :: rim                      !< outside of the rim, nodes numbered in the cup
+    integer :: axial_facets = 0              !< facets of that face along the axis
+    real(dp) :: radius = 0                   !< contact radius [m]
+    type(cam_t) :: cam                       !< the wave generator: of the ring's inner face, with formed bodies of the contact face
+    integer, allocatable :: inner(:)         !< nodes of the ring's inner face
+    real(dp), allocatable :: assembly(:, :)  !< displacements of the fixed dofs by the whole assembly (3, n) [m]
+    logical :: exact = .false.               !< they follow the curve through the assembly, and not to first order only
+    real(dp), allocatable :: reference(:, :) !< r, theta, z of the nodes before any forming (3, n) [m, rad, m]
+    real(dp), allocatable :: torque(:, :)    !< nodal forces of a unit torque (3, n) [1/m]
+    real(dp), allocatable :: squeeze(:, :)   !< radial forces that come with a unit torque of either sense (3, n) [1/m]
+    real(dp), allocatable :: gauge(:, :)     !< even shear of a unit torque: weights of the rotation of the rim (3, n) [1/m]
+    logical :: formed = .false.              !< the bodies have the cam's shape at rest
+    real(dp) :: eccentricity(2) = 0          !< of the wave generator, along and across the long axis [m]
+    real(dp) :: interference = 0             !< radial interference [m]
+    integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
+    real(dp) :: hub_radius = 0               !< [m]
+    integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
+    integer :: balls = 0                     !< of the struts the first are balls; the others flanks, two for each pair
+    real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
+    real(dp), allocatable :: slope(:)        !< its derivative round the axis [m/rad]
+  end type drive_t
+
+contains
+
+  !> Build the problem of a scene.
+  subroutine new_drive(scene, drive, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(drive_t), intent(out) :: drive               !< problem and loads
+    type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
+    type(body_t) :: bodies(2)
+    type(face_t) :: slave, master, inside, bore
+    integer :: kind, sectors, first, last
+    call element_kind(scene%element, kind, error)
+    if (allocated(error)) return
+    drive%radius = scene%bore_radius
+    call ring_strip(scene, drive%ring)
+    call cup_strip(scene, drive%cup, first, last)
+    sectors = merge(scene%ring_divisions, scene%divisions, scene%ring_divisions > 0)
+    if (scene%slave == 'cup') then
+      drive%b_ring = 2
+      drive%b_cup = 1
+    end if
+    associate (ring => bodies(drive%b_ring), cup => bodies(drive%b_cup))
+      call revolve(drive%ring, sectors, kind, ring)
+      call revolve(drive%cup, scene%divisions, kind, cup)
+      ring%young = scene%ring_e
+      ring%poisson = scene%ring_nu
+      cup%young = scene%flexspline_e
+      cup%poisson = scene%flexspline_nu
+      call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
+      call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
+      call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
+      call strip_face(drive%cup, cup, 1, 1, count(drive%cup%inner(1, :) >= drive%radius), drive%radius, bore)
+      call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
+    end associate
+    drive%axial_facets = size(drive%ring%inner, 2) - 1
+    if (scene%slave == 'cup') then
+      drive%axial_facets = last - first
+      slave = master
+      master = drive%face
+      drive%face = slave
+      bore = master
+    end if
+    master%nodes = master%nodes + bodies(1)%nodes()
+    bore%nodes = bore%nodes + bodies(1)%nodes()
+    drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
+    if (scene%shape == 'as_formed') then
+      call new_cam(scene, scene%bore_radius, drive%cam, error)
+      if (allocated(error)) return
+      call form_body(scene, drive%cam, bodies(1))
+      call form_body(scene, drive%cam, bodies(2))
+    end if
+    call new_problem(bodies, drive%problem, error)
+    if (allocated(error)) return
+    call new_mortar(drive%face, master, drive%problem%mortar)
+    inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
+    if (scene%kinematics == 'nonlinear' .and. scene%contact_mode /= 'bonded' .and. (scene%shape == 'pressed' .or. &
+      .not. abs(scene%cone_angle_deg) > 0)) call follow_faces(scene, drive, bore, inside)
+    if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
+    if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
+    drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
+    call hold(scene, drive)
+    if (scene%support == 'drive') call set_struts(scene, drive, inside)
+    call load_rim(scene, drive)
+    call renew_drive(scene, drive, error)
+  end subroutine new_drive
+
+  !> Pair the faces anew as they move.
+  subroutine follow_faces(scene, drive, master, inside)
+    type(scene_t), intent(in) :: scene            !< scene
+    type(drive_t), intent(inout) :: drive         !< gets its pairing, from the coupling at rest
+    type(face_t), intent(in) :: master            !< face of the second body: of the cup the whole bore, on which the ring slips
+    type(face_t), intent(in) :: inside            !< inside of the ring
+    allocate (drive%problem%pairing)
+    associate (pairing => drive%problem%pairing, n => drive%problem%mortar%n)
+      pairing%slave = drive%face
+      pairing%master = master
+      pairing%rest = drive%problem%mortar
+      if (scene%ring_contact == 'unilateral') pairing%inside = inside
+      pairing%radius = drive%radius
+      if (scene%slave == 'cup') pairing%sign = -1
+      pairing%slave_nodes = drive%problem%bodies(1)%nodes()
+      allocate (pairing%stretch(n), source=1._dp)
+      allocate (pairing%bend(n), source=1/drive%radius)
+      if (scene%shape == 'as_formed') call formed_curve(drive%cam, drive%reference(2, pairing%rest%node), &
+        pairing%stretch, pairing%bend)
+    end associate
+  end subroutine follow_faces
+
+  !> Enter what leaves mesh, supports and stiffness as they are: contact law, wave generator.
+  subroutine renew_drive(scene, drive, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(drive_t), intent(inout) :: drive             !< drive of a scene that differs in nothing else
+    type(error_t), allocatable, intent(out) :: error  !< unknown contact mode
+    drive%interference = scene%interference
+    call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
+    if (allocated(error)) return
+    call turn_cam(scene, drive, error)
+  end subroutine renew_drive
+
+  !> r, theta, z of the nodes of a revolved body.
+  pure function cylindrical(body) result(c)
+    type(body_t), intent(in) :: body  !< body
+    real(dp) :: c(3, size(body%x, 2))
+    c(1, :) = hypot(body%x(1, :), body%x(2, :))
+    c(2, :) = body%angle
+    c(3, :) = body%x(3, :)
+  end function cylindrical
+
+  !> Supports. The wave generator prescribes the ring's inner face, or the ends of the balls' springs that pull it. The ring is held
+  !> axially along the middle of that face.
+  subroutine hold(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
+    integer, allocatable :: hub(:), inner(:)
+    real(dp) :: z, corner
+    associate (problem => drive%problem)
+      inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
+      problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
+      if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
+      if (scene%support == 'drive' .and. scene%balls > 0) then
+        problem%fixed(1, inner) = .false.
+        problem%loose = [drive%b_ring]
+      else if (scene%support == 'drive' .and. scene%ring_tangent == 'free') then
+        problem%loose = [drive%b_ring]
+        problem%loose_from = 3
+      else if (ring_follows(scene)) then
+        problem%fixed(2, inner) = .true.
+      else if (scene%contact_mode /= 'bonded') then
+        call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
+      end if
+      z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
+      problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
+      corner = scene%cup_length - scene%bottom_thickness
+      allocate (drive%sprung(0))
+      drive%hub_radius = scene%hub_radius
+      hub = nodes_at(drive, drive%b_cup, scene%hub_radius, corner, scene%cup_length)
+      problem%fixed(3, hub) = .true.
+      drive%hub = hub
+      if (scene%support /= 'bearing') then
+        problem%fixed(:, hub) = .true.
+      else
+        drive%sprung = hub
+        call add_springs(problem, hub, 1, scene%support_stiffness/size(hub))
+        call add_springs(problem, hub, 2, scene%support_stiffness/size(hub))
+      end if
+    end associate
+  end subroutine hold
+
+  !> Balls and flanks of the whole drive, and the bottom that turns.
+  subroutine set_struts(scene, drive, inside)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
+    type(face_t), intent(in) :: inside     !< inner face of the ring, numbered in the problem
+    drive%balls = scene%balls
+    associate (problem => drive%problem)
+      problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
+      if (scene%balls > 0) problem%struts = [ball_struts(scene, inside, problem%bodies(drive%b_ring)%sectors, 0), problem%struts]
+      problem%strut_rate = [0._dp*problem%struts%rate]
+      problem%hub = drive%hub
+    end associate
+  end subroutine set_struts
+
+  !> The teeth touch, or lie apart by their clearances: offsets of the flanks at the end of the assembly.
+  subroutine touch_teeth(scene, drive, u, touch)
+    type(scene_t), intent(in) :: scene                   !< scene
+    type(drive_t), intent(in) :: drive                   !< its model
+    real(dp), intent(in) :: u(:, :)                      !< displacements at the end of the assembly (3, n) [m]
+    real(dp), allocatable, intent(out) :: touch(:)       !< (flanks) [m]
+    integer :: i
+    associate (flank => drive%problem%struts(drive%balls + 1:))
+      touch = [(-closing_of(flank(i), u), i=1, size(flank))] - reshape(spread(tooth_gaps(scene), 1, 2), [size(flank)])
+    end associate
+  end subroutine touch_teeth
+
+  !> The ring's inner face follows the cam tangentially: by choice, or where nothing else would take the torque.
+  pure logical function ring_follows(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. scene%support == 'bearing')
+  end function ring_follows
+
+  !> Springs of the balls between wave generator and ring, even over the ring's inner face.
+  subroutine set_on_balls(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets springs
+    integer, allocatable :: row(:)
+    integer :: i, n
+    n = size(drive%ring%inner, 2)
+    associate (r => scene%bore_radius - scene%ring_thickness, z => drive%ring%inner(2, :))
+      do i = 1, n
+        row = nodes_at(drive, drive%b_ring, r, z(i), z(i))
+        call add_springs(drive%problem, row, 1, scene%ball_stiffness*(z(min(i + 1, n)) - z(max(i - 1, 1)))/ &
+          (2*(z(n) - z(1)))/size(row))
+      end do
+    end associate
+  end subroutine set_on_balls
+
+  !> Nodes of a body on a cylinder, between two heights.
+  function nodes_at(drive, b, r, z_low, z_high) result(list)
+    type(drive_t), intent(in) :: drive              !< drive
+    integer, intent(in) :: b                        !< body
+    real(dp), intent(in) :: r                       !< radius [m]
+    real(dp), intent(in), optional :: z_low, z_high !< heights, default all [m]
+    integer, allocatable :: list(:)
+    real(dp) :: range(2), tol
+    integer :: i
+    tol = 1e-7_dp*drive%radius
+    range = [-1, 1]*huge(tol)
+    if (present(z_low)) range = [z_low - tol, z_high + tol]
+    associate (first => drive%problem%first(b), n => drive%problem%bodies(b)%nodes())
+      list = pack([(i, i=first + 1, first + n)], abs(drive%reference(1, first + 1:first + n) - r) < tol .and. &
+        drive%reference(3, first + 1:first + n) > range(1) .and. drive%reference(3, first + 1:first + n) < range(2))
+    end associate
+  end function nodes_at
+
+  !> The wave generator and the displacements of the ring's inner face by it.
+  subroutine turn_cam(scene, drive, error)
+    type(scene_t), intent(in) :: scene                !< scene
+    type(drive_t), intent(inout) :: drive             !< gets cam, inner, eccentricity, assembly
+    type(error_t), allocatable, intent(out) :: error  !< measured cam
+    real(dp) :: angle
+    angle = scene%eccentricity_angle_deg*pi/180
+    drive%eccentricity = scene%eccentricity*[cos(angle), sin(angle)]
+    drive%inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
+    drive%exact = scene%kinematics == 'nonlinear' .and. scene%shape == 'pressed'
+    drive%formed = scene%shape == 'as_formed'
+    if (.not. drive%formed) call new_cam(scene, scene%bore_radius - scene%ring_thickness, drive%cam, error)
+    if (allocated(error)) return
+    drive%assembly = assembled(drive, 1._dp)
+    if (scene%support == 'drive') call turn_cam_under_balls(scene, drive)
+  end subroutine turn_cam
+
+  !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way.
+  subroutine turn_cam_under_balls(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets way, slope
+    real(dp), dimension(scene%balls) :: theta, before, after, v
+    real(dp), parameter :: h = 1e-4_dp
+    theta = ball_angles(scene)
+    if (allocated(drive%way)) deallocate (drive%way)
+    allocate (drive%way(scene%balls))
+    call drive%cam%displace(drive%cam%w, theta - h, before, v)
+    call drive%cam%displace(drive%cam%w, theta + h, after, v)
+    call drive%cam%displace(drive%cam%w, theta, drive%way, v)
+    associate (e => drive%eccentricity)
+      drive%slope = (after - before)/(2*h) - e(1)*sin(theta) + e(2)*cos(theta)
+      drive%way = drive%way + e(1)*cos(theta) + e(2)*sin(theta) - scene%ball_clearance
+    end associate
+  end subroutine turn_cam_under_balls
+
+  !> Displacements of the fixed dofs by a part of the assembly: to first order in w, or exactly on the cam's curve; the
+  !> eccentricity is a displacement of the whole.
+  function assembled(drive, part) result(x)
+    type(drive_t), intent(in) :: drive  !< drive
+    real(dp), intent(in) :: part        !< 0 to 1
+    real(dp) :: x(3, drive%problem%n)
+    real(dp), dimension(size(drive%inner)) :: theta, w, u, v
+    x = 0
+    u = 0
+    v = 0
+    theta = drive%reference(2, drive%inner)
+    w = drive%cam%deformation(drive%reference(3, drive%inner))
+    if (drive%exact) then
+      call put_on_curve(drive%cam, w, theta, part, u, v)
+    else if (.not. drive%formed) then
+      call drive%cam%displace(w, theta, u, v)
+      u = part*u
+      v = part*v
+    else  ! the first dof of formed bodies follows their normals
+      associate (ring => drive%problem%bodies(drive%b_ring))
+        theta = ring%angle(drive%inner - drive%problem%first(drive%b_ring))
+      end associate
+    end if
+    associate (e => part*drive%eccentricity)
+      x(1, drive%inner) = u + e(1)*cos(theta) + e(2)*sin(theta)
+      x(2, drive%inner) = v + e(2)*cos(theta) - e(1)*sin(theta)
+    end associate
+  end function assembled
+
+  !> Unit torque on the rim's outer face, or at the bottom of the whole drive.
+  subroutine load_rim(scene, drive)
+    type(scene_t), intent(in) :: scene     !< scene
+    type(drive_t), intent(inout) :: drive  !< gets torque, squeeze, gauge
+    integer :: first
+    first = drive%problem%first(drive%b_cup)
+    allocate (drive%gauge(3, drive%problem%n), source=0._dp)
+    drive%squeeze = drive%gauge
+    if (scene%support == 'drive') then
+      drive%gauge(2, drive%hub) = 1/(size(drive%hub)*drive%hub_radius)
+      drive%torque = drive%gauge
+      return
+    end if
+    associate (body => drive%problem%bodies(drive%b_cup), last => first + drive%problem%bodies(drive%b_cup)%nodes())
+      drive%gauge(:, first + 1:last) = even_shear(scene, body, drive%rim)
+      drive%torque = drive%gauge
+      if (scene%torque_load == 'teeth') then
+        call tooth_forces(scene, body, drive%rim, drive%torque(:, first + 1:last), drive%squeeze(:, first + 1:last))
+      end if
+    end associate
+  end subroutine load_rim
+
+  !> Coulomb coefficient of a load step.
+  pure real(dp) function step_friction(scene, position) result(friction)
+    type(scene_t), intent(in) :: scene    !< scene
+    real(dp), intent(in) :: position      !< at the end of the step: 0 to 1 assembly, 1 to 2 torque
+    friction = merge(scene%torque_friction, scene%friction, position > 1 + 1e-12_dp .and. scene%torque_friction > 0)
+  end function step_friction
+
+  !> Load at a fraction of the assembly and a torque, which the whole drive has at its bottom, others on the rim.
+  subroutine drive_load(drive, assembly, torque, friction, load, touch)
+    type(drive_t), intent(in) :: drive    !< drive
+    real(dp), intent(in) :: assembly      !< fraction of the assembly, 0 to 1
+    real(dp), intent(in) :: torque        !< torque [N m]
+    real(dp), intent(in) :: friction      !< Coulomb coefficient of the step
+    type(load_t), intent(out) :: load     !< load
+    real(dp), intent(in), optional :: touch(:)  !< offsets of the flanks, once the assembly has ended [m]
+    integer :: m
+    load%friction = friction
+    if (drive%exact .and. assembly < 1) then
+      load%displacement = assembled(drive, assembly)
+    else
+      load%displacement = assembly*drive%assembly
+    end if
+    load%force = torque*drive%torque + abs(torque)*drive%squeeze
+    if (allocated(drive%problem%struts)) then
+      allocate (load%closing(size(drive%problem%struts)), source=absent)
+      if (drive%balls > 0) load%closing(:drive%balls) = assembly*drive%way
+      if (present(touch)) then
+        if (size(touch) > 0) load%closing(drive%balls + 1:) = touch
+      end if
+    end if
+    load%force(1, :) = load%force(1, :) + drive%problem%spring(1, :)*load%displacement(1, :)
+    associate (mortar => drive%problem%mortar)
+      m = mortar%n - mortar%rigid
+      load%gap = [spread(-assembly*drive%interference, 1, m), -load%displacement(1, mortar%node(m + 1:))]
+    end associate
+  end subroutine drive_load
+end module hd_drive

@@ -1,0 +1,65 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Flanks of the tooth pairs against the rigid circular spline, as struts along their normals: of every pair first the flank that
+!> takes a positive torque, then the other.
+module hd_tooth_flanks
+  use hd_kinds, only: dp, pi
+  use hd_body, only: body_t, axial_moment
+  use hd_face, only: face_t
+  use hd_rim_load, only: add_rim_line
+  use hd_scene, only: scene_t
+  use hd_strut, only: strut_t
+  implicit none
+  private
+  public :: tooth_angles, tooth_gaps, flank_struts
+
+contains
+
+  !> Places of the pairs, half of them around each end of the long axis [rad].
+  pure function tooth_angles(scene) result(theta)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: theta(scene%tooth_pairs)
+    integer :: i, half
+    half = scene%tooth_pairs/2
+    theta = [((2*pi/scene%teeth)*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1)) + merge(pi, 0._dp, i > half), &
+      i=1, scene%tooth_pairs)]
+  end function tooth_angles
+
+  !> Clearances along the normals when the assembly ends: 0 on the long axis, growing with the square of the distance [m].
+  pure function tooth_gaps(scene) result(gap)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: gap(scene%tooth_pairs)
+    integer :: i, half
+    half = scene%tooth_pairs/2
+    gap = scene%tooth_clearance*[((2*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1))/max(1, half - 1))**2, i=1, scene%tooth_pairs)]
+  end function tooth_gaps
+
+  !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, along the normal, with
+  !> the arm of the rim's outside.
+  function flank_struts(scene, body, rim, first) result(struts)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(body_t), intent(in) :: body    !< flexspline
+    type(face_t), intent(in) :: rim     !< outside of its rim, nodes numbered in the body
+    integer, intent(in) :: first        !< nodes before the flexspline's
+    type(strut_t) :: struts(2*scene%tooth_pairs)
+    real(dp) :: line(3, body%nodes()), theta(scene%tooth_pairs), angle
+    integer :: i, k, side
+    angle = scene%pressure_angle_deg*pi/180
+    theta = tooth_angles(scene)
+    do i = 1, scene%tooth_pairs
+      line = 0
+      call add_rim_line(scene, body, rim, scene%divisions*modulo(theta(i)/(2*pi), 1._dp), line(2, :))
+      line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(body, line)
+      do side = 1, 2
+        associate (strut => struts(2*(i - 1) + side))
+          strut%rate = scene%tooth_stiffness
+          strut%power = 1
+          strut%node = pack([(k, k=1, body%nodes())], abs(line(2, :)) > 0)
+          allocate (strut%weight(3, size(strut%node)), source=0._dp)
+          strut%weight(1, :) = sin(angle)*line(2, strut%node)
+          strut%weight(2, :) = merge(1, -1, side == 1)*cos(angle)*line(2, strut%node)
+          strut%node = strut%node + first
+        end associate
+      end do
+    end do
+  end function flank_struts
+end module hd_tooth_flanks

@@ -1,0 +1,135 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest. Without a tolerance it is the
+!> direct sum or products: the choice and the heights are the same on every processor.
+module hd_heights
+  use hd_kinds, only: dp, sp, i8
+  use hd_direct, only: direct_sum
+  use hd_error, only: error_t, raise, code_input
+  use hd_memory, only: need_memory
+  use hd_nufft, only: nufft_t, new_nufft, nufft_sum
+  use hd_nufft_plan, only: nufft_plan_t, plan_nufft
+  use hd_product, only: product_t, new_product, product_sum
+  use hd_text, only: to_text
+  use hd_waves, only: waves_t, grid_t, checked_grid
+  implicit none
+  private
+  public :: method_t, choose_method, heights, heights_single
+  public :: method_auto, method_direct, method_product, method_nufft
+
+  integer, parameter :: method_auto = 0, method_direct = 1, method_product = 2, method_nufft = 3
+
+  !> How a sum will be done.
+  type :: method_t
+    integer :: evaluator = method_auto               !< method_direct, method_product or method_nufft
+    type(nufft_plan_t) :: nufft                      !< fine points, widths, tiles
+    real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft on two threads [s]; huge: not asked
+    real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
+  end type method_t
+
+  real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
+  real(dp), parameter :: second_per_flop = 0.105e-9_dp     !< matrix product, all slices
+  real(dp), parameter :: second_per_point = 2e-9_dp        !< height stored
+  real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
+  real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
+  integer, parameter :: slab_points = 4194304              !< heights held in double precision for single ones
+
+contains
+
+  !> Choose by predicted time, or check what was asked for.
+  subroutine choose_method(nx, ny, waves, groups, tolerance, bytes, wanted, method, error)
+    integer, intent(in) :: nx, ny                     !< points
+    integer(i8), intent(in) :: waves, groups          !< number of waves, of groups with one |kx|
+    real(dp), intent(in) :: tolerance                 !< error allowed, relative to the rms height; 0: none, only rounding
+    integer, intent(in) :: bytes                      !< of a height: 8 or 4
+    integer, intent(in) :: wanted                     !< method_*
+    type(method_t), intent(out) :: method             !< choice
+    type(error_t), allocatable, intent(out) :: error  !< bad input or not enough memory
+    real(dp) :: points, extra(3), mb
+    if (tolerance /= 0 .and. .not. (tolerance >= 1e-13_dp .and. tolerance <= 0.1_dp)) then
+      call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': must lie between 1e-13 and 0.1 (0: none)')
+      return
+    end if
+    points = real(nx, dp) * ny
+    if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0)) then
+      method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
+    end if
+    method%seconds(1) = points * waves * second_per_cosine / 2
+    method%seconds(2) = (points * (2 * groups * second_per_flop + second_per_point) &
+      + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
+    method%seconds(3) = method%nufft%seconds
+    extra(1) = 64._dp * waves
+    extra(2) = 100._dp * waves + 16._dp * nx * groups + 32._dp * (64 * nx + 32768)
+    extra(3) = (200 + 8._dp * (method%nufft%width_x + method%nufft%width_y)) * waves + &
+      16._dp * method%nufft%fine_y * (0.5_dp * method%nufft%fine_x + 100) * 3
+    if (bytes == 4) extra = extra + 8._dp * slab_points
+    method%evaluator = wanted
+    if (wanted == method_auto) method%evaluator = minloc(method%seconds, 1)
+    if (wanted == method_nufft .and. method%nufft%width_x == 0) then
+      call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': out of reach of the method nufft')
+      return
+    end if
+    method%memory_mb = extra(method%evaluator) / 1048576
+    mb = points * bytes / 1048576 + method%memory_mb
+    call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)//' points from '//to_text(waves)//' waves', mb, error)
+  end subroutine choose_method
+
+  !> Heights in double precision [Eq. 1, 2].
+  subroutine heights(w, g, method, z, error)
+    type(waves_t), intent(in) :: w                     !< waves
+    type(grid_t), intent(in) :: g                      !< grid
+    type(method_t), intent(in) :: method               !< choice
+    real(dp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
+    type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
+    type(product_t) :: product
+    type(nufft_t) :: nufft
+    call checked_grid(g, error)
+    if (allocated(error)) return
+    select case (method%evaluator)
+    case (method_direct)
+      call direct_sum(w, g, 1, z)
+    case (method_product)
+      call new_product(w, g, product)
+      call product_sum(product, 1, z)
+    case (method_nufft)
+      call new_nufft(w, g, method%nufft, nufft)
+      call nufft_sum(nufft, 1, z, error)
+    end select
+  end subroutine heights
+
+  !> Heights in single precision, computed in double precision by slabs of rows.
+  subroutine heights_single(w, g, method, z, error)
+    type(waves_t), intent(in) :: w                     !< waves
+    type(grid_t), intent(in) :: g                      !< grid
+    type(method_t), intent(in) :: method               !< choice
+    real(sp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
+    type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
+    type(product_t) :: product
+    type(nufft_t) :: nufft
+    real(dp), allocatable :: slab(:, :)
+    integer :: rows, j, last
+    call checked_grid(g, error)
+    if (allocated(error)) return
+    if (method%evaluator == method_product) call new_product(w, g, product)
+    if (method%evaluator == method_nufft) call new_nufft(w, g, method%nufft, nufft)
+    rows = max(1, slab_points / g%nx)
+    if (method%evaluator == method_nufft) rows = max(1, rows / method%nufft%rows) * method%nufft%rows
+    allocate (slab(g%nx, min(rows, g%ny)))
+    do j = 1, g%ny, rows
+      last = min(j + rows - 1, g%ny)
+      associate (part => slab(:, :last - j + 1))
+        select case (method%evaluator)
+        case (method_direct)
+          call direct_sum(w, g, j, part)
+        case (method_product)
+          call product_sum(product, j, part)
+        case (method_nufft)
+          call nufft_sum(nufft, j, part, error)
+          if (allocated(error)) return
+        end select
+        !$omp parallel workshare
+        z(:, j:last) = real(part, sp)
+        !$omp end parallel workshare
+      end associate
+    end do
+  end subroutine heights_single
+end module hd_heights

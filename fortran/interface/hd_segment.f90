@@ -1,0 +1,228 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Segments: the overlaps of the facets of two faces on their chart, with integration points.
+module hd_segment
+  use hd_kinds, only: dp
+  use hd_face, only: face_t, shape_facet, shape_corner
+  implicit none
+  private
+  public :: point_t, bins_t, new_bins, integrate_overlaps
+
+  !> One integration point: shape functions of the slave facet (all nodes, corners) and of the master facet, weight.
+  type :: point_t
+    real(dp) :: slave(8) = 0, corner(4) = 0, master(8) = 0
+    real(dp) :: weight = 0   !< [m^2]
+    integer :: facet = 0     !< master facet
+  end type point_t
+
+  !> Facets of a face sorted into strips of the first chart coordinate.
+  type :: bins_t
+    real(dp) :: start = 0, width = 1
+    integer :: n = 1
+    logical :: periodic = .false.
+    integer, allocatable :: ptr(:), facet(:)
+    real(dp), allocatable :: low(:, :), high(:, :)  !< limits of each facet (2, facets) [m]
+    real(dp), allocatable :: sum(:)                 !< of the first coordinates of its corners [m]
+  end type bins_t
+
+  !> Degree-5 rule of seven points on the unit triangle, weights sum to 1.
+  real(dp), parameter :: ra = 0.10128650732345633_dp, rb = 0.47014206410511509_dp
+  real(dp), parameter :: rule(2, 7) = reshape([1/3._dp, 1/3._dp, ra, ra, 1 - 2*ra, ra, ra, 1 - 2*ra, &
+    rb, rb, 1 - 2*rb, rb, rb, 1 - 2*rb], [2, 7])
+  real(dp), parameter :: wa = 0.12593918054482715_dp, wb = 0.13239415278850618_dp
+  real(dp), parameter :: weight(7) = [0.225_dp, wa, wa, wa, wb, wb, wb]
+
+  !> Gauss's rule of eight points on (-1, 1): for facets that are no parallelograms, whose shape functions are no polynomials of x.
+  real(dp), parameter :: gauss(8) = [-0.9602898564975363_dp, -0.7966664774136267_dp, -0.5255324099163290_dp, &
+    -0.1834346424956498_dp, 0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, 0.9602898564975363_dp]
+  real(dp), parameter :: gauss_weight(8) = [0.1012285362903763_dp, 0.2223810344533745_dp, 0.3137066458778873_dp, &
+    0.3626837833783620_dp, 0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
+
+contains
+
+  !> Sort the facets of a face into bins by their lowest first coordinate.
+  subroutine new_bins(face, bins)
+    type(face_t), intent(in) :: face   !< face
+    type(bins_t), intent(out) :: bins  !< its bins
+    real(dp) :: length
+    integer :: slot(size(face%chart, 3)), f, place(size(face%chart, 3))
+    bins%low = minval(face%chart, 2)
+    bins%high = maxval(face%chart, 2)
+    bins%sum = sum(face%chart(1, :, :), 1)
+    bins%periodic = face%period > 0
+    bins%start = minval(bins%low(1, :))
+    length = merge(face%period, maxval(bins%high(1, :)) - bins%start, bins%periodic)
+    bins%n = max(1, int(length/maxval(bins%high(1, :) - bins%low(1, :))))
+    bins%width = length/bins%n
+    slot = bin_of(bins, bins%low(1, :))
+    allocate (bins%ptr(0:bins%n), source=0)
+    do f = 1, size(slot)
+      bins%ptr(slot(f) + 1) = bins%ptr(slot(f) + 1) + 1
+      place(f) = bins%ptr(slot(f) + 1)
+    end do
+    do f = 1, bins%n
+      bins%ptr(f) = bins%ptr(f) + bins%ptr(f - 1)
+    end do
+    allocate (bins%facet(size(slot)))
+    do f = 1, size(slot)
+      bins%facet(bins%ptr(slot(f)) + place(f)) = f
+    end do
+  end subroutine new_bins
+
+  !> Bin of a first coordinate, from 0.
+  elemental integer function bin_of(bins, s) result(b)
+    type(bins_t), intent(in) :: bins  !< bins
+    real(dp), intent(in) :: s         !< first chart coordinate [m]
+    b = floor((s - bins%start)/bins%width + 1e-9_dp)
+    if (bins%periodic) then
+      b = modulo(b, bins%n)
+    else
+      b = min(max(b, 0), bins%n - 1)
+    end if
+  end function bin_of
+
+  !> Integration points of all overlaps of one slave facet with the master face.
+  subroutine integrate_overlaps(slave, f, master, bins, points)
+    type(face_t), intent(in) :: slave                     !< slave face
+    integer, intent(in) :: f                              !< slave facet
+    type(face_t), intent(in) :: master                    !< master face
+    type(bins_t), intent(in) :: bins                      !< bins of the master face
+    type(point_t), allocatable, intent(out) :: points(:)  !< integration points
+    real(dp) :: a(2, 4), b(2, 4), low(2), high(2), middle, polygon(2, 16), shift
+    integer :: g, i, k, n, lowest, highest, m
+    a = slave%chart(:, :, f)
+    low = minval(a, 2)
+    high = maxval(a, 2)
+    middle = sum(a(1, :))
+    allocate (points(0))
+    lowest = floor((low(1) - bins%start)/bins%width) - 1
+    highest = floor((high(1) - bins%start)/bins%width)
+    if (.not. bins%periodic) then
+      lowest = max(lowest, 0)
+      highest = min(highest, bins%n - 1)
+    else if (highest - lowest >= bins%n) then
+      highest = lowest + bins%n - 1
+    end if
+    do i = lowest, highest
+      k = merge(modulo(i, bins%n), i, bins%periodic)
+      do m = bins%ptr(k) + 1, bins%ptr(k + 1)
+        g = bins%facet(m)
+        if (low(2) >= bins%high(2, g) .or. high(2) <= bins%low(2, g)) cycle
+        shift = 0
+        if (bins%periodic) shift = master%period*nint((middle - bins%sum(g))/(4*master%period))
+        if (low(1) >= bins%high(1, g) + shift .or. high(1) <= bins%low(1, g) + shift) cycle
+        b = master%chart(:, :, g)
+        b(1, :) = b(1, :) + shift
+        call clip(a, b, polygon, n)
+        call add_points(polygon(:, :n), a, b, size(slave%nodes, 1), size(master%nodes, 1), g, points)
+      end do
+    end do
+  end subroutine integrate_overlaps
+
+  !> Intersection of two convex polygons given counter-clockwise (Sutherland and Hodgman 1974).
+  pure subroutine clip(subject, window, polygon, n)
+    real(dp), intent(in) :: subject(2, 4)      !< polygon to cut
+    real(dp), intent(in) :: window(2, 4)       !< cutting polygon
+    real(dp), intent(out) :: polygon(2, 16)    !< intersection
+    integer, intent(out) :: n                  !< its corners
+    real(dp) :: old(2, 16), p(2), q(2), normal(2), dp1, dp2
+    integer :: e, i, m
+    polygon = 0
+    polygon(:, :4) = subject
+    n = 4
+    do e = 1, 4
+      p = window(:, e)
+      q = window(:, modulo(e, 4) + 1)
+      normal = [p(2) - q(2), q(1) - p(1)]
+      old = polygon
+      m = n
+      n = 0
+      do i = 1, m
+        dp1 = dot_product(normal, old(:, i) - p)
+        dp2 = dot_product(normal, old(:, modulo(i, m) + 1) - p)
+        if (dp1 >= 0) then
+          n = n + 1
+          polygon(:, n) = old(:, i)
+        end if
+        if (dp1*dp2 < 0) then
+          n = n + 1
+          polygon(:, n) = old(:, i) + dp1/(dp1 - dp2)*(old(:, modulo(i, m) + 1) - old(:, i))
+        end if
+      end do
+      if (n < 3) return
+    end do
+  end subroutine clip
+
+  !> Integration points on the triangles between the middle of a polygon and its sides: its mirror image gets the mirrored points.
+  subroutine add_points(polygon, a, b, nodes_a, nodes_b, facet, points)
+    real(dp), intent(in) :: polygon(:, :)     !< corners (2, n) [m]
+    real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
+    integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
+    integer, intent(in) :: facet              !< master facet
+    type(point_t), allocatable, intent(inout) :: points(:)  !< grows
+    type(point_t), allocatable :: new(:)
+    real(dp) :: middle(2), u(2), v(2), area
+    integer :: t, p, q, n
+    logical :: even
+    n = 0
+    if (size(polygon, 2) < 3) return
+    even = is_parallelogram(a) .and. is_parallelogram(b)
+    allocate (new(merge(7, 64, even)*size(polygon, 2)))
+    middle = sum(polygon, 2)/size(polygon, 2)
+    do t = 1, size(polygon, 2)
+      u = polygon(:, t) - middle
+      v = polygon(:, modulo(t, size(polygon, 2)) + 1) - middle
+      area = 0.5_dp*abs(u(1)*v(2) - u(2)*v(1))
+      if (area <= 1e-14_dp*maxval(abs(a(:, 3) - a(:, 1)))**2) cycle
+      if (even) then
+        do p = 1, 7
+          call add(middle + rule(1, p)*u + rule(2, p)*v, weight(p)*area)
+        end do
+      else
+        do p = 1, 8
+          do q = 1, 8
+            call add(middle + (1 + gauss(p))/4*((1 - gauss(q))*u + (1 + gauss(q))*v), &
+              (1 + gauss(p))/4*gauss_weight(p)*gauss_weight(q)*area)
+          end do
+        end do
+      end if
+    end do
+    points = [points, new(:n)]
+  contains
+    subroutine add(x, w)
+      real(dp), intent(in) :: x(2)  !< point [m]
+      real(dp), intent(in) :: w     !< its weight [m^2]
+      real(dp) :: xi(2)
+      n = n + 1
+      xi = locate(a, x)
+      new(n)%corner = shape_corner(xi)
+      new(n)%slave(:nodes_a) = shape_facet(nodes_a, xi)
+      new(n)%master(:nodes_b) = shape_facet(nodes_b, locate(b, x))
+      new(n)%weight = w
+      new(n)%facet = facet
+    end subroutine add
+  end subroutine add_points
+
+  !> Are opposite sides of a quadrilateral so nearly equal that the rule for polynomials errs by less than 1e-10?
+  pure logical function is_parallelogram(c)
+    real(dp), intent(in) :: c(2, 4)  !< corners [m]
+    is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= 0.02_dp*maxval(abs(c(:, 3) - c(:, 1)))
+  end function is_parallelogram
+
+  !> Natural coordinates of a point in a bilinear quadrilateral, by Newton's method (one step for a rectangle).
+  pure function locate(corners, x) result(xi)
+    real(dp), intent(in) :: corners(2, 4)  !< corners [m]
+    real(dp), intent(in) :: x(2)           !< point [m]
+    real(dp) :: xi(2), r(2), du(2), dv(2), det, step(2)
+    integer :: i
+    xi = 0
+    do i = 1, 25
+      r = x - matmul(corners, shape_corner(xi))
+      du = ((corners(:, 2) - corners(:, 1))*(1 - xi(2)) + (corners(:, 3) - corners(:, 4))*(1 + xi(2)))/4
+      dv = ((corners(:, 4) - corners(:, 1))*(1 - xi(1)) + (corners(:, 3) - corners(:, 2))*(1 + xi(1)))/4
+      det = du(1)*dv(2) - du(2)*dv(1)
+      step = [r(1)*dv(2) - r(2)*dv(1), du(1)*r(2) - du(2)*r(1)]/det
+      xi = xi + step
+      if (maxval(abs(step)) < 1e-14_dp) exit
+    end do
+  end function locate
+end module hd_segment

@@ -1,0 +1,50 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Checksums (CRC-64 of xz) that tell a file as it was written from a damaged one.
+module hd_checksum
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
+  use, intrinsic :: iso_fortran_env, only: int64
+  implicit none
+  private
+  public :: checksum, file_checksum, hexadecimal
+
+  interface
+    pure integer(c_long_long) function c_checksum(before, bytes, n) bind(c, name='hd_bytes_checksum')
+      import :: c_char, c_long_long
+      integer(c_long_long), intent(in), value :: before, n
+      character(kind=c_char), intent(in) :: bytes(*)
+    end function c_checksum
+    integer(c_int) function c_file_checksum(path, n, sum) bind(c, name='hd_file_checksum')
+      import :: c_char, c_int, c_long_long
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_long_long), value :: n
+      integer(c_long_long), intent(out) :: sum
+    end function c_file_checksum
+  end interface
+
+contains
+
+  !> Checksum of a text, or of one that follows texts whose checksum is known.
+  pure integer(int64) function checksum(text, before)
+    character(len=*), intent(in) :: text                !< bytes
+    integer(int64), intent(in), optional :: before      !< checksum of what stands before them
+    checksum = 0
+    if (present(before)) checksum = before
+    checksum = c_checksum(checksum, text, int(len(text), c_long_long))
+  end function checksum
+
+  !> Checksum of the first bytes of a file; `good` is false if it does not hold so many.
+  subroutine file_checksum(path, bytes, sum, good)
+    character(len=*), intent(in) :: path   !< file
+    integer(int64), intent(in) :: bytes    !< from its beginning
+    integer(int64), intent(out) :: sum     !< their checksum
+    logical, intent(out) :: good           !< all of them could be read
+    good = c_file_checksum(path//c_null_char, bytes, sum) == 0
+  end subroutine file_checksum
+
+  !> A checksum as 16 digits.
+  pure function hexadecimal(sum) result(text)
+    integer(int64), intent(in) :: sum  !< checksum
+    character(len=16) :: text
+    write (text, '(z16.16)') sum
+  end function hexadecimal
+end module hd_checksum

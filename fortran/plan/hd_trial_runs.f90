@@ -1,0 +1,248 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Runs that a plan rests on: K_TS, normal force and mid-band pressure of a mesh, and the time it took. What has been solved is
+!> remembered, and kept in plan.csv of the run's folder, so that a stopped plan goes on where it was.
+module hd_trial_runs
+  use hd_kinds, only: dp
+  use hd_checkpoint, only: check_same_scene
+  use hd_checksum, only: checksum, hexadecimal
+  use hd_clock, only: wall_seconds
+  use hd_error, only: error_t, raise, code_file, code_input, code_stopped
+  use hd_input, only: write_echo
+  use hd_load_step, only: solve_step
+  use hd_log, only: set_log_level, say, quiet, verbose
+  use hd_run, only: run_t, new_run, close_run, quantities
+  use hd_scene, only: scene_t
+  use hd_section, only: band_rows
+  use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
+  use hd_text, only: string_t, push, to_text
+  implicit none
+  private
+  public :: trial_runs_t, new_trial_runs, solve, growth
+
+  real(dp), parameter :: growth = 1.4_dp  !< time of a mesh goes as this power of its facets, small displacements
+
+  !> Results of a mesh.
+  type :: probe_t
+    real(dp) :: q(3) = 0      !< K_TS [N m/rad], normal force [N], mid-band pressure [Pa]
+    real(dp) :: seconds = 0   !< wall clock
+  end type probe_t
+
+  type :: trial_runs_t
+    character(len=:), allocatable :: folder  !< '' for none
+    real(dp) :: begun = 0                    !< wall clock [s]
+    integer :: before = 0                    !< runs that were known when it began
+    type(string_t), allocatable :: name(:)   !< meshes that are solved
+    type(probe_t), allocatable :: known(:)   !< and their results
+  contains
+    procedure :: try
+    procedure :: seconds_of
+    procedure :: foretell
+  end type trial_runs_t
+
+contains
+
+  !> Begin a plan, or take up one that was stopped.
+  subroutine new_trial_runs(scene, folder, resume, self, error)
+    type(scene_t), intent(in) :: scene                !< scene with a tolerance
+    character(len=*), intent(in) :: folder            !< of the run, '' for none
+    logical, intent(in) :: resume                     !< go on with the plan in the folder, if there is one
+    type(trial_runs_t), intent(out) :: self                !< what is known
+    type(error_t), allocatable, intent(out) :: error  !< another scene, files
+    self%folder = folder
+    self%begun = wall_seconds()
+    allocate (self%name(0), self%known(0))
+    if (len(folder) == 0) return
+    if (resume .and. path_kind(folder//'/plan.nml') /= path_absent) then
+      call check_same_scene(folder, 'plan.nml', scene, error)
+      if (.not. allocated(error)) call read_known(self, error)
+      if (.not. allocated(error)) self%before = size(self%known)
+    else if (resume .and. path_kind(folder//'/echo.nml') /= path_absent) then
+      call raise(error, code_input, "the run in '"//folder//"' was not planned: resume it without run.tolerance, or "// &
+        'begin anew with --force')
+    else
+      call make_directory(folder, error)
+      call remove_file(folder//'/plan.csv')
+      if (.not. allocated(error)) call write_echo(folder//'/plan.nml', scene, error)
+    end if
+  end subroutine new_trial_runs
+
+  !> Results of a scene; nothing else is written.
+  subroutine try(self, scene, q, error)
+    class(trial_runs_t), intent(inout) :: self             !< remembers them
+    type(scene_t), intent(in) :: scene                !< scene on its mesh
+    real(dp), intent(out) :: q(3)                     !< K_TS, normal force, mid-band pressure
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    type(error_t), allocatable :: trouble
+    type(run_t), allocatable :: run
+    type(scene_t) :: s
+    type(probe_t) :: new
+    integer :: i, level
+    i = place_of(self, scene)
+    q = 0
+    if (i > 0) q = self%known(i)%q
+    if (i > 0) return
+    s = scene
+    if (s%time_limit_s > 0) s%time_limit_s = max(1e-3_dp, s%time_limit_s - (wall_seconds() - self%begun))
+    new%seconds = wall_seconds()
+    call set_log_level(quiet, level)  ! one line instead of a run's own
+    if (level == verbose) call set_log_level(verbose)
+    allocate (run)
+    call new_run(s, '', '', .false., run, error)
+    run%brief = .true.
+    if (.not. allocated(error)) call solve(run, error)
+    if (.not. allocated(error)) q = quantities(run)
+    if (allocated(run%drive)) call close_run(run, trouble)
+    call set_log_level(level)
+    if (allocated(error)) then
+      if (error%code == code_stopped) then
+        call raise(error, code_stopped, stopped(self))
+      else
+        call say(trim(mesh_text(scene))//': '//error%message)
+      end if
+      return
+    end if
+    new%q = q
+    new%seconds = wall_seconds() - new%seconds
+    call push(self%name, name_of(scene))
+    self%known = [self%known, new]
+    call say(trim(log_line(scene, new)))
+    call keep(self, error)
+  end subroutine try
+
+  !> What a stop while planning leaves.
+  function stopped(self) result(text)
+    class(trial_runs_t), intent(in) :: self  !< results
+    character(len=:), allocatable :: text
+    text = trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))//' while planning'
+    if (len(self%folder) == 0) return
+    if (size(self%known) > self%before .or. stop_requested()) then
+      text = text//'; '//to_text(size(self%known))//' runs of it are kept, --resume goes on'
+    else
+      text = text//' before a run of the plan was done ('//to_text(self%before)// &
+        ' before): --resume gets on only with a longer solver.time_limit_s'
+    end if
+  end function stopped
+
+  !> Time that a mesh took; 0 if it was not solved [s].
+  real(dp) function seconds_of(self, scene) result(seconds)
+    class(trial_runs_t), intent(in) :: self  !< results
+    type(scene_t), intent(in) :: scene  !< scene on its mesh
+    integer :: i
+    i = place_of(self, scene)
+    seconds = 0
+    if (i > 0) seconds = self%known(i)%seconds
+  end function seconds_of
+
+  !> Say how long the next mesh will take, if that is long.
+  subroutine foretell(self, now, next)
+    class(trial_runs_t), intent(in) :: self        !< times
+    type(scene_t), intent(in) :: now, next    !< mesh that is solved, a finer one
+    real(dp) :: seconds
+    seconds = seconds_of(self, now)*(real(next%divisions*band_rows(next), dp)/(now%divisions*band_rows(now)))**growth
+    if (seconds > 3) call say('plan      next mesh '//to_text(next%divisions)//' x '//to_text(band_rows(next))// &
+      ' facets: about '//to_text(nint(seconds))//' s')
+  end subroutine foretell
+
+  !> Solve the load steps of a run.
+  subroutine solve(run, error)
+    type(run_t), intent(inout) :: run                 !< run, then at its end
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
+    logical :: done
+    done = .false.
+    do while (.not. (done .or. allocated(error)))
+      call solve_step(run, done, error)
+    end do
+  end subroutine solve
+
+  !> Everything a plan may choose, in one word.
+  pure function name_of(s) result(name)
+    type(scene_t), intent(in) :: s  !< scene on its mesh
+    character(len=:), allocatable :: name
+    name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
+      to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
+      to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
+  end function name_of
+
+  !> A mesh for the log.
+  function mesh_text(s) result(text)
+    type(scene_t), intent(in) :: s  !< scene on its mesh
+    character(len=24) :: text
+    write (text, '(a,i5,a,i3,a)') '  trial', s%divisions, ' x', band_rows(s), ' facets'
+  end function mesh_text
+
+  !> A mesh and its results for the log.
+  function log_line(s, found) result(line)
+    type(scene_t), intent(in) :: s         !< scene on its mesh
+    type(probe_t), intent(in) :: found     !< results
+    character(len=200) :: line
+    character(len=20) :: rows
+    rows = 'equal rows'
+    if (s%edge_length > 0) write (rows, '(a,es7.1,a)') 'edge cells ', s%edge_length, ' m'
+    write (line, '(3a,3(i3,a),es11.4,a,f9.1,a,es10.3,a,f7.1,a)') mesh_text(s), ', ', rows//' layers', s%through_wall, ', steps', &
+      s%assembly_steps, ' +', s%torque_steps, merge(', large', ', small', s%kinematics == 'nonlinear')//': K_TS', &
+      found%q(1), ' N m/rad', found%q(2), ' N', found%q(3), ' Pa', found%seconds, ' s'
+  end function log_line
+
+  !> Number of a mesh in the list, 0 if it is new.
+  pure integer function place_of(self, scene) result(i)
+    class(trial_runs_t), intent(in) :: self  !< results
+    type(scene_t), intent(in) :: scene  !< scene on its mesh
+    character(len=:), allocatable :: name
+    name = name_of(scene)
+    do i = size(self%name), 1, -1
+      if (self%name(i)%s == name) return
+    end do
+  end function place_of
+
+  !> Write plan.csv; the one before is replaced only when this one is whole.
+  subroutine keep(self, error)
+    type(trial_runs_t), intent(in) :: self                 !< results
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=*), parameter :: head = 'mesh,k_ts_nm_per_rad,normal_force_n,pressure_mid_mean_pa,seconds,checksum'
+    character(len=:), allocatable :: path
+    character(len=400) :: line
+    integer :: unit, status, i
+    if (len(self%folder) == 0) return
+    path = self%folder//'/plan.csv'
+    open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
+    if (status == 0) write (unit, '(a)', iostat=status) head
+    do i = 1, size(self%known)
+      if (status /= 0) exit
+      write (line, '(a,4(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
+      if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
+    end do
+    if (status == 0) close (unit, iostat=status)
+    if (status == 0) then
+      call rename_file(path//'.part', path, error)
+    else
+      call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
+    end if
+  end subroutine keep
+
+  !> Results of a plan that was stopped.
+  subroutine read_known(self, error)
+    type(trial_runs_t), intent(inout) :: self         !< gets them
+    type(error_t), allocatable, intent(out) :: error  !< a row is not as it was written
+    type(probe_t) :: one
+    character(len=400) :: line
+    integer :: unit, status, comma, last
+    open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    read (unit, '(a)', iostat=status) line
+    do while (status == 0)
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      comma = index(line, ',')
+      last = index(line, ',', back=.true.)
+      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q, one%seconds
+      if (comma >= last .or. status /= 0 .or. line(last + 1:) /= hexadecimal(checksum(line(:last - 1)))) then
+        call raise(error, code_file, "'"//self%folder//"/plan.csv' is not as the plan left it (row "// &
+          to_text(size(self%name) + 1)//"): begin anew with --force")
+        exit
+      end if
+      call push(self%name, line(:comma - 1))
+      self%known = [self%known, one]
+    end do
+    close (unit)
+  end subroutine read_known
+end module hd_trial_runs

@@ -1,0 +1,351 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Results of a converged step: fields on the contact facets and the sums over them.
+module hd_facets
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use hd_kinds, only: dp, pi
+  use hd_body, only: cartesian
+  use hd_contact_edge, only: softening
+  use hd_contact_law, only: open_state, stick_state, slip_state
+  use hd_drive, only: drive_t
+  use hd_joint, only: joint_t, response_t, evaluate_joint, pressure_power
+  use hd_mortar, only: facet_mean, add_nodal_forces, radial_force
+  use hd_problem, only: state_t, load_t, internal_residual
+  use hd_scene, only: scene_t
+  use hd_torsion, only: facet_weights, printed_weights
+  use hd_supports, only: support_torques_t, support_torques, moment
+  use hd_vector, only: cross
+  implicit none
+  private
+  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_row, evaluate_facets, sum_up, sum_stiffness
+
+  !> Facets are numbered axially first, then round the axis.
+  type :: facets_t
+    real(dp), allocatable :: theta(:)         !< reference angle of the centre [rad]
+    real(dp), allocatable :: x(:, :)          !< deformed centre (3, facets) [m]
+    real(dp), allocatable :: normal(:, :)     !< deformed unit normal, outward (3, facets)
+    real(dp), allocatable :: area(:)          !< reference area [m^2]
+    real(dp), allocatable :: gap(:)           !< [m]
+    real(dp), allocatable :: traction(:, :)   !< pressure and shear along theta and z, on the flexspline (3, facets) [Pa]
+    real(dp), allocatable :: slip(:, :)       !< displacement of the flexspline against the ring along theta, z (2, facets) [m]
+    integer, allocatable :: state(:)          !< 0 open, 1 stick, 2 slip
+    real(dp), allocatable :: corner(:, :, :)  !< pressure and shear of the corners, as the joint takes them (2, 4, facets) [Pa]
+    real(dp), allocatable :: k_n(:), k_t(:)   !< joint stiffness, the mean of the corners' [N/m]
+    real(dp), allocatable :: slipping(:, :)   !< of that what lies on corners that slip, K_N and K_T (2, facets) [N/m]
+  end type facets_t
+
+  !> Sums over the contact and the supports.
+  type :: sums_t
+    real(dp) :: rotation = 0           !< mean rotation of the rim, work-conjugate to an even torque [rad]
+    real(dp) :: normal_force = 0       !< int p dA [N]
+    real(dp) :: reaction_force = 0     !< the same from its nodal forces, less what is radial of shear and tilt [N]
+    real(dp) :: facet_force = 0        !< the same from the table of facets [N]
+    real(dp) :: lobe_force_x = 0       !< int p |cos theta| dA within 45 degrees of the long axis [N]
+    real(dp) :: contact_area = 0       !< [m^2]
+    real(dp) :: pressure_max = 0       !< at a node [Pa]
+    real(dp) :: pressure_middle = 0    !< mean over the middle fifth of the band [Pa]
+    real(dp) :: friction_torque = 0    !< of the ring on the flexspline, pressure on a formed bore included [N m]
+    real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
+    type(support_torques_t) :: torque  !< what each support takes, and what is out of balance
+    real(dp) :: axial_balance = 0      !< sum of all axial forces [N]
+    integer :: sticking = 0            !< multipliers that stick
+    real(dp) :: friction = 0           !< Coulomb coefficient of the step
+    real(dp) :: k_ts = 0               !< Eq. 45 put right [N m/rad]
+    real(dp) :: k_ts_paper = 0         !< Eq. 45 as printed [N]
+    real(dp) :: k_tangent = 0, k_secant = 0   !< of the coupled joint (hd_coupled_tangent); NaN where there is none [N m/rad]
+    real(dp) :: over_rotation = 0      !< torque over rotation; NaN without torque [N m/rad]
+    real(dp) :: slip_area = 0          !< share of the contact area that slips
+    real(dp) :: slip_force = 0         !< share of the normal force on points that slip
+    real(dp) :: slip_k_ts = 0          !< share of K_TS (Eq. 45) on points that slip
+    real(dp) :: edge_line_load = 0     !< largest force per length round the axis that an end of the band carries [N/m]
+    real(dp) :: cam_force = 0          !< int p dA of the wave generator on a ring that may lift off [N]
+    real(dp) :: cam_force_x = 0        !< its resultant along the long axis [N]
+    real(dp) :: cam_area = 0           !< where it presses [m^2]
+    real(dp) :: cam_pressure_min = 0   !< never negative [Pa]
+    real(dp) :: cam_gap_max = 0        !< largest distance of the ring from it [m]
+  end type sums_t
+
+  !> Names of what `facet_row` returns, as in contact.csv and Python.
+  character(len=*), parameter :: facet_names = 'theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,area_m2,gap_m,pressure_pa,'// &
+    'traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m,pressure_1_pa,shear_1_pa,'// &
+    'pressure_2_pa,shear_2_pa,pressure_3_pa,shear_3_pa,pressure_4_pa,shear_4_pa'
+  !> Names of what `sum_values` returns, as in steps.csv, summary.json and Python.
+  character(len=*), parameter :: sum_names = 'rotation_rad,normal_force_n,reaction_force_n,facet_force_n,lobe_force_x_n,'// &
+    'contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,friction_torque_nm,friction_capacity_nm,torque_balance_nm,'// &
+    'axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_tangent_nm_per_rad,k_ts_secant_nm_per_rad,'// &
+    'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
+    'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
+  real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
+
+contains
+
+  !> Fields of a facet in the order of `facet_names`.
+  pure function facet_row(facets, f) result(row)
+    type(facets_t), intent(in) :: facets  !< fields
+    integer, intent(in) :: f              !< facet
+    real(dp), allocatable :: row(:)
+    row = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%gap(f), facets%traction(:, f), &
+      facets%slip(:, f), real(facets%state(f), dp), facets%k_n(f), facets%k_t(f), facets%corner(:, :, f)]
+  end function facet_row
+
+  !> Sums in the order of `sum_names`.
+  pure function sum_values(s) result(values)
+    type(sums_t), intent(in) :: s  !< sums
+    real(dp), allocatable :: values(:)
+    values = [s%rotation, s%normal_force, s%reaction_force, s%facet_force, s%lobe_force_x, s%contact_area, s%pressure_max, &
+      s%pressure_middle, s%friction_torque, s%friction_capacity, s%torque%balance, s%axial_balance, s%friction, s%k_ts, &
+      s%k_ts_paper, s%k_tangent, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, s%slip_k_ts, s%edge_line_load, &
+      s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
+  end function sum_values
+
+  !> Fields on the facets. The joint answers to the pressure and shear of a point: a facet's means would lie between slip here
+  !> and slip there, or contact and none, where no point is; K_TS then converges as the length of the facets and slower.
+  subroutine evaluate_facets(drive, joint, state, facets)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(joint_t), intent(in) :: joint      !< joint, its shear capped by the friction of the step
+    type(state_t), intent(in) :: state      !< converged state
+    type(facets_t), intent(out) :: facets   !< fields
+    real(dp), allocatable :: x(:, :), point(:, :)
+    type(response_t), allocatable :: response(:)
+    real(dp) :: c(3, 4), d(3), e(3), unit
+    integer :: f, i, n
+    n = size(drive%face%nodes, 2)
+    allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
+    allocate (facets%corner(2, 4, n), facets%k_n(n), facets%k_t(n), facets%slipping(2, n), point(2, size(state%traction, 2)))
+    allocate (response(size(point, 2)))
+    point = effective(drive, joint, state%traction)
+    call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
+    associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
+      x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
+      facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
+      facets%area = sum(mortar%share, 1)
+      facets%gap = facet_mean(mortar, state%gap)
+      do i = 1, 3
+        facets%traction(i, :) = facet_mean(mortar, state%traction(i, :))
+      end do
+      do i = 1, 2
+        facets%slip(i, :) = facet_mean(mortar, state%slip(i, :))
+      end do
+      do f = 1, n
+        c = x(:, drive%face%nodes(:4, f))
+        facets%x(:, f) = sum(c, 2)/4
+        d = c(:, 3) - c(:, 1)
+        e = c(:, 4) - c(:, 2)
+        facets%normal(:, f) = cross(d, e)
+        facets%normal(:, f) = facets%normal(:, f)/norm2(facets%normal(:, f))
+        associate (s => state%contact(mortar%facet(:, f)))
+          facets%state(f) = open_state
+          if (any(s == slip_state)) facets%state(f) = slip_state
+          if (any(s == stick_state)) facets%state(f) = stick_state
+        end associate
+        unit = merge(1._dp, facets%area(f), joint%paper)
+        facets%corner(:, :, f) = point(:, mortar%facet(:, f))
+        facets%k_n(f) = unit*sum(response(mortar%facet(:, f))%k_n)/4
+        facets%k_t(f) = unit*sum(response(mortar%facet(:, f))%k_t)/4
+        associate (slips => state%contact(mortar%facet(:, f)) == slip_state)
+          facets%slipping(1, f) = unit*sum(response(mortar%facet(:, f))%k_n, mask=slips)/4
+          facets%slipping(2, f) = unit*sum(response(mortar%facet(:, f))%k_t, mask=slips)/4
+        end associate
+      end do
+    end associate
+  end subroutine evaluate_facets
+
+  !> Pressure and shear of the points (2, points) as the joint takes them: power means where contact ends along the axis and
+  !> round it [Pa].
+  function effective(drive, joint, traction) result(point)
+    type(drive_t), intent(in) :: drive        !< drive
+    type(joint_t), intent(in) :: joint        !< joint, its shear capped by the friction of the step
+    real(dp), intent(in) :: traction(:, :)    !< of the points (3, points) [Pa]
+    real(dp) :: point(2, size(traction, 2))
+    integer, allocatable :: grid(:, :)
+    real(dp), allocatable :: z(:), softer(:), power(:)
+    integer :: i, k, n, m
+    n = drive%axial_facets
+    m = size(drive%face%nodes, 2)/n
+    allocate (grid(n + 1, m))
+    grid(:n, :) = reshape(drive%problem%mortar%facet(1, :), [n, m])
+    grid(n + 1, :) = drive%problem%mortar%facet(4, n::n)
+    z = [drive%face%chart(2, 1, :n), drive%face%chart(2, 4, n)]
+    point(1, :) = traction(1, :)
+    point(2, :) = below_slip(joint%mu*point(1, :), hypot(traction(2, :), traction(3, :)))
+    power = pressure_power(joint, point(1, :), point(2, :))
+    do i = 1, m
+      point(:, grid(:, i)) = point(:, grid(:, i))*spread(softening(z, traction(1, grid(:, i)), power(grid(:, i))), 1, 2)
+    end do
+    do i = 1, n + 1  ! the angles are equal; three more points at either end close the ring
+      softer = softening([(real(k, dp), k=1, m + 6)], traction(1, grid(i, [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3])), &
+        power(grid(i, [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3])))
+      point(:, grid(i, :)) = point(:, grid(i, :))*spread(softer(4:m + 3), 1, 2)
+    end do
+  end function effective
+
+  !> Shear of a point for its joint. It slips where that equals mu p but for the residual, and K_T jumps to 0 there, so that
+  !> the residual would decide; every point that slips counts with the limit from below.
+  elemental real(dp) function below_slip(limit, shear) result(q)
+    real(dp), intent(in) :: limit  !< mu p [Pa]
+    real(dp), intent(in) :: shear  !< of the point [Pa]
+    q = min(shear, (1 - 1e-6_dp)*limit)
+  end function below_slip
+
+  !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh: linear along a facet.
+  pure real(dp) function middle_pressure(drive, state, facets) result(p)
+    type(drive_t), intent(in) :: drive    !< drive
+    type(state_t), intent(in) :: state    !< converged state
+    type(facets_t), intent(in) :: facets  !< its facets
+    real(dp), dimension(size(facets%area)) :: low, high, part, slope
+    real(dp) :: corner(4, size(facets%area))
+    real(dp) :: z(2, size(facets%area)), middle, half
+    z = drive%face%chart(2, [1, 3], :)
+    middle = 0.5_dp*(minval(z) + maxval(z))
+    half = 0.1_dp*(maxval(z) - minval(z))
+    low = max(z(1, :), middle - half)
+    high = min(z(2, :), middle + half)
+    part = max(0._dp, high - low)/(z(2, :) - z(1, :))*facets%area
+    corner = reshape(state%traction(1, [drive%problem%mortar%facet]), shape(corner))
+    slope = 0.5_dp*sum(corner(3:4, :) - corner(1:2, :), 1)/(z(2, :) - z(1, :))
+    p = sum(part*(facets%traction(1, :) + slope*0.5_dp*(low + high - z(1, :) - z(2, :))))/sum(part)
+  end function middle_pressure
+
+  !> Largest force per length round the axis that the ring's first or last tenth carries. The peak pressure at the ring's edge grows
+  !> with a finer mesh, as that of a punch; its integral converges.
+  pure real(dp) function edge_load(drive, p) result(most)
+    type(drive_t), intent(in) :: drive   !< drive
+    real(dp), intent(in) :: p(:)         !< pressures of the multipliers [Pa]
+    real(dp) :: line(2), z(4), from(2), to(2), ends(2), low, high, slope
+    integer :: f, e, i, n
+    n = drive%axial_facets
+    ends = [minval(drive%face%chart(2, :, :)), maxval(drive%face%chart(2, :, :))]
+    from = [ends(1), ends(2) - edge_part*(ends(2) - ends(1))]
+    to = [ends(1) + edge_part*(ends(2) - ends(1)), ends(2)]
+    most = 0
+    do i = 0, size(drive%face%nodes, 2)/n - 1
+      line = 0
+      do f = n*i + 1, n*i + n
+        z = drive%face%chart(2, :, f)
+        associate (q => p(drive%problem%mortar%facet(:, f)))
+          slope = (q(4) - q(1))/(z(4) - z(1))
+          do e = 1, 2
+            low = max(z(1), from(e))
+            high = min(z(4), to(e))
+            if (high > low) line(e) = line(e) + (high - low)*(q(1) + slope*(0.5_dp*(low + high) - z(1)))
+          end do
+        end associate
+      end do
+      most = max(most, maxval(line))
+    end do
+  end function edge_load
+
+  !> int p |cos theta| dA within 45 degrees of the long axis, the pressure linear round the axis along every facet [N].
+  pure real(dp) function lobe_force(drive, p) result(force)
+    type(drive_t), intent(in) :: drive   !< drive
+    real(dp), intent(in) :: p(:)         !< pressures of the multipliers [Pa]
+    real(dp) :: theta(2), ends(2), q(2), slope
+    integer :: f
+    force = 0
+    do f = 1, size(drive%face%nodes, 2)
+      associate (a => drive%problem%mortar%share(:, f), c => p(drive%problem%mortar%facet(:, f)))
+        if (.not. (a(1) + a(4) > 0 .and. a(2) + a(3) > 0)) cycle
+        theta = drive%face%chart(1, 1:2, f)/drive%radius
+        q = [a(1)*c(1) + a(4)*c(4), a(2)*c(2) + a(3)*c(3)]/[a(1) + a(4), a(2) + a(3)]
+        slope = (q(2) - q(1))/(theta(2) - theta(1))
+        theta = theta - pi*nint(sum(theta)/(2*pi))
+        ends = [max(theta(1), -pi/4), min(theta(2), pi/4)]
+        if (ends(2) > ends(1)) force = force + sum(a)/(theta(2) - theta(1))*(primitive(ends(2)) - primitive(ends(1)))
+      end associate
+    end do
+  contains
+    !> Of (q_1 + slope (t - theta_1)) cos t.
+    pure real(dp) function primitive(t)
+      real(dp), intent(in) :: t  !< angle from the end of the long axis [rad]
+      primitive = (q(1) + slope*(t - theta(1)))*sin(t) + slope*cos(t)
+    end function primitive
+  end function lobe_force
+
+  !> K_TS by Eq. 45 in both readings, torque over rotation, and what of area, force and K_TS slips.
+  subroutine sum_stiffness(scene, drive, torque, state, facets, sums)
+    type(scene_t), intent(in) :: scene      !< scene
+    type(drive_t), intent(in) :: drive      !< drive
+    real(dp), intent(in) :: torque          !< of the step [N m]
+    type(state_t), intent(in) :: state      !< converged state
+    type(facets_t), intent(in) :: facets    !< its facets
+    type(sums_t), intent(inout) :: sums     !< gets them; its rotation counts
+    real(dp), dimension(size(facets%area)) :: w_n, w_t
+    integer :: m
+    sums%over_rotation = ieee_value(1._dp, ieee_quiet_nan)
+    if (abs(torque) > 0 .and. abs(sums%rotation) > 0) sums%over_rotation = torque/sums%rotation
+    if (scene%support == 'teeth') then  ! bonded there: no K_TS of the contact
+      sums%k_ts = ieee_value(1._dp, ieee_quiet_nan)
+      sums%k_ts_paper = sums%k_ts
+      return
+    end if
+    call facet_weights(facets%x, facets%normal, w_n, w_t)
+    sums%k_ts = sum(facets%k_n*w_n + facets%k_t*w_t)
+    if (sums%k_ts > 0) sums%slip_k_ts = sum(facets%slipping(1, :)*w_n + facets%slipping(2, :)*w_t)/sums%k_ts
+    call printed_weights(facets%theta, scene%bore_radius, scene%w, tan(scene%cone_angle_deg*pi/180), w_n, w_t)
+    sums%k_ts_paper = sum(facets%k_n*w_n + facets%k_t*w_t)
+    associate (mortar => drive%problem%mortar)
+      m = mortar%n - mortar%rigid
+      associate (slips => state%contact(:m) == slip_state, a => mortar%area(:m), p => state%traction(1, :m))
+        if (sums%contact_area > 0) sums%slip_area = sum(a, mask=slips)/sums%contact_area
+        if (abs(sums%normal_force) > 0) sums%slip_force = sum(a*p, mask=slips)/sums%normal_force
+      end associate
+    end associate
+  end subroutine sum_stiffness
+
+  !> Sums over the contact, and the balance of the whole.
+  subroutine sum_up(drive, load, state, facets, sums)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(load_t), intent(in) :: load        !< load of the step
+    type(state_t), intent(in) :: state      !< converged state
+    type(facets_t), intent(in) :: facets    !< its facets
+    type(sums_t), intent(out) :: sums       !< sums
+    real(dp), allocatable :: r(:, :), p(:)
+    type(state_t) :: free
+    integer :: first, last
+    associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
+      p = state%traction(1, :)
+      if (m < size(p)) call sum_cam(drive, state, m, sums)
+      p(m + 1:) = 0
+      sums%rotation = sum(drive%gauge*state%u)
+      sums%normal_force = sum(a*p)
+      sums%facet_force = sum(facets%area*facets%traction(1, :))
+      sums%lobe_force_x = lobe_force(drive, p)
+      sums%edge_line_load = edge_load(drive, p)
+      sums%friction = load%friction
+      sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
+      sums%pressure_max = maxval(p)
+      sums%pressure_middle = middle_pressure(drive, state, facets)
+      allocate (r(3, problem%n), source=0._dp)
+      call add_nodal_forces(problem%mortar, state%traction, r)
+      sums%friction_torque = moment(drive, state, r, drive%b_cup)
+      sums%friction_capacity = load%friction*sums%normal_force*drive%radius
+      sums%sticking = count(state%contact(:m) == stick_state)
+      sums%torque = support_torques(drive, load, state)
+      r = internal_residual(problem, load, state)
+      where (.not. problem%fixed) r = 0
+      sums%axial_balance = sum(r(3, :))
+      free = state
+      free%traction = 0
+      r = internal_residual(problem, load, free)
+      where (problem%fixed) r = 0
+      first = problem%first(drive%b_cup)
+      last = first + problem%bodies(drive%b_cup)%nodes()
+      sums%reaction_force = sums%normal_force + (sum(r(1, first + 1:last)) - &
+        radial_force(problem%mortar, state%traction, drive%b_cup == 2, m))
+    end associate
+  end subroutine sum_up
+
+  !> Sums over the contact of ring and wave generator.
+  subroutine sum_cam(drive, state, m, sums)
+    type(drive_t), intent(in) :: drive    !< drive
+    type(state_t), intent(in) :: state    !< converged state
+    integer, intent(in) :: m              !< multipliers before those of the wave generator
+    type(sums_t), intent(inout) :: sums   !< gets its sums
+    associate (a => drive%problem%mortar%area(m + 1:), p => state%traction(1, m + 1:), node => drive%problem%mortar%node(m + 1:))
+      sums%cam_force = sum(a*p)
+      sums%cam_force_x = sum(a*p*cos(drive%reference(2, node)))
+      sums%cam_area = sum(a, mask=state%contact(m + 1:) /= open_state)
+      sums%cam_pressure_min = minval(p)
+      sums%cam_gap_max = maxval(state%gap(m + 1:))
+    end associate
+  end subroutine sum_cam
+end module hd_facets

@@ -1,0 +1,290 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The torsion loop of the whole drive: angle over torque, work, energy and friction, loads of balls and teeth, and what a catalogue
+!> reads from it.
+module hd_loop
+  use hd_kinds, only: dp, pi
+  use hd_ball_bearing, only: ball_angles
+  use hd_contact_law, only: slip_state
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t
+  use hd_fatigue, only: fatigue_t, judge_fatigue
+  use hd_output, only: output_t, step_t, add_place
+  use hd_problem, only: state_t, load_t, strut_closings, stored_energy
+  use hd_scene, only: scene_t
+  use hd_stress, only: nodal_stress
+  use hd_strut, only: strut_force
+  use hd_text, only: string_t, push_text => push, to_text
+  use hd_tooth_flanks, only: tooth_angles, tooth_gaps
+  implicit none
+  private
+  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, write_loop, bottom_turn, moments_of_struts
+
+  !> Every booked step.
+  type :: loop_t
+    real(dp), allocatable :: torque(:), angle(:)          !< [N m], [rad]
+    real(dp) :: work = 0                                  !< of the torque since the assembly [J]
+    real(dp) :: dissipated = 0                            !< by friction since the assembly [J]
+    real(dp) :: stored = 0, stored_assembled = 0          !< energy of bodies, balls and teeth [J]
+    real(dp) :: wave_generator_torque = 0                 !< moment of the balls on the cam, at the last step [N m]
+    real(dp) :: wave_generator_torque_max = 0             !< largest amount of all steps [N m]
+    real(dp) :: ball_force_max = 0, tooth_force_max = 0   !< of all steps [N]
+    real(dp) :: lift = 0                                  !< way of a loaded pair of teeth out of mesh since the assembly [m]
+    logical :: unloaded = .false.                         !< at some step no ball carried anything
+    real(dp) :: von_mises_max = 0                         !< at the Gauss points of both bodies, of all steps [Pa]
+    real(dp) :: von_mises_cup = 0                         !< at those of the flexspline [Pa]
+    type(fatigue_t) :: fatigue                            !< of the flexspline
+    real(dp), allocatable :: force(:), closing(:)         !< of all struts at the last step [N], [m]
+    real(dp), allocatable, private :: traction(:, :), slip(:, :)   !< at the last step
+    integer, allocatable, private :: contact(:)                    !< state of the points there
+  end type loop_t
+
+  !> What a catalogue states; 0 where the torques do not reach it.
+  type :: readings_t
+    real(dp) :: k(3) = 0             !< K1, K2, K3 [N m/rad]
+    real(dp) :: hysteresis = 0       !< width of the loop at no torque [rad]
+    real(dp) :: lost_motion = 0      !< turn of the loop's middle between -4 and 4 % of the rated torque [rad]
+    real(dp) :: loop_area = 0        !< work of the torque over the whole path [J]
+  end type readings_t
+
+contains
+
+  !> Book a converged step. A point that slips works with its shear: the mean of both ends of the step, or where it stuck at the
+  !> beginning that of the end, for before it slips it does not move.
+  subroutine book(loop, scene, drive, load, state, step)
+    type(loop_t), intent(inout) :: loop     !< grows
+    type(scene_t), intent(in) :: scene      !< scene
+    type(drive_t), intent(in) :: drive      !< its model
+    type(load_t), intent(in) :: load        !< load of the step
+    type(state_t), intent(in) :: state      !< converged state
+    type(step_t), intent(in) :: step        !< where it stands
+    real(dp) :: angle, shear(2)
+    integer :: i, n
+    associate (problem => drive%problem)
+      loop%closing = strut_closings(problem, load, state%u)
+      loop%force = strut_force(problem%struts, loop%closing)
+      loop%stored = stored_energy(problem, load, state%u)
+      n = drive%balls
+      loop%wave_generator_torque = 0
+      if (n > 0) loop%wave_generator_torque = sum(loop%force(:n)*drive%slope)
+      if (step%phase == 'assembly') then
+        loop%torque = [0._dp]
+        loop%angle = [0._dp]
+        loop%stored_assembled = loop%stored
+      else
+        angle = bottom_turn(drive, state)
+        i = size(loop%torque)
+        loop%work = loop%work + (loop%torque(i) + step%torque)/2*(angle - loop%angle(i))
+        do i = 1, problem%mortar%n - problem%mortar%rigid
+          shear = state%traction(2:, i)
+          if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
+          loop%dissipated = loop%dissipated - problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i))
+        end do
+        loop%torque = [loop%torque, step%torque]
+        loop%angle = [loop%angle, angle]
+      end if
+      loop%traction = state%traction
+      loop%slip = state%slip
+      loop%contact = state%contact
+      loop%wave_generator_torque_max = max(loop%wave_generator_torque_max, abs(loop%wave_generator_torque))
+      if (n > 0) loop%ball_force_max = max(loop%ball_force_max, maxval(loop%force(:n)))
+      loop%tooth_force_max = max(loop%tooth_force_max, maxval(loop%force(n + 1:)))
+      if (n > 0 .and. step%load_factor > 0) loop%unloaded = loop%unloaded .or. .not. any(loop%force(:n) > 0)
+      if (step%phase /= 'assembly') loop%lift = max(loop%lift, lifted(scene, loop%force(n + 1:), loop%closing(n + 1:)))
+    end associate
+  end subroutine book
+
+  !> Largest way out of mesh, towards the axis, of a pair that pushes: the mean of its flanks' closings sees the radial way
+  !> alone [m].
+  pure real(dp) function lifted(scene, force, closing) result(lift)
+    type(scene_t), intent(in) :: scene               !< scene
+    real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
+    real(dp) :: way(scene%tooth_pairs)
+    way = (closing(1::2) + closing(2::2))/2 + tooth_gaps(scene)
+    lift = 0
+    if (scene%pressure_angle_deg > 1) lift = max(0._dp, maxval(-way, mask=force(1::2) + force(2::2) > 0))/ &
+      sin(scene%pressure_angle_deg*pi/180)
+  end function lifted
+
+  !> Where the drive leaves what its scene can say.
+  pure subroutine drive_warnings(loop, scene, lines)
+    type(loop_t), intent(in) :: loop                      !< booked steps
+    type(scene_t), intent(in) :: scene                    !< scene
+    type(string_t), allocatable, intent(out) :: lines(:)  !< one each
+    allocate (lines(0))
+    if (loop%unloaded) call push_text(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
+      'way of the cam, or the torque has lifted the ring off')
+    if (loop%lift > scene%w .and. scene%w > 0) call push_text(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
+      ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
+  end subroutine drive_warnings
+
+  !> Largest stresses, and the flexspline's life under the field of this step.
+  subroutine book_stress(loop, scene, drive, state, step, error)
+    type(loop_t), intent(inout) :: loop               !< gets them
+    type(scene_t), intent(in) :: scene                !< limits
+    type(drive_t), intent(in) :: drive                !< model
+    type(state_t), intent(in) :: state                !< converged state
+    type(step_t), intent(in) :: step                  !< where it stands
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    real(dp), allocatable :: stress(:, :), peak(:)
+    integer :: b
+    do b = 1, 2
+      associate (body => drive%problem%bodies(b), low => drive%problem%first(b) + 1)
+        allocate (stress(6, body%nodes()), peak(body%sectors*size(body%cells, 2)))
+        call nodal_stress(body, state%u(:, low:low + body%nodes() - 1), stress, peak, error)
+        if (allocated(error)) return
+        loop%von_mises_max = max(loop%von_mises_max, maxval(peak))
+        if (b == drive%b_cup) then
+          loop%von_mises_cup = max(loop%von_mises_cup, maxval(peak))
+          call judge_fatigue(scene, body, stress, step%torque, loop%fatigue)
+        end if
+        deallocate (stress, peak)
+      end associate
+    end do
+  end subroutine book_stress
+
+  !> Turn of the cup's bottom since the assembly [rad].
+  pure real(dp) function bottom_turn(drive, state) result(angle)
+    type(drive_t), intent(in) :: drive  !< model
+    type(state_t), intent(in) :: state  !< state
+    angle = sum(state%u(2, drive%hub))/size(drive%hub)/drive%hub_radius
+  end function bottom_turn
+
+  !> Moment about the axis of the teeth on the cup [N m].
+  pure real(dp) function moments_of_struts(drive, force) result(m)
+    type(drive_t), intent(in) :: drive      !< model
+    real(dp), intent(in) :: force(:)        !< of all struts [N]
+    integer :: i
+    m = 0
+    do i = 1, size(force)
+      associate (strut => drive%problem%struts(i))
+        m = m - force(i)*sum(strut%weight(2, :)*drive%reference(1, strut%node))
+      end associate
+    end do
+  end function moments_of_struts
+
+  !> What a catalogue reads: chords of the first rise, width at no torque, lost motion.
+  pure type(readings_t) function read_loop(loop, scene) result(r)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
+    real(dp) :: place(4), turn(4), sense
+    integer :: i, last
+    if (.not. allocated(loop%torque)) return
+    r%loop_area = loop%work
+    if (size(loop%torque) < 2) return
+    sense = sign(1._dp, loop%torque(2))
+    last = 1
+    do while (last < size(loop%torque))
+      if (.not. sense*(loop%torque(last + 1) - loop%torque(last)) > 0) exit
+      last = last + 1
+    end do
+    place = [0._dp, scene%torque_1, scene%torque_2, sense*loop%torque(last)]
+    do i = 1, 4
+      turn(i) = sense*between(sense*loop%torque(:last), loop%angle(:last), min(place(i), place(4)))
+    end do
+    do i = 1, 3
+      if (place(i + 1) > place(i) .and. place(4) > place(i) .and. turn(i + 1) > turn(i)) then
+        r%k(i) = (min(place(i + 1), place(4)) - place(i))/(turn(i + 1) - turn(i))
+      end if
+    end do
+    r%hysteresis = abs(branch(loop, last, 0._dp, -1) - branch(loop, last, 0._dp, 1))
+    if (minval(loop%torque) <= -0.04_dp*scene%rated_torque .and. maxval(loop%torque) >= 0.04_dp*scene%rated_torque) then
+      r%lost_motion = middle(loop, 0.04_dp*scene%rated_torque) - middle(loop, -0.04_dp*scene%rated_torque)
+    end if
+  end function read_loop
+
+  !> Linear interpolation in rising x.
+  pure real(dp) function between(x, y, at) result(v)
+    real(dp), intent(in) :: x(:), y(:), at  !< points, place
+    integer :: i
+    i = min(max(1, count(x <= at)), size(x) - 1)
+    v = y(i) + (y(i + 1) - y(i))*(at - x(i))/(x(i + 1) - x(i))
+  end function between
+
+  !> Mean angle at which the torque passes a value in one sense, after the first rise [rad]; 0 if it never does.
+  pure real(dp) function branch(loop, from, torque, sense) result(v)
+    type(loop_t), intent(in) :: loop       !< booked steps
+    integer, intent(in) :: from            !< first step that counts
+    real(dp), intent(in) :: torque         !< [N m]
+    integer, intent(in) :: sense           !< 1 rising, -1 falling
+    integer :: i, n
+    real(dp) :: share
+    v = 0
+    n = 0
+    do i = from, size(loop%torque) - 1
+      associate (a => loop%torque(i), b => loop%torque(i + 1))
+        if (.not. sense*(b - a) > 0 .or. (torque - a)*(torque - b) > 0) cycle
+        if (.not. abs(torque - a) > 0 .and. i > from) then
+          if (sense*(a - loop%torque(i - 1)) > 0) cycle  ! counted with the part before
+        end if
+        share = (torque - a)/(b - a)
+        v = v + (1 - share)*loop%angle(i) + share*loop%angle(i + 1)
+        n = n + 1
+      end associate
+    end do
+    if (n > 0) v = v/n
+  end function branch
+
+  !> Middle of the branches at a torque [rad].
+  pure real(dp) function middle(loop, torque) result(v)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    real(dp), intent(in) :: torque      !< [N m]
+    v = (branch(loop, 1, torque, 1) + branch(loop, 1, torque, -1))/2
+  end function middle
+
+  !> Rows of a booked step in loop.csv, balls.csv and teeth.csv.
+  subroutine write_loop(output, step, scene, drive, loop, k_ts, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    type(scene_t), intent(in) :: scene                !< scene
+    type(drive_t), intent(in) :: drive                !< its model
+    type(loop_t), intent(in) :: loop                  !< booked
+    real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(8)
+    integer :: i, flank, n
+    n = drive%balls
+    associate (teeth => loop%force(n + 1:))
+      call add_place(output%loop, step)
+      row = [loop%angle(size(loop%angle)), loop%work, loop%stored - loop%stored_assembled, loop%dissipated, &
+        loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]
+      do i = 1, size(row)
+        call output%loop%add(row(i))
+      end do
+      call output%loop%add(count(loop%force(:n) > 0))
+      call output%loop%add(count(teeth(1::2) + teeth(2::2) > 0))
+      call output%loop%end_row(error)
+      theta = ball_angles(scene)
+      do i = 1, n
+        if (allocated(error)) return
+        call add_place(output%balls, step)
+        call output%balls%add(i)
+        call output%balls%add(theta(i))
+        call output%balls%add(loop%force(i))
+        call output%balls%add(loop%force(i)/max(sum(loop%force(:n)), tiny(1._dp)))
+        call output%balls%add(loop%closing(i))
+        call output%balls%end_row(error)
+      end do
+      place = tooth_angles(scene)
+      if (step%phase == 'assembly') return
+      do i = 1, scene%tooth_pairs
+        if (allocated(error)) return
+        flank = n + 2*i - merge(1, 0, loop%closing(n + 2*i - 1) >= loop%closing(n + 2*i))
+        call add_place(output%teeth, step)
+        call output%teeth%add(i)
+        call output%teeth%add(modulo(place(i) + pi, 2*pi) - pi)
+        call output%teeth%add(loop%force(flank))
+        call output%teeth%add(loop%force(flank)/max(sum(teeth), tiny(1._dp)))
+        call output%teeth%add(loop%closing(flank))
+        call output%teeth%add(merge(1, -1, flank == n + 2*i - 1))
+        call output%teeth%end_row(error)
+      end do
+    end associate
+  end subroutine write_loop
+
+  !> Largest of some forces, 0 of none.
+  pure real(dp) function largest(force)
+    real(dp), intent(in) :: force(:)  !< [N]
+    largest = 0
+    if (size(force) > 0) largest = maxval(force)
+  end function largest
+end module hd_loop

@@ -1,0 +1,60 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> What a planned tolerance covers, and what the model leaves out whatever the mesh, with sizes where they are known.
+module hd_model_error
+  use hd_kinds, only: dp
+  use hd_facets, only: sums_t
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, percent, push, to_text
+  implicit none
+  private
+  public :: covered, left_out
+
+contains
+
+  !> Quantities that the planned tolerance covers, by their names in the summary; none without a plan.
+  pure function covered(planned, middle) result(list)
+    logical, intent(in) :: planned      !< the mesh was planned, and something is known of its error
+    logical, intent(in) :: middle       !< the middle of the band is in contact
+    type(string_t), allocatable :: list(:)
+    allocate (list(0))
+    if (.not. planned) return
+    call push(list, 'k_ts_nm_per_rad')
+    call push(list, 'normal_force_n')
+    if (middle) call push(list, 'pressure_mid_mean_pa')
+  end function covered
+
+  !> What no mesh mends.
+  function left_out(scene, sums) result(list)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(sums_t), intent(in) :: sums    !< of the last step
+    type(string_t), allocatable :: list(:)
+    allocate (list(0))
+    if (scene%support /= 'teeth') call add_contact(scene, sums, list)
+    if (scene%kinematics /= 'nonlinear' .and. scene%w > 0) call push(list, 'second order of the cam: w^2/r = '// &
+      to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
+      to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
+    if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
+      'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')
+    call push(list, 'gear: no play, no friction between teeth, the toothed rim as a smooth one')
+    call push(list, 'bodies elastic: '//trim(merge('peak pressure above the yield strength', &
+      'pressures below the yield strength    ', sums%pressure_max > scene%yield_strength)))
+  end function left_out
+
+  !> What concerns the contact and its joint.
+  subroutine add_contact(scene, sums, list)
+    type(scene_t), intent(in) :: scene                       !< scene
+    type(sums_t), intent(in) :: sums                         !< of the last step
+    type(string_t), allocatable, intent(inout) :: list(:)    !< grows
+    if (sums%k_tangent > 0) call push(list, 'reading of K_TS: Eq. 45 gives '//to_text(sums%k_ts/sums%k_tangent)// &
+      ' times the tangent that a test would measure, and '//percent(sums%slip_k_ts)//' of it lies on points that slip')
+    if (scene%contact_law == 'hard') call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
+      'and secant K_TS within 5 % of those with contact.law = ''joint''')
+    call push(list, 'joint inputs, over seven joints on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its tangent from '// &
+      '0.23 to 0.35 (docs/explain/premises.md)')
+    if (abs(scene%torque) > 0 .and. abs(sums%friction_torque) > 0) call push(list, 'load path: the contact passes '// &
+      percent(abs(sums%friction_torque/scene%torque))//' of the torque on to the ring; that of a real drive, which turns on '// &
+      'balls, takes about the torque over the ratio')
+    if (scene%ring_divisions > 0 .or. scene%ring_facets > 0) call push(list, 'meshes that do not match: contact.slave ring '// &
+      'or cup moves K_TS by Eq. 45 by 8 % at 48 divisions, 3 % at 96, 2 % at 144')
+  end subroutine add_contact
+end module hd_model_error

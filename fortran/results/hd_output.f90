@@ -1,0 +1,322 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The folder of a run: tables, grids for ParaView, echo of the input, and last of all the summary.
+module hd_output
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_kinds, only: dp
+  use hd_body, only: cartesian, cell_nodes
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_row
+  use hd_hexahedron, only: hex20r
+  use hd_input, only: write_echo
+  use hd_newton, only: iteration_t
+  use hd_problem, only: state_t
+  use hd_scene, only: scene_t
+  use hd_stress, only: nodal_stress, principal_stresses, von_mises
+  use hd_system, only: make_directory, path_kind, path_absent, path_directory, path_file, remove_file
+  use hd_table, only: table_t
+  use hd_teeth, only: teeth_t
+  use hd_text, only: to_text
+  use hd_vtu, only: field_t, write_vtu, write_pvd
+  implicit none
+  private
+  public :: output_t, step_t, check_folder, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
+    write_history, write_grids, close_output, add_place
+
+  !> Where a step stands in the run.
+  type :: step_t
+    integer :: number = 0
+    character(len=8) :: phase = 'assembly'
+    real(dp) :: load_factor = 0      !< share of the phase, 0 to 1
+    real(dp) :: torque = 0           !< [N m]
+    integer :: iterations = 0
+    real(dp) :: seconds = 0
+  end type step_t
+
+  type :: output_t
+    character(len=:), allocatable :: folder
+    type(table_t) :: contact, history, steps, teeth, loop, balls
+    character(len=40), allocatable :: grids(:)
+    real(dp), allocatable :: times(:)
+  end type output_t
+
+contains
+
+  !> A folder may be used: absent, without a run, or `force`.
+  subroutine check_folder(folder, force, error)
+    character(len=*), intent(in) :: folder            !< folder
+    logical, intent(in) :: force                      !< replace earlier results
+    type(error_t), allocatable, intent(out) :: error  !< exists already
+    if (path_kind(folder) == path_absent) return
+    if (path_kind(folder) /= path_directory) then
+      call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
+    else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
+      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
+        'folder with --out DIR')
+    end if
+  end subroutine check_folder
+
+  !> Prepare the folder; earlier results are only replaced with `force`.
+  subroutine open_output(folder, scene, force, output, error)
+    character(len=*), intent(in) :: folder            !< folder
+    type(scene_t), intent(in) :: scene                !< scene
+    logical, intent(in) :: force                      !< replace earlier results
+    type(output_t), intent(out) :: output             !< open tables
+    type(error_t), allocatable, intent(out) :: error  !< exists already, cannot be written
+    character(len=*), parameter :: place = 'step,phase,load_factor,torque_nm'
+    call check_folder(folder, force, error)
+    if (allocated(error)) return
+    output%folder = folder
+    allocate (output%grids(0), output%times(0))
+    call make_directory(folder, error)
+    if (allocated(error)) return
+    call remove_file(folder//'/summary.json')
+    call write_echo(folder//'/echo.nml', scene, error)
+    if (allocated(error)) return
+    call output%contact%open(folder//'/contact.csv', place//',facet,i_theta,i_z,'//facet_names, error)
+    if (.not. allocated(error)) call output%history%open(folder//'/history.csv', place//',attempt,iteration,'// &
+      'residual,change,open,stick,slip,damping,'// &
+      'linear_error,seconds', error)
+    if (.not. allocated(error)) call output%steps%open(folder//'/steps.csv', place//','//sum_names//',iterations,seconds', error)
+    if (scene%support == 'teeth' .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
+      place//',tooth,theta_rad,force_n,share,closing_m', error)
+    if (scene%support == 'drive' .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
+    if (allocated(error)) call close_output(output)
+  end subroutine open_output
+
+  !> Tables of the whole drive.
+  subroutine open_loop_tables(folder, place, scene, output, error)
+    character(len=*), intent(in) :: folder            !< folder
+    character(len=*), intent(in) :: place             !< first columns
+    type(scene_t), intent(in) :: scene                !< scene
+    type(output_t), intent(inout) :: output           !< tables
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,force_n,share,closing_m,flank', error)
+    if (.not. allocated(error)) call output%loop%open(folder//'/loop.csv', place//',angle_rad,work_j,stored_j,dissipated_j,'// &
+      'wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,balls_loaded,pairs_loaded', error)
+    if (scene%balls > 0 .and. .not. allocated(error)) call output%balls%open(folder//'/balls.csv', &
+      place//',ball,theta_rad,force_n,share,closing_m', error)
+  end subroutine open_loop_tables
+
+  !> Take up the folder of a stopped run.
+  subroutine reopen_output(folder, scene, sizes, sums, steps, output, error)
+    character(len=*), intent(in) :: folder            !< folder
+    type(scene_t), intent(in) :: scene                !< scene
+    integer(int64), intent(in) :: sizes(6)            !< of the tables at the checkpoint [bytes]
+    integer(int64), intent(in) :: sums(6)             !< their checksums
+    integer, intent(in) :: steps                      !< load steps at the checkpoint
+    type(output_t), intent(out) :: output             !< open tables
+    type(error_t), allocatable, intent(out) :: error  !< files lost, cannot be written
+    integer, allocatable :: numbers(:)
+    integer :: i
+    output%folder = folder
+    numbers = pack([(i, i=1, steps)], [(path_kind(folder//'/'//trim(grid_name(i))) == path_file, i=1, steps)])
+    output%grids = [(grid_name(numbers(i)), i=1, size(numbers))]
+    output%times = real(numbers, dp)
+    call remove_file(folder//'/summary.json')
+    call write_echo(folder//'/echo.nml', scene, error)
+    if (.not. allocated(error)) call output%contact%reopen(folder//'/contact.csv', sizes(1), sums(1), error)
+    if (.not. allocated(error)) call output%history%reopen(folder//'/history.csv', sizes(2), sums(2), error)
+    if (.not. allocated(error)) call output%steps%reopen(folder//'/steps.csv', sizes(3), sums(3), error)
+    if (sizes(4) > 0 .and. .not. allocated(error)) call output%teeth%reopen(folder//'/teeth.csv', sizes(4), sums(4), error)
+    if (sizes(5) > 0 .and. .not. allocated(error)) call output%loop%reopen(folder//'/loop.csv', sizes(5), sums(5), error)
+    if (sizes(6) > 0 .and. .not. allocated(error)) call output%balls%reopen(folder//'/balls.csv', sizes(6), sums(6), error)
+    if (allocated(error)) call close_output(output)
+  end subroutine reopen_output
+
+  !> Lengths of the tables so far [bytes].
+  function table_sizes(output) result(sizes)
+    type(output_t), intent(in) :: output  !< tables
+    integer(int64) :: sizes(6)
+    sizes = [output%contact%bytes(), output%history%bytes(), output%steps%bytes(), output%teeth%bytes(), &
+      output%loop%bytes(), output%balls%bytes()]
+  end function table_sizes
+
+  !> Checksums of the tables so far.
+  pure function table_sums(output) result(sums)
+    type(output_t), intent(in) :: output  !< tables
+    integer(int64) :: sums(6)
+    sums = [output%contact%sum, output%history%sum, output%steps%sum, output%teeth%sum, output%loop%sum, output%balls%sum]
+  end function table_sums
+
+  !> First four columns of every table.
+  subroutine add_place(table, step)
+    type(table_t), intent(inout) :: table  !< table
+    type(step_t), intent(in) :: step       !< step
+    call table%add(step%number)
+    call table%add(step%phase)
+    call table%add(step%load_factor)
+    call table%add(step%torque)
+  end subroutine add_place
+
+  !> Rows of a converged step: one in steps.csv, one per facet in contact.csv.
+  subroutine write_step(output, step, drive, facets, sums, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    type(drive_t), intent(in) :: drive                !< drive
+    type(facets_t), intent(in) :: facets              !< its facets
+    type(sums_t), intent(in) :: sums                  !< its sums
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    real(dp), allocatable :: values(:)
+    integer :: f, i
+    do f = 1, size(facets%area)
+      call add_place(output%contact, step)
+      call output%contact%add(f)
+      call output%contact%add((f - 1)/drive%axial_facets + 1)
+      call output%contact%add(modulo(f - 1, drive%axial_facets) + 1)
+      values = facet_row(facets, f)
+      do i = 1, size(values)
+        call output%contact%add(values(i))
+      end do
+      call output%contact%end_row(error)
+      if (allocated(error)) return
+    end do
+    call add_place(output%steps, step)
+    values = sum_values(sums)
+    do i = 1, size(values)
+      call output%steps%add(values(i))
+    end do
+    call output%steps%add(step%iterations)
+    call output%steps%add(step%seconds)
+    call output%steps%end_row(error)
+  end subroutine write_step
+
+  !> Rows of a converged step in teeth.csv, one per pair of teeth.
+  subroutine write_teeth(output, step, teeth, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    type(teeth_t), intent(in) :: teeth                !< forces of the pairs
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer :: i
+    do i = 1, teeth%n
+      call add_place(output%teeth, step)
+      call output%teeth%add(i)
+      call output%teeth%add(teeth%theta(i))
+      call output%teeth%add(teeth%force(i))
+      call output%teeth%add(teeth%force(i)/max(sum(teeth%force), tiny(1._dp)))
+      call output%teeth%add(teeth%closing(i))
+      call output%teeth%end_row(error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_teeth
+
+  !> Rows of the convergence history of one attempt.
+  subroutine write_history(output, step, attempt, history, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
+    integer, intent(in) :: attempt                    !< attempts before this one
+    type(iteration_t), intent(in) :: history(:)       !< iterates
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer :: i
+    do i = 1, size(history)
+      associate (h => history(i))
+        call add_place(output%history, step)
+        call output%history%add(attempt)
+        call output%history%add(h%iteration)
+        call output%history%add(h%residual)
+        call output%history%add(h%changes)
+        call output%history%add(h%open)
+        call output%history%add(h%stick)
+        call output%history%add(h%slip)
+        call output%history%add(h%damping)
+        call output%history%add(h%linear)
+        call output%history%add(h%seconds)
+      end associate
+      call output%history%end_row(error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_history
+
+  !> Grids of a step: the bodies with their displacements and the contact face with its fields.
+  subroutine write_grids(output, step, drive, facets, state, error)
+    type(output_t), intent(inout) :: output           !< folder
+    type(step_t), intent(in) :: step                  !< step
+    type(drive_t), intent(in) :: drive                !< drive
+    type(facets_t), intent(in) :: facets              !< its facets
+    type(state_t), intent(in) :: state                !< its state
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=40) :: name
+    type(field_t) :: fields(8)
+    real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:)
+    integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
+    integer :: b, c, s, m
+    associate (problem => drive%problem)
+      m = sum(problem%bodies%sectors*[(size(problem%bodies(b)%cells, 2), b=1, 2)])
+      allocate (x(3, problem%n), u(3, problem%n), cells(size(problem%bodies(1)%cells, 1), m), tag(1, m))
+      allocate (stress(6, problem%n), peak(m))
+      m = 0
+      do b = 1, 2
+        associate (body => problem%bodies(b), range => problem%first(b))
+          x(:, range + 1:range + body%nodes()) = body%x
+          u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
+          call nodal_stress(body, state%u(:, range + 1:range + body%nodes()), stress(:, range + 1:range + body%nodes()), &
+            peak(m + 1:m + body%sectors*size(body%cells, 2)), error)
+          if (allocated(error)) return
+          do s = 0, body%sectors - 1
+            do c = 1, size(body%cells, 2)
+              m = m + 1
+              cells(:, m) = range + cell_nodes(body, c, s)
+              tag(1, m) = merge(1, 2, b == drive%b_ring)
+            end do
+          end do
+        end associate
+      end do
+      fields(1) = field_t('displacement_m', u, .false.)
+      fields(2) = field_t('body', tag, .true.)
+      if (.not. allocated(problem%lagrangian)) then  ! stresses of small displacements
+        fields(3) = field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
+        fields(4) = field_t('principal_stresses_pa', principal_stresses(stress), .false.)
+        fields(5) = field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
+      end if
+      name = grid_name(step%number)
+      call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
+        fields(:merge(2, 5, allocated(problem%lagrangian))), error)
+      if (allocated(error)) return
+      output%grids = [output%grids, name]
+      output%times = [output%times, real(step%number, dp)]
+      allocate (place(problem%n), source=0)
+      place(pack(drive%face%nodes(:4, :), .true.)) = 1
+      used = pack([(b, b=1, problem%n)], place > 0)
+      place(used) = [(b, b=1, size(used))]
+      fields(1) = field_t('displacement_m', u(:, used), .false.)
+      fields(2) = field_t('pressure_pa', facets%traction(1:1, :), .true.)
+      fields(3) = field_t('shear_pa', facets%traction(2:3, :), .true.)
+      fields(4) = field_t('gap_m', reshape(facets%gap, [1, size(facets%gap)]), .true.)
+      fields(5) = field_t('slip_m', facets%slip, .true.)
+      fields(6) = field_t('state_0_open_1_stick_2_slip', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
+      fields(7) = field_t('k_n_n_per_m', reshape(facets%k_n, [1, size(facets%gap)]), .true.)
+      fields(8) = field_t('k_t_n_per_m', reshape(facets%k_t, [1, size(facets%gap)]), .true.)
+      call write_vtu(output%folder//'/contact_'//padded(step%number)//'.vtu', x(:, used), &
+        reshape(place(pack(drive%face%nodes(:4, :), .true.)), [4, size(facets%gap)]), 9, fields, error)
+      if (allocated(error)) return
+    end associate
+    call write_pvd(output%folder//'/bodies.pvd', output%grids, output%times, error)
+    if (allocated(error)) return
+    call write_pvd(output%folder//'/contact.pvd', 'contact'//output%grids(:)(7:), output%times, error)
+  end subroutine write_grids
+
+  !> Number with leading zeros.
+  pure function padded(n) result(s)
+    integer, intent(in) :: n  !< number
+    character(len=4) :: s
+    write (s, '(i4.4)') n
+  end function padded
+
+  !> Grid of the bodies at a step.
+  pure function grid_name(step) result(name)
+    integer, intent(in) :: step  !< number
+    character(len=40) :: name
+    name = 'bodies_'//padded(step)//'.vtu'
+  end function grid_name
+
+  !> Close the tables.
+  subroutine close_output(output)
+    type(output_t), intent(inout) :: output  !< tables
+    call output%contact%close()
+    call output%history%close()
+    call output%steps%close()
+    call output%teeth%close()
+    call output%loop%close()
+    call output%balls%close()
+  end subroutine close_output
+end module hd_output

@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Stresses of small displacements: at the Gauss points, and at the nodes by trilinear extrapolation from the points of every cell
+!> and the mean over the cells of a body that meet there. Components are cylindrical: rr, tt, zz, rt, tz, zr.
+module hd_stress
+  use hd_kinds, only: dp, pi
+  use hd_body, only: body_t, cell_nodes, frame
+  use hd_error, only: error_t
+  use hd_hexahedron, only: element_points, elasticity_matrix, natural_coordinates, nodes_per_element, points, strain_matrix
+  implicit none
+  private
+  public :: nodal_stress, von_mises, principal_stresses, signed_equivalent
+
+  real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
+
+contains
+
+  !> Stresses at the nodes of a revolved body, and the largest von Mises stress of the Gauss points of every cell.
+  subroutine nodal_stress(body, u, stress, peak, error)
+    type(body_t), intent(in) :: body                  !< body
+    real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
+    real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
+    real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer, dimension(nodes_per_element(body%kind)) :: list, first
+    real(dp) :: c(6, 6), g(size(list), 3, points), weight(points), b(3*size(list), 6, points), to_nodes(size(list), points)
+    real(dp) :: v(3*size(list)), e(6*points), s(6, points), at_node(6)
+    real(dp), allocatable :: modes(:, :)
+    integer, allocatable :: meets(:)
+    integer :: cell, sector, a, i, p
+    c = elasticity_matrix(body%young, body%poisson)
+    to_nodes = extrapolation(size(list))
+    allocate (meets(body%nodes()), source=0)
+    stress = 0
+    do cell = 1, size(body%cells, 2)
+      first = cell_nodes(body, cell, 0)
+      call element_points(body%kind, body%x(:, first), c, g, weight, modes, error)
+      if (allocated(error)) return
+      do p = 1, points
+        call strain_matrix(g(:, :, p), at_rest, b(:, :, p))
+      end do
+      do sector = 0, body%sectors - 1
+        list = cell_nodes(body, cell, sector)
+        do a = 1, size(list)
+          v(3*a - 2:3*a) = matmul(frame(body%angle(first(a))), u(:, list(a)))
+        end do
+        do p = 1, points
+          e(6*p - 5:6*p) = matmul(v, b(:, :, p))
+          s(:, p) = matmul(c, e(6*p - 5:6*p))
+        end do
+        do i = 1, size(modes, 2)
+          s = s - reshape(modes(:, i), [6, points])/spread(weight, 1, 6)*dot_product(modes(:, i), e)
+        end do
+        i = sector*size(body%cells, 2) + cell
+        peak(i) = maxval(von_mises(s))
+        do a = 1, size(list)
+          at_node = turned(matmul(s, to_nodes(a, :)), body%angle(first(a)))
+          stress(:, list(a)) = stress(:, list(a)) + at_node
+          meets(list(a)) = meets(list(a)) + 1
+        end do
+      end do
+    end do
+    stress = stress/spread(max(1, meets), 1, 6)
+  end subroutine nodal_stress
+
+  !> Values at the nodes of a cell from those at its Gauss points.
+  pure function extrapolation(nodes) result(n)
+    integer, intent(in) :: nodes  !< 8 or 20
+    real(dp) :: n(nodes, points), xi(3)
+    integer :: a, i, p
+    do a = 1, nodes
+      xi = sqrt(3._dp)*natural_coordinates(a)
+      do p = 1, points
+        n(a, p) = product([((1 + merge(1, -1, btest(p - 1, i))*xi(i + 1))/2, i=0, 2)])
+      end do
+    end do
+  end function extrapolation
+
+  !> Cylindrical components at an angle of a stress given in Cartesian ones.
+  pure function turned(s, angle) result(t)
+    real(dp), intent(in) :: s(6)    !< xx, yy, zz, xy, yz, zx
+    real(dp), intent(in) :: angle   !< [rad]
+    real(dp) :: t(6), m(3, 3), q(3, 3)
+    m = reshape([s(1), s(4), s(6), s(4), s(2), s(5), s(6), s(5), s(3)], [3, 3])
+    q = frame(angle)
+    m = matmul(transpose(q), matmul(m, q))
+    t = [m(1, 1), m(2, 2), m(3, 3), m(1, 2), m(2, 3), m(3, 1)]
+  end function turned
+
+  !> Von Mises stress of columns [Pa].
+  pure function von_mises(s) result(v)
+    real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
+    real(dp) :: v(size(s, 2))
+    v = sqrt(max(0._dp, ((s(1, :) - s(2, :))**2 + (s(2, :) - s(3, :))**2 + (s(3, :) - s(1, :))**2)/2 + &
+      3*(s(4, :)**2 + s(5, :)**2 + s(6, :)**2)))
+  end function von_mises
+
+  !> Principal stresses, largest first, by the angle of the deviator [Pa].
+  pure function principal_stresses(s) result(p)
+    real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
+    real(dp) :: p(3, size(s, 2)), mean, d(6), j2, j3, angle
+    integer :: i
+    do i = 1, size(s, 2)
+      mean = sum(s(:3, i))/3
+      d = [s(:3, i) - mean, s(4:, i)]
+      j2 = sum(d(:3)**2)/2 + sum(d(4:)**2)
+      j3 = d(1)*(d(2)*d(3) - d(5)**2) - d(4)*(d(4)*d(3) - d(5)*d(6)) + d(6)*(d(4)*d(5) - d(2)*d(6))
+      p(:, i) = mean
+      if (.not. j2 > 0) cycle
+      angle = acos(max(-1._dp, min(1._dp, 1.5_dp*sqrt(3._dp)*j3/j2**1.5_dp)))/3
+      p(:, i) = mean + 2*sqrt(j2/3)*[cos(angle), cos(angle - 2*pi/3), cos(angle + 2*pi/3)]
+    end do
+  end function principal_stresses
+
+  !> Von Mises stress with the sign of the principal stress of the largest amount [Pa].
+  pure function signed_equivalent(s) result(v)
+    real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
+    real(dp) :: v(size(s, 2)), p(3, size(s, 2))
+    p = principal_stresses(s)
+    v = sign(von_mises(s), maxval(p, 1) + minval(p, 1))
+  end function signed_equivalent
+end module hd_stress

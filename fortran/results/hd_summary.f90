@@ -1,0 +1,288 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> summary.json: the last file of a run, and the proof that it ended as it says.
+module hd_summary
+  use, intrinsic :: iso_fortran_env, only: compiler_version
+  use hd_kinds, only: dp
+  use hd_clock, only: timestamp
+  use hd_cost, only: cost_t, predict_costs, cheapest, allowed_memory_mb
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t, code_done, code_stopped
+  use hd_facets, only: sums_t, sum_names, sum_values
+  use hd_joint, only: joint_t
+  use hd_json, only: json_t
+  use hd_linear_solver, only: linear_solver_t
+  use hd_model_error, only: covered, left_out
+  use hd_loop, only: loop_t, readings_t, read_loop
+  use hd_memory, only: peak_memory_mb
+  use hd_model_comparison, only: add_models
+  use hd_parameters, only: parameter_table_t, new_table, value_count
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, split
+  use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
+  implicit none
+  private
+  public :: timers_t, record_t, write_summary, add_scene
+
+  type :: timers_t
+    real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, total = 0   !< wall clock [s]
+  end type timers_t
+
+  !> What a run has to say of itself.
+  type :: record_t
+    character(len=25) :: started = ''
+    character(len=:), allocatable :: input
+    integer :: steps = 0, iterations = 0, cuts = 0
+    integer :: cycles = 0              !< attempts in which the contact states ran in a cycle and friction was softened
+    logical :: interrupted = .false.   !< by a signal
+    logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
+    logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
+    character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
+    character(len=:), allocatable :: start  !< mesh that gave the first guesses
+    type(timers_t) :: timers
+    type(string_t), allocatable :: warnings(:)
+    real(dp) :: planned_tolerance = 0            !< tolerance that was planned for, 0: none
+    real(dp) :: to_limit(3) = 1        !< limit of fine meshes over what the mesh gives: K_TS, normal force, mid-band pressure
+    real(dp) :: limit(3) = 0           !< those limits at the last step [N m/rad], [N], [Pa]
+    real(dp) :: estimate(3) = 0        !< their estimated relative errors
+    integer :: level = 0               !< of the series of meshes
+    type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
+    real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
+    real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
+  end type record_t
+
+contains
+
+  !> Write the summary; `failure` is what ended the run early, if anything did.
+  subroutine write_summary(folder, scene, drive, joint, solver, sums, record, loop, failure, error)
+    character(len=*), intent(in) :: folder                    !< folder of the run
+    type(scene_t), intent(in) :: scene                        !< scene
+    type(drive_t), intent(in) :: drive                        !< drive
+    type(joint_t), intent(in) :: joint                        !< joint
+    class(linear_solver_t), intent(in) :: solver              !< linear solver
+    type(sums_t), intent(in) :: sums                          !< of the last converged step
+    type(record_t), intent(in) :: record                      !< counts and times
+    type(loop_t), intent(in) :: loop                          !< of the whole drive
+    type(error_t), allocatable, intent(in) :: failure         !< why the run ended early
+    type(error_t), allocatable, intent(out) :: error          !< cannot be written
+    type(json_t) :: json
+    call json%begin()
+    if (allocated(failure)) then
+      if (record%interrupted) then
+        call json%add('status', 'interrupted')
+      else
+        call json%add('status', trim(merge('stopped_at_limit', 'failed          ', failure%code == code_stopped)))
+      end if
+      call json%add('code', failure%code)
+      call json%add('message', failure%message)
+    else
+      call json%add('status', 'complete')
+      call json%add('code', code_done)
+      call json%add('message', '')
+    end if
+    call json%add('kind', 'drive')
+    call json%add('title', scene%title)
+    call json%begin('results')
+    call add_results(json, sums, record, scene%support == 'drive')
+    if (scene%support == 'drive') call add_loop(json, scene, loop)
+    call json%finish()
+    call add_joint(json, scene, joint)
+    if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
+    call json%begin('model')
+    call json%add('dof', 3*drive%problem%n)
+    call json%add('unknowns', solver%unknowns)
+    call json%add('facets', size(drive%face%nodes, 2))
+    call json%add('multipliers', drive%problem%mortar%n)
+    call json%add('factor_entries', solver%factor_entries)
+    call json%add('factor_flops', solver%flops)
+    call json%add('solver', trim(solver%name))
+    call json%add('resumed', record%resumed)
+    call json%add('mesh_and_factors', trim(merge('kept', 'new ', record%kept)))
+    if (allocated(record%start)) call json%add('first_guesses', record%start)
+    call json%add('symmetry_assembly', trim(record%symmetry(1)))
+    call json%add('symmetry_torque', trim(record%symmetry(2)))
+    call json%add('inner_iterations', solver%inner)
+    call json%add('ordering_asked', trim(solver%ordering_asked))
+    call json%add('ordering_used', trim(solver%ordering_used))
+    call json%finish()
+    call add_predictions(json, scene)
+    call json%begin('timers_s')
+    call json%add('setup', record%timers%setup)
+    call json%add('coarser', record%timers%coarser)
+    call json%add('newton', record%timers%newton)
+    call json%add('stiffness', record%timers%stiffness)
+    call json%add('output', record%timers%output)
+    call json%add('total', record%timers%total)
+    call json%finish()
+    call json%add('peak_memory_mb', peak_memory_mb())
+    if (record%planned_tolerance > 0) then
+      call json%begin('plan')
+      call json%add('tolerance', record%planned_tolerance)
+      if (record%level > 0) then
+        call json%add('k_ts_nm_per_rad', record%limit(1))
+        call json%add('normal_force_n', record%limit(2))
+        if (record%limit(3) > 0) call json%add('pressure_mid_mean_pa', record%limit(3))
+        call json%add('mesh_over_limit_k_ts', 1/record%to_limit(1))
+        call json%add('mesh_over_limit_normal_force', 1/record%to_limit(2))
+        if (record%limit(3) > 0) call json%add('mesh_over_limit_mid_band_pressure', 1/record%to_limit(3))
+        call json%add('estimated_error_k_ts', record%estimate(1))
+        call json%add('estimated_error_normal_force', record%estimate(2))
+        if (record%limit(3) > 0) call json%add('estimated_error_mid_band_pressure', record%estimate(3))
+      end if
+      call json%add('level', record%level)
+      call add_lines(json, 'reasons', record%reasons)
+      call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%planned_tolerance)))
+      call json%finish()
+    end if
+    call json%begin('model_error')
+    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit(3) > 0))
+    call add_lines(json, 'left_out', left_out(scene, sums))
+    call json%finish()
+    call add_lines(json, 'warnings', record%warnings)
+    call add_provenance(json, solver, record)
+    call add_scene(json, scene)
+    call json%finish()
+    call json%write_atomic(folder//'/summary.json', error)
+  end subroutine write_summary
+
+  !> Time and memory that the choice of the matrix solver rests on.
+  subroutine add_predictions(json, scene)
+    type(json_t), intent(inout) :: json    !< document
+    type(scene_t), intent(in) :: scene     !< scene
+    type(cost_t) :: list(6)
+    integer :: i
+    list = predict_costs(scene)
+    call json%begin('predicted')
+    call json%add('solver', trim(list(cheapest(list, allowed_memory_mb(scene)))%name))
+    call json%add('memory_allowed_mb', allowed_memory_mb(scene))
+    do i = 1, size(list)
+      if (.not. list(i)%applies) cycle
+      call json%add(trim(list(i)%name)//'_s', list(i)%seconds)
+      call json%add(trim(list(i)%name)//'_mb', list(i)%memory_mb)
+    end do
+    call json%finish()
+  end subroutine add_predictions
+
+  !> Results of the last converged step.
+  subroutine add_results(json, sums, record, whole)
+    type(json_t), intent(inout) :: json      !< document
+    type(sums_t), intent(in) :: sums         !< sums
+    type(record_t), intent(in) :: record     !< counts
+    logical, intent(in) :: whole             !< the whole drive in a loop
+    type(string_t), allocatable :: names(:)
+    real(dp), allocatable :: values(:)
+    integer :: i
+    call json%add('steps', record%steps)
+    call json%add('iterations', record%iterations)
+    call json%add('cut_backs', record%cuts)
+    call json%add('cycles', record%cycles)
+    names = split(sum_names)
+    values = sum_values(sums)
+    do i = 1, size(values)
+      if (whole .and. names(i)%s == 'wave_generator_torque_nm') cycle  ! add_loop gives the largest
+      call json%add(names(i)%s, values(i))
+    end do
+    if (sums%cam_force > 0) then
+      call json%add('cam_force_n', sums%cam_force)
+      call json%add('cam_force_x_n', sums%cam_force_x)
+      call json%add('cam_contact_area_m2', sums%cam_area)
+      call json%add('cam_pressure_min_pa', sums%cam_pressure_min)
+      call json%add('cam_gap_max_m', sums%cam_gap_max)
+    end if
+    if (record%slip_torque > 0) call json%add('gross_slip_torque_nm', record%slip_torque)
+  end subroutine add_results
+
+  !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
+  subroutine add_loop(json, scene, loop)
+    type(json_t), intent(inout) :: json    !< document
+    type(scene_t), intent(in) :: scene     !< T1, T2, rated torque
+    type(loop_t), intent(in) :: loop       !< booked steps
+    type(readings_t) :: readings
+    integer :: i
+    readings = read_loop(loop, scene)
+    do i = 1, 3
+      if (readings%k(i) > 0) call json%add('k'//achar(iachar('0') + i)//'_nm_per_rad', readings%k(i))
+    end do
+    call json%add('hysteresis_rad', readings%hysteresis)
+    call json%add('lost_motion_rad', readings%lost_motion)
+    call json%add('loop_work_j', loop%work)
+    call json%add('loop_dissipated_j', loop%dissipated)
+    call json%add('loop_stored_j', loop%stored - loop%stored_assembled)
+    call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
+    call json%add('ball_force_max_n', loop%ball_force_max)
+    call json%add('tooth_force_max_n', loop%tooth_force_max)
+    call json%add('von_mises_max_pa', loop%von_mises_max)
+    call json%add('flexspline_von_mises_max_pa', loop%von_mises_cup)
+    if (allocated(loop%fatigue%safety)) call json%add('goodman_safety_min', minval(loop%fatigue%safety))
+  end subroutine add_loop
+
+  !> Parameters that the joint results rest on.
+  subroutine add_joint(json, scene, joint)
+    type(json_t), intent(inout) :: json  !< document
+    type(scene_t), intent(in) :: scene   !< scene
+    type(joint_t), intent(in) :: joint   !< joint
+    call json%begin('joint')
+    call json%add('model', trim(scene%joint_model))
+    call json%add('closure', trim(merge('paper  ', 'nominal', joint%paper)))
+    call json%add('asperity_radius_m', joint%r_m)
+    call json%add('s_min_m2', joint%s_min)
+    call json%add('reference_area_m2', joint%reference_area)
+    call json%add('hardness_pa', joint%asperity%hardness)
+    call json%add('reduced_modulus_pa', joint%asperity%e_star)
+    call json%add('s_ec_m2', joint%asperity%s_ec)
+    call json%add('psi', joint%psi)
+    call json%finish()
+  end subroutine add_joint
+
+  !> A list of lines.
+  subroutine add_lines(json, key, list)
+    type(json_t), intent(inout) :: json      !< document
+    character(len=*), intent(in) :: key      !< name
+    type(string_t), intent(in) :: list(:)    !< lines
+    character(len=400) :: lines(size(list))
+    integer :: i
+    do i = 1, size(lines)
+      lines(i) = list(i)%s
+    end do
+    call json%add(key, lines)
+  end subroutine add_lines
+
+  !> Versions, input, dates.
+  subroutine add_provenance(json, solver, record)
+    type(json_t), intent(inout) :: json            !< document
+    class(linear_solver_t), intent(in) :: solver   !< knows the version of MUMPS
+    type(record_t), intent(in) :: record           !< dates
+    call json%begin('provenance')
+    call json%add('hdengine', version)
+    call json%add('input', record%input)
+    call json%add('started', record%started)
+    call json%add('finished', timestamp())
+    call json%add('compiler', compiler_version())
+    call json%add('build', build_type)
+    call json%add('mumps', solver%library)
+    call json%add('metis', metis_version)
+    call json%add('openblas', openblas_version)
+    call json%add('fftw', fftw_version)
+    call json%finish()
+  end subroutine add_provenance
+
+  !> Every key of the scene.
+  subroutine add_scene(json, scene)
+    type(json_t), intent(inout) :: json   !< document
+    type(scene_t), intent(in) :: scene    !< scene
+    type(scene_t), target :: copy
+    type(parameter_table_t) :: table
+    integer :: i
+    copy = scene
+    call new_table(copy, table)
+    call json%begin('scene')
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        if (associated(p%integer)) call json%add(p%group//'.'//p%key, p%integer)
+        if (associated(p%real)) call json%add(p%group//'.'//p%key, p%real)
+        if (associated(p%reals)) call json%add(p%group//'.'//p%key, p%reals(:value_count(p)))
+        if (associated(p%text)) call json%add(p%group//'.'//p%key, trim(p%text))
+      end associate
+    end do
+    call json%finish()
+  end subroutine add_scene
+end module hd_summary

@@ -1,0 +1,82 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Where the torque leaves the scene: moments about the axis of the forces of each support.
+module hd_supports
+  use hd_kinds, only: dp
+  use hd_body, only: axial_moment
+  use hd_drive, only: drive_t
+  use hd_mortar, only: add_nodal_forces
+  use hd_problem, only: state_t, load_t, internal_residual
+  implicit none
+  private
+  public :: support_torques_t, support_torques, moment, contact_torque
+
+  !> What each support takes of the torque, positive in the sense of a torque on the rim; their sum is that torque.
+  type :: support_torques_t
+    real(dp) :: hub = 0             !< bottom of the cup, its soft springs included [N m]
+    real(dp) :: wave_generator = 0  !< inner face of the ring: prescribed displacements, balls, the cam's pressure [N m]
+    real(dp) :: ring_springs = 0    !< soft springs that hold a ring which is free on the cam [N m]
+    real(dp) :: balance = 0         !< all moments, the load's included: what is out of balance [N m]
+  end type support_torques_t
+
+contains
+
+  !> Moments of the supports.
+  function support_torques(drive, load, state) result(torque)
+    type(drive_t), intent(in) :: drive  !< drive
+    type(load_t), intent(in) :: load    !< load of the step
+    type(state_t), intent(in) :: state  !< converged state
+    type(support_torques_t) :: torque
+    real(dp), dimension(3, drive%problem%n) :: r, part
+    real(dp) :: traction(3, drive%problem%mortar%n)
+    associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid)
+      r = internal_residual(problem, load, state)
+      where (.not. problem%fixed) r = 0
+      part = 0
+      part(:, drive%hub) = r(:, drive%hub)
+      part(:, drive%sprung) = part(:, drive%sprung) - problem%spring(:, drive%sprung)*state%u(:, drive%sprung)
+      torque%hub = -moment(drive, state, part, drive%b_cup)
+      part = 0
+      if (m < problem%mortar%n) then
+        traction = state%traction
+        traction(:, :m) = 0
+        call add_nodal_forces(problem%mortar, traction, part)
+      end if
+      part(:, drive%inner) = part(:, drive%inner) + r(:, drive%inner)
+      part(1, drive%inner) = part(1, drive%inner) + &
+        problem%spring(1, drive%inner)*(load%displacement(1, drive%inner) - state%u(1, drive%inner))
+      torque%wave_generator = -moment(drive, state, part, drive%b_ring)
+      part = 0
+      part(2, drive%inner) = -problem%spring(2, drive%inner)*state%u(2, drive%inner)
+      torque%ring_springs = -moment(drive, state, part, drive%b_ring)
+      part = load%force
+      part(1, drive%inner) = part(1, drive%inner) - problem%spring(1, drive%inner)*load%displacement(1, drive%inner)
+      torque%balance = moment(drive, state, part, 1) + moment(drive, state, part, 2) - torque%hub - torque%wave_generator - &
+        torque%ring_springs
+    end associate
+  end function support_torques
+
+  !> Moment about the axis of the nodal forces on one body [N m].
+  pure real(dp) function moment(drive, state, force, b) result(m)
+    type(drive_t), intent(in) :: drive     !< drive
+    type(state_t), intent(in) :: state     !< with large displacements the deformed bodies count
+    real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
+    integer, intent(in) :: b               !< body
+    associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
+      if (allocated(drive%problem%lagrangian)) then
+        m = axial_moment(body, force(:, first + 1:first + body%nodes()), state%u(:, first + 1:first + body%nodes()))
+      else
+        m = axial_moment(body, force(:, first + 1:first + body%nodes()))
+      end if
+    end associate
+  end function moment
+
+  !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].
+  pure real(dp) function contact_torque(drive, state) result(m)
+    type(drive_t), intent(in) :: drive  !< drive
+    type(state_t), intent(in) :: state  !< state or iterate
+    real(dp) :: force(3, drive%problem%n)
+    force = 0
+    call add_nodal_forces(drive%problem%mortar, -state%traction, force)
+    m = moment(drive, state, force, drive%b_ring)
+  end function contact_torque
+end module hd_supports

@@ -1,0 +1,255 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Fit of maps that nothing is known of: wrong points masked, holes filled, power over rings of frequency fitted, and the same
+!> verdict, D, G and S over the lags as the fits of the structure function have.
+module hd_blind_fit
+  use hd_kinds, only: dp, pi
+  use hd_error, only: error_t
+  use hd_text, only: to_text, percent
+  use hd_observation, only: observation_t, level_plane
+  use hd_band_integral, only: kind_isotropic, kind_profile
+  use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
+  use hd_holes, only: mask_spikes, fill_holes, synthetic
+  use hd_ring_table, only: ring_table_t, new_ring_table
+  use hd_spectral_fit, only: spectral_fit_t, fit_spectrum
+  use hd_surface_fit, only: fit_t
+  use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated
+  implicit none
+  private
+  public :: blind_t, fit_blind, judge_blind
+
+  real(dp), parameter :: lines = 3            !< scatter of modes about their ring from which on the spectrum is one of lines
+  real(dp), parameter :: many_spikes = 0.02_dp !< share of masked points of a map that is called spikes
+
+  real(dp), parameter :: offsets = 3          !< power of an axis over that of its rings from which on rows or columns are offset
+
+  !> What was found besides D and G.
+  type :: blind_t
+    type(ring_table_t) :: rings               !< power over frequency
+    type(spectral_fit_t) :: fit               !< its fit
+    type(spectral_fit_t) :: above             !< fit of what lies above the window, if its last ring is not 0
+    integer :: spikes = 0, holes = 0          !< points masked; points filled, spikes among them
+    real(dp) :: spike_share = 0, hole_share = 0 !< of all points
+    real(dp) :: tail = 0                      !< largest excess kurtosis of second differences, in 5 of its standard errors
+    real(dp) :: excess = 0                    !< that kurtosis
+    integer :: tail_lag = 0                   !< its step [points]
+    logical :: of_lines = .false.             !< single waves stand out: no continuous spectrum
+  end type blind_t
+
+contains
+
+  !> Fit one map, or two that are pressed together (`other` with one point stands for none): both are cropped to the common size.
+  subroutine fit_blind(z, other, dx, dy, level, noise, band, b, error)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                            !< spacing [m]
+    logical, intent(in) :: level                              !< take the planes off
+    real(dp), intent(in) :: noise                             !< known noise, rms [m]; negative: fitted
+    real(dp), intent(in) :: band(2)                           !< window wanted [1/m]; 0: looked for
+    type(blind_t), intent(out) :: b                           !< result
+    type(error_t), allocatable, intent(out) :: error          !< too small
+    type(ring_table_t) :: second
+    integer :: n(2), last
+    n = shape(z)
+    if (size(other) > 1) n = min(n, shape(other))
+    call one(z, b%rings)
+    if (allocated(error)) return
+    if (size(other) > 1) then
+      call one(other, second)
+      if (allocated(error)) return
+      associate (t => b%rings)
+        t%m = (t%p + second%p)**2 / (t%p**2 / t%m + second%p**2 / second%m)
+        t%scatter = max(t%scatter, second%scatter)
+        t%axis = max(t%axis, second%axis)
+        t%p = t%p + second%p
+      end associate
+    end if
+    if (any(b%rings%p <= 0)) return
+    if (all(band > 0)) then
+      call fit_spectrum(b%rings, noise, b%fit, error, band(1), band(2))
+    else
+      call fit_spectrum(b%rings, noise, b%fit, error)
+      if (allocated(error)) return
+      b%of_lines = b%fit%scatter > lines
+      last = size(b%rings%f)
+      if (b%fit%accepted .and. last - b%fit%last > 8 .and. b%rings%f(last) > 1.8_dp * b%fit%f_hi) then
+        call fit_spectrum(b%rings, noise, b%above, error, b%fit%f_hi, b%rings%f(last))
+        if (allocated(error)) deallocate (error)
+      end if
+    end if
+  contains
+    !> Clean one map and take its spectrum.
+    subroutine one(map, t)
+      real(dp), intent(in), contiguous :: map(:, :)   !< heights [m]
+      type(ring_table_t), intent(out) :: t            !< rings
+      type(ring_table_t) :: full, filled
+      real(dp), allocatable :: flat(:, :), mock(:, :)
+      logical, allocatable :: hole(:, :)
+      real(dp) :: tilt(2), slope, axis(2)
+      integer :: spikes, k
+      flat = map((size(map, 1) - n(1)) / 2 + 1:(size(map, 1) - n(1)) / 2 + n(1), &
+        (size(map, 2) - n(2)) / 2 + 1:(size(map, 2) - n(2)) / 2 + n(2))
+      if (level) call level_plane(flat, tilt)
+      call mask_spikes(flat, spikes)
+      hole = .not. abs(flat) <= huge(tilt)
+      call fill_holes(flat, hole)
+      b%spikes = b%spikes + spikes
+      b%holes = b%holes + count(hole)
+      b%spike_share = max(b%spike_share, spikes / real(size(flat), dp))
+      b%hole_share = max(b%hole_share, count(hole) / real(size(flat), dp))
+      if (level) call level_plane(flat, tilt)
+      call heavy_tails(flat, b)
+      call new_ring_table(flat, dx, dy, t, error)
+      if (allocated(error)) return
+      if (any(t%axis > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
+        axis = t%axis
+        if (axis(2) > offsets) flat = flat - spread(sum(flat, 1) / size(flat, 1), 1, size(flat, 1))
+        if (axis(1) > offsets) flat = flat - spread(sum(flat, 2) / size(flat, 2), 2, size(flat, 2))
+        call new_ring_table(flat, dx, dy, t, error)
+        if (allocated(error)) return
+        t%axis = axis
+      end if
+      if (.not. any(hole)) return
+      k = max(2, 2 * size(t%f) / 3)                   ! what filling takes from a spectrum like this one
+      if (size(t%f) < k .or. any(t%p <= 0)) return
+      slope = -log(t%p(k) / t%p(1)) / log(t%f(k) / t%f(1))
+      allocate (mock, mold=flat)
+      call synthetic(mock, dx, dy, min(max(slope, t%dim + 0.1_dp), t%dim + 1.9_dp), error)
+      if (allocated(error)) return
+      call new_ring_table(mock, dx, dy, full, error)
+      if (allocated(error)) return
+      call fill_holes(mock, hole)
+      call new_ring_table(mock, dx, dy, filled, error)
+      if (allocated(error)) return
+      t%p = t%p * full%p / filled%p
+    end subroutine one
+  end subroutine fit_blind
+
+  !> Largest excess kurtosis of second differences over steps of 1 to 16 points, along rows and columns: 0 of a Gaussian field, and
+  !> large where few steps, scratches or plateaus make the height. Measured against five standard errors of independent patches.
+  subroutine heavy_tails(z, b)
+    real(dp), intent(in) :: z(:, :)       !< heights [m]
+    type(blind_t), intent(inout) :: b     !< tail, excess and tail_lag are raised
+    real(dp), allocatable :: d(:, :)
+    real(dp) :: two, excess, error
+    integer :: k, way, m
+    do k = 0, 4
+      m = 2**k
+      do way = 1, 2
+        if (size(z, way) < 8 * m) cycle
+        if (way == 1) d = z(1 + 2 * m:, :) - 2 * z(1 + m:size(z, 1) - m, :) + z(:size(z, 1) - 2 * m, :)
+        if (way == 2) d = z(:, 1 + 2 * m:) - 2 * z(:, 1 + m:size(z, 2) - m) + z(:, :size(z, 2) - 2 * m)
+        if (size(z, 2) > 1) d = d - spread(sum(d, 3 - way) / size(d, 3 - way), 3 - way, size(d, 3 - way))   ! straight steps
+        two = sum(d**2) / size(d)
+        if (.not. two > 0) cycle
+        excess = sum(d**4) / size(d) / two**2 - 3
+        error = sqrt(24 * real(2 * m, dp) * merge(1, 2 * m, size(z, 2) == 1) / size(d))
+        if (excess / (5 * error) <= b%tail) cycle
+        b%tail = excess / (5 * error)
+        b%excess = excess
+        b%tail_lag = m
+      end do
+    end do
+  end subroutine heavy_tails
+
+  !> The result as the other fits have it, and the verdict.
+  subroutine judge_blind(o, b, r, v)
+    type(observation_t), intent(in) :: o      !< S over the lags
+    type(blind_t), intent(in) :: b            !< fit of the spectrum
+    type(fit_t), intent(out) :: r             !< the same for S
+    type(verdict_t), intent(inout) :: v       !< as it came from judge_map
+    real(dp) :: reach, clear
+    associate (f => b%fit)
+      r%d = f%d
+      r%ln_g = f%ln_g
+      r%noise_variance = f%noise_variance
+      r%interval = f%interval
+      r%interval_sampling = f%sampling
+      r%cov(:2, :2) = f%cov
+      r%misfit = f%misfit
+      r%chi2 = f%deviance
+      r%freedom = f%freedom
+      call curves(o, b, r)
+      if (b%spike_share > many_spikes .and. v%name == 'steps') v%kind = fractal     ! the jumps were spikes
+      if (v%kind /= fractal) return
+      v%kind = not_fractal
+      clear = f%f_hi                                        ! where noise and probe leave the power law
+      if (f%noise_variance > 0) clear = min(clear, noise_meets(b))
+      if (f%probe > 0) clear = min(clear, 1 / (2 * pi * f%probe))
+      reach = clear / f%f_lo
+      if (b%spike_share > many_spikes) then
+        v%name = 'spikes'
+        v%reason = percent(b%spike_share)//' of the points stand more than six standard deviations off their neighbours'
+      else if (r%d > 2.99_dp .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
+        v%kind = noise_dominated
+        v%name = 'noise'
+        v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
+          ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
+      else if (r%d < 2.01_dp) then
+        v%name = 'smooth'
+        v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
+      else if (b%tail > 1 .and. b%excess > 1) then
+        v%name = 'steps'
+        v%reason = 'second differences over '//to_text(b%tail_lag)//' points have an excess kurtosis of '//to_text(b%excess)// &
+          ' (0: Gaussian, standard error '//to_text(b%excess / (5 * b%tail))//'): few steps, scratches or plateaus make the height'
+      else if (.not. f%accepted .and. f%misfit > 0.1_dp) then
+        v%name = 'bent'
+        v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
+      else if (b%above%last > 0 .and. b%above%accepted .and. (b%above%interval(1, 1) > r%interval(2, 1) &
+        .or. b%above%interval(2, 1) < r%interval(1, 1))) then
+        v%name = 'crossover'
+        v%reason = 'D = '//to_text(r%d)//' for wavelengths of '//to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m and '// &
+          to_text(b%above%d)//' for '//to_text(1 / b%above%f_hi)//' to '//to_text(1 / b%above%f_lo)//' m'
+      else
+        v%kind = fractal
+        v%reason = 'the spectrum follows the model for wavelengths of '// &
+          to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m'
+        if (r%interval(1, 1) < 2.005_dp) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
+      end if
+    end associate
+  end subroutine judge_blind
+
+  !> Frequency where the power law and the noise are equal [1/m].
+  pure real(dp) function noise_meets(b) result(f)
+    type(blind_t), intent(in) :: b    !< fit
+    real(dp) :: n, ln_a, power
+    n = 6 + b%rings%dim - 2 * b%fit%d
+    ln_a = 2 * (b%fit%d - 2) * b%fit%ln_g - log(merge(4 * pi, 4._dp, b%rings%dim == 2))
+    power = b%fit%noise_variance * b%rings%step(1) * merge(b%rings%step(2), 1._dp, b%rings%dim == 2)
+    f = exp((ln_a - log(power)) / n)
+  end function noise_meets
+
+  !> S of the model over the lags, and standard deviations of ln S.
+  subroutine curves(o, b, r)
+    type(observation_t), intent(in) :: o      !< S over the lags
+    type(blind_t), intent(in) :: b            !< fit of the spectrum
+    type(fit_t), intent(inout) :: r           !< curves are set
+    integer, parameter :: n = 600
+    real(dp) :: f, low, high, a, scale, cov(size(o%lag), size(o%lag)), g(2)
+    type(radial_t) :: t
+    integer :: i, k, kind
+    kind = merge(kind_profile, kind_isotropic, b%rings%dim == 1)
+    scale = exp(2 * (r%d - 2) * r%ln_g)
+    a = 6 - 2 * r%d
+    low = 1 / max(o%nx * o%dx, o%ny * o%dy)
+    high = merge(20._dp, 1._dp, b%fit%fold > 0) * b%rings%nyquist
+    allocate (r%curve(size(o%lag)), r%sd_sample(size(o%lag)), r%sd_curve(size(o%lag)))
+    r%curve = 2 * r%noise_variance
+    do i = 1, n
+      f = low * (high / low)**((i - 0.5_dp) / n)
+      do k = 1, size(o%lag)
+        r%curve(k) = r%curve(k) + scale * log(high / low) / n * f**(-a) * exp(-(2 * pi * b%fit%probe * f)**2) &
+          * (1 - merge(cos(2 * pi * f * o%tau(k)), bessel_j0(2 * pi * f * o%tau(k)), kind == kind_profile)) &
+          * merge(1._dp, b%fit%fold, f <= b%rings%nyquist)
+      end do
+    end do
+    t = new_radial(kind, r%d, scale, low, 2 * b%rings%nyquist, min(o%dx, o%dy), 2 * hypot(o%nx * o%dx, o%ny * o%dy))
+    call field_covariance(o, t, cov)
+    call noise_covariance(o, t, r%noise_variance, cov)
+    do k = 1, size(o%lag)
+      r%sd_sample(k) = sqrt(cov(k, k) * o%parts / o%filled) / r%curve(k)
+      g = [2 * (r%ln_g - log(2 * pi * o%tau(k))), 2 * (r%d - 2)]
+      r%sd_curve(k) = sqrt(max(0._dp, dot_product(g, matmul(b%fit%cov, g))))
+    end do
+    r%rms = sqrt(sum(log(o%s / r%curve)**2) / size(o%s))
+    r%rms_expected = sqrt(sum(r%sd_sample**2) / size(o%s))
+  end subroutine curves
+end module hd_blind_fit

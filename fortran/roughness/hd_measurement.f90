@@ -1,0 +1,110 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> From one height map, or two that are pressed together, to D, G and a verdict.
+module hd_measurement
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_observation, only: observation_t, observe, level_plane, add_observation
+  use hd_structure_function, only: check_map
+  use hd_blind_fit, only: blind_t, fit_blind, judge_blind
+  use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_spectrum
+  use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
+  use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
+  implicit none
+  private
+  public :: measurement_t, measure
+
+  !> All that is found. `fit%curve` is not allocated for a constant and a plane.
+  type :: measurement_t
+    type(observation_t) :: o        !< S over the window; of two maps: their sum
+    type(fit_t) :: fit              !< D, G, errors
+    type(verdict_t) :: verdict      !< fractal or not, and why
+    real(dp) :: tilt(2) = 0         !< height per point of the plane of the first map [m]
+    type(blind_t) :: blind          !< of a map that nothing was known of: spectrum, probe, wrong points
+    logical :: of_lines = .false.   !< single waves stand out, so S was fitted and not the spectrum
+  end type measurement_t
+
+contains
+
+  !> Measure. `other` with one point stands for none; else S (or the spectrum) of both is added up. The spectrum of a map of few
+  !> waves has lines, which no continuous spectrum describes: there S is fitted.
+  subroutine measure(z, other, dx, dy, first, last, level, p, options, m, error)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                            !< spacing of both [m]
+    integer, intent(in) :: first, last                        !< window of lags in points
+    logical, intent(in) :: level                              !< take the planes off
+    type(band_spectrum_t), intent(in) :: p                    !< model
+    type(fit_options_t), intent(in) :: options                !< how to fit
+    type(measurement_t), intent(out) :: m                     !< what was found
+    type(error_t), allocatable, intent(out) :: error          !< bad map, bad model
+    type(band_spectrum_t) :: model
+    type(observation_t) :: o
+    type(verdict_t) :: v
+    real(dp) :: tilt(2), band(2)
+    logical :: diagonals
+    model = p
+    diagonals = model%model == model_isotropic .or. model%model == model_spectrum
+    call look(z, dx, dy, first, last, level, diagonals, m%o, m%verdict, m%tilt, error)
+    if (allocated(error)) return
+    if (size(other) > 1) then
+      call look(other, dx, dy, first, last, level, diagonals, o, v, tilt, error)
+      if (allocated(error)) return
+      call add_observation(m%o, o, error)
+      if (allocated(error)) return
+      call join(m%verdict, v)
+    end if
+    if (.not. all(m%o%s > 0)) return
+    if (model%model == model_spectrum) then
+      band = merge([p%f_lo, p%f_hi], 0._dp, options%told_band)
+      call fit_blind(z, other, dx, dy, level, merge(options%noise, -1._dp, options%noise > 0), band, m%blind, error)
+      if (allocated(error)) return
+      m%of_lines = m%blind%of_lines .or. m%blind%fit%last == 0
+      if (.not. m%of_lines) then
+        call judge_blind(m%o, m%blind, m%fit, m%verdict)
+        return
+      end if
+      model%model = merge(model_profile, model_isotropic, size(z, 2) == 1)
+    end if
+    call fit_surface(m%o, model, options, m%fit, error)
+    if (allocated(error)) return
+    call judge_fit(m%o, model, options, m%fit, m%verdict)
+  end subroutine measure
+
+  !> One map: plane, structure function, first judgement.
+  subroutine look(z, dx, dy, first, last, level, diagonals, o, v, tilt, error)
+    real(dp), intent(in), contiguous :: z(:, :)         !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                      !< spacing [m]
+    integer, intent(in) :: first, last                  !< window of lags in points
+    logical, intent(in) :: level                        !< take the plane off
+    logical, intent(in) :: diagonals                    !< observe the diagonals too
+    type(observation_t), intent(out) :: o               !< S
+    type(verdict_t), intent(out) :: v                   !< what the map is
+    real(dp), intent(out) :: tilt(2)                    !< of the plane [m per point]
+    type(error_t), allocatable, intent(out) :: error    !< bad map
+    real(dp), allocatable :: flat(:, :)
+    tilt = 0
+    call check_map(z, dx, dy, error)
+    if (allocated(error)) return
+    flat = z
+    call level_plane(flat, tilt)
+    if (level) then
+      call observe(flat, dx, dy, first, last, .true., diagonals, o, error)
+    else
+      call observe(z, dx, dy, first, last, .false., diagonals, o, error)
+    end if
+    if (allocated(error)) return
+    call judge_map(z, flat, first, v, error)
+    if (v%name == 'constant' .or. (level .and. v%name == 'plane')) o%s = 0   ! what is left is rounding
+  end subroutine look
+
+  !> Two maps are fractal if both are; else the reason of the one that is not.
+  subroutine join(v, other)
+    type(verdict_t), intent(inout) :: v     !< of the first map, then of both
+    type(verdict_t), intent(in) :: other    !< of the second
+    if (v%kind /= fractal) then
+      v%reason = 'first map: '//v%reason
+    else if (other%kind /= fractal) then
+      v = other
+      v%reason = 'second map: '//v%reason
+    end if
+  end subroutine join
+end module hd_measurement

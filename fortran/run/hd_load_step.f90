@@ -1,0 +1,339 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Load steps of a run: parts that grow and are cut, gross slip found and bracketed, and what to say where it ends.
+module hd_load_step
+  use hd_kinds, only: dp
+  use hd_clock, only: wall_seconds
+  use hd_coarse_start, only: has_coarser, coarser_scene
+  use hd_drive, only: drive_load, step_friction, touch_teeth
+  use hd_error, only: error_t, raise, code_not_converged, code_stopped
+  use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
+  use hd_log, only: say, detail, set_log_level, quiet
+  use hd_lapack, only: blas_threads
+  use hd_newton, only: newton_options_t, iteration_t, iterate
+  use hd_output, only: step_t, write_history
+  use hd_problem, only: state_t, load_t, pair_bodies
+  use hd_run, only: run_t, new_run, accept, place_step, final_position
+  use hd_section, only: band_rows
+  use hd_supports, only: contact_torque
+  use hd_system, only: stop_requested
+  use hd_teeth, only: new_teeth, turn_hub
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: solve_step
+
+  integer, parameter :: stubborn = 5         !< times the iterations of a load step that halving cannot help
+  integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
+
+contains
+
+  !> Solve the next load step, in parts where it must be cut.
+  recursive subroutine solve_step(run, done, error)
+    type(run_t), intent(inout) :: run                 !< run
+    logical, intent(out) :: done                      !< the last step is solved
+    type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
+    real(dp) :: target, part, slip_torque
+    integer :: cuts, attempt
+    logical :: solved, sliding
+    if (.not. allocated(run%coarser) .and. (begins(run%position) .or. begins(run%position - 1))) call solve_coarser(run)
+    target = next_position(run)
+    if (begins(run%position - 1)) run%stride = 2
+    part = min(target, run%position + run%stride)
+    cuts = 0
+    attempt = 0
+    slip_torque = 0
+    run%step%iterations = 0
+    run%step%seconds = wall_seconds()
+    do while (run%position < target - 1e-12_dp)
+      if (stop_requested()) then
+        call interrupt(run, error)
+      else if (out_of_time(run)) then
+        call raise(error, code_stopped, stopped_text(run))
+      else
+        call solve_part(run, part, attempt, solved, sliding, slip_torque, error)
+        run%unsettled = run%unsettled .or. allocated(error)
+        if (run%unsettled .and. stop_requested()) call interrupt(run, error)
+      end if
+      if (allocated(error)) exit
+      attempt = attempt + 1
+      if (solved) then
+        cuts = 0
+        if (run%easy) run%stride = 2*run%stride
+        part = min(target, run%position + run%stride)
+        if (slip_torque > 0) then
+          part = min(target, cautious(run, slip_torque))
+          if (slip_torque <= abs(run%step%torque)*1.003_dp) call slipped(run, slip_torque, error)
+        end if
+      else
+        cuts = cuts + 1
+        run%record%cuts = run%record%cuts + 1
+        if (sliding .and. .not. slip_torque > 0) then
+          call not_held(run, part, error)
+        else if (sliding) then
+          part = cautious(run, slip_torque)
+          if (cuts > run%scene%max_cuts) call slipped(run, slip_torque, error)
+        else
+          run%stride = 0.5_dp*(part - run%position)
+          if (cuts > run%scene%max_cuts .or. proportional(run)) call not_converged(run, error)
+          part = run%position + run%stride
+        end if
+      end if
+      if (allocated(error)) exit
+    end do
+    if (.not. allocated(error)) call accept(run, error)
+    if (.not. allocated(error)) call check_slip(run, error)
+    done = run%position >= final_position(run) - 1e-12_dp
+    if (allocated(error)) run%failure = error
+  end subroutine solve_step
+
+  !> Next comes the first step from rest of a problem whose solution is in proportion to the load: half of it is no easier, so it
+  !> is not halved and gets the iterations of many parts.
+  pure logical function proportional(run)
+    type(run_t), intent(in) :: run  !< run
+    proportional = begins(run%position) .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
+  end function proportional
+
+  !> The assembly or the torque begins here: there are no steps to extrapolate.
+  pure logical function begins(position)
+    real(dp), intent(in) :: position  !< in that phase
+    begins = abs(position) < 1e-12_dp
+  end function begins
+
+  !> Solve the same run as far as the first torque on a mesh of half as many facets either way; what ends that early ends only that.
+  recursive subroutine solve_coarser(run)
+    type(run_t), intent(inout) :: run                 !< gets the coarser states
+    type(run_t), allocatable :: coarse
+    type(error_t), allocatable :: error
+    logical :: done
+    real(dp) :: start
+    integer :: level
+    allocate (run%coarser)
+    if (.not. has_coarser(run%scene)) return
+    start = wall_seconds()
+    call set_log_level(quiet, level)
+    allocate (coarse)
+    call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
+    coarse%clock = run%clock
+    coarse%keeps_all = .true.
+    coarse%brief = .true.
+    done = .false.
+    do while (.not. (done .or. allocated(error) .or. coarse%position > 1 + 1e-12_dp))
+      call solve_step(coarse, done, error)
+    end do
+    call set_log_level(level)
+    run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
+    call say('start     from '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
+    if (allocated(coarse%solver)) call coarse%solver%release()
+    if (allocated(coarse%drive)) call move_alloc(coarse%drive, run%coarser%drive)
+    run%coarser%states = coarse%assembly
+    run%record%timers%coarser = wall_seconds() - start
+  end subroutine solve_coarser
+
+  !> A signal ends the run in order; what the present load step had reached is lost.
+  subroutine interrupt(run, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(error_t), allocatable, intent(out) :: error  !< says so
+    run%record%interrupted = .true.
+    call raise(error, code_stopped, 'interrupted after '//to_text(run%record%steps)// &
+      ' load steps; their results are kept, --resume goes on')
+  end subroutine interrupt
+
+  !> What a time limit leaves; one that is too short for a load step would stop every resumed run too.
+  function stopped_text(run) result(text)
+    type(run_t), intent(in) :: run  !< run
+    character(len=:), allocatable :: text
+    text = 'stopped at a limit after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on'
+    if (run%record%steps == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
+      ' s before a load step was done ('//to_text(run%record%steps)//' before; setting up took '// &
+      to_text(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
+  end function stopped_text
+
+  !> The wall-clock limit of the scene has passed.
+  logical function out_of_time(run)
+    type(run_t), intent(in) :: run  !< run
+    real(dp) :: elapsed
+    elapsed = wall_seconds() - run%clock
+    out_of_time = run%scene%time_limit_s > 0 .and. elapsed > run%scene%time_limit_s
+  end function out_of_time
+
+  !> Position of the next load step: assembly ends at 1, torque at 2.
+  pure real(dp) function next_position(run) result(p)
+    type(run_t), intent(in) :: run  !< run
+    integer :: n
+    if (run%position < 1 - 1e-12_dp) then
+      n = run%scene%assembly_steps
+      p = real(floor(run%position*n + 1e-9_dp) + 1, dp)/n
+    else
+      n = torque_load_steps(run%scene)
+      p = 1 + real(floor((run%position - 1)*n + 1e-9_dp) + 1, dp)/n
+    end if
+  end function next_position
+
+  !> Position four fifths of the way to the torque at which the contact slips.
+  pure real(dp) function cautious(run, slip_torque) result(p)
+    type(run_t), intent(in) :: run            !< run
+    real(dp), intent(in) :: slip_torque       !< estimate of the slip torque [N m]
+    real(dp) :: now
+    now = max(0._dp, run%position - 1)*abs(run%scene%torque)
+    p = 1 + (now + 0.8_dp*max(0._dp, slip_torque - now))/abs(run%scene%torque)
+  end function cautious
+
+  !> Try to reach a position; the state changes only if that succeeds.
+  subroutine solve_part(run, position, attempt, solved, sliding, slip_torque, error)
+    type(run_t), intent(inout) :: run                 !< run
+    real(dp), intent(in) :: position                  !< aim
+    integer, intent(in) :: attempt                    !< attempts of this load step before
+    logical, intent(out) :: solved                    !< reached
+    logical, intent(out) :: sliding                   !< the contact slips as a whole
+    real(dp), intent(inout) :: slip_torque            !< torque that friction carries then [N m]
+    type(error_t), allocatable, intent(out) :: error  !< solver, files
+    type(state_t) :: trial
+    type(load_t) :: load
+    type(newton_options_t) :: options
+    type(iteration_t), allocatable :: history(:)
+    type(step_t) :: step
+    real(dp) :: ratio, start, torque
+    integer :: threads, taken
+    options%tolerance = run%scene%tolerance
+    options%max_iterations = run%scene%max_iterations*merge(stubborn, 1, proportional(run))
+    options%runaway = 0.05_dp*run%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + abs(run%scene%interference))
+    torque = torque_at(run%scene, position)
+    if (position > 1) options%torque = largest_torque(run%scene)
+    call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state%touch)
+    run%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
+    trial = run%state
+    ratio = 0
+    if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
+    if (run%position_before < 1 .and. position > 1) ratio = 0
+    if (run%position_before >= 1) then
+      if (turns_back(run%scene, run%position_before, run%position, position)) ratio = 0
+    end if
+    trial%u = trial%u + ratio*(run%state%u - run%before%u)
+    trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
+    start = wall_seconds()
+    if (allocated(run%coarser) .and. .not. ratio > 0) then
+      call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)
+    end if
+    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
+    if (run%solver%own_threads) threads = blas_threads(1)
+    if (run%scene%support == 'teeth' .and. position > 1) then
+      call turn_against_teeth(run, torque, trial, history, error)
+      solved = .true.
+      sliding = .false.
+    else
+      call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+    end if
+    if (run%solver%own_threads) threads = blas_threads(threads)
+    run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
+    if (allocated(error)) return
+    taken = history(size(history))%iteration
+    run%record%iterations = run%record%iterations + taken
+    step = run%step
+    step%number = run%record%steps + 1
+    call place_step(run, position, step)
+    if (run%writes) call write_history(run%output, step, attempt, history, error)
+    if (allocated(error)) return
+    call log_iterations(history)
+    run%period = maxval(history%period)
+    if (run%period > 0) run%record%cycles = run%record%cycles + 1
+    run%step%iterations = run%step%iterations + taken
+    run%easy = taken < few_iterations
+    if (solved) then
+      if (run%scene%support == 'drive' .and. abs(position - 1) < 1e-12_dp) then
+        call touch_teeth(run%scene, run%drive, trial%u, trial%touch)
+      end if
+      run%before = run%state
+      run%state = trial
+      run%position_before = run%position
+      run%position = position
+      if (position < 1 + 1e-12_dp .or. run%keeps_all) call run%assembly%add(min(position, 1._dp), torque, trial)
+      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
+      call place_step(run, position, run%step)
+    else if (sliding) then
+      slip_torque = abs(contact_torque(run%drive, trial))
+      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
+        slip_torque = 0
+      end if  ! rounding: friction holds nothing
+    end if
+    if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
+  end subroutine solve_part
+
+  !> A torque at the cup's bottom against the teeth of the circular spline.
+  subroutine turn_against_teeth(run, torque, trial, history, error)
+    type(run_t), intent(inout) :: run                          !< run
+    real(dp), intent(in) :: torque                             !< [N m]
+    type(state_t), intent(inout) :: trial                      !< solution
+    type(iteration_t), allocatable, intent(out) :: history(:)  !< one entry per set of teeth
+    type(error_t), allocatable, intent(out) :: error           !< linear solver
+    integer :: i
+    if (.not. allocated(run%teeth)) then
+      allocate (run%teeth)
+      call new_teeth(run%scene, run%drive, run%solver, run%state, run%teeth, error)
+      if (allocated(error)) return
+    end if
+    call turn_hub(run%teeth, run%drive, torque, trial, error)
+    history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
+  end subroutine turn_against_teeth
+
+  !> Newton iterations in the verbose log.
+  subroutine log_iterations(history)
+    type(iteration_t), intent(in) :: history(:)  !< iterates
+    character(len=80) :: line
+    integer :: i
+    do i = 1, size(history)
+      write (line, '(6x,i4,es12.3,4i7,f8.3)') history(i)%iteration, history(i)%residual, history(i)%changes, &
+        history(i)%open, history(i)%stick, history(i)%slip, history(i)%damping
+      call detail(trim(line))
+    end do
+  end subroutine log_iterations
+
+  !> The contact slips as a whole: there is no equilibrium beyond this torque.
+  subroutine slipped(run, slip_torque, error)
+    type(run_t), intent(inout) :: run                 !< run
+    real(dp), intent(in) :: slip_torque               !< torque that friction carries [N m]
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    type(error_t), allocatable :: trouble
+    call accept(run, trouble)
+    run%record%slip_torque = slip_torque
+    call raise(error, code_not_converged, 'gross slip at T = '//to_text(slip_torque)//' N m: friction carries mu int p r dA = '// &
+      to_text(run%sums%friction_capacity)//' N m and the support holds no torque. The state at '//to_text(run%step%torque)// &
+      ' N m is kept. Raise interference or friction, lower torque, or use support = ''hub''')
+  end subroutine slipped
+
+  !> The flexspline slides away though no friction was overcome.
+  subroutine not_held(run, position, error)
+    type(run_t), intent(in) :: run                    !< run
+    real(dp), intent(in) :: position                  !< where it was tried to go
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    call raise(error, code_not_converged, 'the flexspline is not held: beyond torque '//to_text(abs(run%step%torque))// &
+      ' N m (tried '//to_text(torque_at(run%scene, position))//' N m) no contact point carries it and only the '// &
+      "soft springs of the support are left. Raise interference, w or friction, or use support = 'hub'; the last "// &
+      'converged state is kept')
+  end subroutine not_held
+
+  !> Slip that is no longer small puts the torque out of balance under large displacements: points press where they were paired.
+  subroutine check_slip(run, error)
+    type(run_t), intent(in) :: run                    !< run after a load step
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    if (.not. allocated(run%drive%problem%lagrangian) .or. run%step%phase /= 'torque') return
+    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%drive%radius) return
+    call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
+      to_text(run%step%torque)//' N m '//to_text(run%sums%torque%balance)//' N m are out of balance (friction carries '// &
+      'mu int p r dA = '//to_text(run%sums%friction_capacity)//' N m). Lower the torque or use solver.kinematics = '// &
+      "'linear'")
+  end subroutine check_slip
+
+  !> Newton's method failed on ever smaller steps.
+  subroutine not_converged(run, error)
+    type(run_t), intent(in) :: run                    !< run
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    character(len=:), allocatable :: cause, tries
+    cause = 'no convergence'
+    tries = to_text(run%scene%max_cuts)//' halvings'
+    if (proportional(run)) tries = to_text(stubborn*run%scene%max_iterations)//' iterations (raise solver.max_iterations)'
+    if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
+    call raise(error, code_not_converged, cause//' in the '//trim(run%step%phase)//' step beyond load factor '// &
+      to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
+      tries//'; history.csv shows the residuals, the last converged state is kept')
+  end subroutine not_converged
+end module hd_load_step

@@ -1,0 +1,443 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> A run: its scene, model and state; set up or restored, each converged load step measured and booked, closed with a summary.
+module hd_run
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use hd_kinds, only: dp
+  use hd_checkpoint, only: mark_t, flexibility_t, save_checkpoint, load_checkpoint, drop_checkpoint
+  use hd_clock, only: wall_seconds, timestamp
+  use hd_coarse_start, only: coarser_t
+  use hd_coupled_tangent, only: coupled_flexibility, glued_flexibility
+  use hd_drive, only: drive_t, drive_load, step_friction
+  use hd_error, only: error_t, raise, code_input, code_stopped
+  use hd_folder_lock, only: folder_lock_t
+  use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
+  use hd_joint, only: joint_t, at_friction
+  use hd_joint_range, only: check_stiffness, range_warnings
+  use hd_plausible, only: implausible
+  use hd_model_comparison, only: compare_models
+  use hd_linear_solver, only: linear_solver_t
+  use hd_load_path, only: torque_at
+  use hd_log, only: say
+  use hd_fatigue, only: write_fatigue
+  use hd_loop, only: loop_t, book, book_stress, drive_warnings, write_loop, bottom_turn, moments_of_struts
+  use hd_model_cache, only: assembly_t, take_model, keep_model
+  use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
+    write_grids, close_output
+  use hd_lapack, only: blas_threads
+  use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
+  use hd_scene, only: scene_t
+  use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_summary, only: record_t, write_summary
+  use hd_teeth, only: teeth_t, add_tooth_forces
+  use hd_text, only: string_t, percent, push, to_text
+  implicit none
+  private
+  public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run, quantities
+
+  real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
+
+  type :: run_t
+    type(scene_t) :: scene
+    type(drive_t), allocatable :: drive
+    type(joint_t) :: joint
+    class(linear_solver_t), allocatable :: solver
+    type(state_t) :: before, state          !< last two converged states
+    real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
+    type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
+    type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
+    logical :: keeps_all = .false.          !< `assembly` gets the states under torque too
+    logical :: easy = .true.                !< the last part took few iterations
+    logical :: brief = .false.              !< no tangent K_TS: a trial or a first guess
+    type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
+    logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
+    integer :: first_step = 0               !< load steps before this process took the run up
+    integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
+    real(dp) :: stride = 2                  !< longest part of a load step that is tried
+    type(step_t) :: step                    !< last converged step
+    type(facets_t) :: facets                !< its facets
+    type(sums_t) :: sums                    !< its sums
+    type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
+    type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
+    type(output_t) :: output
+    type(folder_lock_t) :: lock             !< of its folder, where it is stepped from outside
+    logical :: writes = .false.             !< has an output folder
+    type(record_t) :: record
+    type(error_t), allocatable :: failure   !< what ended the run early
+    real(dp) :: rotation_assembled = 0      !< rotation at the end of the assembly [rad]
+    real(dp) :: clock = 0
+  end type run_t
+
+contains
+
+  !> Set up a run. An empty folder name: nothing is written.
+  subroutine new_run(scene, input, folder, force, run, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    character(len=*), intent(in) :: input             !< name of the input, for the record
+    character(len=*), intent(in) :: folder            !< output folder or ''
+    logical, intent(in) :: force                      !< replace earlier results
+    type(run_t), intent(inout) :: run                 !< run at rest
+    type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
+    call prepare(scene, input, run, error)
+    if (allocated(error)) return
+    if (len(folder) > 0) then
+      call open_output(folder, scene, force, run%output, error)
+      if (allocated(error)) return
+      call drop_checkpoint(folder)
+      run%writes = .true.
+    end if
+    call build(run, error)
+    if (allocated(error) .and. run%writes) call close_output(run%output)
+    if (.not. allocated(error)) call say('step phase     load  torque/Nm its   residual   open stick slip   normal/N  pmax/MPa')
+  end subroutine new_run
+
+  !> Take up a stopped run from its checkpoint.
+  subroutine restore_run(scene, input, folder, run, error)
+    type(scene_t), intent(in) :: scene                !< scene it began with; limits and output may differ
+    character(len=*), intent(in) :: input             !< name of the input, for the record
+    character(len=*), intent(in) :: folder            !< output folder with a checkpoint
+    type(run_t), intent(inout) :: run                 !< run where it stopped
+    type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
+    type(mark_t) :: mark
+    call prepare(scene, input, run, error)
+    if (.not. allocated(error)) call build(run, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, error)
+    if (.not. allocated(error)) call reopen_output(folder, scene, mark%sizes, mark%sums, &
+      mark%steps, run%output, error)
+    if (allocated(error)) return
+    run%writes = .true.
+    run%position = mark%position
+    run%position_before = mark%position_before
+    run%stride = mark%stride
+    run%easy = mark%easy
+    run%rotation_assembled = mark%rotation_assembled
+    run%flexibility = mark%flexibility
+    run%record%resumed = .true.
+    run%record%steps = mark%steps
+    run%first_step = mark%steps
+    run%record%iterations = mark%iterations
+    run%record%cuts = mark%cuts
+    run%record%cycles = mark%cycles
+    run%record%symmetry = mark%symmetry
+    run%step%number = mark%steps
+    call place_step(run, run%position, run%step)
+    call pair_bodies(run%drive%problem, run%state%u)
+    call measure(run)
+    call enter_stiffness(run)
+    call say('resumed   after load step '//to_text(mark%steps)//', torque '//to_text(run%step%torque)//' N m')
+  end subroutine restore_run
+
+  !> Checks and record of a run, before any file is touched.
+  subroutine prepare(scene, input, run, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    character(len=*), intent(in) :: input             !< name of the input
+    type(run_t), intent(inout) :: run                 !< gets scene, record, joint
+    type(error_t), allocatable, intent(out) :: error  !< no contact scene
+    if (scene%surface_only) then
+      call raise(error, code_input, 'the input holds only &surface and &fit: hdengine.x runs it, as does '// &
+        'hdengine.run_surface in Python; a contact run needs another group')
+      return
+    end if
+    run%clock = wall_seconds()
+    run%scene = scene
+    run%keeps_all = scene%planned_tolerance > 0
+    run%record%started = timestamp()
+    run%record%input = input
+    call implausible(scene, run%record%warnings)
+    call scene_joint(scene, run%joint, error)
+    if (.not. allocated(error) .and. scene%support /= 'teeth') call check_stiffness(run%joint, error)
+  end subroutine prepare
+
+  !> Mesh and factors of the scene, the run at rest.
+  subroutine build(run, error)
+    type(run_t), intent(inout) :: run                 !< prepared run
+    type(error_t), allocatable, intent(out) :: error  !< mesh, memory
+    call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, error)
+    if (.not. allocated(error)) then
+      if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
+      if (run%scene%contact_law /= 'hard') then
+        allocate (run%drive%problem%law%joint)
+        call tabulate_joint(run%scene, run%joint, run%drive%problem%law%joint, error)
+      end if
+    end if
+    if (allocated(error)) return
+    call new_state(run%drive%problem, run%state)
+    run%before = run%state
+    run%record%timers%setup = wall_seconds() - run%clock
+    call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
+      ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
+    call say('solver    '//trim(run%solver%name)//merge(', kept', '      ', run%record%kept))
+  end subroutine build
+
+  !> Position at the end of the run.
+  pure real(dp) function final_position(run) result(p)
+    type(run_t), intent(in) :: run  !< run
+    p = merge(2._dp, 1._dp, run%scene%torque_steps > 0)
+  end function final_position
+
+  !> Phase, load factor and torque of a position.
+  pure subroutine place_step(run, position, step)
+    type(run_t), intent(in) :: run        !< run
+    real(dp), intent(in) :: position      !< 0 to 2
+    type(step_t), intent(inout) :: step   !< step
+    step%phase = merge('torque  ', 'assembly', position > 1)
+    step%load_factor = merge(position - 1, position, position > 1)
+    step%torque = torque_at(run%scene, position)
+  end subroutine place_step
+
+  !> Book a finished load step.
+  subroutine accept(run, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(error_t), allocatable, intent(out) :: error  !< files
+    character(len=100) :: line
+    real(dp) :: start
+    start = wall_seconds()
+    run%record%steps = run%record%steps + 1
+    run%step%number = run%record%steps
+    run%step%seconds = start - run%step%seconds
+    call measure(run)
+    if (run%position <= 1 + 1e-12_dp) then
+      run%rotation_assembled = run%sums%rotation
+      run%sums%rotation = 0
+    end if
+    call find_flexibility(run, error)
+    if (allocated(error)) return
+    call enter_stiffness(run)
+    associate (c => run%state%contact)
+      write (line, '(i4,1x,a8,f7.3,f10.4,i4,9x,3i6,f11.2,f10.3)') run%step%number, run%step%phase, run%step%load_factor, &
+        run%step%torque, run%step%iterations, count(c == 0), count(c == 1), count(c == 2), run%sums%normal_force, &
+        run%sums%pressure_max*1e-6_dp
+    end associate
+    call say(trim(line))
+    if (run%writes) then
+      call write_step(run%output, run%step, run%drive, run%facets, run%sums, error)
+      if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
+      if (run%scene%support == 'drive' .and. .not. allocated(error)) then
+        call book_stress(run%loop, run%scene, run%drive, run%state, run%step, error)
+      end if
+      if (run%scene%support == 'drive' .and. .not. allocated(error)) then
+        call write_loop(run%output, run%step, run%scene, run%drive, run%loop, run%sums%k_ts, error)
+      end if
+      if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
+        run%position >= final_position(run) - 1e-12_dp))) then
+        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+      end if
+      if (.not. allocated(error) .and. .not. (allocated(run%teeth) .or. run%scene%support == 'drive')) then
+        call save(run, error)
+      end if  ! neither keeps what a resumed run would need
+    end if
+    run%record%timers%output = run%record%timers%output + wall_seconds() - start
+  end subroutine accept
+
+  !> Facets, forces and rotation of the present state.
+  subroutine measure(run)
+    type(run_t), intent(inout) :: run  !< gets facets and sums
+    type(load_t) :: load
+    call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
+      step_friction(run%scene, run%position), load, run%state%touch)
+    if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
+    call evaluate_facets(run%drive, at_friction(run%joint, load%friction), run%state, run%facets)
+    call sum_up(run%drive, load, run%state, run%facets, run%sums)
+    run%sums%rotation = run%sums%rotation - run%rotation_assembled
+    if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
+    if (run%scene%support == 'drive') then
+      call book(run%loop, run%scene, run%drive, load, run%state, run%step)
+      run%sums%rotation = bottom_turn(run%drive, run%state)
+      run%sums%torque%wave_generator = run%loop%wave_generator_torque
+      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%loop%force)
+    end if
+    call sum_stiffness(run%scene, run%drive, run%step%torque, run%state, run%facets, run%sums)
+  end subroutine measure
+
+  !> Flexibility of the drive with its joint for a further torque, from the end of the assembly on. None where the faces are bonded
+  !> or the joint gives no stiffness per area (Eq. 28 as printed).
+  subroutine find_flexibility(run, error)
+    type(run_t), intent(inout) :: run                 !< gets flexibility
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    type(load_t) :: load
+    real(dp) :: sense, now, start
+    logical :: settled
+    integer :: threads
+    if (run%brief .or. run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
+    if (run%position < 1 - 1e-12_dp) return
+    start = wall_seconds()
+    sense = sign(1._dp, run%scene%torque)
+    call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state%touch)
+    call update_tangent(run%drive%problem, run%state%u)
+    if (run%scene%support == 'drive') then  ! balls and teeth that push change from step to step, and with them the glued drive
+      run%flexibility%known = .false.
+      if (run%position < 1 + 1e-12_dp) return
+      sense = sign(1._dp, run%step%torque)
+      load%displacement(2, run%drive%hub) = run%state%u(2, run%drive%hub)
+      call update_struts(run%drive%problem, load, run%state%u)
+    end if
+    threads = 0
+    if (run%solver%own_threads) threads = blas_threads(1)
+    if (.not. run%flexibility%known) then
+      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, error)
+    end if
+    if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
+      step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)
+    if (run%solver%own_threads) threads = blas_threads(threads)
+    if (allocated(error)) return
+    associate (f => run%flexibility)
+      if (f%known) f%turned = f%turned + 0.5_dp*(f%coupled + now)*(run%step%torque - f%torque)
+      f%known = .true.
+      f%coupled = now
+      f%torque = run%step%torque
+    end associate
+    run%record%timers%stiffness = run%record%timers%stiffness + wall_seconds() - start
+  end subroutine find_flexibility
+
+  !> Tangent and secant of what the contact adds to the drive with glued faces. With the joint as contact law the secant is
+  !> that of the run's own rotation; with hard contact that of the tangents between its load steps.
+  subroutine enter_stiffness(run)
+    type(run_t), intent(inout) :: run  !< sums get k_tangent, k_secant
+    real(dp) :: turn
+    run%sums%k_tangent = ieee_value(1._dp, ieee_quiet_nan)
+    run%sums%k_secant = run%sums%k_tangent
+    associate (f => run%flexibility)
+      if (.not. f%known) return
+      if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
+      if (run%scene%support == 'drive') return  ! a loop has no secant
+      run%sums%k_secant = run%sums%k_tangent
+      if (.not. abs(f%torque) > 0) return
+      turn = merge(f%turned, run%sums%rotation, run%scene%contact_law == 'hard')/f%torque
+      if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
+    end associate
+  end subroutine enter_stiffness
+
+  !> Write the checkpoint of the present state.
+  subroutine save(run, error)
+    type(run_t), intent(in) :: run                    !< run after a load step
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    type(mark_t) :: mark
+    mark%position = run%position
+    mark%position_before = run%position_before
+    mark%stride = run%stride
+    mark%easy = run%easy
+    mark%rotation_assembled = run%rotation_assembled
+    mark%flexibility = run%flexibility
+    mark%steps = run%record%steps
+    mark%iterations = run%record%iterations
+    mark%cuts = run%record%cuts
+    mark%cycles = run%record%cycles
+    mark%symmetry = run%record%symmetry
+    mark%sizes = table_sizes(run%output)
+    mark%sums = table_sums(run%output)
+    call save_checkpoint(run%output%folder, run%scene, mark, run%before, run%state, error)
+  end subroutine save
+
+  !> Close the run: warnings, last grids of a run that ended early, summary.
+  subroutine close_run(run, error, interrupted)
+    type(run_t), intent(inout) :: run                 !< run
+    type(error_t), allocatable, intent(out) :: error  !< files
+    logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
+    if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
+    if (run%record%steps > 0) run%record%limit = run%record%to_limit*quantities(run)
+    call judge_results(run)
+    if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
+      code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')
+    run%record%timers%total = wall_seconds() - run%clock
+    if (run%writes) then
+      if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%record%steps > 0) then
+        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+      end if
+      call close_output(run%output)
+      if (run%record%steps > 0) run%record%k_ts_by_model = compare_models(run%scene, run%drive, run%state, &
+        run%step%torque, run%sums)
+      if (.not. allocated(error)) call write_fatigue(run%output%folder, run%drive%problem%bodies(run%drive%b_cup), &
+        run%loop%fatigue, error)
+      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%drive, run%joint, run%solver, &
+        run%sums, run%record, run%loop, run%failure, error)
+      if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
+      run%writes = .false.
+    end if
+    if (.not. run%unsettled) then
+      call keep_model(run%scene, run%drive, run%solver, run%assembly)
+    else if (allocated(run%solver)) then
+      call run%solver%release()
+    end if
+    call run%lock%give()
+  end subroutine close_run
+
+  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
+  pure function quantities(run) result(q)
+    type(run_t), intent(in) :: run  !< finished run
+    real(dp) :: q(3)
+    q = [run%sums%k_ts, run%sums%normal_force, run%sums%pressure_middle]
+  end function quantities
+
+  !> Say what K_TS is, and warn where it or what it rests on leaves its range.
+  subroutine judge_results(run)
+    type(run_t), intent(inout) :: run  !< gets warnings
+    type(string_t), allocatable :: lines(:)
+    integer :: i
+    if (run%record%steps == 0 .or. run%scene%support == 'teeth') return  ! bonded there: no joint
+    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
+    do i = 1, size(lines)
+      call push(run%record%warnings, lines(i)%s)
+    end do
+    if (run%scene%support == 'drive') then
+      call drive_warnings(run%loop, run%scene, lines)
+      do i = 1, size(lines)
+        call push(run%record%warnings, lines(i)%s)
+      end do
+    end if
+    call push_stiffness_warnings(run)
+    call judge_load_path(run)
+    associate (s => run%sums)
+      call say('K_TS      tangent '//to_text(s%k_tangent)//', secant '//to_text(s%k_secant)//' N m/rad, torque over rotation '// &
+        to_text(s%over_rotation))
+      call say('          Eq. 45 '//to_text(s%k_ts)//' N m/rad, as printed '//to_text(s%k_ts_paper)//' N; slipping: '// &
+        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
+    end associate
+    do i = 1, size(run%record%warnings)
+      call say('warning: '//run%record%warnings(i)%s)
+    end do
+  end subroutine judge_results
+
+  !> Warnings of K_TS and of pressures.
+  subroutine push_stiffness_warnings(run)
+    type(run_t), intent(inout) :: run  !< gets warnings
+    associate (s => run%sums, scene => run%scene)
+      if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 lies on points '// &
+        'that slip, each counted at its stiffness just below slip: k_ts_tangent_nm_per_rad is what a test would measure')
+      if (s%pressure_max > run%joint%asperity%hardness) then
+        call push(run%record%warnings, 'the peak pressure at a node, '//to_text(s%pressure_max)//' Pa, is above the hardness '// &
+          to_text(run%joint%asperity%hardness)//' Pa'//edge_advice(s))
+      else if (s%pressure_max > scene%yield_strength) then
+        call push(run%record%warnings, 'the peak pressure at a node, '//to_text(s%pressure_max)//' Pa, is above the yield '// &
+          'strength '//to_text(scene%yield_strength)//' Pa'//edge_advice(s))
+      end if
+      if (run%record%planned_tolerance > 0 .and. .not. s%pressure_middle > 0) call push(run%record%warnings, &
+        'the middle of the band is not in contact: nothing is promised of its pressure')
+    end associate
+  end subroutine push_stiffness_warnings
+
+  !> What to judge strength by.
+  function edge_advice(sums) result(text)
+    type(sums_t), intent(in) :: sums  !< sums
+    character(len=:), allocatable :: text
+    text = ': bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
+      'edge_line_load_n_per_m, '//to_text(sums%edge_line_load)//' N/m on the last tenth of the band, which converges'
+  end function edge_advice
+
+  !> Say what each support carries, and warn of a wave generator that takes more of the torque than balls let it.
+  subroutine judge_load_path(run)
+    type(run_t), intent(inout) :: run  !< run
+    real(dp), parameter :: allowed = 2  !< times the torque over the ratio: losses of a real drive
+    character(len=:), allocatable :: line
+    real(dp) :: real_one
+    if (run%record%steps == 0 .or. .not. abs(run%step%torque) > 0) return
+    associate (t => run%sums%torque)
+      call say('torque    carried by the hub '//to_text(t%hub)//', the wave generator '//to_text(t%wave_generator)// &
+        ', springs of the ring '//to_text(t%ring_springs)//' N m')
+      real_one = abs(run%step%torque)*2/run%scene%teeth
+      if (.not. abs(t%wave_generator) > allowed*real_one) return
+      line = 'the wave generator carries '//to_text(t%wave_generator)//' of '//to_text(run%step%torque)// &
+        ' N m; one that turns on balls carries about the torque over the ratio, '//to_text(real_one)//" N m. With support "// &
+        "'hub' and wave_generator.ring_tangent = 'free' the ring slides on the cam"
+    end associate
+    call push(run%record%warnings, line)
+  end subroutine judge_load_path
+end module hd_run

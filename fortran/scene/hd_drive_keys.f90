@@ -1,0 +1,51 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Keys of the whole drive, for the one table of hd_parameters.
+module hd_drive_keys
+  use hd_kinds, only: dp
+  use hd_parameter_row, only: parameter_table_t, add_integer, add_list, add_real
+  use hd_scene, only: scene_t
+  implicit none
+  private
+  public :: add_drive_keys
+
+contains
+
+  !> The whole drive: balls and loop.
+  subroutine add_drive_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_integer(t, 'bearing', 'balls', 'model', s%balls, 0, 1000, &
+      "balls of the flexible bearing, with support 'drive'; 0: none, "// &
+      'wave generator rigid or on wave_generator.ball_stiffness')
+    call add_real(t, 'bearing', 'ball_diameter', 'model', s%ball_diameter, 'm', 0._dp, big, 'of a ball')
+    call add_real(t, 'bearing', 'inner_conformity', 'model', s%inner_conformity, '', 0.5_dp, big, &
+      'radius of the inner groove over the diameter of the ball')
+    call add_real(t, 'bearing', 'outer_conformity', 'model', s%outer_conformity, '', 0.5_dp, big, 'of the outer groove')
+    call add_real(t, 'bearing', 'clearance', 'assembly', s%ball_clearance, 'm', -big, big, &
+      'radial, between ball and races of the undeformed bearing; negative: preload', closed=.true.)
+    call add_real(t, 'bearing', 'cage_angle_deg', 'model', s%cage_angle_deg, 'deg', -360._dp, 360._dp, &
+      'first ball, from the long axis', closed=.true.)
+    call add_real(t, 'bearing', 'ball_e', 'model', s%ball_e, 'Pa', 0._dp, big, "Young's modulus of the balls")
+    call add_real(t, 'bearing', 'ball_nu', 'model', s%ball_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the balls")
+    call add_real(t, 'bearing', 'ball_rate', 'model', s%ball_rate, 'N/m^1.5', 0._dp, big, &
+      'force of a ball over its approach to the power 3/2; 0: by Hertz from diameter, races and materials', closed=.true.)
+    call add_real(t, 'bearing', 'patch_length', 'model', s%patch_length, 'm', 0._dp, big, &
+      'part of the ring that carries a ball, along its way; 0: ellipse of contact at 100 N, or a facet if that is longer', &
+      closed=.true.)
+    call add_real(t, 'bearing', 'patch_width', 'model', s%patch_width, 'm', 0._dp, big, 'the same along the axis', closed=.true.)
+    call add_list(t, 'loop', 'torques', 'load', s%torques, s%torque_count, 'N m', -big, big, &
+      "torques at the cup's bottom one after the other, each reached in load.torque_steps, with support 'drive'; " // &
+      '0: load.torque, 0, -load.torque, 0')
+    call add_real(t, 'loop', 'torque_1', 'load', s%torque_1, 'N m', 0._dp, big, 'T1 of the catalogue: K1 is the chord up to it')
+    call add_real(t, 'loop', 'torque_2', 'load', s%torque_2, 'N m', 0._dp, big, 'T2 of the catalogue: K2 from T1 to T2, K3 beyond')
+    call add_real(t, 'loop', 'rated_torque', 'load', s%rated_torque, 'N m', 0._dp, big, &
+      'rated torque: lost motion is read at 4 % of it')
+    call add_real(t, 'fatigue', 'tensile_strength', 'load', s%tensile_strength, 'Pa', 0._dp, big, &
+      'of the flexspline (40CrNiMoA by GB/T 3077: 980 MPa and more), end of Goodman''s line')
+    call add_real(t, 'fatigue', 'fatigue_limit', 'load', s%fatigue_limit, 'Pa', 0._dp, big, &
+      'of the flexspline in alternating stress, its beginning; half the strength is an estimate')
+    call add_real(t, 'fatigue', 'notch_factor', 'load', s%notch_factor, '', 0._dp, big, &
+      "on the amplitude: the smooth rim has no tooth roots, whose notch factor is the user's to give")
+  end subroutine add_drive_keys
+end module hd_drive_keys

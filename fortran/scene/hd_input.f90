@@ -1,0 +1,384 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> From an input file and assignments to a checked scene, with every mistake in one message; echo and explanation of keys.
+module hd_input
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_input, code_file
+  use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_scene, only: scene_t
+  use hd_system, only: path_kind, path_file
+  use hd_text, only: string_t, push, join, nearest_name, to_text, lower
+  implicit none
+  private
+  public :: read_scene, holds_study, write_echo, explain
+
+  character(len=1), parameter :: nl = new_line('a')
+
+contains
+
+  !> Read a scene. `path` may be empty: defaults and assignments only.
+  subroutine read_scene(path, assignments, scene, error)
+    character(len=*), intent(in) :: path              !< input file or ''
+    type(string_t), intent(in) :: assignments(:)      !< 'group.key=value'
+    type(scene_t), intent(inout), target :: scene     !< scene
+    type(error_t), allocatable, intent(out) :: error  !< all mistakes in one message
+    type(namelist_t) :: list
+    type(parameter_table_t) :: table
+    allocate (list%faults(0))
+    call new_table(scene, table)
+    if (is_toml(trim(path))) then
+      call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
+        'the Python package')
+      return
+    end if
+    if (len_trim(path) > 0) then
+      call read_namelist(trim(path), list, error)
+      if (allocated(error)) return
+      call apply_file(list, table)
+    end if
+    call apply_assignments(assignments, list%faults, table)
+    if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)
+    if (size(list%faults) > 0) then
+      call raise(error, code_input, faults_text(list))
+      return
+    end if
+    if (.not. scene%planned_tolerance > 0 .and. scene%kinematics == 'auto') scene%kinematics = 'linear'
+  end subroutine read_scene
+
+  !> Does a file describe a study, many scenes, and not one scene? By its ending (TOML), or by its groups, the earlier form. A
+  !> file that cannot be read does not.
+  logical function holds_study(path)
+    character(len=*), intent(in) :: path  !< input file
+    type(namelist_t) :: list
+    type(error_t), allocatable :: error
+    holds_study = .false.
+    if (path_kind(path) /= path_file) return
+    holds_study = is_toml(path)
+    if (holds_study) return
+    call read_namelist(path, list, error)
+    holds_study = .not. allocated(error)
+    if (holds_study) holds_study = study_group(list) > 0
+  end function holds_study
+
+  !> The file of a study by its ending.
+  pure logical function is_toml(path)
+    character(len=*), intent(in) :: path  !< input file
+    is_toml = .false.
+    if (len(path) > 5) is_toml = lower(path(len(path) - 4:)) == '.toml'
+  end function is_toml
+
+  !> First group that only a study has, or 0.
+  pure integer function study_group(list)
+    type(namelist_t), intent(in) :: list  !< scanned file
+    do study_group = 1, size(list%groups)
+      if (any(list%groups(study_group)%group == [character(len=8) :: 'study', 'grid', 'together'])) return
+    end do
+    study_group = 0
+  end function study_group
+
+  !> Is only a surface asked for?
+  pure logical function surface_alone(table)
+    type(parameter_table_t), intent(in) :: table    !< table after reading
+    integer :: i
+    surface_alone = any([(table%rows(i)%given .and. of_surface(table%rows(i)%group), i=1, size(table%rows))]) .and. &
+      .not. any([(table%rows(i)%given .and. .not. with_surface(table%rows(i)%group), i=1, size(table%rows))])
+  end function surface_alone
+
+  !> Groups of a surface run only.
+  pure logical function of_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    of_surface = group == 'surface' .or. group == 'fit'
+  end function of_surface
+
+  !> Groups that a surface run may have.
+  pure logical function with_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    with_surface = of_surface(group) .or. group == 'run' .or. group == 'hd_input'
+  end function with_surface
+
+  !> Enter the assignments of a file into the table.
+  subroutine apply_file(list, table)
+    type(namelist_t), intent(inout) :: list  !< scanned file; gets faults
+    type(parameter_table_t), intent(inout) :: table    !< table
+    character(len=:), allocatable :: what, hint
+    type(string_t), allocatable :: names(:)
+    logical, allocatable :: seen(:)
+    integer :: i, row
+    row = study_group(list)
+    if (row > 0) then
+      associate (g => list%groups(row))
+        call report(list, g%line, g%column, len(g%group) + 1, 'a study of many scenes, not a scene', &
+          "run it by 'hdengine study', of the Python package")
+      end associate
+      return
+    end if
+    names = groups_of(table)
+    allocate (seen(size(names)), source=.false.)
+    do i = 1, size(list%groups)
+      associate (g => list%groups(i))
+        row = place_of(names, g%group)
+        if (row == 0) then
+          call report(list, g%line, g%column, len(g%group) + 1, 'unknown group &'//g%group, suggestion(g%group, names))
+        else
+          if (seen(row)) call report(list, g%line, g%column, len(g%group) + 1, 'group &'//g%group//' stands twice', 'keep one')
+          seen(row) = .true.
+        end if
+      end associate
+    end do
+    do i = 1, size(list%assignments)
+      associate (a => list%assignments(i))
+        if (place_of(names, a%group) == 0) cycle
+        row = find_parameter(table, a%group, a%key)
+        if (row == 0) then
+          call report(list, a%line, a%column, len(a%key), "unknown key '"//a%key//"' in &"//a%group, &
+            suggestion(a%key, keys_of(table, a%group)))
+          cycle
+        end if
+        if (table%rows(row)%given) then
+          call report(list, a%line, a%column, len(a%key), "key '"//a%key//"' stands twice in &"//a%group, 'keep one')
+          cycle
+        end if
+        call assign_words(table%rows(row), a%values, what, hint)
+        if (len(what) > 0) call report(list, a%value_line, a%value_column, len(a%values(1)%s), what, hint)
+      end associate
+    end do
+  end subroutine apply_file
+
+  !> Enter assignments from the command line or from Python.
+  subroutine apply_assignments(assignments, faults, table)
+    type(string_t), intent(in) :: assignments(:)                !< 'group.key=value'
+    type(string_t), allocatable, intent(inout) :: faults(:)     !< gets mistakes
+    type(parameter_table_t), intent(inout) :: table                       !< table
+    character(len=:), allocatable :: what, hint, group, key
+    type(string_t), allocatable :: words(:)
+    integer :: i, dot, equal, row
+    do i = 1, size(assignments)
+      associate (s => assignments(i)%s)
+        equal = index(s, '=')
+        dot = index(s(:max(0, equal - 1)), '.')
+        what = ''
+        if (equal == 0 .or. dot == 0) then
+          what = "'"//s//"' is no assignment"
+          hint = 'write group.key=value'
+        else
+          group = lower(s(:dot - 1))
+          key = lower(s(dot + 1:equal - 1))
+          row = find_parameter(table, group, key)
+          if (place_of(groups_of(table), group) == 0) then
+            what = 'unknown group &'//group
+            hint = suggestion(group, groups_of(table))
+          else if (row == 0) then
+            what = "unknown key '"//key//"' in &"//group
+            hint = suggestion(key, keys_of(table, group))
+          else
+            words = split(s(equal + 1:), associated(table%rows(row)%reals))
+            call assign_words(table%rows(row), words, what, hint)
+          end if
+        end if
+        if (len(what) > 0) call push(faults, 'error: '//what//nl//'  --> '//s//nl//'      '//hint)
+      end associate
+    end do
+  end subroutine apply_assignments
+
+  !> Words of a value; only lists of numbers are cut.
+  pure function split(s, cut) result(words)
+    character(len=*), intent(in) :: s  !< text behind '='
+    logical, intent(in) :: cut         !< cut at commas and blanks
+    type(string_t), allocatable :: words(:)
+    integer :: i, j
+    allocate (words(0))
+    if (.not. cut) then
+      call push(words, trim(adjustl(s)))
+      return
+    end if
+    i = 1
+    do while (i <= len(s))
+      j = i + scan(s(i:)//',', ', ') - 2
+      if (j >= i) call push(words, s(i:j))
+      i = j + 2
+    end do
+    if (size(words) == 0) call push(words, '')
+  end function split
+
+  !> Number of a name in a list, 0 if it is not there.
+  pure integer function place_of(names, name) result(i)
+    type(string_t), intent(in) :: names(:)  !< list
+    character(len=*), intent(in) :: name    !< name
+    do i = size(names), 1, -1
+      if (names(i)%s == name) return
+    end do
+  end function place_of
+
+  !> Nearest valid name and the list of all.
+  pure function suggestion(word, names) result(hint)
+    character(len=*), intent(in) :: word    !< as typed
+    type(string_t), intent(in) :: names(:)  !< valid names
+    character(len=:), allocatable :: hint
+    hint = nearest_name(word, names)
+    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
+    hint = hint//'valid: '//join(names, ', ')
+  end function suggestion
+
+  !> Conditions between keys.
+  subroutine check_scene(s, faults)
+    type(scene_t), intent(in) :: s                            !< scene whose keys are in range
+    type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
+    call need(s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%ring_thickness < s%bore_radius, 'geometry.ring_thickness', s%ring_thickness, 'below bore_radius', s%bore_radius)
+    call need(s%hub_radius < s%bore_radius, 'geometry.hub_radius', s%hub_radius, 'below bore_radius', s%bore_radius)
+    call need(s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', s%cup_length)
+    call need(s%band_start + s%band_length < s%cup_length - s%bottom_thickness, 'geometry.band_length', s%band_length, &
+      'so that the band ends before the bottom: below cup_length - bottom_thickness - band_start', &
+      s%cup_length - s%bottom_thickness - s%band_start)
+    call need(s%rim_length < s%cup_length - s%bottom_thickness, 'geometry.rim_length', s%rim_length, &
+      'below cup_length - bottom_thickness', s%cup_length - s%bottom_thickness)
+    call need(abs(s%w) < s%bore_radius - s%ring_thickness, 'wave_generator.w', s%w, &
+      'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
+    call need(s%cam == 'cosine' .or. s%lobes == 2, 'wave_generator.lobes', real(s%lobes, dp), "cam = 'cosine' or lobes", 2._dp)
+    call need((s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.w', s%w, &
+      "cam = 'table' together with wave_generator.cam_file, the file of the table; w", s%w)
+    call need((s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', s%perimeter_length, &
+      "a length together with perimeter = 'given', else", 0._dp)
+    associate (circle => 2*acos(-1._dp)*(s%bore_radius - merge(s%ring_thickness, 0._dp, s%shape == 'pressed')))
+      call need(s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < 0.02_dp, 'wave_generator.perimeter_length', &
+        s%perimeter_length, 'within 2 % of the length of the circle', circle)
+    end associate
+    call need(s%eccentricity < 0.1_dp*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
+      'below a tenth of bore_radius (small displacements)', 0.1_dp*s%bore_radius)
+    call need(abs(tan(s%cone_angle_deg*acos(-1._dp)/180))*s%band_length < s%bore_radius - s%ring_thickness, &
+      'wave_generator.cone_angle_deg', s%cone_angle_deg, 'so small that the ring stays open', 10._dp)
+    call need(modulo(s%tooth_pairs, 2) == 0, 'load.tooth_pairs', real(s%tooth_pairs, dp), &
+      'an even number, half of them at each end of the long axis; below teeth', real(s%teeth, dp))
+    call need(s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
+    call need(abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
+      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
+    call need(s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
+      'below sample_length', s%sample_length)
+    call need(s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'load.tooth_pairs', real(s%tooth_pairs, dp), &
+      "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
+    call need(s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
+      "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
+    call need(s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), 'wave_generator.ring_contact', &
+      s%w, "ring_contact = 'tied' with element = 'hex20r' or support = 'teeth'; w", s%w)
+    call need(.not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
+      'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i", 0._dp)
+    call need(s%support /= 'bearing' .or. s%ring_tangent /= 'free' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
+      'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
+      'slides on the cam; otherwise', 0._dp)
+    call need(s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
+      'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
+      'hub or bearing; torque', s%torque)
+    call need(s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'load.tooth_pairs', &
+      real(s%tooth_pairs, dp), "solver.factors = 'exact' with support 'teeth'", 0._dp)
+    if (s%support == 'drive') call check_drive
+    call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
+      "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
+    call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &
+      "joint.closure = 'nominal' with a contact.law other than 'hard'", s%zero_pressure)
+  contains
+    subroutine check_drive
+      real(dp) :: inner
+      inner = s%bore_radius - s%ring_thickness
+      call need(s%shape == 'pressed' .and. s%ring_contact == 'tied', 'load.support', s%w, &
+        "with support 'drive' shape = 'pressed' and ring_contact = 'tied' (bearing.balls make it unilateral); w", s%w)
+      call need(s%kinematics /= 'nonlinear' .and. s%method /= 'schur' .and. (s%factors == 'auto' .or. s%factors == 'exact'), &
+        'load.torque', s%torque, "with support 'drive' solver.kinematics = 'linear', method auto, condensed or newton with "// &
+        'exact factors; torque', s%torque)
+      call need(s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
+      call need(s%ball_diameter*s%balls < 2*acos(-1._dp)*(inner - s%ball_diameter/2), 'bearing.ball_diameter', s%ball_diameter, &
+        'so small that all balls have room on their circle: below', 2*acos(-1._dp)*(inner - s%ball_diameter/2)/max(1, s%balls))
+      call need(s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
+        '0 where bearing.balls stand for it', 0._dp)
+      call need(s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
+    end subroutine check_drive
+
+    subroutine need(condition, name, value, rule, limit)
+      logical, intent(in) :: condition
+      character(len=*), intent(in) :: name, rule
+      real(dp), intent(in) :: value, limit
+      if (condition) return
+      call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')
+    end subroutine need
+  end subroutine check_scene
+
+  !> Write every key; reading the file back gives the same run.
+  subroutine write_echo(path, scene, error)
+    character(len=*), intent(in) :: path              !< file
+    type(scene_t), intent(in) :: scene                !< scene
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    type(scene_t), target :: standard, copy
+    type(parameter_table_t) :: default, table
+    type(string_t), allocatable :: groups(:)
+    character(len=:), allocatable :: line
+    integer :: unit, status, g, i
+    copy = scene
+    call new_table(standard, default)
+    call new_table(copy, table)
+    open (newunit=unit, file=path, action='write', status='replace', iostat=status)
+    if (status /= 0) then
+      call raise(error, code_file, "cannot write '"//path//"'")
+      return
+    end if
+    groups = groups_of(table)
+    do g = 1, size(groups)
+      if (merge(.not. with_surface(groups(g)%s), of_surface(groups(g)%s), scene%surface_only)) cycle
+      write (unit, '(a)') '&'//groups(g)%s
+      do i = 1, size(table%rows)
+        if (table%rows(i)%group /= groups(g)%s) cycle
+        line = '  '//table%rows(i)%key//' = '//value_text(table%rows(i))
+        if (value_text(table%rows(i)) == value_text(default%rows(i))) line = line//'  ! default'
+        write (unit, '(a)') line
+      end do
+      write (unit, '(a)') '/'
+    end do
+    close (unit)
+  end subroutine write_echo
+
+  !> Text about a key, a group, or `all` keys as a Markdown page.
+  subroutine explain(name, answer, error)
+    character(len=*), intent(in) :: name                    !< key, group.key, group or 'all'
+    character(len=:), allocatable, intent(out) :: answer    !< text
+    type(error_t), allocatable, intent(out) :: error        !< no such name
+    type(scene_t), target :: scene
+    type(parameter_table_t) :: table
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    call new_table(scene, table)
+    answer = ''
+    names = groups_of(table)
+    if (name == 'all') answer = '# Input keys'//nl//nl//'Written by `hdengine.x --explain all`. All values in SI units.'//nl
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        call push(names, p%key)
+        if (name == 'all') then
+          if (i == 1) then
+            answer = answer//heading(p)
+          else if (table%rows(i - 1)%group /= p%group) then
+            answer = answer//heading(p)
+          end if
+          answer = answer//'| `'//p%key//'` | '//p%default//' | '//p%unit//' | '//p%meaning//choices(p)//' |'//nl
+        else if (lower(name) == p%key .or. lower(name) == p%group//'.'//p%key .or. lower(name) == p%group) then
+          answer = answer//'&'//p%group//' '//p%key//' = '//p%default
+          if (len(p%unit) > 0) answer = answer//' ['//p%unit//']'
+          answer = answer//nl//'    '//p%meaning//choices(p)//nl
+        end if
+      end associate
+    end do
+    if (len(answer) == 0) call raise(error, code_input, "error: no key '"//name//"'"//nl//'      '//suggestion(name, names))
+  contains
+    function heading(p) result(s)
+      type(parameter_t), intent(in) :: p
+      character(len=:), allocatable :: s
+      s = nl//'## &'//p%group//nl//nl//'| key | default | unit | meaning |'//nl//'|---|---|---|---|'//nl
+    end function heading
+
+    function choices(p) result(s)
+      type(parameter_t), intent(in) :: p
+      character(len=:), allocatable :: s
+      s = ''
+      if (size(p%choices) > 0) s = ' ('//join(p%choices, ', ')//')'
+    end function choices
+  end subroutine explain
+end module hd_input

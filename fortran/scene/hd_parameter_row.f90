@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Rows of the table of parameters: a key of the input file, tied to its place in the scene, with bounds, unit and meaning.
+module hd_parameter_row
+  use hd_kinds, only: dp
+  use hd_text, only: string_t, push
+  implicit none
+  private
+  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice
+  public :: stage_model, stage_assembly, stage_load, stage_control, stage_output
+
+  !> What a key affects first; everything after it in this order is affected too.
+  enum, bind(c)
+    enumerator :: stage_model = 1, stage_assembly, stage_load, stage_control, stage_output
+  end enum
+  character(len=8), parameter :: stages(5) = [character(len=8) :: 'model', 'assembly', 'load', 'control', 'output']
+
+  !> A key: exactly one of integer, real, text and reals points into the scene.
+  type :: parameter_t
+    character(len=:), allocatable :: group, key, unit, meaning
+    !> What it affects: 'model' (mesh, supports, factors), 'assembly' (states before the torque), 'load' (states under torque,
+    !> stiffness), 'control' (when a run ends) or 'output' (what is written); 'cam': the assembly, or the model where the bodies
+    !> are formed to the cam; 'joint': the load, or the assembly under a joint law. With ' limit' behind it: also of the effort.
+    character(len=:), allocatable :: affects
+    integer, pointer :: integer => null()
+    real(dp), pointer :: real => null(), reals(:) => null()
+    integer, pointer :: count => null()                  !< of a list: how many of `reals` count
+    character(len=:), pointer :: text => null()
+    real(dp) :: low = -huge(1._dp), high = huge(1._dp)   !< valid range
+    logical :: open_low = .false., open_high = .false.   !< the bound itself is not valid
+    type(string_t), allocatable :: choices(:)            !< valid texts, empty: any
+    character(len=:), allocatable :: default             !< as text
+    logical :: given = .false.                           !< set by the user
+  contains
+    procedure :: stage
+    procedure :: may_change
+  end type parameter_t
+
+  type :: parameter_table_t
+    type(parameter_t), allocatable :: rows(:)
+  end type parameter_table_t
+
+contains
+
+  !> What the key affects first, 0 if the table does not say.
+  pure integer function stage(self, formed, joint_law)
+    class(parameter_t), intent(in) :: self  !< row
+    logical, intent(in) :: formed           !< the bodies are formed to the cam
+    logical, intent(in) :: joint_law        !< the joint is part of the contact law
+    character(len=:), allocatable :: word
+    word = self%affects
+    if (index(word, ' limit') > 0) word = word(:index(word, ' limit') - 1)
+    select case (word)
+    case ('cam')
+      stage = merge(stage_model, stage_assembly, formed)
+    case ('joint')
+      stage = merge(stage_assembly, stage_load, joint_law)
+    case default
+      do stage = size(stages), 1, -1
+        if (stages(stage) == word) exit
+      end do
+    end select
+  end function stage
+
+  !> A stopped run may go on with another value: it changes nothing that was computed.
+  pure logical function may_change(self)
+    class(parameter_t), intent(in) :: self  !< row
+    may_change = self%stage(.true., .true.) >= stage_control .or. index(self%affects, ' limit') > 0
+  end function may_change
+
+  !> Add a row.
+  subroutine append(table, group, key, affects, unit, meaning, row)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, unit, meaning
+    type(parameter_t), intent(inout) :: row
+    type(parameter_t), allocatable :: longer(:)
+    integer :: i
+    row%group = group
+    row%key = key
+    row%affects = affects
+    row%unit = unit
+    row%meaning = meaning
+    if (.not. allocated(row%choices)) allocate (row%choices(0))
+    allocate (longer(size(table%rows) + 1))
+    do i = 1, size(table%rows)
+      longer(i) = table%rows(i)
+    end do
+    longer(size(longer)) = row
+    call move_alloc(longer, table%rows)
+  end subroutine append
+
+  subroutine add_integer(table, group, key, affects, value, low, high, meaning)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, meaning
+    integer, intent(in), target :: value
+    integer, intent(in) :: low, high
+    type(parameter_t) :: row
+    row%integer => value
+    row%low = low
+    row%high = high
+    call append(table, group, key, affects, '', meaning, row)
+  end subroutine add_integer
+
+  subroutine add_real(table, group, key, affects, value, unit, low, high, meaning, closed)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, unit, meaning
+    real(dp), intent(in), target :: value
+    real(dp), intent(in) :: low, high
+    logical, intent(in), optional :: closed   !< the bounds themselves are valid
+    type(parameter_t) :: row
+    row%real => value
+    row%low = low
+    row%high = high
+    row%open_low = .not. present(closed)
+    row%open_high = row%open_low
+    call append(table, group, key, affects, unit, meaning, row)
+  end subroutine add_real
+
+  subroutine add_reals(table, group, key, affects, value, unit, low, high, meaning)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, unit, meaning
+    real(dp), intent(in), target :: value(:)
+    real(dp), intent(in) :: low, high
+    type(parameter_t) :: row
+    row%reals => value
+    row%low = low
+    row%high = high
+    call append(table, group, key, affects, unit, meaning, row)
+  end subroutine add_reals
+
+  !> A list of one number or more.
+  subroutine add_list(table, group, key, affects, value, count, unit, low, high, meaning)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, unit, meaning
+    real(dp), intent(in), target :: value(:)
+    integer, intent(in), target :: count
+    real(dp), intent(in) :: low, high
+    type(parameter_t) :: row
+    row%reals => value
+    row%count => count
+    row%low = low
+    row%high = high
+    call append(table, group, key, affects, unit, meaning, row)
+  end subroutine add_list
+
+  subroutine add_choice(table, group, key, affects, value, choices, meaning)
+    type(parameter_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: group, key, affects, choices, meaning
+    character(len=*), intent(in), target :: value
+    type(parameter_t) :: row
+    integer :: i, j
+    row%text => value
+    allocate (row%choices(0))
+    i = 1
+    do while (i <= len(choices))
+      j = i + index(choices(i:)//' ', ' ') - 2
+      call push(row%choices, choices(i:j))
+      i = j + 2
+    end do
+    call append(table, group, key, affects, '', meaning, row)
+  end subroutine add_choice
+end module hd_parameter_row

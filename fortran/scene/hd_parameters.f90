@@ -1,0 +1,450 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The one table of parameters: it reads, checks, echoes and explains every key of the input file.
+module hd_parameters
+  use hd_kinds, only: dp, i8
+  use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower, unquoted
+  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice
+  use hd_drive_keys, only: add_drive_keys
+  use hd_scene, only: scene_t, surface_t, surface_fit_t
+  implicit none
+  private
+  public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text, value_count
+
+contains
+
+  !> Table of all keys, tied to a scene; the scene must live as long as the table.
+  subroutine new_table(scene, table)
+    type(scene_t), intent(inout), target :: scene  !< holds the values
+    type(parameter_table_t), intent(out) :: table            !< keys
+    integer :: i
+    allocate (table%rows(0))
+    call add_shape_keys(scene, table)
+    call add_load_keys(scene, table)
+    call add_solver_keys(scene, table)
+    call add_map_keys(scene%surface, table)
+    call add_fit_keys(scene%fit, table)
+    do i = 1, size(table%rows)
+      table%rows(i)%default = value_text(table%rows(i))
+    end do
+  end subroutine new_table
+
+  !> Geometry, material, mesh and wave generator.
+  subroutine add_shape_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_integer(t, 'hd_input', 'version', 'output', s%version, 1, 1, 'format of this file')
+    call add_choice(t, 'run', 'title', 'output', s%title, '', 'one line that names the run in its results')
+    call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
+      'error promised of the limits of K_TS, normal '// &
+      'force and mid-band pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', &
+      closed=.true.)
+    call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
+      'contact radius: bore of the flexspline, outside of the ring')
+    call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &
+      'wall of the cup behind the toothed rim')
+    call add_real(t, 'geometry', 'rim_thickness', 'model', s%rim_thickness, 'm', 0._dp, big, &
+      'smooth rim as stiff as the toothed one, 1.67^(1/3) times the wall')
+    call add_real(t, 'geometry', 'rim_length', 'model', s%rim_length, 'm', 0._dp, big, 'rim, measured from the opening')
+    call add_real(t, 'geometry', 'rim_taper', 'model', s%rim_taper, 'm', 0._dp, big, 'length over which the rim thins to the wall')
+    call add_real(t, 'geometry', 'cup_length', 'model', s%cup_length, 'm', 0._dp, big, &
+      'from the opening to the outside of the bottom')
+    call add_real(t, 'geometry', 'bottom_thickness', 'model', s%bottom_thickness, 'm', 0._dp, big, 'bottom of the cup')
+    call add_real(t, 'geometry', 'hub_radius', 'model', s%hub_radius, 'm', 0._dp, big, 'radius at which the bottom is held')
+    call add_real(t, 'geometry', 'ring_thickness', 'model', s%ring_thickness, 'm', 0._dp, big, 'outer ring of the flexible bearing')
+    call add_real(t, 'geometry', 'band_start', 'model', s%band_start, 'm', 0._dp, big, &
+      'contact band: distance behind the opening', closed=.true.)
+    call add_real(t, 'geometry', 'band_length', 'model', s%band_length, 'm', 0._dp, big, &
+      'contact band: length, equal to the width of the ring')
+    call add_real(t, 'material', 'flexspline_e', 'model', s%flexspline_e, 'Pa', 0._dp, big, "Young's modulus of the flexspline")
+    call add_real(t, 'material', 'flexspline_nu', 'model', s%flexspline_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the flexspline")
+    call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
+    call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
+    call add_real(t, 'material', 'yield_strength', 'joint', s%yield_strength, 'Pa', 0._dp, big, &
+      'of the softer body, gives the hardness 2.8 sigma_s')
+    call add_integer(t, 'mesh', 'divisions', 'model', s%divisions, 8, 100000, 'cells round the circumference')
+    call add_integer(t, 'mesh', 'band_facets', 'model', s%band_facets, 1, 10000, 'contact facets along the band')
+    call add_integer(t, 'mesh', 'ring_divisions', 'model', s%ring_divisions, 0, 100000, 'cells round the ring; 0: as divisions')
+    call add_integer(t, 'mesh', 'ring_facets', 'model', s%ring_facets, 0, 10000, 'cells along the ring; 0: as band_facets')
+    call add_integer(t, 'mesh', 'wall_elements', 'model', s%wall_elements, 0, 10000, &
+      'cells along the wall behind band and rim; 0: as long as the facets')
+    call add_integer(t, 'mesh', 'bottom_elements', 'model', s%bottom_elements, 0, 10000, &
+      'cells along the bottom; 0: as long as the facets')
+    call add_integer(t, 'mesh', 'through_wall', 'model', s%through_wall, 1, 100, 'cells through wall, rim and bottom')
+    call add_integer(t, 'mesh', 'through_ring', 'model', s%through_ring, 1, 100, 'cells through the ring')
+    call add_real(t, 'mesh', 'edge_length', 'model', s%edge_length, 'm', 0._dp, big, &
+      'shortest cells, on either side of both edges of the band; from there they grow by half, up to the others; 0: all equal', &
+      closed=.true.)
+    call add_choice(t, 'mesh', 'element', 'model', s%element, 'hex8 hex8i hex20r', &
+      'hexahedron: plain, with incompatible modes, quadratic reduced')
+    call add_real(t, 'mesh', 'memory_limit_mb', 'model limit', s%memory_limit_mb, 'MB', 0._dp, big, &
+      'larger meshes are refused before they are tried; 0: 80 % of what machine, batch job and ulimit leave', closed=.true.)
+    call add_real(t, 'wave_generator', 'w', 'cam', s%w, 'm', 0._dp, big, &
+      'radial deformation (deformation coefficient)', closed=.true.)
+    call add_choice(t, 'wave_generator', 'cam', 'cam', s%cam, 'ellipse cosine arcs table', &
+      'profile: ellipse with semi-axes r + w, r - w; radius r + w cos(lobes theta); four arcs; a measured table. With small '// &
+      'displacements ellipse and cosine are one field: they differ by the order w^2/r')
+    call add_integer(t, 'wave_generator', 'lobes', 'cam', s%lobes, 2, 100, "waves of the cam 'cosine'")
+    call add_real(t, 'wave_generator', 'arc_angle_deg', 'cam', s%arc_angle_deg, 'deg', 0._dp, 90._dp, &
+      "cam 'arcs': half angle of the arcs at the ends of the long axis (45: semi-axes r + w, r - w)")
+    call add_choice(t, 'wave_generator', 'cam_file', 'cam', s%cam_file, '', &
+      "cam 'table': CSV file with the columns "//'theta_deg,radius_m of one turn; w is then not used')
+    call add_choice(t, 'wave_generator', 'perimeter', 'cam', s%perimeter, 'kept curve given', &
+      'length of the circle that goes on the cam (inner face of the ring): kept, on a curve parallel to the profile; that of '// &
+      'the profile; or perimeter_length')
+    call add_real(t, 'wave_generator', 'perimeter_length', 'cam', s%perimeter_length, 'm', 0._dp, big, &
+      "length of the ring's inner face on the cam with perimeter 'given'", closed=.true.)
+    call add_choice(t, 'wave_generator', 'ring_tangent', 'model', s%ring_tangent, 'follow free auto', &
+      'inner face of the ring round the axis: held where the cam puts it (the torque goes through friction into the wave '// &
+      "generator, as in the paper and in no drive), or free to slide, as on balls; auto: free, but held with support 'bearing'")
+    call add_choice(t, 'wave_generator', 'ring_contact', 'model', s%ring_contact, 'tied unilateral', &
+      'ring held on the wave generator, or pressed against it without tension and friction (hex8, hex8i)')
+    call add_real(t, 'wave_generator', 'ball_stiffness', 'model', s%ball_stiffness, 'N/m', 0._dp, big, &
+      'radial stiffness of all balls together, even over the inner face of a tied ring, linear; 0: rigid', closed=.true.)
+    call add_choice(t, 'wave_generator', 'shape', 'model', s%shape, 'pressed as_formed', &
+      'round flexspline pressed onto the wave generator, or flexspline and ring stress-free in its shape')
+    call add_real(t, 'wave_generator', 'cone_angle_deg', 'cam', s%cone_angle_deg, 'deg', -10._dp, 10._dp, &
+      "slope of the cam's generator: w falls towards the bottom, and is w in the middle of the band", closed=.true.)
+    call add_real(t, 'wave_generator', 'eccentricity', 'assembly', s%eccentricity, 'm', 0._dp, big, &
+      'installation eccentricity', closed=.true.)
+    call add_real(t, 'wave_generator', 'eccentricity_angle_deg', 'assembly', s%eccentricity_angle_deg, 'deg', -360._dp, 360._dp, &
+      'its direction from the long axis', closed=.true.)
+    call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', -big, big, &
+      'radial interference of ring and flexspline; negative: clearance', closed=.true.)
+  end subroutine add_shape_keys
+
+  !> Contact and load.
+  subroutine add_load_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_choice(t, 'contact', 'mode', 'assembly', s%contact_mode, 'frictional frictionless bonded', &
+      'contact of ring and flexspline')
+    call add_real(t, 'contact', 'friction', 'assembly', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
+    call add_real(t, 'contact', 'torque_friction', 'load', s%torque_friction, '', 0._dp, 10._dp, &
+      'mu while the torque acts (large: no slip, to part slip from elasticity); 0: as friction', closed=.true.)
+    call add_choice(t, 'contact', 'law', 'model', s%contact_law, 'hard joint joint_elastic', &
+      'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential); joint_elastic: k_t without ' // &
+      'its fall under shear')
+    call add_real(t, 'contact', 'zero_pressure', 'model', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &
+      "pressure at which the gap counts as 0 with the law 'joint'")
+    call add_choice(t, 'contact', 'slave', 'model', s%slave, 'ring cup', &
+      'side that carries the multipliers and the facets of the results')
+    call add_choice(t, 'load', 'support', 'model', s%support, 'hub bearing teeth drive', &
+      'cup bottom held (the torque leaves at the output), free to turn (all torque through the contact), turned against the '// &
+      'teeth of the circular spline (bonded ring), or the whole drive: balls, ring, friction and teeth, the torque at the bottom')
+    call add_choice(t, 'load', 'torque_load', 'model', s%torque_load, 'uniform teeth', &
+      'even shear on the outside of the rim, or forces of the tooth pairs around the long axis')
+    call add_integer(t, 'load', 'teeth', 'model', s%teeth, 8, 100000, 'teeth of the flexspline')
+    call add_integer(t, 'load', 'tooth_pairs', 'model', s%tooth_pairs, 2, 100000, &
+      'pairs in mesh at both ends of the long axis together')
+    call add_real(t, 'load', 'pressure_angle_deg', 'model', s%pressure_angle_deg, 'deg', 0._dp, 60._dp, &
+      'of the teeth: inward radial force = tangential force times its tangent', closed=.true.)
+    call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
+      "of a pair of teeth along its normal, with support 'teeth'; 14 N/(mm um) times the rim")
+    call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
+      'of the outermost pairs, falling to 0 with the square of the distance from the long axis', closed=.true.)
+    call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
+    call add_real(t, 'load', 'support_stiffness', 'model', s%support_stiffness, 'N/m', 0._dp, big, &
+      'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
+    call add_integer(t, 'load', 'assembly_steps', 'assembly', s%assembly_steps, 1, 100000, 'load steps of the assembly')
+    call add_integer(t, 'load', 'torque_steps', 'load', s%torque_steps, 0, 100000, 'load steps of the torque')
+    call add_drive_keys(s, t)
+  end subroutine add_load_keys
+
+  !> Solver, joint and output.
+  subroutine add_solver_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_choice(t, 'solver', 'method', 'model', s%method, 'auto condensed schur newton', &
+      'condensation to the contact face by '// &
+      'harmonics, or by Schur complement (any mesh), Newton matrix with solver.factors, or the cheapest by prediction')
+    call add_choice(t, 'solver', 'factors', 'model', s%factors, 'auto exact symmetric single harmonic', &
+      'of the Newton matrix: the matrix '// &
+      'itself (LU), its symmetric part in double or single precision (half, a quarter of the memory), the round undeformed '// &
+      'bodies by harmonics, these under GMRES; or the cheapest by prediction')
+    call add_choice(t, 'solver', 'kinematics', 'model', s%kinematics, 'linear nonlinear auto', &
+      'small displacements, large ones (total Lagrangian; method newton), or whichever '// &
+      'run.tolerance needs (linear without one)')
+    call add_choice(t, 'solver', 'start', 'assembly', s%start, 'auto rest coarser', &
+      'first guesses: from a mesh of half as many facets either '// &
+      'way that is solved before (hex8, hex8i), from the steps before alone, or the former where it saves time')
+    call add_choice(t, 'solver', 'symmetry', 'assembly', s%symmetry, 'auto full half quarter', &
+      'part of the face that is solved: '// &
+      'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')
+    call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.1_dp, &
+      'relative residual of forces and contact law; with run.tolerance a thousandth of that if it is more', closed=.true.)
+    call add_integer(t, 'solver', 'max_iterations', 'assembly limit', s%max_iterations, 1, 10000, &
+      'Newton iterations per load step; five times as many from rest under small displacements, where halving cannot help')
+    call add_integer(t, 'solver', 'max_cuts', 'assembly limit', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
+    call add_real(t, 'solver', 'time_limit_s', 'control', s%time_limit_s, 's', 0._dp, big, &
+      'wall clock after which the run stops in order; 0: none', closed=.true.)
+    call add_choice(t, 'joint', 'model', 'joint', s%joint_model, 'hu2023 spectrum boundary_elements table', &
+      'stiffness of the joint: statistical model of Hu et al. (rests on r_m and s_min), theory from the power spectrum, or '// &
+      'k_N over pressure from table_file (boundary elements on a map: hdengine joint; or measured)')
+    call add_choice(t, 'joint', 'table_file', 'joint', s%joint_table, '', 'CSV of the models boundary_elements and table, with '// &
+      'columns pressure_pa, k_n_pa_per_m, and k_t_pa_per_m if known')
+    call add_choice(t, 'joint', 'spectrum_file', 'joint', s%joint_spectrum, '', 'CSV of the model spectrum, with columns '// &
+      'q_per_m, height_variance_m2 (hdengine joint writes it); empty: D, G, sample_length, shortest_wavelength')
+    call add_real(t, 'joint', 'fractal_dimension', 'joint', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')
+    call add_real(t, 'joint', 'roughness', 'joint', s%roughness, 'm', 0._dp, 1e-4_dp, 'fractal roughness G')
+    call add_real(t, 'joint', 'gamma', 'joint', s%gamma, '', 1._dp, big, 'frequency ratio of the Weierstrass-Mandelbrot function')
+    call add_real(t, 'joint', 'sample_length', 'joint', s%sample_length, 'm', 0._dp, big, 'L; the nominal reference area is L^2')
+    call add_real(t, 'joint', 'shortest_wavelength', 'joint', s%shortest_wavelength, 'm', 0._dp, big, 'L_s')
+    call add_real(t, 'joint', 'asperity_radius', 'joint', s%asperity_radius, 'm', 0._dp, big, 'r_m, half the base of an asperity')
+    call add_real(t, 'joint', 's_min', 'joint', s%s_min, 'm^2', 0._dp, big, 'smallest contact spot; 0: pi (L_s/2)^2', closed=.true.)
+    call add_real(t, 'joint', 'hardness', 'joint', s%hardness, 'Pa', 0._dp, big, &
+      'of the softer body; 0: 2.8 yield_strength', closed=.true.)
+    call add_choice(t, 'joint', 'closure', 'joint', s%closure, 'nominal paper', &
+      'pressure is force on the reference area, or (Eq. 28 as printed) mean pressure of the real contact')
+    call add_choice(t, 'joint', 'plastic_spots', 'joint', s%plastic_spots, 'none elastic', &
+      'stiffness of spots that are fully plastic: none, as in the paper, or that of their elastic unloading, 2 E a')
+    call add_choice(t, 'output', 'vtu', 'output', s%vtu, 'none last all', 'steps written for ParaView')
+    call add_reals(t, 'output', 'positions', 'output', s%positions, 'm', 0._dp, big, &
+      'Positions I, II, III: distances from the front edge of the contact band')
+  end subroutine add_solver_keys
+
+  !> A generated surface.
+  subroutine add_map_keys(s, t)
+    type(surface_t), intent(inout), target :: s    !< surface
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_integer(t, 'surface', 'nx', 'output', s%nx, 1, 8388608, 'points along x')
+    call add_integer(t, 'surface', 'ny', 'output', s%ny, 1, 8388608, 'points along y')
+    call add_real(t, 'surface', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x')
+    call add_real(t, 'surface', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y')
+    call add_real(t, 'surface', 'x_0', 'output', s%x_0, 'm', -big, big, 'first point')
+    call add_real(t, 'surface', 'y_0', 'output', s%y_0, 'm', -big, big, 'first point')
+    call add_real(t, 'surface', 'fractal_dimension', 'output', s%fractal_dimension, '', 2._dp, 3._dp, 'D of Eq. 1')
+    call add_real(t, 'surface', 'roughness', 'output', s%roughness, 'm', 0._dp, big, 'G of Eq. 1')
+    call add_real(t, 'surface', 'gamma', 'output', s%gamma, '', 1._dp, big, 'frequency ratio')
+    call add_real(t, 'surface', 'length', 'output', s%length, 'm', 0._dp, big, 'L, the longest wavelength')
+    call add_real(t, 'surface', 'shortest_wavelength', 'output', s%shortest_wavelength, 'm', 0._dp, big, 'L_s, not above L')
+    call add_integer(t, 'surface', 'ridges', 'output', s%ridges, 1, 100000000, 'M, directions of waves; 1: Eq. 2')
+    call add_integer(t, 'surface', 'seed', 'output', s%seed, 0, huge(1), 'of the phases')
+    call add_real(t, 'surface', 'tolerance', 'output', s%tolerance, '', 0._dp, 0.1_dp, &
+      'rms error that the heights may have, relative to '// &
+      'the waves, 1e-13 or more; 0: none, the same bits on every processor', closed=.true.)
+    call add_choice(t, 'surface', 'method', 'output', s%method, 'auto direct product nufft', &
+      'evaluator of the sum; auto: the fastest that keeps the tolerance (nufft without one: 1e-12)')
+    call add_choice(t, 'surface', 'precision', 'output', s%precision, 'double single', 'of the heights in the file')
+  end subroutine add_map_keys
+
+  !> Fit of D and G.
+  subroutine add_fit_keys(s, t)
+    type(surface_fit_t), intent(inout), target :: s  !< fit
+    type(parameter_table_t), intent(inout) :: t            !< table
+    real(dp), parameter :: big = huge(1._dp)
+    call add_choice(t, 'fit', 'first_file', 'output', s%first_file, '', 'specimen to fit in place of a generated surface: .sdf '// &
+      '(ISO 25178-71) or .npy (heights in m); looked for from here, then beside the input')
+    call add_choice(t, 'fit', 'second_file', 'output', s%second_file, '', &
+      'second specimen: S of both add up to the equivalent surface')
+    call add_real(t, 'fit', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x of .npy files, which state none', closed=.true.)
+    call add_real(t, 'fit', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y of .npy files; 0: dx', closed=.true.)
+    call add_integer(t, 'fit', 'first_lag', 'output', s%first_lag, 1, 8388608, 'first lag of the window [points]')
+    call add_integer(t, 'fit', 'last_lag', 'output', s%last_lag, 0, 8388608, &
+      'last lag [points]; 0: 20, or half a row if that is less')
+    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum isotropic profile ridges paper none', &
+      'auto: ridges (the sum of Eq. 1 by the '// &
+      'keys of &surface) of a generated surface, spectrum (nothing is known) of files; none: no fit')
+    call add_choice(t, 'fit', 'level', 'output', s%level, 'yes no', 'take the least-squares plane off')
+    call add_real(t, 'fit', 'shortest', 'output', s%shortest, 'm', 0._dp, big, &
+      'shortest wavelength of isotropic and profile; 0: L_s of a '// &
+      'generated surface, one spacing of files', closed=.true.)
+    call add_real(t, 'fit', 'longest', 'output', s%longest, 'm', 0._dp, big, &
+      'longest wavelength; 0: L of a generated surface, the longer '// &
+      'side of files', closed=.true.)
+    call add_real(t, 'fit', 'noise', 'output', s%noise, 'm', 0._dp, big, 'known rms of white instrument noise', closed=.true.)
+    call add_choice(t, 'fit', 'fit_noise', 'output', s%fit_noise, 'no yes', 'fit the noise too')
+  end subroutine add_fit_keys
+
+  !> Names of the groups, in order.
+  function groups_of(table) result(names)
+    type(parameter_table_t), intent(in) :: table  !< table
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    allocate (names(0))
+    do i = 1, size(table%rows)
+      if (i > 1) then
+        if (table%rows(i)%group == table%rows(i - 1)%group) cycle
+      end if
+      call push(names, table%rows(i)%group)
+    end do
+  end function groups_of
+
+  !> Names of the keys of a group.
+  function keys_of(table, group) result(names)
+    type(parameter_table_t), intent(in) :: table      !< table
+    character(len=*), intent(in) :: group   !< group
+    type(string_t), allocatable :: names(:)
+    integer :: i
+    allocate (names(0))
+    do i = 1, size(table%rows)
+      if (table%rows(i)%group == group) call push(names, table%rows(i)%key)
+    end do
+  end function keys_of
+
+  !> Row of a key, 0 if there is none.
+  pure integer function find_parameter(table, group, key) result(row)
+    type(parameter_table_t), intent(in) :: table           !< table
+    character(len=*), intent(in) :: group, key   !< names
+    do row = 1, size(table%rows)
+      if (table%rows(row)%group == group .and. table%rows(row)%key == key) return
+    end do
+    row = 0
+  end function find_parameter
+
+  !> Present value as text that reads back exactly.
+  function value_text(p) result(s)
+    type(parameter_t), intent(in) :: p  !< row
+    character(len=:), allocatable :: s
+    integer :: i
+    if (associated(p%integer)) then
+      s = to_text(p%integer)
+    else if (associated(p%real)) then
+      s = exact(p%real)
+    else if (associated(p%reals)) then
+      s = exact(p%reals(1))
+      do i = 2, value_count(p)
+        s = s//', '//exact(p%reals(i))
+      end do
+    else
+      s = "'"//doubled(trim(p%text))//"'"
+    end if
+  end function value_text
+
+  !> How many of the numbers of a key count.
+  pure integer function value_count(p)
+    type(parameter_t), intent(in) :: p  !< row with numbers
+    value_count = size(p%reals)
+    if (associated(p%count)) value_count = p%count
+  end function value_count
+
+  !> Quotes doubled.
+  pure function doubled(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=:), allocatable :: t
+    integer :: i
+    t = ''
+    do i = 1, len(s)
+      t = t//s(i:i)
+      if (s(i:i) == "'") t = t//"'"
+    end do
+  end function doubled
+
+  !> Set a value from words; `what` says what is wrong with them (empty: nothing), `hint` what would be right.
+  subroutine assign_words(p, words, what, hint)
+    type(parameter_t), intent(inout) :: p                !< row, its value is set
+    type(string_t), intent(in) :: words(:)               !< words as in the file
+    character(len=:), allocatable, intent(out) :: what   !< mistake
+    character(len=:), allocatable, intent(out) :: hint   !< valid values
+    real(dp) :: x(100)
+    integer(i8) :: n, wanted
+    what = ''
+    hint = ''
+    p%given = .true.
+    wanted = 1
+    if (associated(p%reals)) wanted = size(p%reals)
+    if (associated(p%count)) wanted = min(max(1, size(words)), size(p%reals))
+    if (associated(p%text)) then
+      call assign_text(p, words, what, hint)
+      return
+    end if
+    call read_numbers(words, x, n)
+    if (associated(p%count) .and. n > 0 .and. n <= size(p%reals)) wanted = n
+    hint = 'valid: '//range_text(p)
+    if (n < 0) then
+      what = "'"//p%key//"' is not "//trim(merge('an integer', 'a number  ', associated(p%integer)))//": '"//words(-n)%s//"'"
+    else if (n /= wanted) then
+      what = "'"//p%key//"' takes "//to_text(wanted)//' value(s), '//to_text(n)//' found'
+    else if (associated(p%integer) .and. any(abs(x(:n) - nint(x(:n))) > 0)) then
+      what = "'"//p%key//"' is not an integer: '"//words(1)%s//"'"
+    else if (any(x(:n) < p%low .or. x(:n) > p%high) .or. (p%open_low .and. any(x(:n) <= p%low)) &
+        .or. (p%open_high .and. any(x(:n) >= p%high))) then
+      what = "'"//p%key//"' is out of range: "//join(words, ', ')
+    else
+      if (associated(p%integer)) p%integer = nint(x(1))
+      if (associated(p%real)) p%real = x(1)
+      if (associated(p%reals)) p%reals(:n) = x(:n)
+      if (associated(p%count)) p%count = n
+    end if
+  end subroutine assign_words
+
+  !> Set a text value; quotes may be left out for a single word.
+  subroutine assign_text(p, words, what, hint)
+    type(parameter_t), intent(inout) :: p
+    type(string_t), intent(in) :: words(:)
+    character(len=:), allocatable, intent(inout) :: what, hint
+    character(len=:), allocatable :: s, best
+    integer :: i
+    s = words(1)%s
+    s = unquoted(s)
+    if (size(p%choices) > 0) s = lower(s)
+    if (size(words) > 1) then
+      what = "'"//p%key//"' takes 1 value(s), "//to_text(size(words))//' found'
+      hint = 'put a text with blanks between quotes'
+    else if (len(s) > len(p%text)) then
+      what = "'"//p%key//"' is too long: "//to_text(len(s))//' characters'
+      hint = 'valid: up to '//to_text(len(p%text))//' characters'
+    else if (size(p%choices) > 0 .and. .not. any([(p%choices(i)%s == s, i=1, size(p%choices))])) then
+      what = "'"//p%key//"' has no choice '"//s//"'"
+      best = nearest_name(s, p%choices)
+      if (len(best) > 0) hint = "did you mean '"//best//"'?  "
+      hint = hint//'valid: '//join(p%choices, ', ')
+    else
+      p%text = s
+    end if
+  end subroutine assign_text
+
+  !> Numbers from words, `3*1.5` repeats; n < 0 names the first bad word. Numbers that find no room in x are counted alone.
+  pure subroutine read_numbers(words, x, n)
+    type(string_t), intent(in) :: words(:)  !< words
+    real(dp), intent(out) :: x(:)           !< numbers
+    integer(i8), intent(out) :: n           !< count, or minus the place of a bad word
+    character(len=*), parameter :: digits = '0123456789'
+    real(dp) :: number
+    integer(i8) :: times
+    integer :: i, star, status
+    x = 0
+    n = 0
+    do i = 1, size(words)
+      associate (s => words(i)%s)
+        star = index(s, '*')
+        times = 1
+        status = merge(1, 0, star == 1 .or. star > 11 .or. star == len(s) .or. len(s) > 100)
+        if (star > 1) status = status + verify(s(:star - 1), digits)
+        if (star > 1 .and. status == 0) read (s(:star - 1), '(i10)', iostat=status) times
+        status = status + verify(s(star + 1:), digits//'.+-eEdD') + merge(0, 1, scan(s(star + 1:), digits) > 0)
+        if (status == 0) read (s(star + 1:), *, iostat=status) number
+        if (status /= 0 .or. times < 1) then
+          n = -i
+          return
+        end if
+        if (n < size(x)) x(n + 1:min(n + times, size(x, kind=i8))) = number
+        n = n + times
+      end associate
+    end do
+  end subroutine read_numbers
+
+  !> Valid range in words.
+  pure function range_text(p) result(s)
+    type(parameter_t), intent(in) :: p  !< row
+    character(len=:), allocatable :: s
+    s = trim(merge('integer', 'number ', associated(p%integer)))
+    if (p%low > -huge(1._dp)) s = s//trim(merge(' > ', ' >=', p%open_low))//' '//bound(p%low)
+    if (p%low > -huge(1._dp) .and. p%high < huge(1._dp)) s = s//' and'
+    if (p%high < huge(1._dp)) s = s//trim(merge(' < ', ' <=', p%open_high))//' '//bound(p%high)
+    if (len(p%unit) > 0) s = s//' ['//p%unit//']'
+  contains
+    pure function bound(x) result(t)
+      real(dp), intent(in) :: x
+      character(len=:), allocatable :: t
+      if (associated(p%integer)) then
+        t = to_text(nint(x))
+      else
+        t = exact(x)
+      end if
+    end function bound
+  end function range_text
+end module hd_parameters

@@ -1,0 +1,110 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Values that are valid and hardly meant: usual ranges of keys, and the slip of units that would explain a value outside of them.
+module hd_plausible
+  use hd_kinds, only: dp
+  use hd_parameters, only: parameter_table_t, new_table
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, push, to_text
+  implicit none
+  private
+  public :: implausible
+
+  !> Usual range of a key; a value of exactly 0 that has a meaning of its own is never told.
+  type :: usual_t
+    character(len=32) :: name   !< group.key
+    real(dp) :: low, high       !< in the unit of the key
+  end type usual_t
+
+  !> A unit that values are often given in by mistake.
+  type :: slip_t
+    character(len=4) :: meant, given
+    real(dp) :: factor  !< value times factor is in the key's unit
+  end type slip_t
+
+  ! Sizes 8 to 100 of harmonic drives (bore radii from 10 to 125 mm) and what they are made of.
+  type(usual_t), parameter :: usual(*) = [ &
+    usual_t('geometry.bore_radius', 5e-3_dp, 0.2_dp), usual_t('geometry.wall_thickness', 0.1e-3_dp, 5e-3_dp), &
+    usual_t('geometry.rim_thickness', 0.1e-3_dp, 8e-3_dp), usual_t('geometry.rim_length', 1e-3_dp, 0.1_dp), &
+    usual_t('geometry.cup_length', 5e-3_dp, 0.4_dp), usual_t('geometry.bottom_thickness', 0.1e-3_dp, 20e-3_dp), &
+    usual_t('geometry.hub_radius', 2e-3_dp, 0.15_dp), usual_t('geometry.ring_thickness', 0.3e-3_dp, 10e-3_dp), &
+    usual_t('geometry.band_length', 1e-3_dp, 0.1_dp), usual_t('material.flexspline_e', 1e9_dp, 5e11_dp), &
+    usual_t('material.ring_e', 1e9_dp, 5e11_dp), usual_t('material.flexspline_nu', 0.15_dp, 0.49_dp), &
+    usual_t('material.ring_nu', 0.15_dp, 0.49_dp), usual_t('material.yield_strength', 2e7_dp, 4e9_dp), &
+    usual_t('wave_generator.w', 2e-5_dp, 3e-3_dp), usual_t('wave_generator.interference', -1e-4_dp, 1e-4_dp), &
+    usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
+    usual_t('load.tooth_stiffness', 1e6_dp, 1e11_dp), &
+    usual_t('load.tooth_clearance', 1e-8_dp, 1e-4_dp), usual_t('joint.roughness', 1e-16_dp, 1e-6_dp), &
+    usual_t('joint.asperity_radius', 1e-7_dp, 1e-3_dp), usual_t('joint.hardness', 1e8_dp, 2e10_dp), &
+    usual_t('joint.sample_length', 1e-5_dp, 2e-2_dp), usual_t('joint.shortest_wavelength', 1e-9_dp, 1e-4_dp), &
+    usual_t('joint.s_min', 1e-18_dp, 1e-8_dp), usual_t('surface.roughness', 1e-16_dp, 1e-6_dp), &
+    usual_t('surface.dx', 1e-10_dp, 1e-3_dp), usual_t('surface.dy', 1e-10_dp, 1e-3_dp), &
+    usual_t('surface.length', 1e-7_dp, 0.1_dp)]
+  type(slip_t), parameter :: slips(*) = [slip_t('Pa', 'GPa', 1e9_dp), slip_t('Pa', 'MPa', 1e6_dp), slip_t('m', 'mm', 1e-3_dp), &
+    slip_t('m', 'um', 1e-6_dp), slip_t('m', 'nm', 1e-9_dp), slip_t('m^2', 'um^2', 1e-12_dp), &
+    slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]
+
+contains
+
+  !> One line for every value that is hardly meant; none for a usual scene.
+  subroutine implausible(scene, lines)
+    type(scene_t), intent(in) :: scene                    !< checked scene
+    type(string_t), allocatable, intent(out) :: lines(:)  !< warnings
+    type(scene_t), target :: copy
+    type(parameter_table_t) :: table
+    integer :: i, j
+    allocate (lines(0))
+    copy = scene
+    call new_table(copy, table)
+    do i = 1, size(table%rows)
+      if (.not. associated(table%rows(i)%real)) cycle
+      if (scene%surface_only .neqv. table%rows(i)%group == 'surface') cycle
+      do j = 1, size(usual)
+        if (usual(j)%name == table%rows(i)%group//'.'//table%rows(i)%key) then
+          call tell(usual(j), table%rows(i)%real, table%rows(i)%unit, lines)
+        end if
+      end do
+    end do
+    if (.not. scene%surface_only) call compare(scene, lines)
+  end subroutine implausible
+
+  !> Line for a value outside of its usual range, with the slip of units that would bring it back.
+  subroutine tell(row, value, unit, lines)
+    type(usual_t), intent(in) :: row                        !< key and range
+    real(dp), intent(in) :: value                           !< as given
+    character(len=*), intent(in) :: unit                    !< of the key
+    type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the line
+    character(len=:), allocatable :: hint
+    integer :: i
+    if (.not. abs(value) > 0 .or. (value >= row%low .and. value <= row%high)) return
+    hint = ''
+    do i = 1, size(slips)
+      if (slips(i)%meant /= unit .or. slips(i)%given == unit) cycle
+      if (value*slips(i)%factor < row%low .or. value*slips(i)%factor > row%high) cycle
+      hint = '; did you mean '//to_text(value*slips(i)%factor)//' '//unit//' ('//to_text(value)//' '//trim(slips(i)%given)//')?'
+      exit
+    end do
+    call push(lines, trim(row%name)//' = '//to_text(value)//trim(' '//unit)//' is unusual: usual are '//to_text(row%low)//' to '// &
+      to_text(row%high)//trim(' '//unit)//hint)
+  end subroutine tell
+
+  !> Lines for values that do not go together.
+  subroutine compare(s, lines)
+    type(scene_t), intent(in) :: s                          !< scene
+    type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the lines
+    real(dp) :: most   !< momentary peak torque of catalogues, sizes 14 to 100: 1e7 N m per cubic metre of the bore radius [N m]
+    character(len=:), allocatable :: hint
+    if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
+      ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
+    if (abs(s%w) > 2*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < 0.1_dp*s%wall_thickness)) call push(lines, &
+      'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 2 times')
+    most = 1e7_dp*s%bore_radius**3
+    if (abs(s%torque) > 5*most) then
+      hint = ''
+      if (abs(s%torque) < 5e3_dp*most) hint = '; did you mean '//to_text(1e-3_dp*s%torque)//' N m ('//to_text(s%torque)//' N mm)?'
+      call push(lines, 'load.torque = '//to_text(s%torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
+        ' N m for a moment'//hint)
+    end if
+    if (s%cup_length < 0.3_dp*s%bore_radius .or. s%cup_length > 6*s%bore_radius) call push(lines, 'geometry.cup_length = '// &
+      to_text(s%cup_length)//' m is '//to_text(s%cup_length/s%bore_radius)//' times the bore radius: usual are 0.3 to 6 times')
+  end subroutine compare
+end module hd_plausible

@@ -1,0 +1,180 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> What stands beside the contact points in a condensed system: the forces x of the struts that push, and the rigid motions a of
+!> bodies that only contact and struts hold (two translations and the turn of a loose body, the turn of one with a free hub).
+!>
+!>   u = C (-r_u + B^T t + P x) + R a           C compliance, P unit forces of the struts, R rigid motions
+!>   x / k + P^T u = 0                          linearised strut, k its tangent
+!>   R^T (-r_u + B^T t + P x) = 0               balance of forces and moments
+!> C may hold a loose body by springs of its own (hold_loose): under forces in balance they carry nothing. Rigid motions are scaled
+!> to unknowns in newtons.
+module hd_border
+  use hd_kinds, only: dp
+  use hd_compliance, only: compliance_t
+  use hd_error, only: error_t
+  use hd_mortar, only: relative_displacement
+  use hd_problem, only: problem_t
+  use hd_strut, only: closing_of, push
+  implicit none
+  private
+  public :: border_t, new_border
+
+  !> Part of the mean compliance of the struts that a turn of a loose body is given where nothing else holds it: it changes the
+  !> way of Newton's iteration, not where it ends.
+  real(dp), parameter :: flat = 1e-7_dp
+
+  type :: border_t
+    integer :: struts = 0                        !< all of them
+    integer :: modes = 0                         !< rigid motions
+    real(dp) :: scale = 0                        !< of their unknowns [m/N]
+    integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
+    integer, allocatable :: active(:)            !< struts that push, at the present iterate
+    real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
+    real(dp), allocatable :: own(:, :)           !< P^T C P and P^T R (struts, struts + modes) [m/N]
+  contains
+    procedure :: take => take_active
+    procedure :: matrix => border_matrix
+    procedure :: known => known_side
+    procedure :: columns => active_columns
+    procedure :: add_motion
+  end type border_t
+
+contains
+
+  !> Answers of the bodies to unit forces of the struts, and rigid motions.
+  subroutine new_border(problem, compliance, border, error)
+    type(problem_t), intent(in) :: problem                !< problem with struts
+    class(compliance_t), intent(inout) :: compliance      !< prepared
+    type(border_t), intent(out) :: border                 !< complete but for what pushes
+    type(error_t), allocatable, intent(out) :: error      !< memory
+    real(dp), allocatable :: f(:, :), u(:, :)
+    integer :: i, j, n
+    border%struts = size(problem%struts)
+    n = border%struts
+    call list_modes(problem, border)
+    allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
+    allocate (f(3, problem%n), u(3, problem%n))
+    do i = 1, n
+      f = 0
+      call push(problem%struts(i), 1._dp, f)
+      call compliance%solve(problem, f, u, error)
+      if (allocated(error)) return
+      border%side(:, :, i) = relative_displacement(problem%mortar, u)
+      do j = 1, n
+        border%own(j, i) = closing_of(problem%struts(j), u)
+      end do
+    end do
+    border%own(:, :n) = (border%own(:, :n) + transpose(border%own(:, :n)))/2
+    border%scale = sum([(border%own(i, i), i=1, n)])/n
+    do i = 1, border%modes
+      u = 0
+      call add_rigid_motion(problem, border%body(i), border%kind(i), border%scale, u)
+      border%side(:, :, n + i) = relative_displacement(problem%mortar, u)
+      border%own(:, n + i) = [(closing_of(problem%struts(j), u), j=1, n)]
+    end do
+    allocate (border%active(0))
+  end subroutine new_border
+
+  !> Rigid motions that nothing but contact and struts resists.
+  subroutine list_modes(problem, border)
+    type(problem_t), intent(in) :: problem   !< problem
+    type(border_t), intent(inout) :: border  !< gets modes, body, kind
+    integer :: b, k
+    allocate (border%body(0), border%kind(0))
+    if (allocated(problem%loose)) then
+      border%body = [((problem%loose(b), k=problem%loose_from, 3), b=1, size(problem%loose))]
+      border%kind = [((k, k=problem%loose_from, 3), b=1, size(problem%loose))]
+    end if
+    if (allocated(problem%hub)) then
+      border%body = [border%body, count(problem%first < problem%hub(1))]
+      border%kind = [border%kind, 3]
+    end if
+    border%modes = size(border%body)
+  end subroutine list_modes
+
+  !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves its first node by so much.
+  pure subroutine add_rigid_motion(problem, body, kind, amount, u)
+    type(problem_t), intent(in) :: problem    !< problem of revolved bodies
+    integer, intent(in) :: body, kind         !< as of border_t
+    real(dp), intent(in) :: amount            !< [m]
+    real(dp), intent(inout) :: u(:, :)        !< displacements (3, n) [m]
+    associate (b => problem%bodies(body), low => problem%first(body) + 1, &
+        high => problem%first(body) + problem%bodies(body)%nodes())
+      select case (kind)
+      case (1)
+        u(1, low:high) = u(1, low:high) + amount*cos(b%angle)
+        u(2, low:high) = u(2, low:high) - amount*sin(b%angle)
+      case (2)
+        u(1, low:high) = u(1, low:high) + amount*sin(b%angle)
+        u(2, low:high) = u(2, low:high) + amount*cos(b%angle)
+      case default
+        u(2, low:high) = u(2, low:high) + amount*hypot(b%x(1, :), b%x(2, :))/hypot(b%x(1, 1), b%x(2, 1))
+      end select
+    end associate
+  end subroutine add_rigid_motion
+
+  !> Struts that push at the present iterate.
+  subroutine take_active(self, problem)
+    class(border_t), intent(inout) :: self    !< gets active
+    type(problem_t), intent(in) :: problem    !< with strut_rate
+    integer :: i
+    self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
+  end subroutine take_active
+
+  !> Numbers of the columns of `side` that count: struts that push, then rigid motions.
+  pure function active_columns(self) result(list)
+    class(border_t), intent(in) :: self  !< border
+    integer :: list(size(self%active) + self%modes), i
+    list = [self%active, (self%struts + i, i=1, self%modes)]
+  end function active_columns
+
+  !> Matrix between them.
+  pure function border_matrix(self, problem) result(d)
+    class(border_t), intent(in) :: self     !< border
+    type(problem_t), intent(in) :: problem  !< with strut_rate
+    real(dp) :: d(size(self%active) + self%modes, size(self%active) + self%modes)
+    integer :: i, n
+    n = size(self%active)
+    d = 0
+    d(:n, :n) = self%own(self%active, self%active)
+    d(:n, n + 1:) = self%own(self%active, self%struts + 1:)
+    d(n + 1:, :n) = transpose(d(:n, n + 1:))
+    do i = 1, n
+      d(i, i) = d(i, i) + 1/problem%strut_rate(self%active(i))
+    end do
+    do i = 1, self%modes
+      if (self%kind(i) == 3) d(n + i, n + i) = -flat*self%scale
+    end do
+  end function border_matrix
+
+  !> Right-hand sides of the border for forces that are known and the displacements they make.
+  pure function known_side(self, problem, f, v) result(b)
+    class(border_t), intent(in) :: self      !< border
+    type(problem_t), intent(in) :: problem   !< problem
+    real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
+    real(dp), intent(in) :: v(:, :)          !< C f (3, n) [m]
+    real(dp) :: b(size(self%active) + self%modes)
+    real(dp) :: u(3, problem%n)
+    integer :: i, n
+    n = size(self%active)
+    do i = 1, n
+      b(i) = -closing_of(problem%struts(self%active(i)), v)
+    end do
+    do i = 1, self%modes
+      u = 0
+      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale, u)
+      b(n + i) = -sum(u*f)
+    end do
+  end function known_side
+
+  !> Rigid motions of a solution.
+  pure subroutine add_motion(self, problem, x, u)
+    class(border_t), intent(in) :: self      !< border
+    type(problem_t), intent(in) :: problem   !< problem
+    real(dp), intent(in) :: x(:)             !< unknowns of the border [N]
+    real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
+    integer :: i
+    do i = 1, self%modes
+      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale*x(size(self%active) + i), u)
+    end do
+  end subroutine add_motion
+end module hd_border

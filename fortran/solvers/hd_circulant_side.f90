@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Face of one revolved body (or of two, merged) as a block circulant: W C W^T, with C the compliance of its nodes by harmonics
+!> and W the mortar weights of the multipliers.
+module hd_circulant_side
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
+  use hd_harmonic_matrix, only: harmonic_matrix_t
+  use hd_problem, only: problem_t
+  implicit none
+  private
+  public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
+
+  type :: circulant_side_t
+    integer :: sectors = 0                          !< of the body
+    integer, allocatable :: nodes(:)                !< face nodes of the first sector
+    integer, allocatable :: ptr(:), row(:), sector(:)  !< weights by multiplier: face node, sector from 0
+    real(dp), allocatable :: val(:)
+    real(dp), allocatable :: angle(:)               !< their angles [rad]
+    type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
+    real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
+    real(dp), allocatable :: near(:, :, :)          !< that between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
+    real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
+    complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
+    type(fft_plan_t) :: forward, backward
+  end type circulant_side_t
+
+contains
+
+  !> Face nodes of a body and the weights of the multipliers on them; without `hat`.
+  subroutine collect_side(problem, b, side)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: b                !< body
+    type(circulant_side_t), intent(out) :: side       !< its face
+    integer :: number(problem%bodies(b)%nodes_per_sector), first, i, j, k, m, n
+    first = problem%first(b)
+    m = problem%bodies(b)%nodes_per_sector
+    side%sectors = problem%bodies(b)%sectors
+    associate (mortar => problem%mortar)
+      number = 0
+      do k = 1, size(mortar%col)
+        i = mortar%col(k) - first
+        if (i > 0 .and. i <= m*side%sectors) number(modulo(i - 1, m) + 1) = 1
+      end do
+      side%nodes = pack([(i, i=1, m)], number > 0)
+      side%angle = problem%bodies(b)%angle(side%nodes)
+      number(side%nodes) = [(i, i=1, size(side%nodes))]
+      allocate (side%ptr(mortar%n + 1), side%row(size(mortar%col)), side%sector(size(mortar%col)), side%val(size(mortar%col)))
+      n = 0
+      do j = 1, mortar%n
+        side%ptr(j) = n + 1
+        do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+          i = mortar%col(k) - first
+          if (i <= 0 .or. i > m*side%sectors) cycle
+          n = n + 1
+          side%row(n) = number(modulo(i - 1, m) + 1)
+          side%sector(n) = (i - 1)/m
+          side%val(n) = mortar%val(k)
+        end do
+      end do
+      side%ptr(mortar%n + 1) = n + 1
+    end associate
+  end subroutine collect_side
+
+  !> Workspace and plans, and the compliance between the sectors of one multiplier.
+  subroutine plan_side(side, stride, error)
+    type(circulant_side_t), intent(inout) :: side               !< face
+    integer, intent(in) :: stride                     !< 1 or 2
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: d, j, m, n, reach
+    n = side%sectors/stride
+    m = side%hat%n
+    reach = 0
+    do j = 1, size(side%ptr) - 1
+      associate (sector => side%sector(side%ptr(j):side%ptr(j + 1) - 1))
+        if (size(sector) > 0) reach = max(reach, maxval(abs(short_way(sector - sector(1), side%sectors))))
+      end associate
+    end do
+    reach = 2*reach
+    allocate (side%field(n, m), side%wave(m, n/2 + 1), side%near(m, m, -reach:reach))
+    do d = 0, reach
+      side%near(:, :, d) = side%hat%kernel(stride, n, d)
+      side%near(:, :, -d) = transpose(side%near(:, :, d))
+    end do
+    call plan_rows(n, m, side%field, side%wave, side%forward, side%backward, error)
+  end subroutine plan_side
+
+  !> Difference of sectors the short way round.
+  elemental integer function short_way(difference, sectors)
+    integer, intent(in) :: difference, sectors
+    short_way = modulo(difference + sectors/2, sectors) - sectors/2
+  end function short_way
+
+  !> Compliance between all sectors.
+  subroutine fill_kernel(side, stride, error)
+    type(circulant_side_t), intent(inout) :: side               !< planned
+    integer, intent(in) :: stride                     !< 1 or 2
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    complex(dp), allocatable :: wave(:, :)
+    real(dp), allocatable :: column(:, :)
+    integer :: j, k, m, n
+    if (allocated(side%kernel)) return
+    n = size(side%field, 1)
+    m = side%hat%n
+    allocate (side%kernel(m, m, n), wave(n/2 + 1, m), column(n, m))
+    do k = 0, n/2
+      side%kernel(:, :, k + 1) = side%hat%full(k*stride)/n
+    end do
+    do j = 1, m
+      do k = 0, n/2
+        associate (factor => side%hat%factor(:, k*stride))
+          wave(k + 1, :) = side%kernel(:, j, k + 1)*factor*conjg(factor(j))
+        end associate
+      end do
+      call backward_real(wave, column, error)
+      if (allocated(error)) return
+      side%kernel(:, j, :) = transpose(column)
+    end do
+  end subroutine fill_kernel
+
+  !> Add W C W^T f.
+  subroutine add_response(side, stride, first, f, w)
+    type(circulant_side_t), intent(inout) :: side    !< planned
+    integer, intent(in) :: stride          !< 1 or 2
+    logical, intent(in) :: first(:)        !< multipliers of the first repetition (multipliers)
+    real(dp), intent(in) :: f(:, :)        !< forces (3, multipliers) [N]
+    real(dp), intent(inout) :: w(:, :)     !< relative displacements (3, multipliers) [m]
+    integer :: c, j, k, n, s
+    n = size(side%field, 1)
+    side%field = 0
+    do j = 1, size(f, 2)
+      if (.not. first(j)) cycle
+      do k = side%ptr(j), side%ptr(j + 1) - 1
+        s = modulo(side%sector(k), n) + 1
+        do c = 1, 3
+          side%field(s, 3*side%row(k) - 3 + c) = side%field(s, 3*side%row(k) - 3 + c) + side%val(k)*f(c, j)
+        end do
+      end do
+    end do
+    call execute_forward_real(side%forward, side%field, side%wave)
+    call side%hat%multiply(stride, side%wave)
+    call execute_backward_real(side%backward, side%wave, side%field)
+    side%field = side%field/n
+    do j = 1, size(f, 2)
+      do k = side%ptr(j), side%ptr(j + 1) - 1
+        s = modulo(side%sector(k), n) + 1
+        do c = 1, 3
+          w(c, j) = w(c, j) + side%val(k)*side%field(s, 3*side%row(k) - 3 + c)
+        end do
+      end do
+    end do
+  end subroutine add_response
+
+  !> Add the blocks F(list, j) diag(sign) to a column of blocks.
+  subroutine add_side_column(side, j, sign, list, column)
+    type(circulant_side_t), intent(in) :: side               !< with its kernel
+    integer, intent(in) :: j                       !< multiplier that is loaded
+    real(dp), intent(in) :: sign(3)                !< signs of its components
+    integer, intent(in) :: list(:)                 !< multipliers that are looked at
+    real(dp), intent(inout) :: column(:, :, :)     !< (3, 3, list) [m/N]
+    integer :: c, d, i, k, l
+    real(dp) :: v(3)
+    do l = side%ptr(j), side%ptr(j + 1) - 1
+      do i = 1, size(list)
+        do k = side%ptr(list(i)), side%ptr(list(i) + 1) - 1
+          d = modulo(side%sector(k) - side%sector(l), size(side%kernel, 3)) + 1
+          do c = 1, 3
+            v = side%kernel(3*side%row(k) - 2:3*side%row(k), 3*side%row(l) - 3 + c, d)
+            column(:, c, i) = column(:, c, i) + side%val(k)*side%val(l)*sign(c)*v
+          end do
+        end do
+      end do
+    end do
+  end subroutine add_side_column
+
+  !> Block F(j, j).
+  pure function side_block(side, j) result(block)
+    type(circulant_side_t), intent(in) :: side  !< planned
+    integer, intent(in) :: j          !< multiplier
+    real(dp) :: block(3, 3)           !< [m/N]
+    integer :: d, k, l
+    block = 0
+    do l = side%ptr(j), side%ptr(j + 1) - 1
+      do k = side%ptr(j), side%ptr(j + 1) - 1
+        d = short_way(side%sector(k) - side%sector(l), side%sectors)
+        block = block + side%val(k)*side%val(l)*side%near(3*side%row(k) - 2:3*side%row(k), 3*side%row(l) - 2:3*side%row(l), d)
+      end do
+    end do
+  end function side_block
+
+  !> Give back plans and what they work on.
+  subroutine release_side(side)
+    type(circulant_side_t), intent(inout) :: side  !< planned
+    call free_plan(side%forward)
+    call free_plan(side%backward)
+    if (allocated(side%field)) deallocate (side%field, side%wave, side%near)
+    if (allocated(side%kernel)) deallocate (side%kernel)
+  end subroutine release_side
+end module hd_circulant_side

@@ -1,0 +1,289 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Newton's linear system condensed to the contact face: the bodies are solved once, only tractions of closed contact points
+!> remain. They come from a dense LU of the part of the face that symmetry leaves, or from GMRES on the whole face,
+!> whichever costs less.
+!>
+!>   [ R_w F a + R_t ] dt = -r_c - R_w B v,   F = B K^-1 B^T,   v = -K^-1 r_u,   du = v + K^-1 B^T a dt
+module hd_condensed
+  use hd_kinds, only: dp
+  use hd_border, only: border_t, new_border
+  use hd_circulant, only: circulant_t, new_circulant
+  use hd_compliance, only: compliance_t
+  use hd_error, only: error_t
+  use hd_face_system, only: face_system_t, new_face_system
+  use hd_linear_solver, only: linear_solver_t
+  use hd_log, only: detail
+  use hd_mortar, only: add_nodal_forces, relative_displacement
+  use hd_problem, only: problem_t, load_t, state_t
+  use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
+  use hd_strut, only: push
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: condensed_t, new_condensed, first_guess
+
+  integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
+  integer, parameter :: most_steps = 250             !< of GMRES
+  integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
+  real(dp), parameter :: balanced = 1e-6_dp          !< forces out of balance that do not move the contact
+  real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
+  real(dp), parameter :: pair_time = 15e-9_dp         !< seconds per entry to form the matrix
+  real(dp), parameter :: apply_rate = 4e9_dp         !< operations per second of F
+
+  type, extends(linear_solver_t) :: condensed_t
+    class(compliance_t), pointer :: compliance => null()  !< of the bodies at the face
+    integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
+    integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
+    type(sharing_t) :: sharing                      !< points whose law counts for others
+    integer, allocatable :: image(:)                !< of every node behind the mirror plane
+    integer :: steps = first_guess                  !< of GMRES, last time
+    real(dp), allocatable :: dw(:, :, :), dt(:, :, :)
+    type(border_t), allocatable :: border           !< struts and rigid motions, where the problem has any
+  contains
+    procedure :: begin => begin_condensed
+    procedure :: update => update_condensed
+    procedure :: solve => solve_condensed
+    procedure :: release => release_condensed
+  end type condensed_t
+
+contains
+
+  !> Take over a compliance. Revolved bodies may use symmetry, others may not.
+  subroutine new_condensed(problem, compliance, condensed)
+    type(problem_t), intent(in) :: problem                  !< problem
+    class(compliance_t), pointer, intent(in) :: compliance  !< allocated; the solver frees it
+    type(condensed_t), intent(out) :: condensed             !< solver
+    integer :: j, m, rows
+    integer, allocatable :: number(:)
+    condensed%compliance => compliance
+    condensed%name = condensed%compliance%name
+    condensed%unknowns = 3*problem%mortar%n
+    allocate (condensed%sector(problem%mortar%n), source=0)
+    allocate (condensed%row(problem%mortar%n), source=0)
+    condensed%own_threads = condensed%compliance%fast
+    if (.not. condensed%compliance%fast) return
+    m = problem%bodies(1)%nodes_per_sector
+    condensed%sectors = problem%bodies(1)%sectors
+    allocate (number(m), source=0)
+    number(modulo(problem%mortar%node - 1, m) + 1) = 1
+    rows = 0
+    do j = 1, m
+      rows = rows + number(j)
+      number(j) = rows
+    end do
+    condensed%sector = (problem%mortar%node - 1)/m
+    condensed%row = number(modulo(problem%mortar%node - 1, m) + 1)
+    allocate (condensed%at(rows, 0:condensed%sectors - 1), source=0)
+    do j = 1, problem%mortar%n
+      condensed%at(condensed%row(j), condensed%sector(j)) = j
+    end do
+  end subroutine new_condensed
+
+  !> Find the symmetry of a load step and factorise for it.
+  subroutine begin_condensed(self, problem, load, state, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load at the end of the step
+    type(state_t), intent(in) :: state                !< state at its beginning
+    type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, body not held
+    call use_symmetry(problem, load, state, self%compliance%fast, self%most_images, self%demanded, self%symmetry, &
+      error)
+    if (allocated(error)) return
+    self%steps = first_guess  ! no memory of earlier load steps: a resumed run repeats every bit
+    if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
+    call share_law(problem, self%symmetry, self%sharing)
+    self%symmetry_used = symmetry_name(self%symmetry)
+    call self%compliance%prepare(problem, self%symmetry, error)
+    self%factor_entries = self%compliance%factor_entries
+    self%ordering_asked = self%compliance%ordering_asked
+    self%ordering_used = self%compliance%ordering_used
+    self%library = self%compliance%library
+    if (allocated(error) .or. allocated(self%border) .or. .not. allocated(problem%struts)) return
+    allocate (self%border)
+    call new_border(problem, self%compliance, self%border, error)
+  end subroutine begin_condensed
+
+  !> Keep the derivatives; the face system is formed in solve.
+  subroutine update_condensed(self, problem, dw, dt, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
+    type(error_t), allocatable, intent(out) :: error  !< body not held
+    call self%compliance%prepare(problem, self%symmetry, error)
+    if (allocated(error)) return
+    self%dw = dw
+    self%dt = dt
+    call self%sharing%take_law(self%dw, self%dt)
+    if (allocated(self%border)) call self%border%take(problem)
+  end subroutine update_condensed
+
+  !> Newton correction: tractions on the face, then the bodies.
+  subroutine solve_condensed(self, problem, r_u, r_c, du, dtraction, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
+    real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    type(face_system_t) :: system
+    real(dp), allocatable :: f(:, :), w(:, :)
+    integer, allocatable :: list(:), mirrored(:)
+    integer :: j
+    f = r_c
+    if (allocated(self%sharing%representative)) f = f(:, self%sharing%representative)*self%sharing%sign
+    if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
+    call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
+    system%compliance => self%compliance
+    dtraction = system%q
+    if (.not. allocated(self%border) .and. &
+      norm2(merge(0._dp, r_u, problem%fixed)) <= balanced*norm2(spread(problem%mortar%area, 1, 3)*r_c)) then
+      allocate (w, mold=dtraction)
+      call self%compliance%apply(spread(problem%mortar%area, 1, 3)*dtraction, w)
+    else
+      f = -r_u
+      call add_nodal_forces(problem%mortar, dtraction, f)
+      call balance(self, f)
+      call self%compliance%solve(problem, f, du, error)
+      call balance(self, du)
+      if (allocated(error)) return
+      w = relative_displacement(problem%mortar, du)
+      if (allocated(self%border)) call add_border(self, problem, f, du, system)
+    end if
+    list = pack([(j, j=1, problem%mortar%n)], system%rank > 0)
+    if (self%symmetry%half_turn) list = pack(list, self%sector(list) < self%sectors/2)
+    mirrored = list
+    if (self%symmetry%mirror > 0) mirrored = images(self, list, self%symmetry%mirror)
+    call solve_face(self, system, list, mirrored, w, dtraction, error)
+    if (allocated(error)) return
+    f = -r_u
+    call add_nodal_forces(problem%mortar, dtraction, f)
+    if (allocated(self%border)) then
+      do j = 1, size(self%border%active)
+        call push(problem%struts(self%border%active(j)), system%x(j), f)
+      end do
+    end if
+    call balance(self, f)
+    call self%compliance%solve(problem, f, du, error)
+    call balance(self, du)
+    if (allocated(self%border)) call self%border%add_motion(problem, system%x, du)
+  end subroutine solve_condensed
+
+  !> Enter the border into a face system.
+  subroutine add_border(self, problem, f, v, system)
+    class(condensed_t), intent(in) :: self            !< solver with a border
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: f(:, :)                   !< nodal forces that are known (3, n) [N]
+    real(dp), intent(in) :: v(:, :)                   !< displacements that they make (3, n) [m]
+    type(face_system_t), intent(inout) :: system      !< gets more, side, corner, known
+    system%side = self%border%side(:, :, self%border%columns())
+    system%more = size(system%side, 3)
+    system%corner = self%border%matrix(problem)
+    system%known = self%border%known(problem, f, v)
+    if (problem%turning .or. .not. allocated(problem%hub)) return
+    associate (last => system%more)  ! the turn of the bottom, which is held
+      system%side(:, :, last) = 0
+      system%corner(last, :) = 0
+      system%corner(:, last) = 0
+      system%corner(last, last) = self%border%scale
+      system%known(last) = 0
+    end associate
+  end subroutine add_border
+
+  !> Forces or displacements without the rounding that breaks the mirror plane: a body that turns freely would turn far by it.
+  pure subroutine balance(self, f)
+    class(condensed_t), intent(in) :: self  !< solver
+    real(dp), intent(inout) :: f(:, :)      !< nodal vectors (3, n)
+    if (self%symmetry%mirror > 0) f = (f + spread(mirror_sign, 2, size(f, 2))*f(:, self%image))/2
+  end subroutine balance
+
+  !> Points on the mirror plane get no circumferential shear, for the same reason.
+  subroutine hold_on_plane(self, r_c)
+    class(condensed_t), intent(inout) :: self  !< gets the law of these points
+    real(dp), intent(inout) :: r_c(:, :)       !< residuals of the law
+    integer :: j
+    do j = 1, size(r_c, 2)
+      if (.not. self%sharing%on_plane(j)) cycle
+      self%dw(2, :, j) = 0
+      self%dw(:, 2, j) = 0
+      self%dt(:, 2, j) = 0
+      self%dt(2, :, j) = [0, 1, 0]
+      r_c(2, j) = 0
+    end do
+  end subroutine hold_on_plane
+
+  !> The cheaper of dense LU and GMRES, then the images.
+  subroutine solve_face(self, system, list, mirrored, w, dtraction, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(face_system_t), intent(inout) :: system      !< face system
+    integer, intent(in) :: list(:)                    !< closed points, one of each pair that half a turn joins
+    integer, intent(in) :: mirrored(:)                !< their images behind the mirror plane
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without these tractions [m]
+    real(dp), intent(inout) :: dtraction(:, :)        !< gets the closed points [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    type(face_system_t) :: reduced
+    real(dp) :: n, residual
+    integer, allocatable :: part(:)
+    integer :: steps
+    logical :: krylov
+    part = pack(list, list <= mirrored)
+    n = sum(system%rank(part))
+    krylov = .false.
+    if (self%compliance%fast) krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
+      2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
+    if (krylov) then
+      reduced = system
+      call reduced%solve_krylov(list, w, self%accuracy, most_steps, dtraction, steps, residual, error)
+      if (allocated(error)) return
+      if (allocated(reduced%x)) system%x = reduced%x
+      self%steps = steps
+      self%flops = steps*2*self%compliance%apply_flops
+      self%inner = self%inner + steps
+      call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
+      krylov = residual <= max(1e-3_dp, self%accuracy) .or. n > largest_dense
+    end if
+    if (.not. krylov) then
+      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)
+      if (allocated(error)) return
+    end if
+    if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), dtraction)
+    if (self%symmetry%half_turn) then
+      part = images(self, list, 0)
+      dtraction(:, part) = dtraction(:, list)
+    end if
+  end subroutine solve_face
+
+  !> Copy tractions behind the mirror plane.
+  pure subroutine spread_mirror(list, mirrored, traction)
+    integer, intent(in) :: list(:), mirrored(:)     !< points and their images
+    real(dp), intent(inout) :: traction(:, :)       !< (3, multipliers) [Pa]
+    integer :: i
+    do i = 1, size(list)
+      if (mirrored(i) /= list(i)) traction(:, mirrored(i)) = mirror_sign*traction(:, list(i))
+    end do
+  end subroutine spread_mirror
+
+  !> Images of multipliers: behind a mirror plane within the part that half a turn leaves, or after half a turn (mirror 0).
+  pure function images(self, list, mirror) result(image)
+    class(condensed_t), intent(in) :: self  !< solver
+    integer, intent(in) :: list(:)          !< multipliers
+    integer, intent(in) :: mirror           !< 0 half a turn; else the plane
+    integer :: image(size(list)), i, s
+    image = list
+    if (self%sectors == 0 .or. (mirror == 0 .and. .not. self%symmetry%half_turn)) return
+    do i = 1, size(list)
+      s = image_sector(self%sectors, self%sector(list(i)), 0, mirror)
+      if (mirror > 0 .and. self%symmetry%half_turn) s = modulo(s, self%sectors/2)
+      image(i) = self%at(self%row(list(i)), s)
+    end do
+  end function images
+
+  !> Give back all memory.
+  subroutine release_condensed(self)
+    class(condensed_t), intent(inout) :: self  !< solver
+    if (.not. associated(self%compliance)) return
+    call self%compliance%release()
+    deallocate (self%compliance)
+  end subroutine release_condensed
+end module hd_condensed

@@ -1,0 +1,376 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The linearised contact law on the face, in local form: at every multiplier R (F f)_i + T t = s with orthonormal rows R,
+!> and tractions t = P y + q that already obey those rows of the law that do not see displacements (R P = 1).
+!>
+!> Open points have no y, slipping ones two, sticking ones three. Unknowns are y, here as forces (times area). A border (hd_border)
+!> may add unknowns x: S x joins w, and  S^T f + D x = e  the equations.
+module hd_face_system
+  use hd_kinds, only: dp
+  use hd_compliance, only: compliance_t
+  use hd_error, only: error_t
+  use hd_krylov, only: operator_t, solve_gmres
+  use hd_lapack, only: solve_dense
+  use hd_symmetry, only: symmetry_t, mirror_sign
+  use hd_system, only: stop_requested, check_stop
+  use hd_vector, only: cross
+  implicit none
+  private
+  public :: face_system_t, new_face_system
+
+  type, extends(operator_t) :: face_system_t
+    class(compliance_t), pointer :: compliance => null()  !< F
+    integer, allocatable :: rank(:)              !< unknowns of each multiplier (multipliers)
+    real(dp), allocatable :: r(:, :, :)          !< rows that see displacements (3, 3, multipliers); rank rows count
+    real(dp), allocatable :: p(:, :, :)          !< tractions per unknown (3, 3, multipliers); rank columns count
+    real(dp), allocatable :: d(:, :, :)          !< T P / area (3, 3, multipliers) [m/N]
+    real(dp), allocatable :: t(:, :, :)          !< rows T
+    real(dp), allocatable :: q(:, :)             !< tractions that are known (3, multipliers) [Pa]
+    real(dp), allocatable :: s(:, :)             !< right-hand sides (3, multipliers)
+    real(dp), allocatable :: area(:)             !< areas [m^2]
+    real(dp), allocatable :: f(:, :), w(:, :)    !< workspace (3, multipliers)
+    real(dp), allocatable :: share(:)            !< of the compliance in the preconditioner of each unknown
+    real(dp), allocatable :: diagonal(:)         !< the rest, of the inverse diagonal
+    integer, allocatable :: list(:)              !< multipliers that are solved for
+    integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
+    integer, allocatable :: start(:)             !< unknowns before each of them, and their number
+    integer, allocatable :: at(:)                !< multiplier of each unknown
+    integer, allocatable :: first(:)             !< first unknown of that multiplier
+    real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
+    integer :: more = 0                          !< unknowns of the border
+    real(dp), allocatable :: side(:, :, :)       !< S (3, multipliers, more) [m/N]
+    real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
+    real(dp), allocatable :: known(:)            !< e (more) [m]
+    real(dp), allocatable :: x(:)                !< the solution's x (more) [N]
+    real(dp), allocatable :: right(:, :), below(:, :)   !< R S and S^T P (unknowns, more)
+    real(dp), allocatable :: answer(:, :)        !< preconditioned R S (unknowns, more)
+    real(dp), allocatable :: factor(:, :)        !< inverse of D less what that leaves (more, more)
+  contains
+    procedure :: multiply => multiply_face
+    procedure :: approximate => approximate_face
+    procedure :: solve_direct
+    procedure :: solve_krylov
+  end type face_system_t
+
+contains
+
+  !> Local forms of R_w w + R_t t = -r_c.
+  subroutine new_face_system(dw, dt, r_c, area, system)
+    real(dp), intent(in) :: dw(:, :, :)              !< R_w (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)              !< R_t (3, 3, multipliers)
+    real(dp), intent(in) :: r_c(:, :)                !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(in) :: area(:)                  !< (multipliers) [m^2]
+    type(face_system_t), intent(out) :: system       !< without list
+    integer :: j, k, m
+    m = size(area)
+    allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m), system%q(3, m), system%s(3, m))
+    allocate (system%rank(m), system%f(3, m), system%w(3, m))
+    system%area = area
+    do j = 1, m
+      system%r(:, :, j) = dw(:, :, j)
+      system%t(:, :, j) = dt(:, :, j)
+      system%s(:, j) = -r_c(:, j)
+      call reduce_rows(system%r(:, :, j), system%t(:, :, j), system%s(:, j), system%rank(j))
+      k = system%rank(j)
+      call split_tractions(system%r(:, :, j), system%t(:, :, j), system%s(:, j), k, system%p(:, :, j), system%q(:, j))
+      system%d(:, :, j) = matmul(system%t(:, :, j), system%p(:, :, j))/area(j)
+    end do
+  end subroutine new_face_system
+
+  !> Orthonormal rows by Gram-Schmidt with pivots; rows without displacement come last. The same is done to T and s.
+  pure subroutine reduce_rows(r, t, s, rank)
+    real(dp), intent(inout) :: r(3, 3), t(3, 3), s(3)  !< rows of the law
+    integer, intent(out) :: rank                       !< rows that see displacements
+    real(dp) :: size, length, factor, row(3)
+    integer :: i, k
+    size = maxval(abs(r))
+    rank = 0
+    if (.not. size > 0) return
+    do k = 1, 3
+      i = k - 1 + maxloc(sum(r(k:, :)**2, 2), 1)
+      length = norm2(r(i, :))
+      if (length <= 1e-11_dp*size) exit
+      row = r(i, :); r(i, :) = r(k, :); r(k, :) = row/length
+      row = t(i, :); t(i, :) = t(k, :); t(k, :) = row/length
+      factor = s(i); s(i) = s(k); s(k) = factor/length
+      do i = k + 1, 3
+        factor = dot_product(r(i, :), r(k, :))
+        r(i, :) = r(i, :) - factor*r(k, :)
+        t(i, :) = t(i, :) - factor*t(k, :)
+        s(i) = s(i) - factor*s(k)
+      end do
+      rank = k
+    end do
+  end subroutine reduce_rows
+
+  !> t = P y + q obeys rows rank + 1..3 of T t = s, and R P = 1.
+  pure subroutine split_tractions(r, t, s, rank, p, q)
+    real(dp), intent(in) :: r(3, 3), t(3, 3), s(3)  !< reduced rows
+    integer, intent(in) :: rank                     !< rows that see displacements
+    real(dp), intent(out) :: p(3, 3), q(3)          !< tractions per unknown (rank columns), known ones
+    real(dp) :: a(3, 3), inverse(3, 3)
+    a = r
+    a(rank + 1:, :) = t(rank + 1:, :)
+    inverse(:, 1) = cross(a(2, :), a(3, :))
+    inverse(:, 2) = cross(a(3, :), a(1, :))
+    inverse(:, 3) = cross(a(1, :), a(2, :))
+    inverse = inverse/dot_product(a(1, :), inverse(:, 1))
+    p = 0
+    p(:, :rank) = inverse(:, :rank)
+    q = matmul(inverse(:, rank + 1:), s(rank + 1:))
+  end subroutine split_tractions
+
+  !> Right-hand side for relative displacements w that are known.
+  pure function right_side(self, w) result(b)
+    class(face_system_t), intent(in) :: self  !< system
+    real(dp), intent(in) :: w(:, :)           !< (3, multipliers) [m]
+    real(dp) :: b(self%start(size(self%start)) + self%more)
+    integer :: i, j, k
+    if (self%more > 0) b(self%start(size(self%start)) + 1:) = self%known
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        b(self%start(i) + k) = self%s(k, j) - dot_product(self%r(k, :, j), w(:, j)) - dot_product(self%t(k, :, j), self%q(:, j))
+      end do
+    end do
+  end function right_side
+
+  !> Tractions of the solution at the multipliers of the list.
+  subroutine enter(self, y, traction)
+    class(face_system_t), intent(inout) :: self     !< system; gets x
+    real(dp), intent(in) :: y(:)                    !< unknowns [N]
+    real(dp), intent(inout) :: traction(:, :)       !< gets them (3, multipliers) [Pa]
+    integer :: i, j, k
+    do i = 1, size(self%list)
+      j = self%list(i)
+      k = self%rank(j)
+      traction(:, j) = self%q(:, j) + matmul(self%p(:, :k, j), y(self%start(i) + 1:self%start(i) + k))/self%area(j)
+    end do
+    self%x = y(self%start(size(self%start)) + 1:)
+  end subroutine enter
+
+  !> Number the unknowns of a list.
+  subroutine number(self, list)
+    class(face_system_t), intent(inout) :: self  !< gets list, start
+    integer, intent(in) :: list(:)               !< multipliers
+    integer :: i
+    self%list = list
+    allocate (self%start(size(list) + 1))
+    self%start(1) = 0
+    do i = 1, size(list)
+      self%start(i + 1) = self%start(i) + self%rank(list(i))
+    end do
+  end subroutine number
+
+  !> Dense LU. Images behind a mirror plane are folded in.
+  subroutine solve_direct(self, list, mirrored, w, traction, flops, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    integer, intent(in) :: list(:)                    !< multipliers to solve for
+    integer, intent(in) :: mirrored(:)                !< image of each, itself where there is none
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    real(dp), intent(out) :: flops                    !< operations
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: a(:, :), b(:, :), column(:, :, :)
+    real(dp) :: rp(3, 3)
+    integer :: c, d, i, j, k, n
+    call self%compliance%prepare_columns(error)
+    if (allocated(error)) return
+    call number(self, list)
+    n = self%start(size(self%start))
+    allocate (a(n + self%more, n + self%more), b(n + self%more, 1))
+    !$omp parallel private(column, rp, c, d, j, k) if(n > 1500)
+    allocate (column(3, 3, size(list)))
+    !$omp do schedule(static)
+    do i = 1, size(list)
+      if (stop_requested()) cycle
+      j = list(i)
+      column = 0
+      call self%compliance%add_column(j, [1._dp, 1._dp, 1._dp], list, column)
+      if (mirrored(i) /= j) call self%compliance%add_column(mirrored(i), mirror_sign, list, column)
+      do c = 1, self%rank(j)
+        call fill_column(self, column, self%p(:, c, j), a(:n, self%start(i) + c))
+      end do
+      k = self%rank(j)
+      rp = self%d(:, :, j)
+      do c = 1, k
+        do d = 1, k
+          a(self%start(i) + d, self%start(i) + c) = a(self%start(i) + d, self%start(i) + c) + rp(d, c)
+        end do
+      end do
+    end do
+    !$omp end do
+    !$omp end parallel
+    call check_stop(error)
+    if (allocated(error)) return
+    if (self%more > 0) then
+      call pack_rows(self)
+      a(:n, n + 1:) = self%right
+      a(n + 1:, :n) = transpose(self%below)
+      a(n + 1:, n + 1:) = self%corner
+    end if
+    b(:, 1) = right_side(self, w)
+    flops = 2*real(n, dp)**3/3
+    call solve_dense(a, b, error)
+    if (.not. allocated(error)) call enter(self, b(:, 1), traction)
+  end subroutine solve_direct
+
+  !> R F p at all multipliers of the list.
+  pure subroutine fill_column(self, column, p, a)
+    class(face_system_t), intent(in) :: self    !< system
+    real(dp), intent(in) :: column(:, :, :)     !< F for three forces (3, 3, list)
+    real(dp), intent(in) :: p(3)                !< their amounts
+    real(dp), intent(out) :: a(:)               !< column of the matrix
+    real(dp) :: v(3)
+    integer :: i, j, k
+    do i = 1, size(self%list)
+      j = self%list(i)
+      v = column(:, 1, i)*p(1) + column(:, 2, i)*p(2) + column(:, 3, i)*p(3)
+      do k = 1, self%rank(j)
+        a(self%start(i) + k) = self%r(k, 1, j)*v(1) + self%r(k, 2, j)*v(2) + self%r(k, 3, j)*v(3)
+      end do
+    end do
+  end subroutine fill_column
+
+  !> GMRES with F applied by its own means.
+  subroutine solve_krylov(self, list, w, tolerance, most, traction, steps, residual, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    integer, intent(in) :: list(:)                    !< multipliers to solve for
+    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(in) :: tolerance                 !< relative residual
+    integer, intent(in) :: most                       !< steps at most
+    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    integer, intent(out) :: steps                     !< taken
+    real(dp), intent(out) :: residual                 !< reached
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: y(:)
+    integer :: n
+    call number(self, list)
+    n = self%start(size(self%start))
+    allocate (y(n + self%more))
+    call pack_rows(self)
+    call weigh(self)
+    if (self%more > 0) call eliminate_border(self, error)
+    if (allocated(error)) return
+    call solve_gmres(self, right_side(self, w), tolerance, most, y, steps, residual, error)
+    if (.not. allocated(error)) call enter(self, y, traction)
+  end subroutine solve_krylov
+
+  !> Shares of compliance and law in the preconditioner: squares of those in the diagonal (a fifth fewer steps than the shares
+  !> themselves on meshes with edge cells, a tenth on others).
+  subroutine weigh(self)
+    type(face_system_t), intent(inout) :: self  !< gets share and diagonal
+    real(dp) :: block(3, 3), f, d
+    integer :: i, j, k
+    allocate (self%share(self%start(size(self%start))), self%diagonal(self%start(size(self%start))))
+    do i = 1, size(self%list)
+      j = self%list(i)
+      block = self%compliance%own(j)
+      do k = 1, self%rank(j)
+        f = dot_product(self%r(k, :, j), matmul(block, self%r(k, :, j)))
+        d = max(0._dp, self%d(k, k, j))
+        self%share(self%start(i) + k) = (f/(f + d))**2
+        self%diagonal(self%start(i) + k) = (1 - (f/(f + d))**2)/(f + d)
+      end do
+    end do
+  end subroutine weigh
+
+  !> Rows and columns of the unknowns one behind the other, for fast products.
+  subroutine pack_rows(self)
+    class(face_system_t), intent(inout) :: self  !< gets at, first, rows, columns, law
+    integer :: i, j, k, l, n
+    n = self%start(size(self%start))
+    allocate (self%at(n), self%first(n), self%rows(3, n), self%columns(3, n))
+    allocate (self%law(3, n), source=0._dp)
+    do i = 1, size(self%list)
+      j = self%list(i)
+      do k = 1, self%rank(j)
+        l = self%start(i) + k
+        self%at(l) = j
+        self%first(l) = self%start(i) + 1
+        self%rows(:, l) = self%r(k, :, j)
+        self%columns(:, l) = self%p(:, k, j)
+        self%law(:self%rank(j), l) = self%d(k, :self%rank(j), j)
+      end do
+    end do
+    if (self%more == 0) return
+    allocate (self%right(n, self%more), self%below(n, self%more))
+    do k = 1, self%more
+      do l = 1, n
+        self%right(l, k) = sum(self%rows(:, l)*self%side(:, self%at(l), k))
+        self%below(l, k) = sum(self%columns(:, l)*self%side(:, self%at(l), k))
+      end do
+    end do
+  end subroutine pack_rows
+
+  !> Preconditioner of the border: D less S^T F^-1 S, with the preconditioner of the face for F^-1.
+  subroutine eliminate_border(self, error)
+    class(face_system_t), intent(inout) :: self       !< gets answer, factor
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp) :: matrix(self%more, self%more)
+    integer :: k
+    allocate (self%answer, mold=self%right)
+    allocate (self%factor(self%more, self%more), source=0._dp)
+    do k = 1, self%more
+      call approximate_points(self, self%right(:, k), self%answer(:, k), error)
+      if (allocated(error)) return
+      self%factor(k, k) = 1
+    end do
+    matrix = self%corner - matmul(transpose(self%below), self%answer)
+    call solve_dense(matrix, self%factor, error)
+  end subroutine eliminate_border
+
+  !> y = (R F P + T P / a) x.
+  subroutine multiply_face(self, x, y)
+    class(face_system_t), intent(inout) :: self  !< system
+    real(dp), intent(in) :: x(:)                 !< unknowns [N]
+    real(dp), intent(out) :: y(:)                !< rows [m]
+    integer :: k, l, n
+    n = size(self%at)
+    self%f = 0
+    do l = 1, n
+      self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
+    end do
+    call self%compliance%apply(self%f, self%w)
+    do l = 1, n
+      y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
+      do k = self%first(l), min(self%first(l) + 2, n)
+        y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
+      end do
+    end do
+    if (self%more == 0) return
+    y(:n) = y(:n) + matmul(self%right, x(n + 1:))
+    y(n + 1:) = matmul(x(:n), self%below) + matmul(self%corner, x(n + 1:))
+  end subroutine multiply_face
+
+  !> Block elimination of the border, where there is one.
+  subroutine approximate_face(self, x, y, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    real(dp), intent(in) :: x(:)                      !< rows [m]
+    real(dp), intent(out) :: y(:)                     !< unknowns [N]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: n
+    n = size(self%at)
+    call approximate_points(self, x(:n), y(:n), error)
+    if (self%more == 0 .or. allocated(error)) return
+    y(n + 1:) = matmul(self%factor, x(n + 1:) - matmul(y(:n), self%below))
+    y(:n) = y(:n) - matmul(self%answer, y(n + 1:))
+  end subroutine approximate_face
+
+  !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates.
+  subroutine approximate_points(self, x, y, error)
+    class(face_system_t), intent(inout) :: self       !< system
+    real(dp), intent(in) :: x(:)                      !< rows [m]
+    real(dp), intent(out) :: y(:)                     !< unknowns [N]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    integer :: l
+    self%w = 0
+    do l = 1, size(x)
+      self%w(:, self%at(l)) = self%w(:, self%at(l)) + self%rows(:, l)*(self%share(l)*x(l))
+    end do
+    call self%compliance%precondition(self%w, self%f, error)
+    if (allocated(error)) return
+    do l = 1, size(x)
+      y(l) = self%share(l)*sum(self%rows(:, l)*self%f(:, self%at(l))) + self%diagonal(l)*x(l)
+    end do
+  end subroutine approximate_points
+end module hd_face_system

@@ -1,0 +1,274 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Direct solution of a revolved body by Fourier transform over its sectors.
+!>
+!> The stiffness of equal sectors is a block circulant: it splits into one band matrix of a meridian section per harmonic
+!> k = 0..n/2, each factorised by Cholesky when it is first needed. A sector is its own mirror image, so the amplitudes
+!> (c_r, i c_theta, c_z) exp(i k theta) make these matrices real. Exact to rounding. Fields that repeat after half a turn
+!> (stride 2) need the even harmonics only.
+module hd_harmonics
+  use hd_kinds, only: dp, pi
+  use hd_band, only: factorise_band, solve_band, part_of_inverse
+  use hd_system, only: stop_requested, check_stop
+  use hd_body, only: body_t, sector_stiffness
+  use hd_error, only: error_t
+  use hd_fft, only: fft_plan_t, plan_forward_real, plan_backward_real, execute_forward_real, execute_backward_real, free_plan
+  implicit none
+  private
+  public :: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
+
+  integer, parameter :: long_loop = 100000  !< dofs from which two threads are worth waking
+
+  type :: band_t
+    real(dp), allocatable :: a(:, :)              !< factor (kd + 1, dofs)
+  end type band_t
+
+  type :: harmonics_t
+    integer :: sectors = 0                        !< n
+    integer :: dofs = 0                           !< free dofs of a sector
+    integer :: width = 0                          !< half band width
+    integer, allocatable :: equation(:, :)        !< number of each dof of a sector, 0 where fixed (3, nodes per sector)
+    real(dp), allocatable :: angle(:)             !< of the nodes of the first sector (nodes per sector) [rad]
+    integer, allocatable :: cells(:, :)           !< cells of the first sector
+    real(dp), allocatable :: ke(:, :, :)          !< their stiffness [N/m]
+    real(dp), allocatable :: spring(:, :)         !< springs to the ground of a sector (3, nodes per sector) [N/m]
+    type(band_t), allocatable :: factor(:)        !< by harmonic, 0:n/2
+    integer :: anchor(0:1) = 0                    !< dof that is held in this harmonic alone, 0: none (see hold_loose)
+  end type harmonics_t
+
+contains
+
+  !> Describe a body. `fixed` and `spring` must be the same in every sector.
+  subroutine new_harmonics(body, fixed, spring, harmonics, error)
+    type(body_t), intent(in) :: body                  !< revolved body
+    logical, intent(in) :: fixed(:, :)                !< prescribed dofs of the first sector (3, nodes per sector)
+    real(dp), intent(in) :: spring(:, :)              !< springs to the ground there (3, nodes per sector) [N/m]
+    type(harmonics_t), intent(out) :: harmonics       !< nothing factorised yet
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: a, c, d, i, m
+    m = body%nodes_per_sector
+    harmonics%sectors = body%sectors
+    harmonics%cells = body%cells
+    harmonics%spring = spring
+    harmonics%angle = body%angle(:m)
+    allocate (harmonics%equation(3, m), source=0)
+    do c = 1, size(body%cells, 2)
+      do i = 1, size(body%cells, 1)
+        a = modulo(body%cells(i, c) - 1, m) + 1
+        do d = 1, 3
+          if (fixed(d, a) .or. harmonics%equation(d, a) > 0) cycle
+          harmonics%dofs = harmonics%dofs + 1
+          harmonics%equation(d, a) = harmonics%dofs
+        end do
+      end do
+    end do
+    harmonics%width = band_width(body, harmonics%equation)
+    allocate (harmonics%factor(0:body%sectors/2))
+    call sector_stiffness(body, harmonics%ke, error)
+  end subroutine new_harmonics
+
+  !> Hold a body that may move in its plane, or only turn about the axis: a spring as stiff as the body itself on one
+  !> circumferential amplitude of harmonic 0 and on one radial amplitude of harmonic 1. Under forces in balance these springs carry
+  !> nothing, so
+  !> that displacements are exact up to the rigid motion, which whoever uses them adds (hd_border).
+  subroutine hold_loose(harmonics, turn_only)
+    type(harmonics_t), intent(inout) :: harmonics  !< body, not factorised yet
+    logical, intent(in) :: turn_only               !< it is held in its plane
+    integer :: a
+    do a = 1, size(harmonics%equation, 2)
+      if (all(harmonics%equation(:2, a) > 0)) exit
+    end do
+    harmonics%anchor(0) = harmonics%equation(2, a)
+    if (.not. turn_only) harmonics%anchor(1) = harmonics%equation(1, a)
+  end subroutine hold_loose
+
+  !> Half band width of the folded sector matrix.
+  pure integer function band_width(body, equation) result(width)
+    type(body_t), intent(in) :: body          !< body
+    integer, intent(in) :: equation(:, :)     !< dof numbers of a sector
+    integer :: c, list(size(body%cells, 1))
+    width = 0
+    do c = 1, size(body%cells, 2)
+      list = modulo(body%cells(:, c) - 1, body%nodes_per_sector) + 1
+      if (all(equation(:, list) == 0)) cycle
+      width = max(width, maxval(equation(:, list)) - minval(equation(:, list), mask=equation(:, list) > 0))
+    end do
+  end function band_width
+
+  !> Factorise harmonics 0, stride, 2 stride, ... that are not yet.
+  subroutine factorise_harmonics(harmonics, stride, error)
+    type(harmonics_t), intent(inout) :: harmonics     !< body
+    integer, intent(in) :: stride                     !< 1: all, 2: fields that repeat after half a turn
+    type(error_t), allocatable, intent(out) :: error  !< body not held
+    type(error_t), allocatable :: trouble
+    integer :: k
+    !$omp parallel do schedule(dynamic) private(trouble)
+    do k = 0, harmonics%sectors/2, stride
+      if (allocated(harmonics%factor(k)%a) .or. stop_requested()) cycle
+      call assemble_harmonic(harmonics, k, harmonics%factor(k)%a)
+      call factorise_band(harmonics%factor(k)%a, trouble)
+      if (.not. allocated(trouble)) cycle
+      !$omp critical (harmonic_failed)
+      call move_alloc(trouble, error)
+      !$omp end critical (harmonic_failed)
+    end do
+    if (.not. allocated(error)) call check_stop(error)
+  end subroutine factorise_harmonics
+
+  !> Factor between a dof of the first sector and its real amplitude in a harmonic.
+  elemental complex(dp) function amplitude(k, angle, component) result(d)
+    integer, intent(in) :: k          !< harmonic
+    real(dp), intent(in) :: angle     !< of the node [rad]
+    integer, intent(in) :: component  !< 1 to 3
+    d = exp(cmplx(0, k*angle, dp))
+    if (component == 2) d = d*(0._dp, 1._dp)
+  end function amplitude
+
+  !> Band matrix of one harmonic.
+  subroutine assemble_harmonic(harmonics, k, band)
+    type(harmonics_t), intent(in) :: harmonics        !< body
+    integer, intent(in) :: k                          !< harmonic
+    real(dp), allocatable, intent(out) :: band(:, :)  !< upper band storage (width + 1, dofs)
+    real(dp) :: alpha(size(harmonics%cells, 1)), delta
+    integer :: list(size(harmonics%cells, 1)), a, b, c, i, m
+    m = size(harmonics%equation, 2)
+    allocate (band(harmonics%width + 1, harmonics%dofs), source=0._dp)
+    do c = 1, size(harmonics%cells, 2)
+      list = modulo(harmonics%cells(:, c) - 1, m) + 1
+      alpha = harmonics%angle(list) + merge(2*pi/harmonics%sectors, 0._dp, harmonics%cells(:, c) > m)
+      do b = 1, size(list)
+        do a = 1, size(list)
+          delta = k*(alpha(b) - alpha(a))
+          call add_block(list(a), list(b), cos(delta), sin(delta), harmonics%ke(3*a - 2:3*a, 3*b - 2:3*b, c))
+        end do
+      end do
+    end do
+    do a = 1, m
+      do c = 1, 3
+        i = harmonics%equation(c, a)
+        if (i > 0) band(harmonics%width + 1, i) = band(harmonics%width + 1, i) + harmonics%spring(c, a)
+      end do
+    end do
+    if (k > 1) return
+    i = harmonics%anchor(k)
+    if (i > 0) band(harmonics%width + 1, i) = 2*band(harmonics%width + 1, i)
+  contains
+    !> Add a 3 x 3 block of a cell, folded into the first sector.
+    subroutine add_block(row, column, even, odd, block)
+      integer, intent(in) :: row, column
+      real(dp), intent(in) :: even, odd, block(3, 3)
+      real(dp) :: factor
+      integer :: p, q, r, s
+      do s = 1, 3
+        q = harmonics%equation(s, column)
+        do r = 1, 3
+          p = harmonics%equation(r, row)
+          if (p == 0 .or. q < p) cycle
+          factor = even
+          if (r == 2 .and. s /= 2) factor = odd
+          if (r /= 2 .and. s == 2) factor = -odd
+          band(harmonics%width + 1 + p - q, q) = band(harmonics%width + 1 + p - q, q) + factor*block(r, s)
+        end do
+      end do
+    end subroutine add_block
+  end subroutine assemble_harmonic
+
+  !> Entries of the factors that harmonics 0, stride, ... have or will have.
+  pure real(dp) function harmonic_entries(harmonics, stride) result(entries)
+    type(harmonics_t), intent(in) :: harmonics  !< body
+    integer, intent(in) :: stride               !< 1 or 2
+    entries = real(harmonics%width + 1, dp)*harmonics%dofs*(harmonics%sectors/2/stride + 1)
+  end function harmonic_entries
+
+  !> Displacements under nodal forces; fixed dofs get 0.
+  subroutine solve_body(harmonics, stride, f, u, error)
+    type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
+    integer, intent(in) :: stride                     !< 2: the forces repeat after half a turn
+    real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
+    real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    type(fft_plan_t) :: forward, backward
+    real(dp), allocatable :: field(:), c(:, :)
+    complex(dp), allocatable :: wave(:, :), phase(:)
+    complex(dp) :: factor
+    integer :: a, d, e, k, m, n
+    n = harmonics%sectors/stride
+    m = size(harmonics%equation, 2)
+    allocate (field(n), wave(0:n/2, harmonics%dofs))
+    call plan_forward_real(n, 1, field, wave, forward, error)
+    if (allocated(error)) return
+    call plan_backward_real(n, 1, wave, field, backward, error)
+    if (allocated(error)) return
+    deallocate (field)
+    !$omp parallel private(field, c, phase, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
+    allocate (field(n), c(harmonics%dofs, 2), phase(m))
+    !$omp do schedule(static)
+    do a = 1, m
+      do d = 1, 3
+        e = harmonics%equation(d, a)
+        if (e == 0) cycle
+        field = f(d, a:(n - 1)*m + a:m)
+        call execute_forward_real(forward, field, wave(0, e))
+      end do
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do k = 0, n/2
+      phase = amplitude(k*stride, harmonics%angle, 1)
+      do a = 1, m
+        do d = 1, 3
+          e = harmonics%equation(d, a)
+          if (e == 0) cycle
+          factor = conjg(phase(a))*wave(k, e)
+          if (d == 2) factor = (0._dp, -1._dp)*factor
+          c(e, 1) = real(factor)
+          c(e, 2) = aimag(factor)
+        end do
+      end do
+      call solve_band(harmonics%factor(k*stride)%a, c)
+      do a = 1, m
+        do d = 1, 3
+          e = harmonics%equation(d, a)
+          if (e == 0) cycle
+          factor = phase(a)*cmplx(c(e, 1), c(e, 2), dp)/n
+          if (d == 2) factor = (0._dp, 1._dp)*factor
+          wave(k, e) = factor
+        end do
+      end do
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do a = 1, m
+      do d = 1, 3
+        e = harmonics%equation(d, a)
+        u(d, a::m) = 0
+        if (e == 0) cycle
+        call execute_backward_real(backward, wave(0, e), field)
+        u(d, a:n*m:m) = field
+        if (stride == 2) u(d, n*m + a::m) = field
+      end do
+    end do
+    !$omp end do
+    !$omp end parallel
+    call free_plan(forward)
+    call free_plan(backward)
+  end subroutine solve_body
+
+  !> Compliance of face nodes for one harmonic, between real amplitudes.
+  subroutine face_compliance(harmonics, nodes, k, hat)
+    type(harmonics_t), intent(in) :: harmonics  !< factorised for this harmonic
+    integer, intent(in) :: nodes(:)             !< face nodes of the first sector
+    integer, intent(in) :: k                    !< harmonic
+    real(dp), intent(out) :: hat(:, :)          !< (3 nodes, 3 nodes) [m/N]
+    real(dp), allocatable :: part(:, :)
+    integer, allocatable :: at(:)
+    integer :: eq(3*size(nodes)), dof(0:harmonics%dofs), i
+    eq = reshape(harmonics%equation(:, nodes), [3*size(nodes)])
+    dof = 0
+    dof(eq) = [(i, i=1, size(eq))]
+    at = pack(dof(1:), dof(1:) > 0)
+    allocate (part(size(at), size(at)))
+    call part_of_inverse(harmonics%factor(k)%a, eq(at), part)
+    hat = 0
+    hat(at, at) = part
+  end subroutine face_compliance
+end module hd_harmonics

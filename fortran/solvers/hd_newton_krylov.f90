@@ -1,0 +1,267 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Newton's equations by GMRES around a solver that is cheap but not exact: symmetric factors in double or single precision,
+!> or the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES stalls, the exact factors of
+!> hd_newton_matrix take over for the rest of the run.
+module hd_newton_krylov
+  use hd_kinds, only: dp
+  use hd_error, only: error_t, code_linear_solver
+  use hd_krylov, only: operator_t, solve_gmres
+  use hd_linear_solver, only: linear_solver_t
+  use hd_log, only: say, detail
+  use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
+  use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
+  use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
+  use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
+  use hd_text, only: to_text
+  implicit none
+  private
+  public :: newton_krylov_t, new_newton_krylov
+
+  integer, parameter :: most_steps = 40          !< of GMRES
+  real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
+
+  type, extends(linear_solver_t) :: newton_krylov_t
+    class(linear_solver_t), allocatable :: near        !< the preconditioner
+    type(problem_t), allocatable :: round              !< round bodies with the same nodes, where `near` needs them
+    type(newton_matrix_t), allocatable :: exact        !< takes over where GMRES stalls
+    real(dp), allocatable :: dw(:, :, :), dt(:, :, :)  !< derivatives of the law, as symmetric as the load step
+    type(sharing_t) :: sharing                         !< points whose law counts for others
+  contains
+    procedure :: begin => begin_newton_krylov
+    procedure :: update => update_newton_krylov
+    procedure :: solve => solve_newton_krylov
+    procedure :: release => release_newton_krylov
+  end type newton_krylov_t
+
+  !> Newton's matrix between corrections and residuals, both as (3 n + 3 multipliers), forces in N.
+  type, extends(operator_t) :: newton_operator_t
+    type(problem_t), pointer :: problem => null(), round => null()
+    class(newton_krylov_t), pointer :: solver => null()
+  contains
+    procedure :: multiply => multiply_newton
+    procedure :: approximate => approximate_newton
+  end type newton_operator_t
+
+contains
+
+  !> Put GMRES around a solver.
+  subroutine new_newton_krylov(near, solver)
+    class(linear_solver_t), allocatable, intent(inout) :: near  !< moved away
+    type(newton_krylov_t), intent(inout) :: solver               !< new; `round` may be set
+    call move_alloc(near, solver%near)
+    solver%name = 'GMRES, '//solver%near%name
+    solver%unknowns = solver%near%unknowns
+    solver%own_threads = solver%near%own_threads
+  end subroutine new_newton_krylov
+
+  !> A load step begins.
+  subroutine begin_newton_krylov(self, problem, load, state, error)
+    class(newton_krylov_t), intent(inout) :: self     !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    type(load_t), intent(in) :: load                  !< load at the end of the step
+    type(state_t), intent(in) :: state                !< state at its beginning
+    type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, memory
+    if (allocated(self%exact)) return
+    self%near%most_images = self%most_images
+    self%near%demanded = self%demanded
+    if (allocated(self%round)) then
+      call self%near%begin(self%round, load, state, error)
+    else
+      call self%near%begin(problem, load, state, error)
+    end if
+    self%demanded = self%near%demanded
+    self%symmetry_used = self%near%symmetry_used
+    self%ordering_asked = self%near%ordering_asked
+    self%ordering_used = self%near%ordering_used
+    self%library = self%near%library
+    if (allocated(self%round)) then
+      call share_law(self%round, self%near%symmetry, self%sharing)
+      if (same_shape(self%round, problem, self%near%symmetry)) return
+      self%sharing = sharing_t()
+      self%near%most_images = 1
+      call self%near%begin(self%round, load, state, error)
+      self%symmetry_used = self%near%symmetry_used
+    else
+      call share_law(problem, self%near%symmetry, self%sharing)
+    end if
+  end subroutine begin_newton_krylov
+
+  !> Keep the derivatives, factorise the preconditioner.
+  subroutine update_newton_krylov(self, problem, dw, dt, error)
+    class(newton_krylov_t), intent(inout) :: self     !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: dw(:, :, :)               !< dR/dw (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
+    type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
+    self%dw = dw
+    self%dt = dt
+    call self%sharing%take_law(self%dw, self%dt)
+    if (.not. allocated(self%exact)) then
+      if (allocated(self%round)) then
+        if (self%round%mortar%serial /= problem%mortar%serial) then
+          self%round%mortar = problem%mortar
+          deallocate (self%round%mortar%turn, self%round%mortar%carry, self%round%mortar%offset)
+        end if
+        call self%near%update(self%round, in_rest_frames(problem%mortar, self%dw), in_rest_frames(problem%mortar, self%dt), error)
+      else
+        call self%near%update(problem, self%dw, self%dt, error)
+      end if
+      self%factor_entries = self%near%factor_entries
+      self%flops = self%near%flops
+      if (.not. allocated(error)) return
+      if (error%code /= code_linear_solver) return
+      deallocate (error)
+      call take_exact(self, problem, 'its factors are singular', error)
+    else
+      call self%exact%update(problem, dw, dt, error)
+    end if
+  end subroutine update_newton_krylov
+
+  !> Derivatives by displacements and tractions in the frames of the bodies at rest, which `round` has.
+  pure function in_rest_frames(mortar, d) result(e)
+    type(mortar_t), intent(in) :: mortar  !< present coupling
+    real(dp), intent(in) :: d(:, :, :)    !< in its frames (3, 3, multipliers)
+    real(dp) :: e(3, 3, size(d, 3))
+    integer :: j
+    e = d
+    if (.not. allocated(mortar%turn)) return
+    do j = 1, size(d, 3)
+      e(:, :, j) = matmul(d(:, :, j), mortar%turn(:, :, j))
+    end do
+  end function in_rest_frames
+
+  !> Factorise the matrix as it is, from here on.
+  subroutine take_exact(self, problem, reason, error)
+    class(newton_krylov_t), intent(inout) :: self     !< gets exact
+    type(problem_t), intent(in) :: problem            !< problem
+    character(len=*), intent(in) :: reason            !< for the log
+    type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
+    call say('solver    '//trim(self%name)//': '//reason//'; exact factors in double precision from here on')
+    call self%near%release()
+    self%sharing = sharing_t()
+    if (allocated(self%round)) deallocate (self%round)
+    allocate (self%exact)
+    call lay_out_newton_matrix(problem, self%exact, error)
+    if (.not. allocated(error)) call self%exact%update(problem, self%dw, self%dt, error)
+    self%name = self%exact%name
+    self%factor_entries = self%exact%factor_entries
+    self%flops = self%exact%flops
+    self%symmetry_used = 'full'
+  end subroutine take_exact
+
+  !> Newton correction.
+  subroutine solve_newton_krylov(self, problem, r_u, r_c, du, dtraction, error)
+    class(newton_krylov_t), intent(inout) :: self     !< updated solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
+    real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< solver failure
+    real(dp) :: residual
+    if (.not. allocated(self%exact)) then
+      call run_gmres(self, problem, r_u, r_c, du, dtraction, residual, error)
+      if (allocated(error) .or. residual <= max(stalled, self%accuracy)) return
+      call take_exact(self, problem, 'GMRES stalls at '//to_text(residual), error)
+      if (allocated(error)) return
+    end if
+    call self%exact%solve(problem, r_u, r_c, du, dtraction, error)
+  end subroutine solve_newton_krylov
+
+  !> GMRES to the accuracy asked for.
+  subroutine run_gmres(self, problem, r_u, r_c, du, dtraction, residual, error)
+    class(newton_krylov_t), intent(inout), target :: self     !< updated solver
+    type(problem_t), intent(in), target :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :), r_c(:, :)              !< residuals
+    real(dp), intent(out) :: du(:, :), dtraction(:, :)        !< correction
+    real(dp), intent(out) :: residual                         !< left, relative
+    type(error_t), allocatable, intent(out) :: error          !< solver failure
+    type(newton_operator_t) :: op
+    real(dp), allocatable :: b(:), x(:)
+    integer :: steps
+    op%problem => problem
+    op%round => problem
+    if (allocated(self%round)) op%round => self%round
+    op%solver => self
+    allocate (b(size(r_u) + size(r_c)), x(size(r_u) + size(r_c)))
+    du = -r_u
+    dtraction = -r_c
+    if (allocated(self%sharing%representative)) then
+      call symmetrise(op%round, self%near%symmetry, du)
+      dtraction = dtraction(:, self%sharing%representative)*self%sharing%sign
+    end if
+    call pack_residual(problem, du, dtraction, b)
+    self%near%accuracy = 1e-3_dp  ! 1e-2 takes twice the steps, 1e-4 no fewer
+    call solve_gmres(op, b, self%accuracy, most_steps, x, steps, residual, error, flexible=.true.)
+    self%inner = self%inner + steps
+    call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
+    call unpack_correction(x, du, dtraction)
+  end subroutine run_gmres
+
+  !> One vector of residuals: forces, and the law times area; nothing at prescribed dofs.
+  pure subroutine pack_residual(problem, r_u, r_c, x)
+    type(problem_t), intent(in) :: problem         !< problem
+    real(dp), intent(in) :: r_u(:, :), r_c(:, :)   !< [N], [Pa]
+    real(dp), intent(out) :: x(:)                  !< [N]
+    x(:size(r_u)) = pack(merge(0._dp, r_u, problem%fixed), .true.)
+    x(size(r_u) + 1:) = pack(spread(max(problem%mortar%area, tiny(1._dp)), 1, 3)*r_c, .true.)
+  end subroutine pack_residual
+
+  !> Displacements and tractions of a vector.
+  pure subroutine unpack_correction(x, u, t)
+    real(dp), intent(in) :: x(:)                       !< vector
+    real(dp), intent(out) :: u(:, :), t(:, :)          !< [m], [Pa]
+    u = reshape(x(:size(u)), shape(u))
+    t = reshape(x(size(u) + 1:), shape(t))
+  end subroutine unpack_correction
+
+  !> y = Newton's matrix times x.
+  subroutine multiply_newton(self, x, y)
+    class(newton_operator_t), intent(inout) :: self  !< operator
+    real(dp), intent(in) :: x(:)                     !< correction
+    real(dp), intent(out) :: y(:)                    !< residual
+    real(dp), allocatable :: u(:, :), t(:, :), f(:, :), w(:, :)
+    integer :: j
+    associate (p => self%problem, s => self%solver)
+      allocate (u(3, p%n), t(3, p%mortar%n), f(3, p%n))
+      call unpack_correction(x, u, t)
+      f = 0
+      call add_nodal_forces(p%mortar, t, f)
+      f = apply_stiffness(p, u) - f
+      w = relative_displacement(p%mortar, u)
+      do j = 1, p%mortar%n
+        w(:, j) = matmul(s%dw(:, :, j), w(:, j)) + matmul(s%dt(:, :, j), t(:, j))
+      end do
+      call pack_residual(p, f, w, y)
+    end associate
+  end subroutine multiply_newton
+
+  !> y near the correction that leaves x.
+  subroutine approximate_newton(self, x, y, error)
+    class(newton_operator_t), intent(inout) :: self   !< operator
+    real(dp), intent(in) :: x(:)                      !< residual
+    real(dp), intent(out) :: y(:)                     !< correction
+    type(error_t), allocatable, intent(out) :: error  !< solver failure
+    real(dp), allocatable :: r_u(:, :), r_c(:, :), u(:, :), t(:, :)
+    integer :: j
+    associate (p => self%problem)
+      allocate (r_u(3, p%n), r_c(3, p%mortar%n), u(3, p%n), t(3, p%mortar%n))
+      call unpack_correction(-x, r_u, r_c)
+      r_c = r_c/spread(max(p%mortar%area, tiny(1._dp)), 1, 3)
+      call self%solver%near%solve(self%round, r_u, r_c, u, t, error)
+      if (allocated(self%solver%round) .and. allocated(p%mortar%turn)) then
+        do j = 1, p%mortar%n
+          t(:, j) = matmul(p%mortar%turn(:, :, j), t(:, j))
+        end do
+      end if
+      y = [reshape(u, [size(u)]), reshape(t, [size(t)])]
+    end associate
+  end subroutine approximate_newton
+
+  !> Give back all memory.
+  subroutine release_newton_krylov(self)
+    class(newton_krylov_t), intent(inout) :: self  !< solver
+    if (allocated(self%near)) call self%near%release()
+    if (allocated(self%exact)) call self%exact%release()
+  end subroutine release_newton_krylov
+end module hd_newton_krylov

@@ -1,0 +1,201 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Power of a map over rings of frequency, as a likelihood takes it: periodogram under a taper, modes of equal frequency together.
+!> Modes on both axes of the frequency plane are left out: there lies what leaks from long waves, and what offsets of single rows
+!> (jitter of an instrument) and straight steps (stitching) add. A single row has no second axis and loses nothing.
+module hd_ring_table
+  use hd_kinds, only: dp, pi
+  use hd_error, only: error_t
+  use hd_fft, only: forward_real_2d, forward_real
+  implicit none
+  private
+  public :: ring_table_t, new_ring_table, taper, axis_width, reach, per_bin
+
+  integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
+  integer, parameter :: reach = 3             !< of the taper's kernel [modes]
+  integer, parameter :: per_bin = 4           !< its points per mode
+  real(dp), parameter :: growth = 1.06_dp     !< of the rings
+  real(dp), parameter :: low_end = 14         !< below this number of waves per side modes are kept one by one
+
+  !> Rings of a map or of a line.
+  type :: ring_table_t
+    integer :: dim = 2                        !< 1: a single row
+    real(dp) :: step(2) = 0, side(2) = 0      !< spacing, and number of points times spacing [m]
+    real(dp) :: nyquist = 0                   !< highest frequency of all directions [1/m]
+    real(dp) :: df = 0                        !< one wave along the shorter side [1/m]
+    real(dp) :: kappa = 1                     !< modes per independent mode under the taper
+    real(dp), allocatable :: f(:)             !< frequency, geometric mean of the modes [1/m]
+    real(dp), allocatable :: p(:)             !< mean power per area (line: length) of the frequency plane [m^4] ([m^3])
+    real(dp), allocatable :: m(:)             !< number of modes
+    real(dp), allocatable :: width2(:)        !< mean square of ln f about the ring's
+    real(dp), allocatable :: scatter(:)       !< mean square of the modes' power over square of its mean; 2 of a Gaussian field
+    real(dp) :: axis(2) = 1                   !< power of waves along x and y alone, over that of their rings
+    integer, allocatable :: kx(:), ky(:), ring(:) !< modes of low frequency and their rings
+    real(dp), allocatable :: kernel(:, :)     !< power of the taper at 1/per_bin modes about 0, along x and y; sums are 1
+  end type ring_table_t
+
+contains
+
+  !> Cosine taper over half of the points (Tukey).
+  pure function taper(n) result(w)
+    integer, intent(in) :: n    !< points
+    real(dp) :: w(n)
+    integer :: i
+    w = [(min(i - 0.5_dp, n - i + 0.5_dp) / n, i=1, n)]
+    w = merge(0.5_dp - 0.5_dp * cos(4 * pi * w), 1._dp, w < 0.25_dp)
+  end function taper
+
+  !> Rings of a levelled map without holes.
+  subroutine new_ring_table(z, dx, dy, t, error)
+    real(dp), intent(in), contiguous :: z(:, :)       !< heights (nx, ny) [m]
+    real(dp), intent(in) :: dx, dy                    !< spacing [m]
+    type(ring_table_t), intent(out) :: t              !< rings
+    type(error_t), allocatable, intent(out) :: error  !< no memory
+    real(dp), allocatable :: flat(:, :), edge(:), power(:, :), wx(:), wy(:)
+    complex(dp), allocatable :: s(:, :)
+    integer :: nx, ny
+    nx = size(z, 1)
+    ny = size(z, 2)
+    t%dim = merge(1, 2, ny == 1)
+    t%step = [dx, dy]
+    t%side = [nx * dx, ny * dy]
+    t%nyquist = 0.5_dp / dx
+    t%df = 1 / t%side(1)
+    wx = taper(nx)
+    wy = [1._dp]
+    if (t%dim == 2) then
+      wy = taper(ny)
+      t%nyquist = min(t%nyquist, 0.5_dp / dy)
+      t%df = 1 / minval(t%side)
+    end if
+    allocate (t%kernel(-reach * per_bin:reach * per_bin, 2), source=1._dp)
+    t%kernel(:, 1) = kernel_of(wx)
+    if (t%dim == 2) t%kernel(:, 2) = kernel_of(wy)
+    t%kappa = nx * sum(wx**4) / sum(wx**2)**2 * ny * sum(wy**4) / sum(wy**2)**2
+    flat = z * spread(wx, 2, ny) * spread(wy, 1, nx)
+    allocate (s(nx / 2 + 1, ny))
+    if (t%dim == 2) then
+      call forward_real_2d(flat, s, error)
+    else
+      call forward_real(flat, s, error)
+    end if
+    if (allocated(error)) return
+    power = (real(s)**2 + aimag(s)**2) * (dx * merge(dy, 1._dp, t%dim == 2) / (sum(wx**2) * sum(wy**2)))
+    edge = edges(t)
+    call collect(t, power, edge)
+  end subroutine new_ring_table
+
+  !> Power of a taper's transform about frequency 0.
+  pure function kernel_of(w) result(k)
+    real(dp), intent(in) :: w(:)      !< taper
+    real(dp) :: k(2 * reach * per_bin + 1), turn
+    integer :: i, j
+    do i = 1, size(k)
+      turn = 2 * pi * (i - 1 - reach * per_bin) / (real(per_bin, dp) * size(w))
+      k(i) = sum(w * cos(turn * [(j, j=1, size(w))]))**2 + sum(w * sin(turn * [(j, j=1, size(w))]))**2
+    end do
+    k = k / sum(k)
+  end function kernel_of
+
+  !> Edges of the rings [1/m]: from three and a half waves, at least one and a half modes wide (line: four), growing by 6 %.
+  pure function edges(t) result(e)
+    type(ring_table_t), intent(in) :: t   !< sizes
+    real(dp), allocatable :: e(:)
+    real(dp) :: at
+    e = [3.5_dp * t%df]
+    at = e(1)
+    do while (at < 0.985_dp * t%nyquist)
+      at = min(max(at * growth, at + merge(4._dp, 1.5_dp, t%dim == 1) * t%df), 0.985_dp * t%nyquist)
+      e = [e, at]
+    end do
+  end function edges
+
+  !> Sum modes into rings; those of less than four modes are dropped.
+  subroutine collect(t, power, edge)
+    type(ring_table_t), intent(inout) :: t    !< rings
+    real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
+    real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
+    real(dp), dimension(size(edge) - 1) :: m, p, p2, l, l2
+    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low, on_axis(2)
+    real(dp) :: f
+    m = 0; p = 0; p2 = 0; l = 0; l2 = 0
+    do pass = 1, 2
+      low = 0
+      do j = 1, size(power, 2)
+        ky = merge(j - 1, j - 1 - size(power, 2), j - 1 <= size(power, 2) / 2)
+        do i = 1, size(power, 1)
+          kx = i - 1
+          if (kx < axis_width .or. (t%dim == 2 .and. abs(ky) < axis_width)) cycle
+          f = hypot(kx / t%side(1), merge(ky / t%side(2), 0._dp, t%dim == 2))
+          if (f >= edge(size(edge)) .or. f < edge(1)) cycle
+          r = ring_of(f)
+          if (pass == 1) then
+            m(r) = m(r) + 1
+            p(r) = p(r) + power(i, j)
+            p2(r) = p2(r) + power(i, j)**2
+            l(r) = l(r) + log(f)
+            l2(r) = l2(r) + log(f)**2
+          else if (m(r) >= 4 .and. t%f(place(r)) < low_end * t%df) then
+            low = low + 1
+            t%kx(low) = kx
+            t%ky(low) = ky
+            t%ring(low) = place(r)
+          end if
+        end do
+      end do
+      if (pass == 2) exit
+      r = 0
+      place = 0
+      do i = 1, size(m)
+        if (m(i) < 4) cycle
+        r = r + 1
+        place(i) = r
+      end do
+      t%m = pack(m, m >= 4)
+      t%p = pack(p / max(m, 1._dp), m >= 4)
+      t%scatter = pack(p2 * max(m, 1._dp) / max(p, tiny(1._dp))**2, m >= 4)
+      t%f = pack(exp(l / max(m, 1._dp)), m >= 4)
+      t%width2 = max(pack(l2 / max(m, 1._dp) - (l / max(m, 1._dp))**2, m >= 4), 0._dp)
+      low = nint(sum(t%m, t%f < low_end * t%df))
+      allocate (t%kx(low), t%ky(low), t%ring(low))
+    end do
+    if (t%dim == 1) return
+    t%axis = 0
+    on_axis = 0
+    do i = 5, size(power, 1)
+      call add_axis(1, (i - 1) / t%side(1), power(i, 1))
+    end do
+    do j = 5, size(power, 2) / 2
+      call add_axis(2, (j - 1) / t%side(2), power(1, j))
+    end do
+    t%axis = t%axis / max(on_axis, 1)
+  contains
+    !> Ring of a frequency.
+    pure integer function ring_of(f)
+      real(dp), intent(in) :: f     !< frequency [1/m]
+      integer :: a, b
+      ring_of = 1
+      b = size(edge)
+      do while (b - ring_of > 1)
+        a = (ring_of + b) / 2
+        if (f >= edge(a)) then
+          ring_of = a
+        else
+          b = a
+        end if
+      end do
+    end function ring_of
+
+    !> One mode on an axis beside its ring.
+    subroutine add_axis(k, f, value)
+      integer, intent(in) :: k            !< axis
+      real(dp), intent(in) :: f, value    !< frequency, power
+      integer :: q
+      if (f < edge(1) .or. f >= edge(size(edge))) return
+      q = place(ring_of(f))
+      if (q == 0) return
+      if (.not. t%p(q) > 0) return
+      t%axis(k) = t%axis(k) + value / t%p(q)
+      on_axis(k) = on_axis(k) + 1
+    end subroutine add_axis
+  end subroutine collect
+end module hd_ring_table

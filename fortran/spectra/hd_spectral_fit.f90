@@ -1,0 +1,391 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Fit of D and G to the power over rings of frequency, told nothing: slope, amplitude, a Gaussian probe, what folds back from
+!> beyond the grid, and white noise. Likelihood of independent exponential modes (Whittle); intervals by the profile of the
+!> likelihood, so they lie within the range of D, hold the estimate and are as wide as the data cannot tell.
+module hd_spectral_fit
+  use hd_kinds, only: dp, pi
+  use hd_error, only: error_t, raise, code_input
+  use hd_ring_table, only: ring_table_t
+  use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of
+  implicit none
+  private
+  public :: spectral_fit_t, fit_spectrum
+
+  real(dp), parameter :: quantile = 3.841459_dp         !< of chi^2, one degree of freedom, 95 %
+  real(dp), parameter :: tops(11) = [0.98_dp, 0.83_dp, 0.7_dp, 0.6_dp, 0.5_dp, 0.42_dp, 0.35_dp, 0.28_dp, 0.22_dp, 0.17_dp, 0.13_dp]
+  real(dp), parameter :: feet(5) = [3.5_dp, 6._dp, 9._dp, 14._dp, 22._dp]
+  real(dp), parameter :: shortest_window = 3            !< highest over lowest frequency
+  real(dp), parameter :: excused = 0.02_dp              !< rms departure from the model that no test is asked about
+  integer, parameter :: fine = 7, coarse = 3            !< passes of the search over probe and share
+
+  !> One point of the likelihood.
+  type :: point_t
+    real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], share that folds back
+    real(dp) :: deviance = huge(0._dp)                      !< twice the ln likelihood below that of the data themselves
+  end type point_t
+
+  !> What a search leaves alone.
+  type :: fixed_t
+    real(dp) :: noise = -1                    !< rms [m]; negative: free
+    logical :: sharp = .false.                !< the probe is a point
+    real(dp) :: fold = -1                     !< share of finer detail; negative: free
+  end type fixed_t
+
+  !> What was found.
+  type :: spectral_fit_t
+    real(dp) :: d = 0, ln_g = 0               !< D, ln (G / 1 m)
+    real(dp) :: interval(2, 2) = 0            !< 95 % (low and high; D, ln G) with misfit
+    real(dp) :: sampling(2, 2) = 0            !< of sampling alone
+    real(dp) :: cov(2, 2) = 0                 !< of D and ln G, from the interval and the ridge of the likelihood
+    real(dp) :: probe = 0                     !< sigma of the Gaussian probe [m]
+    real(dp) :: noise_variance = 0            !< white noise [m^2]
+    real(dp) :: fold = 0                      !< share of finer detail that folds back
+    real(dp) :: f_lo = 0, f_hi = 0            !< window [1/m]
+    real(dp) :: deviance = 0                  !< goodness of fit
+    integer :: freedom = 0                    !< its degrees of freedom
+    real(dp) :: misfit = 0                    !< rms of ln power that the model is off by
+    logical :: accepted = .false.             !< the window's misfit is within chance (one in a thousand) or 2 %
+    real(dp) :: scatter = 1                   !< of single modes about their ring; 1 of a Gaussian isotropic field
+    real(dp), allocatable :: model(:)         !< expected power of the rings of the window
+    integer :: first = 0, last = 0            !< rings of the window
+  end type spectral_fit_t
+
+contains
+
+  !> Fit the widest window of frequencies that the model describes: among all from 3.5 waves per side to Nyquist's frequency.
+  subroutine fit_spectrum(t, noise, r, error, from, to)
+    type(ring_table_t), intent(in) :: t               !< rings
+    real(dp), intent(in) :: noise                     !< known noise, rms [m]; negative: fitted
+    type(spectral_fit_t), intent(out) :: r            !< result
+    type(error_t), allocatable, intent(out) :: error  !< too few rings
+    real(dp), intent(in), optional :: from, to        !< window that is wanted [1/m]
+    type(spectral_model_t) :: m
+    type(spectral_fit_t) :: trial
+    type(fixed_t) :: fixed
+    type(point_t) :: best, b
+    real(dp) :: widths(size(feet), size(tops))
+    integer :: i, j, k, at(2), top
+    fixed%noise = noise
+    top = 1
+    if (size(t%f) < 6) then
+      call raise(error, code_input, 'the map is too small for a spectrum: six rings of four modes are needed, about 24 x 24 '// &
+        'points (a line: 64)')
+      return
+    end if
+    m = new_spectral_model(t)
+    do j = 1, size(tops)
+      do i = 1, size(feet)
+        widths(i, j) = tops(j) * t%nyquist / (feet(i) * t%df)
+      end do
+    end do
+    do k = 1, size(widths)
+      at = maxloc(widths)
+      if (present(from) .and. present(to)) then
+        call window(t, from, to, trial)
+      else
+        if (widths(at(1), at(2)) < shortest_window .and. k > 1) exit
+        widths(at(1), at(2)) = 0
+        call window(t, feet(at(1)) * t%df, tops(at(2)) * t%nyquist, trial)
+      end if
+      if (trial%last - trial%first < 5) cycle
+      b = most_likely(t, m, trial, fixed, coarse)
+      call judge(t, b, trial, noise)
+      if (r%last == 0 .or. trial%accepted .or. (trial%misfit < 0.7_dp * r%misfit .and. .not. r%accepted)) then
+        r = trial
+        best = b
+        top = at(2)
+      end if
+      if (trial%accepted .or. present(from)) exit
+    end do
+    if (r%last == 0) then
+      call raise(error, code_input, 'the window holds less than six rings of the spectrum')
+      return
+    end if
+    if (top > 1 .and. top < size(tops) .and. r%accepted .and. .not. present(from)) then
+      call window(t, r%f_lo, tops(top + 1) * t%nyquist, trial)      ! what lies beside a cliff is blurred by it
+      if (trial%last - trial%first >= 5) r = trial
+    end if
+    best = most_likely(t, m, r, fixed, fine)
+    call judge(t, best, r, noise)
+    call complete(t, m, best, fixed, r)
+  end subroutine fit_spectrum
+
+  !> The simplest explanation: of all with and without noise, probe and finer detail, the least deviance plus 2 for each that is
+  !> there (Akaike). An estimate that leaves them free is off where they are absent, for none can be negative.
+  function simplest(t, m, r, fixed) result(best)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    type(spectral_fit_t), intent(in) :: r     !< window
+    type(fixed_t), intent(in) :: fixed        !< what is known
+    type(point_t) :: best, b
+    type(fixed_t) :: some
+    real(dp) :: cost, least
+    integer :: i, j, k
+    least = huge(least)
+    do k = 0, 1
+      do j = 0, 1
+        do i = 0, 2
+          if (fixed%noise >= 0 .and. j > 0) cycle
+          some = fixed_t(fixed%noise, k == 0, 0.5_dp * i)
+          if (fixed%noise < 0 .and. j == 0) some%noise = 0
+          b = most_likely(t, m, r, some, fine)
+          cost = b%deviance + 2 * (j + k)
+          if (cost < least) best = b
+          least = min(cost, least)
+        end do
+      end do
+    end do
+  end function simplest
+
+  !> Rings between two frequencies.
+  subroutine window(t, lo, hi, r)
+    type(ring_table_t), intent(in) :: t       !< rings
+    real(dp), intent(in) :: lo, hi            !< frequencies [1/m]
+    type(spectral_fit_t), intent(out) :: r    !< window set
+    r%first = count(t%f < lo) + 1
+    r%last = count(t%f <= hi)
+    if (r%last < r%first) return
+    r%f_lo = t%f(r%first)
+    r%f_hi = t%f(r%last)
+  end subroutine window
+
+  !> The most likely point: over slopes on a grid that closes in, all else at its best.
+  function most_likely(t, m, r, fixed, passes) result(best)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    type(spectral_fit_t), intent(in) :: r     !< window
+    type(fixed_t), intent(in) :: fixed        !< what is known
+    integer, intent(in) :: passes             !< of the inner search
+    type(point_t) :: best, x(17)
+    real(dp) :: low, high
+    integer :: i, pass, k
+    low = m%n_low
+    high = m%n_high
+    do pass = 1, merge(2, 5, passes <= coarse)
+      !$omp parallel do schedule(dynamic)
+      do i = 1, 17
+        x(i) = best_at(t, m, r, fixed, passes, low + (i - 1) * (high - low) / 16)
+      end do
+      k = minloc(x%deviance, 1)
+      if (x(k)%deviance < best%deviance .or. pass == 1) best = x(k)
+      low = max(m%n_low, best%n - (high - low) / 16)
+      high = min(m%n_high, 2 * best%n - low)
+    end do
+  end function most_likely
+
+  !> The most likely point at one slope: probe and share on grids that close in, amplitude and noise solved for.
+  pure type(point_t) function best_at(t, m, r, fixed, passes, n) result(best)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    type(spectral_fit_t), intent(in) :: r     !< window
+    type(fixed_t), intent(in) :: fixed        !< what is known
+    integer, intent(in) :: passes             !< how often the grid closes in
+    real(dp), intent(in) :: n                 !< slope
+    type(slope_t) :: s
+    type(point_t) :: x
+    real(dp), dimension(r%last - r%first + 1) :: straight, folded
+    real(dp) :: most, low, high, left, right
+    integer :: pass, i, j
+    s = at_slope(m, n)
+    most = merge(0._dp, min(4 * m%spacing, 8 / (2 * pi * t%f(r%last))), fixed%sharp)
+    low = 0
+    high = most
+    left = max(fixed%fold, 0._dp)
+    right = merge(fixed%fold, 1._dp, fixed%fold >= 0)
+    do pass = 1, passes
+      do i = 0, 10
+        x%sigma = low + i * (high - low) / 10
+        call power_of(m, s, x%sigma, r%first, r%last, straight, folded)
+        do j = 0, 2
+          x%alpha = left + j * (right - left) / 2
+          call solve(t%p(r%first:r%last), t%m(r%first:r%last) / t%kappa, straight + x%alpha * folded, &
+            noise_power(t, fixed%noise), x)
+          if (x%deviance < best%deviance) best = x
+          if (maxval(folded / straight) < 1e-3_dp .or. left == right) exit
+        end do
+        if (fixed%sharp) exit
+      end do
+      if (fixed%sharp .and. fixed%fold >= 0) exit
+      high = 1.3_dp * (high - low) / 10
+      low = max(0._dp, best%sigma - high)
+      high = min(most, best%sigma + high)
+      if (fixed%fold >= 0) cycle
+      right = 0.6_dp * (right - left)
+      left = max(0._dp, best%alpha - 0.5_dp * right)
+      right = min(1._dp, left + right)
+    end do
+    best%n = n
+  end function best_at
+
+  !> Power of known noise per area of the frequency plane; negative if not known.
+  pure real(dp) function noise_power(t, noise)
+    type(ring_table_t), intent(in) :: t       !< rings
+    real(dp), intent(in) :: noise             !< rms [m]
+    noise_power = -1
+    if (noise >= 0) noise_power = noise**2 * t%step(1) * merge(t%step(2), 1._dp, t%dim == 2)
+  end function noise_power
+
+  !> Amplitude and noise, neither negative, of least deviance for a given shape: weighted least squares again and again.
+  pure subroutine solve(p, m, x, known, b)
+    real(dp), intent(in) :: p(:), m(:)        !< power, independent modes of the rings
+    real(dp), intent(in) :: x(:)              !< shape
+    real(dp), intent(in) :: known             !< noise power, or negative
+    type(point_t), intent(inout) :: b         !< a, v and deviance are set
+    real(dp) :: a, v, w(size(p)), xx, x1, one, px, p1, det, deviance, old
+    integer :: i
+    b%v = max(known, 0._dp)
+    b%a = sum(m * p / x) / sum(m)
+    if (known <= 0) b%deviance = deviance_of(p, m, b%a * x)
+    if (known == 0) return
+    if (known < 0) v = 0.5_dp * minval(p)
+    if (known > 0) v = known
+    a = max(sum(m * max(p - v, 0.05_dp * p) / x) / sum(m), tiny(a))
+    if (known > 0) b%deviance = huge(a)
+    old = huge(a)
+    do i = 1, 14
+      w = m / (a * x + v)**2
+      xx = sum(w * x * x)
+      px = sum(w * x * p)
+      x1 = sum(w * x)
+      one = sum(w)
+      p1 = sum(w * p)
+      if (known > 0) then
+        a = min(max((px - v * x1) / xx, 0.2_dp * a), 5 * a)
+      else
+        det = xx * one - x1**2
+        if (.not. det > 1e-14_dp * xx * one) exit
+        a = min(max((one * px - x1 * p1) / det, 0.2_dp * a), 5 * a)
+        v = min(max((xx * p1 - x1 * px) / det, 0.2_dp * v), 5 * v)
+      end if
+      deviance = deviance_of(p, m, a * x + v)
+      if (deviance < b%deviance) then
+        b%a = a
+        b%v = v
+        b%deviance = deviance
+      end if
+      if (abs(deviance - old) < 1e-7_dp * (1 + deviance)) exit
+      old = deviance
+    end do
+  end subroutine solve
+
+  !> Twice the ln likelihood that an expectation loses against the data themselves.
+  pure real(dp) function deviance_of(p, m, e)
+    real(dp), intent(in) :: p(:), m(:), e(:)  !< power, independent modes, expectation
+    deviance_of = 2 * sum(m * (p / e - 1 - log(p / e)))
+  end function deviance_of
+
+  !> Goodness of fit of a window.
+  subroutine judge(t, b, r, noise)
+    type(ring_table_t), intent(in) :: t           !< rings
+    type(point_t), intent(in) :: b                !< most likely point
+    type(spectral_fit_t), intent(inout) :: r      !< window
+    real(dp), intent(in) :: noise                 !< known noise or negative
+    real(dp) :: more
+    r%deviance = b%deviance
+    r%freedom = max(1, r%last - r%first + 1 - merge(4, 3, noise < 0))
+    more = r%deviance - r%freedom
+    r%misfit = sqrt(max(0._dp, more) / (sum(t%m(r%first:r%last)) / t%kappa))
+    ! chi^2 is exceeded once in a thousand (Wilson and Hilferty)
+    r%accepted = r%misfit < excused .or. r%deviance < r%freedom * (1 - 2 / (9._dp * r%freedom) + 3.09_dp * &
+      sqrt(2 / (9._dp * r%freedom)))**3
+  end subroutine judge
+
+  !> Estimates and intervals.
+  subroutine complete(t, m, b, fixed, r)
+    type(ring_table_t), intent(in) :: t           !< rings
+    type(spectral_model_t), intent(in) :: m       !< tables
+    type(point_t), intent(in) :: b                !< most likely point
+    type(fixed_t), intent(in) :: fixed            !< what is known
+    type(spectral_fit_t), intent(inout) :: r      !< result
+    real(dp), dimension(r%last - r%first + 1) :: straight, folded
+    real(dp) :: more, variance, bend
+    type(point_t) :: c
+    c = simplest(t, m, r, fixed)
+    r%d = d_of(t, c%n)
+    r%ln_g = ln_g_of(t, c%n, log(c%a))
+    r%probe = c%sigma
+    r%fold = c%alpha
+    r%noise_variance = c%v / (t%step(1) * merge(t%step(2), 1._dp, t%dim == 2))
+    call power_of(m, at_slope(m, c%n), c%sigma, r%first, r%last, straight, folded)
+    r%model = c%a * (straight + c%alpha * folded) + c%v
+    r%scatter = sum(t%m(r%first:r%last) * (t%scatter(r%first:r%last) - 1)) / sum(t%m(r%first:r%last))
+    more = max(1._dp, r%deviance / r%freedom) * max(1._dp, r%scatter)
+    call profile(t, m, b, fixed, r, quantile, r%sampling, bend)
+    r%interval = r%sampling
+    if (more > 1) call profile(t, m, b, fixed, r, quantile * more, r%interval, bend)
+    r%sampling = reshape([min(r%sampling(1, 1), r%d), max(r%sampling(2, 1), r%d), min(r%sampling(1, 2), r%ln_g), &
+      max(r%sampling(2, 2), r%ln_g)], [2, 2])
+    r%interval = reshape([min(r%interval(1, :), r%sampling(1, :)), max(r%interval(2, :), r%sampling(2, :))], [2, 2], order=[2, 1])
+    variance = ((r%interval(2, 1) - r%interval(1, 1)) / (2 * sqrt(quantile)))**2
+    r%cov = variance * reshape([1._dp, bend, bend, bend**2], [2, 2])
+    r%cov(2, 2) = r%cov(2, 2) + more * t%kappa / sum(t%m(r%first:r%last)) / (2 * (r%d - 2))**2
+  end subroutine complete
+
+  !> Slopes whose deviance is within a limit of the least, and the range of ln G along them.
+  subroutine profile(t, m, b, fixed, r, limit, x, bend)
+    type(ring_table_t), intent(in) :: t           !< rings
+    type(spectral_model_t), intent(in) :: m       !< tables
+    type(point_t), intent(in) :: b                !< most likely point
+    type(fixed_t), intent(in) :: fixed            !< what is known
+    type(spectral_fit_t), intent(in) :: r         !< window
+    real(dp), intent(in) :: limit                 !< of the deviance above the least
+    real(dp), intent(out) :: x(2, 2)              !< low and high of D and ln G
+    real(dp), intent(out) :: bend                 !< change of ln G with D along the profile
+    integer, parameter :: count_of = 12
+    type(point_t) :: p
+    real(dp) :: bound(2), in, out, room, each, lng, d(count_of + 1), g(count_of + 1)
+    integer :: side, i
+    do side = 1, 2
+      in = b%n
+      out = b%n
+      do i = 0, 12                                ! outwards until outside
+        out = b%n + (2 * side - 3) * 0.01_dp * 2**i
+        out = min(max(out, m%n_low), m%n_high)
+        p = best_at(t, m, r, fixed, fine, out)
+        if (p%deviance - b%deviance > limit .or. out <= m%n_low .or. out >= m%n_high) exit
+        in = out
+      end do
+      if (p%deviance - b%deviance > limit) then
+        do i = 1, 9
+          p = best_at(t, m, r, fixed, fine, 0.5_dp * (in + out))
+          if (p%deviance - b%deviance > limit) then
+            out = 0.5_dp * (in + out)
+          else
+            in = 0.5_dp * (in + out)
+          end if
+        end do
+        bound(side) = 0.5_dp * (in + out)
+      else
+        bound(side) = out
+      end if
+    end do
+    x(:, 1) = [d_of(t, bound(2)), d_of(t, bound(1))]
+    x(:, 2) = r%ln_g
+    each = t%kappa / sum(t%m(r%first:r%last))
+    do i = 1, count_of + 1
+      p = best_at(t, m, r, fixed, fine, bound(1) + (i - 1) * (bound(2) - bound(1)) / count_of)
+      d(i) = d_of(t, p%n)
+      lng = ln_g_of(t, p%n, log(p%a))
+      g(i) = lng
+      room = sqrt(max(0._dp, limit - max(0._dp, p%deviance - b%deviance)) * each) / (2 * (d(i) - 2))
+      x(1, 2) = min(x(1, 2), lng - room)
+      x(2, 2) = max(x(2, 2), lng + room)
+    end do
+    d = d - sum(d) / size(d)
+    bend = sum(d * g) / max(sum(d**2), tiny(bend))
+  end subroutine profile
+
+  !> D of a slope: the density of a map falls as f^-(8 - 2D), of a line as f^-(7 - 2D).
+  pure real(dp) function d_of(t, n)
+    type(ring_table_t), intent(in) :: t     !< rings
+    real(dp), intent(in) :: n               !< slope
+    d_of = 0.5_dp * (6 + t%dim - n)
+  end function d_of
+
+  !> ln G of an amplitude: A = G^(2(D-2)) / (4 pi), of a line (two-sided, Eq. 2) G^(2(D-2)) / 4.
+  pure real(dp) function ln_g_of(t, n, ln_a)
+    type(ring_table_t), intent(in) :: t     !< rings
+    real(dp), intent(in) :: n, ln_a         !< slope, ln of the amplitude
+    ln_g_of = (ln_a + log(merge(4 * pi, 4._dp, t%dim == 2))) / (2 * (d_of(t, n) - 2))
+  end function ln_g_of
+end module hd_spectral_fit

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """hdengine: torsional stiffness of the flexspline-bearing contact of a harmonic drive."""
-from . import roughness, specimen
 from ._engine import (
     EngineMemoryError,
     FileError,
@@ -12,15 +11,16 @@ from ._engine import (
     StoppedError,
 )
 from ._engine import version as _version
-from .contact import Run, Step, forget, read_scene, run
+from .contact import Cam, Run, Step, cam, forget, read_scene, run
 from .joint import Joint, JointWarning
 from .results import Result, load
-from .study import Study, StudyResult
-from .surface_run import SurfaceResult, run_surface
+from .studies.study import Study, StudyResult
+from .surfaces import roughness, specimen, surface
+from .surfaces.run import SurfaceResult, run_surface
 
 __version__ = _version()
 __all__ = [
-    "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
+    "Cam", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
     "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "SurfaceResult",
-    "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen",
+    "cam", "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen", "surface",
 ]

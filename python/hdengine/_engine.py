@@ -1,10 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one door to the Fortran engine: a process-wide lock, and errors as exceptions."""
+"""The one door to the Fortran engine: a process-wide lock, errors as exceptions, interrupts, the log, forks."""
+from __future__ import annotations
+
+import logging
+import os
 import threading
+import time
+from typing import Any
 
-from . import _hdengine
 
+def _load() -> Any:
+    """The extension. Its threads sleep while they wait, unless the environment says otherwise: OpenMP reads that once."""
+    passive = "OMP_WAIT_POLICY" not in os.environ and "GOMP_SPINCOUNT" not in os.environ
+    if passive:
+        os.environ["OMP_WAIT_POLICY"] = "passive"
+    try:
+        from . import _hdengine as extension  # type: ignore[attr-defined]  # compiled
+    finally:
+        if passive:
+            del os.environ["OMP_WAIT_POLICY"]
+    extension.log_keep()
+    return extension
+
+
+_hdengine = _load()
 _lock = threading.RLock()  # MUMPS is not safe in concurrent calls
+_logger = logging.getLogger("hdengine")
+_logger.addHandler(logging.NullHandler())
+_LONG = ("run_open", "run_advance", "scene_text")  # they stop at a signal and write the log
 
 
 class HdengineError(Exception):
@@ -61,7 +84,39 @@ _classes = {
 }
 
 
-def call(name, *args):
+def _bytes(argument):
+    """A text as bytes: f2py takes no letter beyond ASCII otherwise."""
+    try:
+        return os.fsencode(argument) if isinstance(argument, str) else argument
+    except UnicodeEncodeError:
+        raise InputError(f"{argument!r}: has a character that no file name can have") from None
+
+
+def _whole(begin):
+    """A text of the engine: what its argument held, and the rest where it was full."""
+    parts = [begin]
+    while parts[-1].strip():
+        parts.append(_hdengine.rest_of_text(sum(map(len, parts)) + 1))
+    return b"".join(parts).decode(errors="replace")
+
+
+def call_text(name: Any, *args: Any) -> str:
+    """Call an entry of the extension whose one result is a text of any length.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    HdengineError
+        As `call`.
+    """
+    with _lock:
+        return _whole(call(name, *args)).strip()
+
+
+def call(name: Any, *args: Any) -> Any:
     """Call an entry of the extension; its last two results are status and message.
 
     Returns
@@ -74,22 +129,110 @@ def call(name, *args):
         The subclass that belongs to the status.
     """
     with _lock:
-        *results, status, message = getattr(_hdengine, name)(*args)
+        entry = getattr(_hdengine, name)
+        *results, status, message = (_watched if name in _LONG else _plain)(entry, [*map(_bytes, args)])
+        text = _whole(message) if status != 0 else ""
     if status != 0:
-        text = message.decode(errors="replace") if isinstance(message, bytes) else str(message)
         raise _classes.get(int(status), InternalError)(text.strip().removeprefix("error: "))
     if not results:
         return None
     return results[0] if len(results) == 1 else tuple(results)
 
 
-def asperity(*args):
+def _plain(entry, args):
+    return entry(*args)
+
+
+def _watched(entry, args):
+    """Call an entry that takes long: signals stop it, lines of its log go to the logger `hdengine` while it works."""
+    done = threading.Event()
+    reader: Any = None
+    _forward_log(False)
+    if _logger.isEnabledFor(logging.INFO):
+        reader = threading.Thread(target=_follow_log, args=(done,), daemon=True)
+        reader.start()
+    _hdengine.signals_watch()
+    try:
+        return entry(*args)
+    finally:
+        stopped = _hdengine.signals_unwatch()
+        done.set()
+        if reader:
+            reader.join()
+            _forward_log(True)
+        if stopped:
+            time.sleep(0)  # Python's own handler comes first: KeyboardInterrupt, not StoppedError
+
+
+def _follow_log(done):
+    """Pass lines on until the engine is done."""
+    while not done.wait(0.2):
+        _forward_log(True)
+
+
+def _forward_log(wanted):
+    """Pass all kept lines on, or throw them away."""
+    line, found = _hdengine.log_take()
+    while found:
+        if wanted:
+            _logger.info("%s", line.decode(errors="replace").rstrip())
+        line, found = _hdengine.log_take()
+
+
+class FolderLock:
+    """A folder that this process alone writes into, as a context.
+
+    Raises
+    ------
+    FileError
+        Another process is at work in it; the message names it.
+    """
+
+    def __init__(self, folder: str | os.PathLike) -> None:
+        self._folder = str(folder)
+
+    def __enter__(self) -> FolderLock:
+        self._handle = call("folder_lock", self._folder)
+        return self
+
+    def __exit__(self, *exc: Any) -> None:
+        with _lock:
+            _hdengine.folder_unlock(self._handle)
+
+
+def _after_fork():
+    """In a forked child: the lock is open, the engine computes with one thread."""
+    global _lock
+    _lock = threading.RLock()
+    _hdengine.fork_child()
+
+
+# A fork waits for the end of the call that is at work: the child would find the engine in the middle of it.
+os.register_at_fork(before=lambda: _lock.acquire(), after_in_parent=lambda: _lock.release(), after_in_child=_after_fork)
+
+
+def asperity(*args: Any) -> Any:
     """Entry `asperity` of the extension (it cannot fail)."""
     with _lock:
         return _hdengine.asperity(*args)
 
 
-def version():
+def joint_moduli(*args: float) -> tuple[float, float]:
+    """Entry `joint_moduli` of the extension (it cannot fail)."""
+    return _hdengine.joint_moduli(*args)
+
+
+def sum_names() -> Any:
+    """Names of the sums that every load step gives, in the engine's order."""
+    return _hdengine.run_sum_names().decode().strip().split(",")
+
+
+def facet_names() -> list:
+    """Names of the fields of a facet, in the engine's order."""
+    return _hdengine.run_facet_names().decode().strip().split(",")
+
+
+def version() -> Any:
     """Version of the engine."""
     text = _hdengine.engine_version()
     return (text.decode() if isinstance(text, bytes) else str(text)).strip()

@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Torsional stiffness as catalogues state it: three chords of the torque-angle curve."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from ._check import array, checked, number
+from ._engine import InputError
 
 
 @dataclass(frozen=True)
@@ -17,11 +24,12 @@ class Unit:
     k3_nm_per_rad: float
 
     @property
-    def pitch_radius_m(self):
+    def pitch_radius_m(self) -> Any:
         """Of the flexspline: 1.27 mm times the size."""
         return 1.27e-3 * self.size
 
-    def angle(self, torque_nm):
+    @checked(torque_nm=array())
+    def angle(self, torque_nm: Any) -> Any:
         """Angle of the three chords at torques [rad]."""
         t = np.abs(np.asarray(torque_nm, float))
         parts = (np.clip(t, 0, self.t1_nm) / self.k1_nm_per_rad, np.clip(t - self.t1_nm, 0, self.t2_nm - self.t1_nm)
@@ -35,7 +43,8 @@ UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9
                              Unit(32, 29, 108, 67e3, 110e3, 120e3))}
 
 
-def stages(torque_nm, angle_rad, t1_nm, t2_nm):
+@checked(torque_nm=array((None,)), angle_rad=array((None,)), t1_nm=number(above=0), t2_nm=number(above=0))
+def stages(torque_nm: ArrayLike, angle_rad: ArrayLike, t1_nm: float, t2_nm: float) -> list:
     """K1, K2, K3 of a curve: the chords from 0 to T1, from T1 to T2, and from T2 to its end.
 
     Parameters
@@ -50,8 +59,11 @@ def stages(torque_nm, angle_rad, t1_nm, t2_nm):
     list of float
         [N m/rad]; a chord that the data end within is taken to their end, one beyond them is NaN.
     """
-    t, a = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
-    edges = np.minimum([0.0, t1_nm, t2_nm, np.inf], t[-1])
-    turn = np.interp(edges, t, a)
+    t, a = np.asarray(torque_nm), np.asarray(angle_rad)
+    if t.shape != a.shape or np.any(np.diff(t) < 0) or not t2_nm > t1_nm:
+        raise InputError(f"{len(t)} torques and {len(a)} angles, T1 {t1_nm:g} and T2 {t2_nm:g} N m: must be as many angles as "
+                         "torques, the torques rising, T1 below T2")
+    edges: np.ndarray = np.minimum([0.0, t1_nm, t2_nm, np.inf], t[-1])
+    turn: np.ndarray = np.interp(edges, t, a)
     return [float((edges[i + 1] - edges[i]) / (turn[i + 1] - turn[i])) if edges[i + 1] > edges[i] else float("nan")
             for i in range(3)]

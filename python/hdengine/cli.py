@@ -1,20 +1,57 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `hdengine`."""
+from __future__ import annotations
+
 import argparse
-import json
 import os
 import sys
+import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from . import completion, planner
-from ._engine import FileError, HdengineError, InputError, NotConvergedError, StoppedError
-from .cli_surface import add_options, run_surface
-from .contact import Run
-from .results import Result
-from .surface_run import SurfaceResult
-from .surface_run import _run as _run_surface_alone
+from . import _engine, completion
+from ._engine import EngineMemoryError, FileError, HdengineError, InputError, NotConvergedError, StoppedError
+from .contact import Run, doubts, read_scene
+from .prediction import command as joint_command
+from .results import Result, read_csv, read_summary
+from .studies import planner
+from .surfaces.command import add_options, run_surface
+from .surfaces.run import SurfaceResult
+from .surfaces.run import _run as _run_surface_alone
+
+
+class _Explain(argparse.Action):
+    """Print what a key means, and end."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        try:
+            print(_engine.call_text("explain_text", values))
+        except HdengineError as error:
+            parser.exit(error.code, f"{_line(error)}\n")
+        parser.exit()
+
+
+def _line(error):
+    """Message of an error as stderr shows it."""
+    text = str(error)
+    return text if text.startswith("error: ") else f"error: {text}"
+
+
+def _folder(path):
+    """Default folder for the results of an input."""
+    return f"{Path(path).stem or 'results'}.out"
+
+
+def _jobs(text):
+    """Number of worker processes."""
+    try:
+        if int(text) >= 1:
+            return int(text)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' must be a whole number of 1 or more")
 
 
 def _keys(assignments):
@@ -26,12 +63,26 @@ def _keys(assignments):
 
 
 def _run(args):
-    out, keys = args.out or Path(args.input).with_suffix(".out").name, _keys(args.assignments)
+    out, keys = args.out or _folder(args.input), _keys(args.assignments)
+    for line in doubts(args.input, **keys):
+        print(f"warning: {line}", file=sys.stderr)
+    if args.check:
+        read_scene(args.input, **keys)
+        print(f"{args.input} is valid")
+        return 0
+    if args.plan:
+        print(planner.plan(args.input, None, keys))
+        return 0
     if _run_surface_alone(args.input, out, args.force, keys):
         return _plot(argparse.Namespace(folder=out))
     try:
         with Run(args.input, out, args.force, args.resume, **keys) as run:
+            told = 0
             for step in run:
+                if args.verbose:
+                    told = _tell_iterations(out, told)
+                if args.quiet:
+                    continue
                 s = step.sums
                 phase = "torque  " if s["in_torque"] else "assembly"
                 print(f"step {s['step']:3.0f}  {phase} {s['torque_nm']:8.4f} N m  normal force {s['normal_force_n']:8.1f} N  "
@@ -40,6 +91,15 @@ def _run(args):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
     return _plot(argparse.Namespace(folder=out))
+
+
+def _tell_iterations(out, told):
+    """Print the rows of history.csv that are new; returns how many there are."""
+    rows = read_csv(Path(out) / "history.csv")
+    for row in rows[told:]:
+        print(f"  step {row['step']:3d}  iteration {row['iteration']:3d}  residual {row['residual']:9.2e}  open {row['open']:5d}  "
+              f"stick {row['stick']:5d}  slip {row['slip']:5d}")
+    return len(rows)
 
 
 def _plan(args):
@@ -53,31 +113,36 @@ def _completion(args):
 
 
 def _study(args):
-    from .study import Study
+    from .studies.study import Study
 
-    study = Study.read(args.input)
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always", DeprecationWarning)
+        study = Study.read(args.input)
+    for note in notes:
+        print(f"warning: {note.message}", file=sys.stderr)
     if args.check:
         study.check()
         print(f"{args.input} is valid: {study}")
         return 0
-    out = args.out or Path(args.input).with_suffix(".out").name
-    study.run(out, args.jobs, args.force, args.retry, show=not args.quiet)
+    out = args.out or _folder(args.input)
+    study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
     return _plot(argparse.Namespace(folder=out))
 
 
 def _plot(args):
     folder = Path(args.folder)
+    result: Any
     if (folder / "study.json").is_file():
-        from .plot_study import plot_study
-        from .study import StudyResult
+        from .figures.study import plot_study
+        from .studies.study import StudyResult
 
         result, paths = StudyResult(folder), [folder / "study.csv"]
         paths += plot_study(result)
-    elif (folder / "summary.json").is_file() and json.loads((folder / "summary.json").read_text()).get("kind") == "surface":
+    elif (folder / "summary.json").is_file() and read_summary(folder).get("kind") == "surface":
         result = SurfaceResult(folder)
         paths = result.plot()
     elif (folder / "summary.json").is_file():
-        from .plot import plot_run
+        from .figures.run import plot_run
 
         result = Result(folder)
         paths = [result.write_torsion(), *plot_run(result)]
@@ -121,7 +186,8 @@ def _record(args):
 
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
-    for name, values in record.numbers(UNITS[args.size], args.rated_torque).items():
+    numbers = record.numbers(UNITS[args.size], args.rated_torque)
+    for name, values in numbers.items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)
         if np.isnan(value):
@@ -129,9 +195,8 @@ def _record(args):
             continue
         short = name.removesuffix("_nm_per_rad").removesuffix("_rad")
         print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
-    path = args.out or Path(args.input).with_suffix(".png").name
-    record.plot().savefig(path)
-    print(f"written: {path}")
+    for path in record.write(args.out or _folder(args.input), numbers, args.input, args.size):
+        print(f"written: {path}")
     return 0
 
 
@@ -143,27 +208,34 @@ def _command(commands, name, action, text, example):
     return parser
 
 
-def make_parser():
+def make_parser() -> Any:
     """The command with its subcommands."""
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
+    parser.add_argument("--version", action="version", version=f"hdengine {_engine.version()}")
     commands = parser.add_subparsers(dest="command", required=True)
     run = _command(commands, "run", _run, "run a scene or a surface, then plot it", "run data/cd14.nml load.torque=3 --force")
     run.add_argument("input", help="namelist")
     plan = _command(commands, "plan", _plan, "mesh, load steps, time and memory for a tolerance, without running",
                     "plan data/cd14.nml --tolerance 0.05")
-    plan.add_argument("input", help="namelist of a scene or a study")
+    plan.add_argument("input", help="namelist of a scene, or a study")
     plan.add_argument("--tolerance", type=float, help=f"relative error (default: that of the scene, else {planner.TOLERANCE})")
     for sub in (run, plan):
         sub.add_argument("assignments", nargs="*", metavar="group.key=value", help="keys that differ from the file")
+    run.add_argument("--check", action="store_true", help="read and check the input, then stop")
+    run.add_argument("--plan", action="store_true", help="print what run.tolerance needs, with time and memory, then stop")
+    run.add_argument("--explain", metavar="KEY", action=_Explain, help="meaning, unit and default of a key (group.key, group, all)")
+    run.add_argument("-q", "--quiet", action="store_true", help="no line per load step")
+    run.add_argument("-v", "--verbose", action="store_true", help="also a line per Newton iteration")
     run.add_argument("--resume", action="store_true", help="go on with a stopped run of the same input")
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
-                     "study data/fig13_w.nml --jobs 2")
-    study.add_argument("input", help="study namelist")
-    study.add_argument("--jobs", type=int, default=1, help="worker processes (default: this process alone)")
+                     "study data/fig13_w.toml --jobs 2")
+    study.add_argument("input", help="study (TOML)")
+    study.add_argument("--jobs", type=_jobs, default=1, help="worker processes (default: this process alone)")
     study.add_argument("--check", action="store_true", help="check the study and the scene of a point, then stop")
     study.add_argument("-q", "--quiet", action="store_true", help="no progress")
     study.add_argument("--retry", action="store_true", help="solve failed points again")
+    study.add_argument("--other-version", action="store_true", help="keep rows that another version of hdengine solved")
     for sub in (run, study):
         sub.add_argument("--out", help="folder for the results")
         sub.add_argument("--force", action="store_true", help="replace earlier results")
@@ -186,18 +258,34 @@ def make_parser():
     record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m]")
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
-    record.add_argument("--out", help="figure")
+    record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")
     add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
                          "surface data/specimen_flexspline.sdf data/specimen_bearing.sdf --pair"))
+    joint_command.add_options(_command(commands, "joint", joint_command.run_joint,
+                                       "stiffness over pressure of the joint of one or two measured surfaces",
+                                       "joint data/specimen_flexspline.sdf data/specimen_bearing.sdf --out joint.out"))
     shell = _command(commands, "completion", _completion, "print a completion script for the shell",
                      "completion bash > ~/.local/share/bash-completion/completions/hdengine")
     shell.add_argument("shell", choices=completion.SHELLS)
     return parser
 
 
-def main(argv=None):
+def _arguments(argv):
+    """Parsed arguments; keys may also stand behind options, where argparse does not look for them."""
+    parser = make_parser()
+    args, rest = parser.parse_known_args(argv)
+    keys = [word for word in rest if "=" in word and not word.startswith("-")]
+    if keys != rest or (keys and not hasattr(args, "assignments")):
+        why = "" if hasattr(args, "assignments") or keys != rest else f" (keys have no place in 'hdengine {args.command}')"
+        parser.error(f"unrecognized arguments: {' '.join(rest)}{why}")
+    if keys:
+        args.assignments += keys
+    return args
+
+
+def main(argv: Any = None) -> Any:
     """Entry of the command; returns the exit code of hdengine.x."""
-    args = make_parser().parse_args(argv)
+    args = _arguments(argv)
     try:
         code = args.action(args)
         sys.stdout.flush()
@@ -206,8 +294,14 @@ def main(argv=None):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FileError.code
     except HdengineError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(_line(error), file=sys.stderr)
         return error.code
+    except OSError as error:  # a table or figure that cannot be written
+        print(f"error: '{error.filename}': {error.strerror}" if error.filename else f"error: {error}", file=sys.stderr)
+        return FileError.code
+    except MemoryError as error:
+        print(f"error: not enough memory: {error}", file=sys.stderr)
+        return EngineMemoryError.code
     except KeyboardInterrupt:
         print("\nstopped; what was solved is kept: the same command goes on with a study, with --resume also with a run",
               file=sys.stderr)

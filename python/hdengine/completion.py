@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shell completion of the command `hdengine`, by shtab (pip install 'hdengine[completion]')."""
+from __future__ import annotations
+
+from typing import Any
+
 from ._engine import InputError
 from .contact import read_scene
 
 SHELLS = ("bash", "zsh")
 
 
-def script(parser, shell):
+def script(parser: Any, shell: Any) -> Any:
     """Completion script of a parser: commands, options, files, keys of scenes.
 
     Raises

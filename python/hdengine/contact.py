@@ -1,20 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs from Python: step by step with numpy arrays, or at once into a folder."""
+from __future__ import annotations
+
+import contextlib
 import json
+import logging
+import os
+import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from . import _engine, torsion
-from .results import Result
+from . import _engine
+from ._check import checked, flag
+from ._check import path as a_path
+from .results import Result, preformatted
 
-_SUMS = ("step", "in_torque", "load_factor", "torque_nm", "rotation_rad", "normal_force_n", "lobe_force_x_n",
-         "contact_area_m2", "pressure_max_pa", "pressure_mid_mean_pa", "friction_torque_nm", "friction_capacity_nm",
-         "torque_balance_nm", "iterations", "seconds")
-_FIELDS = ("theta_rad", "x_m", "y_m", "z_m", "n_x", "n_y", "n_z", "area_m2", "gap_m", "pressure_pa", "traction_theta_pa",
-           "traction_z_pa", "slip_theta_m", "slip_z_m", "state", "k_n_n_per_m", "k_t_n_per_m",
-           *(f"{name}_{i}_pa" for i in (1, 2, 3, 4) for name in ("pressure", "shear")))
+_SUMS = ("step", "in_torque", "load_factor", "torque_nm", *_engine.sum_names(), "iterations", "seconds")
+_FIELDS = _engine.facet_names()
 
 
 @dataclass
@@ -26,22 +33,22 @@ class Step:
     against_teeth: bool = False
 
     @property
-    def k_ts_nm_per_rad(self):
+    def k_ts_nm_per_rad(self) -> Any:
         """Torsional stiffness of the contact (Eq. 45) [N m/rad]."""
-        f = self.facets
-        return float(torsion.torsional_stiffness(f["k_n_n_per_m"], f["k_t_n_per_m"],
-                                                 np.stack([f["x_m"], f["y_m"], f["z_m"]], -1),
-                                                 np.stack([f["n_x"], f["n_y"], f["n_z"]], -1)))
+        return self.sums["k_ts_nm_per_rad"]
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> Any:
         """Text of what the scene is solved for: K_TS, or K_FTS against the teeth."""
         if not self.against_teeth:
-            return f"K_TS (Eq. 45) {self.k_ts_nm_per_rad:.4g} N m/rad"
+            return f"K_TS tangent {self.sums['k_ts_tangent_nm_per_rad']:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad"
         torque, turn = self.sums["torque_nm"], self.sums["rotation_rad"]
         return f"K_FTS {torque / turn:.4g} N m/rad" if torque and turn else "K_FTS -"
 
-    def __str__(self):
+    def _repr_html_(self):
+        return preformatted(self)
+
+    def __str__(self) -> str:
         s = self.sums
         phase = "torque" if s["in_torque"] else f"assembly, {100 * s['load_factor']:.0f} %"
         return (f"Step {s['step']:.0f}: {phase}, {s['torque_nm']:.4g} N m, {s['iterations']:.0f} iterations\n"
@@ -77,17 +84,24 @@ class Run:
     ...     steps = list(r)
     """
 
-    def __init__(self, path="", out="", force=False, resume=False, **keys):
-        self._handle = None
+    _handle = None
+
+    @checked(path=a_path, out=a_path, force=flag, resume=flag)
+    def __init__(self, path: str | os.PathLike | None = "", out: str | os.PathLike | None = "", force: bool = False,
+                 resume: bool = False, **keys: Any) -> None:
+        self._process = os.getpid()
         lines = "\n".join(_assignments(keys))
         if out:
-            Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
+            try:
+                Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
+            except OSError as e:
+                raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
         self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
-    def advance(self):
+    def advance(self) -> Any:
         """Solve the next load step and return it as a Step.
 
         Raises
@@ -95,43 +109,47 @@ class Run:
         NotConvergedError
             Gross slip, or no convergence after all cut-backs; `step()` still gives the last converged state.
         """
+        if self._process != os.getpid():
+            raise _engine.InputError(f"this run belongs to process {self._process}, of which this one is a fork: open a run here")
         self.done = bool(_engine.call("run_advance", self._handle))
         return self.step()
 
-    def step(self):
+    def step(self) -> Any:
         """The last converged step."""
-        sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle))))
-        fields = _engine.call("run_facets", self._handle, self.facets)
+        sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle, len(_SUMS)))))
+        fields = _engine.call("run_facets", self._handle, self.facets, len(_FIELDS))
         return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)), self._teeth)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         state = "closed" if self._handle is None else "solved" if self.done else "open"
         return f"Run: {self.facets} facets, {self.dof} dof, {state}"
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator:
         while not self.done:
             yield self.advance()
 
-    def close(self):
-        """Write the summary, if there is a folder, and give back all memory."""
+    def close(self, interrupted: bool = False) -> None:
+        """Write the summary, if there is a folder, and give back all memory; a fork leaves that to the process of the run."""
         if self._handle is not None:
             handle, self._handle = self._handle, None
-            _engine.call("run_close", handle)
+            if self._process == os.getpid():
+                _engine.call("run_close", handle, int(interrupted))
 
-    def __enter__(self):
+    def __enter__(self) -> Any:
         return self
 
-    def __exit__(self, *exc):
-        self.close()
+    def __exit__(self, kind: Any = None, *exc: Any) -> None:
+        self.close(kind is not None and issubclass(kind, KeyboardInterrupt))
 
-    def __del__(self):
+    def __del__(self) -> None:
         try:
             self.close()
         except Exception:
             pass
 
 
-def read_scene(path="", **keys):
+@checked(path=a_path)
+def read_scene(path: str | os.PathLike | None = "", **keys: Any) -> dict:
     """All keys of a scene as the engine reads them, checked, without running it.
 
     Parameters
@@ -151,10 +169,27 @@ def read_scene(path="", **keys):
     InputError
         All mistakes of the input in one message.
     """
-    return json.loads(_engine.call("scene_text", str(path), "\n".join(_assignments(keys)) or " ", 0).decode())["scene"]
+    return json.loads(_engine.call_text("scene_text", str(path), "\n".join(_assignments(keys)) or " ", 0))["scene"]
 
 
-def forget():
+@checked(path=a_path)
+def doubts(path: str = "", **keys: Any) -> list:
+    """Values of a scene that are valid and hardly meant, as 209 Pa for a modulus; every run's summary has them as warnings.
+
+    Parameters
+    ----------
+    path, **keys
+        As for `read_scene`.
+
+    Returns
+    -------
+    list of str
+        One line each, with the slip of units that would explain it.
+    """
+    return _engine.call_text("scene_doubts", str(path), "\n".join(_assignments(keys)) or " ").splitlines()
+
+
+def forget() -> None:
     """Give back the memory of the mesh and the factors that the last run left for the next one."""
     _engine.call("model_forget")
 
@@ -169,17 +204,141 @@ def _assignments(keys):
 
 
 def _text(value):
-    if isinstance(value, (list, tuple, np.ndarray)):
+    """A value as the namelist has it."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
         return ",".join(_text(v) for v in value)
-    return repr(float(value)) if isinstance(value, (float, np.floating)) else str(value)
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    if isinstance(value, (str, int, np.integer, np.str_)) and not isinstance(value, bool):
+        text = str(value)
+        if not {"\n", "\r", "\0"} & set(text):
+            return text
+    raise _engine.InputError(f"value {value!r}: a key takes a number, a line of text, or a list of numbers")
 
 
-def run(path="", out="run.out", force=False, resume=False, **keys):
-    """Run a scene to its end and return its Result; Ctrl-C works between load steps.
+def in_notebook() -> bool:
+    """The process is the kernel of a notebook."""
+    return "ipykernel" in sys.modules
 
-    Parameters and errors as for Run. A run that ends early leaves its converged steps and a summary in `out`.
+
+def bar(**options: Any) -> Any:
+    """A bar of tqdm, in the form that notebook or terminal want; None without tqdm."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None
+    return tqdm(file=None if in_notebook() else sys.stderr, **options)
+
+
+class _ToBar(logging.Handler):
+    """Lines of the log beside a bar, which counts the load steps among them."""
+
+    def __init__(self, bar):
+        super().__init__(logging.INFO)
+        self.bar = bar
+
+    def emit(self, record):
+        line = " ".join(record.getMessage().split())
+        self.bar.set_postfix_str(line[:90])
+        if line[:1].isdigit():
+            self.bar.update()
+
+
+@contextlib.contextmanager
+def follow(show: bool | None = None) -> Iterator[None]:
+    """A bar over the load steps of runs, with the last line of the log beside it.
+
+    Parameters
+    ----------
+    show : bool, optional
+        Default: in notebooks.
     """
-    with Run(path, out, force, resume, **keys) as r:
+    shown = bar(desc="load steps", unit="") if (in_notebook() if show is None else show) else None
+    if shown is None:
+        yield
+        return
+    logger, handler = logging.getLogger("hdengine"), _ToBar(shown)
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(min(logger.getEffectiveLevel(), logging.INFO))
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+        shown.close()
+
+
+def run(path: str | os.PathLike | None = "", out: str | os.PathLike | None = "run.out", force: bool = False, resume: bool = False,
+        show: bool | None = None, **keys: Any) -> Result:
+    """Run a scene to its end and return its Result.
+
+    Parameters and errors as for Run. A run that ends early, by Ctrl-C too, leaves its converged steps and a summary in `out`.
+
+    Parameters
+    ----------
+    show : bool, optional
+        A bar over the load steps, with the last line of the log (needs tqdm); default: in notebooks. The log itself goes to the
+        logger `hdengine` at level INFO.
+    """
+    with follow(show), Run(path, out, force, resume, **keys) as r:
         for _ in r:
             pass
     return Result(out)
+
+
+@dataclass(frozen=True)
+class Cam:
+    """A circle and the wave generator that it goes on, in the middle of the band.
+
+    Attributes
+    ----------
+    theta : ndarray (n,)
+        Angles of points on the circle [rad].
+    field : ndarray (2, n)
+        Radial and tangential displacement to first order in w, as small displacements prescribe it [m].
+    points : ndarray (2, n)
+        Places on the exact curve, as large displacements prescribe them [m].
+    normal : ndarray (2, n)
+        Outward normals there.
+    curvature : ndarray (n,)
+        [1/m].
+    circle_m, curve_m : float
+        Lengths of the circle and of the exact curve [m].
+    """
+
+    theta: np.ndarray
+    field: np.ndarray
+    points: np.ndarray
+    normal: np.ndarray
+    curvature: np.ndarray
+    circle_m: float
+    curve_m: float
+
+
+def cam(theta: ArrayLike, path: str | os.PathLike = "", **keys: Any) -> Cam:
+    """Wave generator of a scene.
+
+    Parameters
+    ----------
+    theta : array_like (n,)
+        Angles on the circle, from the long axis [rad].
+    path : str or path
+        Scene; '' takes the defaults.
+    **keys
+        Keys of the scene by group, as in `run`.
+
+    Returns
+    -------
+    Cam
+
+    Raises
+    ------
+    InputError, FileError
+        A key or the table of a measured cam is not valid.
+    """
+    theta = np.atleast_1d(np.asarray(theta, float))
+    field, curve, length = _engine.call("scene_cam", str(path), "\n".join(_assignments(keys)) or " ", theta)
+    return Cam(theta, np.array(field), np.array(curve[:2]), np.array(curve[2:4]), np.array(curve[4]), *map(float, length))

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The joint of two rough surfaces (Eq. 3-44): stiffness from pressure, vectorised."""
+from __future__ import annotations
+
 import warnings
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields, replace
 from math import pi
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _engine
+from ._check import array, checked, flag, integer, number, together
+from ._check import fields as check_fields
+
+_warned: set[str] = set()  # beginnings of the warnings that were given
 
 
 class JointWarning(UserWarning):
@@ -37,6 +46,8 @@ class Joint:
         A_0 [m^2]: nominal pressure P means F_r = P A_0. Default (0.5 mm)^2, the scanned patch.
     paper : bool
         Closure of Eq. 28 as printed (P = F_r / S_r), which makes the sum grow with the number of facets.
+    plastic : bool
+        Fully plastic spots unload elastically, k = 2 E a; otherwise they have no stiffness, as in the paper.
     """
 
     e1: float = 209e9
@@ -53,8 +64,41 @@ class Joint:
     s_min: float = pi * 0.5e-6**2
     reference_area: float = 0.25e-6
     paper: bool = False
+    plastic: bool = False
 
-    def __str__(self):
+    def __post_init__(self) -> None:
+        positive, ratio = number(above=0), number(above=-1, most=0.5)
+        check_fields(self, e1=positive, nu1=ratio, e2=positive, nu2=ratio, nu_soft=ratio, hardness=positive,
+                     fractal_dimension=number(above=2, below=3), roughness=positive, gamma=number(above=1),
+                     asperity_radius=positive, friction=number(least=0), s_min=positive, reference_area=positive, paper=flag,
+                     plastic=flag)
+
+    @classmethod
+    def of_scene(cls, scene: dict, friction: float | None = None) -> Any:
+        """Joint of a scene, as the engine makes it.
+
+        Parameters
+        ----------
+        scene : dict
+            'group.key' to value (`read_scene`, `Result.scene`); keys that are missing have their defaults.
+        friction : float, optional
+            Coefficient that caps the shear; default contact.friction. Under a torque it is that of the load step.
+
+        Raises
+        ------
+        InputError
+            A parameter is out of range.
+        """
+        keys = {k: v for k, v in scene.items() if k.startswith(("joint.", "material.")) or k == "contact.friction"}
+        keys["joint.model"] = "hu2023"
+        if friction is not None:
+            keys["contact.friction"] = friction
+        lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
+        *numbers, paper, plastic = _engine.call("joint_of_scene", " ", lines or " ")
+        keys = dict(zip((f.name for f in fields(cls)), map(float, numbers)))
+        return cls(**keys, paper=bool(paper > 0), plastic=bool(plastic > 0))
+
+    def __str__(self) -> str:
         p = self.asperity()[0]
         return (f"Joint, closure {'of Eq. 28 (paper)' if self.paper else 'nominal, F_r = P A_0'}\n"
                 f"  bodies    E {self.e1 / 1e9:g} and {self.e2 / 1e9:g} GPa, H {self.hardness / 1e9:.4g} GPa, "
@@ -67,7 +111,8 @@ class Joint:
     def _parameters(self):
         return np.array(astuple(self), dtype=float)
 
-    def stiffness(self, pressure, shear=0.0, area=None):
+    @checked(pressure=array(empty=True), shear=array(empty=True), area=array(above=0, optional=True, empty=True))
+    def stiffness(self, pressure: ArrayLike, shear: ArrayLike = 0.0, area: ArrayLike | None = None) -> tuple:
         """Normal and tangential stiffness of facets.
 
         Parameters
@@ -96,7 +141,8 @@ class Joint:
         _, k_n, k_t, *_ = self._facets(pressure, shear, area)
         return k_n, k_t
 
-    def derivatives(self, pressure, shear=0.0, area=None):
+    @checked(pressure=array(empty=True), shear=array(empty=True), area=array(above=0, optional=True, empty=True))
+    def derivatives(self, pressure: ArrayLike, shear: ArrayLike = 0.0, area: ArrayLike | None = None) -> tuple:
         """Derivatives of the stiffness.
 
         Parameters
@@ -114,20 +160,27 @@ class Joint:
 
     def _facets(self, pressure, shear, area):
         area = self.reference_area if area is None else area
-        p, q, a = np.broadcast_arrays(pressure, shear, area)
+        p, q, a = together(pressure=pressure, shear=shear, area=area)
         flat = [np.ascontiguousarray(x, dtype=float).ravel() for x in (p, q, a)]
+        if not p.size:
+            return p.shape, *(np.zeros(p.shape) for _ in range(3)), np.zeros((3, 0)), np.zeros(0, int)
         k_n, k_t, s_l, d, iterations = _engine.call("joint_facets", self._parameters(), *flat)
-        if p.size and np.nanmax(flat[0]) > 0:
-            for line in self.warnings(np.nanmax(flat[0])):
-                warnings.warn(line, JointWarning, stacklevel=3)
+        if np.max(flat[0]) > 0:
+            for line in self.warnings(np.max(flat[0])):
+                kind = line.partition(",")[0]
+                if kind not in _warned:  # once per process: its numbers differ from joint to joint
+                    _warned.add(kind)
+                    warnings.warn(line, JointWarning, stacklevel=4)
         return p.shape, k_n.reshape(p.shape), k_t.reshape(p.shape), s_l.reshape(p.shape), d, iterations
 
-    def largest_spot(self, pressure):
+    @checked(pressure=array(empty=True))
+    def largest_spot(self, pressure: Any) -> Any:
         """Largest contact spot s_l [m^2] under a pressure [Pa], and the Newton iterations it took."""
         _, _, _, s_l, _, iterations = self._facets(pressure, 0.0, None)
         return s_l, iterations
 
-    def warnings(self, pressure):
+    @checked(pressure=number())
+    def warnings(self, pressure: Any) -> list:
         """What does not hold under the largest pressure [Pa].
 
         Returns
@@ -135,10 +188,10 @@ class Joint:
         list of str
             Empty inside the range.
         """
-        text = _engine.call("joint_warnings", self._parameters(), float(pressure))
-        return (text.decode() if isinstance(text, bytes) else str(text)).split("\n") if text.strip() else []
+        return _engine.call_text("joint_warnings", self._parameters(), float(pressure)).splitlines()
 
-    def closure(self, pressure, zero_pressure=1e3):
+    @checked(pressure=array(above=0), zero_pressure=number(above=0))
+    def closure(self, pressure: ArrayLike, zero_pressure: float = 1e3) -> tuple:
         """Approach of the surfaces, delta(P) = int dP / k_N.
 
         Parameters
@@ -160,7 +213,8 @@ class Joint:
         """
         return self._normal_law(pressure, zero_pressure, 0)
 
-    def pressure(self, closure, zero_pressure=1e3):
+    @checked(closure=array(), zero_pressure=number(above=0))
+    def pressure(self, closure: Any, zero_pressure: float = 1e3) -> Any:
         """Inverse of `closure`: pressure [Pa] and k_N [Pa/m], smooth and positive for every approach [m]."""
         return self._normal_law(closure, zero_pressure, 1)
 
@@ -169,7 +223,8 @@ class Joint:
         y, k = _engine.call("joint_normal_law", self._parameters(), zero_pressure, inverse, np.ascontiguousarray(x).ravel())
         return y.reshape(x.shape), k.reshape(x.shape)
 
-    def shear(self, pressure, displacement):
+    @checked(pressure=array(), displacement=array(least=0))
+    def shear(self, pressure: ArrayLike, displacement: ArrayLike) -> tuple:
         """Shear stress after a tangential displacement at constant pressure, loaded from zero.
 
         Parameters
@@ -186,11 +241,12 @@ class Joint:
         slipping : ndarray of bool
             The friction limit is reached.
         """
-        p, u = np.broadcast_arrays(np.asarray(pressure, dtype=float), np.asarray(displacement, dtype=float))
+        p, u = together(pressure=np.asarray(pressure, dtype=float), displacement=np.asarray(displacement, dtype=float))
         q, k, slips = _engine.call("joint_tangential_law", self._parameters(), p.ravel(), u.ravel())
         return q.reshape(p.shape), k.reshape(p.shape), slips.reshape(p.shape) > 0
 
-    def sensitivity(self, pressure, shear=0.0, step=1e-4):
+    @checked(pressure=number(above=0), shear=number(), step=number(above=0, most=0.1))
+    def sensitivity(self, pressure: float, shear: float = 0.0, step: float = 1e-4) -> dict:
         """Elasticities d ln K / d ln x of K_N and K_T for every number x the joint rests on.
 
         Parameters
@@ -212,7 +268,7 @@ class Joint:
 
         table = {}
         for field in fields(self):
-            if field.name == "paper":
+            if field.name in ("paper", "plastic"):
                 continue
             value = getattr(self, field.name)
             up, down = (logs(replace(self, **{field.name: value * np.exp(s)}), pressure, shear) for s in (step, -step))
@@ -221,7 +277,9 @@ class Joint:
                                   / (2 * step))
         return dict(sorted(table.items(), key=lambda item: -abs(item[1][0])))
 
-    def samples(self, d_error, ln_g_error, correlation=0.0, count=400, seed=1):
+    @checked(d_error=number(least=0, most=1), ln_g_error=number(least=0, most=50), correlation=number(least=-1, most=1),
+             count=integer(1), seed=integer(0, 2**63 - 1))
+    def samples(self, d_error: float, ln_g_error: float, correlation: float = 0.0, count: int = 400, seed: int = 1) -> Iterator:
         """Joints whose D and ln G scatter with the standard errors of a surface fit.
 
         Parameters
@@ -247,7 +305,8 @@ class Joint:
                 count -= 1
                 yield replace(self, fractal_dimension=d, roughness=np.exp(ln_g))
 
-    def band(self, pressure, shear=0.0, *, level=0.95, **errors):
+    @checked(pressure=array(), shear=array(), level=number(above=0, below=1))
+    def band(self, pressure: ArrayLike, shear: ArrayLike = 0.0, *, level: float = 0.95, **errors: Any) -> dict:
         """K_N and K_T with a band from the standard errors of D and G.
 
         Parameters
@@ -270,7 +329,7 @@ class Joint:
         quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
         return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
-    def plot(self, pressure=None, axis=None):
+    def plot(self, pressure: ArrayLike | None = None, axis: Any = None) -> Any:
         """K_N and K_T per nominal area over the pressure, the regimes of the largest spot shaded.
 
         Parameters
@@ -284,11 +343,12 @@ class Joint:
         -------
         matplotlib axes
         """
-        from .plot import plot_joint
+        from .figures.run import plot_joint
 
         return plot_joint(self, np.logspace(4, 9, 200) if pressure is None else np.asarray(pressure), axis)
 
-    def parts(self, s_l, tau=0.0):
+    @checked(s_l=number(above=0), tau=number())
+    def parts(self, s_l: float, tau: float = 0.0) -> dict:
         """Integrals at a given largest spot, by regime (elastic, two elastoplastic, plastic).
 
         Parameters
@@ -306,7 +366,8 @@ class Joint:
         keys = ("load_n", "k_n_n_per_m", "k_t_n_per_m", "psi", "real_area_m2")
         return dict(zip(keys, _engine.call("joint_parts", self._parameters(), s_l, tau)))
 
-    def asperity(self, depth=0.0, area=0.0, tau=0.0, smooth=False):
+    @checked(depth=number(), area=number(least=0), tau=number(), smooth=flag)
+    def asperity(self, depth: float = 0.0, area: float = 0.0, tau: float = 0.0, smooth: bool = False) -> tuple:
         """One asperity (Eq. 3-16): its properties, and its state at a depth or at an area.
 
         Parameters

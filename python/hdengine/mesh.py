@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hexahedral meshes for `hdengine.solid`: mapped blocks, joined where nodes meet, and their boundary facets."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from ._check import array, checked, fields, flag, integers, number
+from ._engine import InputError
 
 _CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]])
 _EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
@@ -33,12 +40,24 @@ class Mesh:
     points: np.ndarray
     cells: np.ndarray
 
+    def __post_init__(self) -> None:
+        fields(self, points=array((None, 3)), cells=integers((None, None)))
+        if self.cells.shape[1] not in (8, 20):
+            raise InputError(f"cells have {self.cells.shape[1]} nodes: must have 8 or 20")
+        if self.cells.min() < 0 or self.cells.max() >= len(self.points):
+            worst = self.cells.min() if self.cells.min() < 0 else self.cells.max()
+            raise InputError(f"cells name node {worst}, there are {len(self.points)} nodes, from 0")
+        ordered = np.sort(self.cells, axis=1)
+        twice = (ordered[:, 1:] == ordered[:, :-1]).any(1)
+        if twice.any():
+            raise InputError(f"cell {np.argmax(twice)} names a node twice")
+
     @property
-    def quadratic(self):
+    def quadratic(self) -> Any:
         """Whether the cells have mid-side nodes."""
         return self.cells.shape[1] == 20
 
-    def facets(self, chosen):
+    def facets(self, chosen: np.ndarray) -> np.ndarray:
         """Facets all of whose nodes are chosen.
 
         Parameters
@@ -51,16 +70,29 @@ class Mesh:
         ndarray (k, 4) or (k, 8)
             Nodes, corners in turn, then mid-sides.
         """
+        chosen = np.asarray(chosen)
+        if chosen.shape != (len(self.points),) or chosen.dtype.kind != "b":
+            raise InputError(f"chosen has shape {chosen.shape}, {chosen.dtype}: must be true or false for each of "
+                             f"{len(self.points)} nodes")
         sides = _SIDES if self.quadratic else _FACES
         every = self.cells[:, sides].reshape(-1, sides.shape[1])
-        return every[np.asarray(chosen)[every].all(1)]
+        return every[chosen[every].all(1)]
 
-    def warp(self, function):
+    def warp(self, function: Any) -> Any:
         """The mesh with its points (n, 3) moved by a function."""
         return Mesh(np.asarray(function(self.points), float), self.cells)
 
 
-def block(x, y, z, quadratic=False):
+def _ascending(name, value):
+    """A rule: ascending coordinates."""
+    a = array((None,))(name, value)
+    if len(a) < 2 or not np.all(np.diff(a) > 0):
+        raise InputError(f"{name}: must be two or more ascending coordinates [m]")
+    return a
+
+
+@checked(x=_ascending, y=_ascending, z=_ascending, quadratic=flag)
+def block(x: ArrayLike, y: ArrayLike, z: ArrayLike, quadratic: bool = False) -> Mesh:
     """Block of cells between given coordinates.
 
     Parameters
@@ -74,8 +106,9 @@ def block(x, y, z, quadratic=False):
     -------
     Mesh
     """
-    n = [len(x) - 1, len(y) - 1, len(z) - 1]
-    fine = [np.interp(np.arange(2 * k + 1) / 2, np.arange(k + 1), np.asarray(c, float)) for k, c in zip(n, (x, y, z))]
+    corners = [np.asarray(c, float) for c in (x, y, z)]
+    n = [len(c) - 1 for c in corners]
+    fine = [np.interp(np.arange(2 * k + 1) / 2, np.arange(k + 1), c) for k, c in zip(n, corners)]
     index = np.stack(np.meshgrid(*(np.arange(2 * k + 1) for k in n), indexing="ij"), -1)
     odd = (index % 2).sum(-1)
     used = odd <= (1 if quadratic else 0)
@@ -88,7 +121,8 @@ def block(x, y, z, quadratic=False):
     return Mesh(points, number[at[..., 0], at[..., 1], at[..., 2]])
 
 
-def merge(*meshes, tolerance=1e-9):
+@checked(tolerance=number(above=0, below=1))
+def merge(*meshes: Any, tolerance: float = 1e-9) -> Mesh:
     """Join meshes where their nodes meet.
 
     Parameters
@@ -102,15 +136,18 @@ def merge(*meshes, tolerance=1e-9):
     -------
     Mesh
     """
+    if not meshes or not all(isinstance(m, Mesh) for m in meshes) or len({m.quadratic for m in meshes}) > 1:
+        raise InputError("merge takes one Mesh or more, all with cells of 8 or all of 20 nodes")
     points = np.vstack([m.points for m in meshes])
     offset = np.cumsum([0] + [len(m.points) for m in meshes])
     cells = np.vstack([m.cells + o for m, o in zip(meshes, offset)])
     grid = np.round(points / (tolerance * np.ptp(points, axis=0).max()) / 10).astype(np.int64)
-    _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
-    return Mesh(points[first], number.reshape(-1)[cells])
+    _, first, place = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    return Mesh(points[first], place.reshape(-1)[cells])
 
 
-def graded(first, last, size, growth):
+@checked(first=number(), last=number(), size=number(above=0), growth=number(above=0))
+def graded(first: Any, last: Any, size: Any, growth: Any) -> np.ndarray:
     """Coordinates from `first` to `last` whose intervals start near `size` and grow by a factor.
 
     Returns
@@ -118,6 +155,10 @@ def graded(first, last, size, growth):
     ndarray
         Ascending coordinates [m].
     """
+    if not last > first:
+        raise InputError(f"last = {last:g}: must be above first = {first:g}")
+    if (last - first) / size > 1e8:
+        raise InputError(f"size = {size:g}: {(last - first) / size:.3g} intervals from {first:g} to {last:g}, at most 1e8")
     if growth <= 1:
         return np.linspace(first, last, max(1, round((last - first) / size)) + 1)
     n = max(1, int(np.ceil(np.log1p((last - first) * (growth - 1) / size) / np.log(growth))))

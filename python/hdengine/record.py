@@ -1,15 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Torque-angle records of a test bench: stiffness by a fit that is differentiated, hysteresis, lost motion, K1 to K3."""
+from __future__ import annotations
+
+import json
+import os
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ._engine import InputError
-from .catalogue import stages
+from ._check import array, checked, integer, kind, number, word
+from ._engine import FileError, InputError
+from .catalogue import UNITS, Unit, stages
 from .results import read_csv
 from .spline import Spline
 
 ARCSEC = np.pi / 180 / 3600
+
+
+def _is_number(text):
+    """Whether a cell holds a number."""
+    try:
+        float(text)
+        return True
+    except ValueError:
+        return False
 
 
 @dataclass
@@ -25,13 +42,13 @@ class Curve:
     low_nm_per_rad: np.ndarray
     high_nm_per_rad: np.ndarray
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = ["torque / N m   K / (N m/rad)   band"]
         for t in np.linspace(self.torque_nm[0], self.torque_nm[-1], 5):
             lines.append("{:12.4g}   {:13.0f}   {:.0f} to {:.0f}".format(t, *self.at(t)))
         return "\n".join(lines)
 
-    def at(self, torque_nm):
+    def at(self, torque_nm: Any) -> Any:
         """Stiffness and its band at a torque [N m/rad]."""
         return tuple(float(np.interp(torque_nm, self.torque_nm, y))
                      for y in (self.stiffness_nm_per_rad, self.low_nm_per_rad, self.high_nm_per_rad))
@@ -56,25 +73,31 @@ class Record:
         No rising and falling branch that cross zero torque.
     """
 
-    def __init__(self, torque_nm, angle_rad, torque_error_nm=0.05, angle_error_rad=2 * ARCSEC, pieces=12):
+    @checked(torque_nm=array((None,)), angle_rad=array((None,)), torque_error_nm=number(least=0), angle_error_rad=number(least=0),
+             pieces=integer(1, 1000))
+    def __init__(self, torque_nm: ArrayLike, angle_rad: ArrayLike, torque_error_nm: float = 0.05,
+                 angle_error_rad: float = 2 * ARCSEC, pieces: int = 12) -> None:
         self.torque_nm, self.angle_rad = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
-        if self.torque_nm.shape != self.angle_rad.shape or self.torque_nm.ndim != 1 or len(self.torque_nm) < 20 \
-                or not np.all(np.isfinite(self.torque_nm + self.angle_rad)):
+        if self.torque_nm.shape != self.angle_rad.shape or len(self.torque_nm) < 20:
             raise InputError("a record needs as many torques as angles, at least 20, all finite")
         self.torque_error_nm, self.angle_error_rad, self.pieces = torque_error_nm, angle_error_rad, pieces
-        self._drawn = {}
+        self._drawn: dict[tuple, list] = {}
         self.branches = self._split()
         self.up, self.down = (self._branch(sense) for sense in (1, -1))
         self._fits = {sense: Spline(self.torque_nm[part], self.angle_rad[part], pieces, 0.0)
                       for sense, part in ((1, self.up), (-1, self.down))}
 
     @classmethod
-    def read(cls, path, **errors):
+    def read(cls, path: Any, **errors: Any) -> Any:
         """Record of a CSV table with columns torque_nm and angle_rad or angle_arcsec."""
         table = read_csv(path)
         names = table.dtype.names
         if "torque_nm" not in names or not {"angle_rad", "angle_arcsec"} & set(names):
             raise InputError(f"'{path}' has the columns {', '.join(names)}; needed: torque_nm and angle_rad or angle_arcsec")
+        for name in {"torque_nm", "angle_rad", "angle_arcsec"} & set(names):
+            if table[name].dtype.kind not in "fi":
+                wrong = next(i for i, v in enumerate(table[name]) if not _is_number(v))
+                raise InputError(f"'{path}', column {name}: '{table[name][wrong]}' in row {wrong + 1} is no number")
         angle = table["angle_rad"] if "angle_rad" in names else table["angle_arcsec"] * ARCSEC
         return cls(table["torque_nm"], angle, **errors)
 
@@ -126,7 +149,9 @@ class Record:
             drawn.append(fits)
         return drawn
 
-    def curve(self, branch="middle", points=201, share=0.95, draws=200, seed=1):
+    @checked(branch=word("middle", "up", "down"), points=integer(2, 10**6), share=number(above=0, below=1), draws=integer(2, 10**5),
+             seed=integer(0, 2**63 - 1))
+    def curve(self, branch: str = "middle", points: int = 201, share: float = 0.95, draws: int = 200, seed: int = 1) -> Curve:
         """Stiffness dT/dθ over torque.
 
         Parameters
@@ -150,7 +175,10 @@ class Record:
         low, high = np.percentile(sample, [tail, 100 - tail], axis=0)
         return Curve(torque, self._angle(branch, self._fits, torque), k, low, high)
 
-    def numbers(self, unit=None, rated_torque_nm=None, share=0.95, draws=200, seed=1):
+    @checked(unit=kind(Unit, optional=True), rated_torque_nm=number(above=0, optional=True), share=number(above=0, below=1),
+             draws=integer(2, 10**5), seed=integer(0, 2**63 - 1))
+    def numbers(self, unit: Any = None, rated_torque_nm: float | None = None, share: float = 0.95, draws: int = 200,
+                seed: int = 1) -> dict:
         """Figures of a catalogue with their bands.
 
         Parameters
@@ -165,7 +193,6 @@ class Record:
         dict
             hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad]; each (value, low, high).
         """
-        from .catalogue import UNITS
         unit = unit or UNITS[14]
         torque = np.linspace(0, min(f.high for f in self._fits.values()), 400)
         four = 0.04 * (rated_torque_nm or self.torque_nm.max())
@@ -182,28 +209,59 @@ class Record:
         names = ("hysteresis_rad", "lost_motion_rad", "k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad")
         return {n: (float(v), float(a), float(b)) for n, v, a, b in zip(names, evaluate(self._fits), low, high)}
 
-    def __repr__(self):
+    def write(self, folder: str | os.PathLike, numbers: dict, source: str | os.PathLike, size: int) -> list:
+        """Write what the record gives into a folder.
+
+        Parameters
+        ----------
+        folder : str or Path
+            record.json (figures with their bands), curve.csv (angle and stiffness over torque), record.png and scene.nml (the
+            lines of a scene under the record's highest torque).
+        numbers : dict
+            Of `numbers`.
+        source : str or Path
+            File of the readings.
+        size : int
+            Size whose T1 and T2 were used.
+
+        Returns
+        -------
+        list of Path
+
+        Raises
+        ------
+        FileError
+            The folder holds a run or a study, or cannot be written.
+        """
+        folder = Path(folder)
+        if any((folder / name).exists() for name in ("summary.json", "study.json", "echo.nml")):
+            raise FileError(f"'{folder}' holds a run or a study: choose another folder with --out")
+        found = {"kind": "record", "source": str(source), "size": size, "readings": len(self.torque_nm),
+                 "torque_min_nm": float(self.torque_nm.min()), "torque_max_nm": float(self.torque_nm.max()),
+                 "torque_error_nm": self.torque_error_nm, "angle_error_rad": self.angle_error_rad,
+                 "scatter_rad": float(self._fits[1].residual), "band_share": 0.95,
+                 "value_low_high": {k: [v if np.isfinite(v) else None for v in row] for k, row in numbers.items()}}
+        curve = self.curve()
+        columns = ("torque_nm", "angle_rad", "stiffness_nm_per_rad", "low_nm_per_rad", "high_nm_per_rad")
+        rows = [",".join(columns), *(",".join(f"{v:.10g}" for v in row) for row in zip(*(getattr(curve, c) for c in columns)))]
+        scene = (f"! for a scene under the highest torque of {Path(source).name}\n&load\n  torque = {self.torque_nm.max():.6g}\n"
+                 "  torque_steps = 5\n/\n")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / "record.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+            (folder / "curve.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+            (folder / "scene.nml").write_text(scene, encoding="utf-8")
+            self.plot().savefig(folder / "record.png")
+        except OSError as e:
+            raise FileError(f"'{folder}' cannot be written: {e.strerror or e}") from None
+        return [folder / name for name in ("record.json", "curve.csv", "record.png", "scene.nml")]
+
+    def __repr__(self) -> str:
         return (f"Record: {len(self.torque_nm)} readings, {len(self.branches)} branches, {self.torque_nm.min():.3g} to "
                 f"{self.torque_nm.max():.3g} N m, scatter of the angle {self._fits[1].residual / ARCSEC:.2f} arcsec")
 
-    def plot(self):
+    def plot(self) -> Any:
         """Loop and stiffness with its band (a matplotlib figure)."""
-        from .plot import plt
+        from .figures.record import plot_record
 
-        figure, axes = plt.subplots(1, 2, figsize=(11, 4.4))
-        axes[0].plot(self.angle_rad / ARCSEC / 60, self.torque_nm, ".", ms=2, color="0.6", label="readings")
-        curve = self.curve()
-        axes[0].plot(curve.angle_rad / ARCSEC / 60, curve.torque_nm, color="C0", label="middle curve")
-        axes[0].set_xlabel("angle / arcmin")
-        axes[0].set_ylabel("torque / N m")
-        axes[0].legend()
-        for branch, colour in (("middle", "C0"), ("up", "C1"), ("down", "C2")):
-            c = self.curve(branch)
-            axes[1].plot(c.torque_nm, c.stiffness_nm_per_rad / 1e3, color=colour, label={
-                "middle": "middle", "up": "rising torque", "down": "falling torque"}[branch])
-            axes[1].fill_between(c.torque_nm, c.low_nm_per_rad / 1e3, c.high_nm_per_rad / 1e3, color=colour, alpha=0.2, lw=0)
-        axes[1].set_xlabel("torque / N m")
-        axes[1].set_ylabel("stiffness dT/dθ / (kN m/rad)")
-        axes[1].set_ylim(0, 1.3e-3 * np.percentile(self.curve().stiffness_nm_per_rad, 99))
-        axes[1].legend(title="95 % band")
-        return figure
+        return plot_record(self)

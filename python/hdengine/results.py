@@ -1,27 +1,52 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Results of a run, read from its folder."""
+from __future__ import annotations
+
+import html
 import json
 import os
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import torsion
+from ._check import checked
+from ._check import path as a_path
 from ._engine import FileError
+from .elastic import joint_of_scene
 from .joint import Joint, JointWarning
 
 
-def read_csv(path):
-    """A CSV table as a structured array with the header's names."""
+def read_csv(path: Any, *needed: Any) -> Any:
+    """A CSV table as a structured array with the header's names; columns that are needed must be there.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is no table.
+    """
     try:
-        return np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
     except OSError as e:
-        raise FileError(f"'{path}' cannot be read: {e}") from None
+        raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
+    except (ValueError, Warning, IndexError) as e:
+        first = next((line.strip() for line in str(e).splitlines() if line.strip()), type(e).__name__)
+        raise FileError(f"'{path}' is no table of comma-separated values under a line of names: {first}") from None
+    if table.dtype.names is None:
+        raise FileError(f"'{path}' is no table of comma-separated values under a line of names")
+    missing = [name for name in needed if name not in table.dtype.names]
+    if missing or (needed and not len(table)):   # only what every run leaves must have rows
+        raise FileError(f"'{path}' is not what hdengine writes: {'no row' if not missing else 'no column ' + ', '.join(missing)}")
+    return table
 
 
-def read_summary(folder):
-    """summary.json of a finished run.
+def read_summary(folder: Any, *needed: Any) -> Any:
+    """summary.json of a finished run; entries that are needed must be there.
 
     Raises
     ------
@@ -31,16 +56,59 @@ def read_summary(folder):
     path = Path(folder) / "summary.json"
     if not path.is_file():
         raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
-    return json.loads(path.read_text())
+    return read_json(path, *needed)
 
 
-def row_edges(area, shape, band_length):
+def read_json(path: Any, *needed: Any) -> Any:
+    """A JSON object; entries that are needed must be there.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, holds no JSON object, or lacks an entry.
+    """
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
+    if not isinstance(found, dict):
+        raise FileError(f"'{path}' is not what hdengine writes: no JSON object")
+    missing = [name for name in needed if name not in found]
+    if missing:
+        raise FileError(f"'{path}' is not what hdengine writes: no entry {', '.join(missing)}")
+    return found
+
+
+def _number(value):
+    """Four digits; JSON's null as a dash."""
+    return "-" if value is None else f"{value:.4g}"
+
+
+_UNITS = (("_n_per_m", "N/m"), ("_m2", "m^2"), ("_pa", "Pa"), ("_m", "m"))  # the end of a column's name, its unit
+
+
+def _described(name):
+    """Unit and name in words of a column of contact.csv."""
+    end, unit = next((end, unit) for end, unit in _UNITS if name.endswith(end))
+    words = {"k_n": "normal stiffness of the joint", "k_t": "tangential stiffness of the joint", "x": "x of the facet",
+             "y": "y of the facet", "z": "axial place of the facet from the opening", "traction_theta": "shear along theta",
+             "traction_z": "shear along the axis", "slip_theta": "slip along theta", "slip_z": "slip along the axis"}
+    short = name.removesuffix(end)
+    return {"units": unit, "long_name": words.get(short, short.replace("_", " "))}
+
+
+def preformatted(thing: object) -> str:
+    """What `print` shows, for notebooks."""
+    return f'<pre style="line-height:1.3">{html.escape(str(thing))}</pre>'
+
+
+def row_edges(area: Any, shape: Any, band_length: Any) -> Any:
     """Ends of the facet rows, from the front edge of the band [m]; rows may be shorter towards its edges (mesh.edge_length)."""
     share = area.reshape(shape).sum(axis=0)
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_stiffness(facets, joint, sheared=True):
+def facet_stiffness(facets: Any, joint: Any, sheared: bool = True) -> tuple[np.ndarray, np.ndarray]:
     """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
 
     Parameters
@@ -59,7 +127,7 @@ def facet_stiffness(facets, joint, sheared=True):
     return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear * sheared, facets["area_m2"][..., None]))
 
 
-def long_axis(facets, shape, positions, band_length):
+def long_axis(facets: Any, shape: Any, positions: Any, band_length: Any) -> Any:
     """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
     edges = row_edges(facets["area_m2"], shape, band_length)
     z = 0.5 * (edges[1:] + edges[:-1])
@@ -87,46 +155,65 @@ class Result:
         Facets round the circumference, facets along the band.
     """
 
-    def __init__(self, folder):
+    @checked(folder=a_path)
+    def __init__(self, folder: Any) -> None:
         self.folder = Path(folder)
-        self.summary = read_summary(folder)
-        self.steps = read_csv(self.folder / "steps.csv")
-        self.history = read_csv(self.folder / "history.csv")
-        table = read_csv(self.folder / "contact.csv")
+        self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
+        self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
+        self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
+        table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa")
         facets = int(table["facet"].max())
+        if len(table) != facets * len(self.steps):
+            raise FileError(f"'{self.folder / 'contact.csv'}' has {len(table)} rows: must be {facets} facets times "
+                            f"{len(self.steps)} load steps")
         self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names}
         self.shape = int(table["i_theta"].max()), int(table["i_z"].max())
 
     @property
-    def scene(self):
+    def scene(self) -> Any:
         """All keys of the scene, 'group.key'."""
         return self.summary["scene"]
 
     @property
-    def complete(self):
+    def complete(self) -> Any:
         """The run reached its last load step."""
         return self.summary["status"] == "complete"
 
     @property
-    def against_teeth(self):
+    def against_teeth(self) -> Any:
         """The cup turns against the teeth, ring bonded: K_FTS is asked for, and Eq. 45 says nothing."""
         return self.scene["load.support"] == "teeth"
 
     @property
-    def teeth(self):
+    def teeth(self) -> Any:
         """Force, share and closing of every pair of teeth and torque step (teeth.csv), a structured array."""
         return read_csv(self.folder / "teeth.csv")
 
     @property
-    def torque_nm(self):
+    def loop(self) -> Any:
+        """Torque, angle, energies and largest forces of every step of the whole drive (loop.csv), a structured array."""
+        return read_csv(self.folder / "loop.csv")
+
+    @property
+    def balls(self) -> Any:
+        """Force, share and closing of every ball and step (balls.csv), a structured array; None without balls."""
+        return read_csv(self.folder / "balls.csv") if (self.folder / "balls.csv").exists() else None
+
+    @property
+    def fatigue(self) -> Any:
+        """Mean, amplitude and safety of the points of the flexspline's meridian (fatigue.csv), a structured array."""
+        return read_csv(self.folder / "fatigue.csv")
+
+    @property
+    def torque_nm(self) -> Any:
         """Torque of each step [N m]."""
         return self.steps["torque_nm"]
 
-    def vectors(self, *names):
+    def vectors(self, *names: Any) -> Any:
         """Columns stacked as (steps, facets, len(names))."""
         return np.stack([self.contact[name] for name in names], axis=-1)
 
-    def secant_stiffness(self):
+    def secant_stiffness(self) -> np.ndarray:
         """Torque over FE rotation of each step [N m/rad]: K_FTS against the teeth; NaN without torque.
 
         Returns
@@ -136,7 +223,7 @@ class Result:
         turn = self.steps["rotation_rad"]
         return np.divide(self.torque_nm, turn, out=np.full(len(turn), np.nan), where=(self.torque_nm != 0) & (turn != 0))
 
-    def torsional_stiffness(self):
+    def torsional_stiffness(self) -> tuple:
         """K_TS of each step (Eq. 45): default [N m/rad] and as printed [N].
 
         Returns
@@ -146,52 +233,61 @@ class Result:
         c, s = self.contact, self.scene
         k = torsion.torsional_stiffness(c["k_n_n_per_m"], c["k_t_n_per_m"], self.vectors("x_m", "y_m", "z_m"),
                                         self.vectors("n_x", "n_y", "n_z"))
-        paper = torsion.torsional_stiffness_paper(c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0],
-                                                  s["geometry.bore_radius"], s["wave_generator.w"])
+        paper = torsion.torsional_stiffness_paper(
+            c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0], s["geometry.bore_radius"], s["wave_generator.w"],
+            np.tan(np.radians(s["wave_generator.cone_angle_deg"])))
         return k, paper
 
-    def row_edges(self):
+    def row_edges(self) -> Any:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact["area_m2"][0], self.shape, self.scene["geometry.band_length"])
 
-    def rows(self):
+    def rows(self) -> Any:
         """One dict per load step with the columns of a study's table."""
-        k, paper = self.torsional_stiffness()
         steps = [{name: row[name].item() for name in self.steps.dtype.names} for row in self.steps]
         for i, row in enumerate(steps):
             facets = {name: column[i] for name, column in self.contact.items()}
-            row.update(k_ts_nm_per_rad=float(k[i]), k_ts_paper_n=float(paper[i]), **long_axis(
-                facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
+            row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
         return steps
 
-    def frame(self):
+    def frame(self) -> Any:
         """The load steps as a pandas.DataFrame (needs pandas)."""
         import pandas
 
         return pandas.DataFrame(self.rows())
 
-    def dataset(self):
-        """The contact fields as an xarray.Dataset over step, theta [rad] and z [m, from the band's front edge] (needs xarray)."""
+    def dataset(self) -> Any:
+        """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).
+
+        band_z_m is the distance from the front edge of the band; z_m is the axial place of a facet from the opening, as in
+        contact.csv. Every variable has units and a long_name.
+        """
         import xarray
 
         theta, edges = np.arange(self.shape[0]) + 0.5, self.row_edges()
-        fields = {name: (("step", "theta_rad", "z_m"), column.reshape(-1, *self.shape)) for name, column in self.contact.items()
-                  if name.endswith(("_pa", "_m", "_m2", "_per_m")) and name != "z_m"}
-        return xarray.Dataset(fields, {"step": self.steps["step"], "torque_nm": ("step", self.torque_nm),
-                                       "theta_rad": 2 * np.pi * theta / self.shape[0], "z_m": 0.5 * (edges[1:] + edges[:-1])})
+        axes = ("step", "theta_rad", "band_z_m")
+        fields = {name: (axes, column.reshape(-1, *self.shape), _described(name)) for name, column in self.contact.items()
+                  if name.endswith(("_pa", "_m", "_m2", "_per_m"))}
+        return xarray.Dataset(fields, {
+            "step": self.steps["step"], "torque_nm": ("step", self.torque_nm, {"units": "N m", "long_name": "torque"}),
+            "theta_rad": ("theta_rad", 2 * np.pi * theta / self.shape[0], {"units": "rad", "long_name": "angle from long axis"}),
+            "band_z_m": ("band_z_m", 0.5 * (edges[1:] + edges[:-1]), {
+                "units": "m", "long_name": "distance of the row from the front edge of the band"})},
+            {"title": self.summary["title"], "status": self.summary["status"]})
+
+    def _repr_html_(self):
+        return preformatted(self)
 
     @property
-    def joint(self):
-        """The Joint that the run computed its stiffness with."""
-        s, j = self.scene, self.summary["joint"]
-        return Joint(
-            e1=s["material.flexspline_e"], nu1=s["material.flexspline_nu"], e2=s["material.ring_e"], nu2=s["material.ring_nu"],
-            nu_soft=s["material.flexspline_nu"], hardness=j["hardness_pa"], fractal_dimension=s["joint.fractal_dimension"],
-            roughness=s["joint.roughness"], gamma=s["joint.gamma"], asperity_radius=j["asperity_radius_m"],
-            friction=s["contact.friction"], s_min=j["s_min_m2"], reference_area=j["reference_area_m2"],
-            paper=j["closure"] == "paper")
+    def joint(self) -> Any:
+        """The Joint that the run computed the stiffness of its last step with."""
+        return self.joint_at(-1)
 
-    def torsional_band(self, *, level=0.95, **errors):
+    def joint_at(self, step: Any) -> Any:
+        """The Joint of a load step: its shear is capped by the friction of that step (contact.torque_friction under a torque)."""
+        return joint_of_scene(self.scene, float(self.steps["friction"][step]))
+
+    def torsional_band(self, *, level: float = 0.95, **errors: Any) -> np.ndarray:
         """K_TS of each step (Eq. 45) with a band from the standard errors of D and G.
 
         Parameters
@@ -209,11 +305,28 @@ class Result:
         place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("n_x", "n_y", "n_z")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)
-            values = [torsion.torsional_stiffness(*facet_stiffness(self.contact, joint), place, normal)
-                      for joint in self.joint.samples(**errors)]
+            parts = []
+            for mu in np.unique(self.steps["friction"]):
+                rows = self.steps["friction"] == mu
+                facets = {name: column[rows] for name, column in self.contact.items()}
+                joints = self._samples(float(mu), errors)
+                parts.append((rows, [torsion.torsional_stiffness(*facet_stiffness(facets, joint), place[rows], normal[rows])
+                                     for joint in joints]))
+        values = np.empty((len(parts[0][1]), len(self.steps)))
+        for rows, found in parts:
+            values[:, rows] = found
         return np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
 
-    def write_torsion(self):
+    def _samples(self, friction: float, errors: dict) -> Iterator:
+        """Joints of the run's model whose D and ln G scatter."""
+        for joint in Joint.of_scene(self.scene, friction).samples(**errors):
+            if self.scene.get("joint.model") == "hu2023":
+                yield joint
+            else:
+                yield joint_of_scene({**self.scene, "joint.fractal_dimension": joint.fractal_dimension,
+                                      "joint.roughness": joint.roughness}, friction)
+
+    def write_torsion(self) -> Any:
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""
         k, paper = self.torsional_stiffness()
         path = self.folder / "torsion.csv"
@@ -225,7 +338,7 @@ class Result:
         return path
 
     @property
-    def limits(self):
+    def limits(self) -> dict:
         """What a planned run promises of its last step: limits of fine meshes.
 
         Returns
@@ -239,7 +352,7 @@ class Result:
         return {key: (plan[key], plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
                 for key, n in names.items() if key in plan}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         r = self.summary["results"]
         if self.against_teeth:
             stiffness = "K_FTS: no torque"
@@ -248,8 +361,8 @@ class Result:
                 stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
-            k, paper = self.torsional_stiffness()
-            stiffness = f"K_TS (Eq. 45) {k[-1]:.4g} N m/rad   as printed {paper[-1]:.4g} N"
+            stiffness = f"K_TS tangent {_number(r['k_ts_tangent_nm_per_rad'])}, secant {_number(r['k_ts_secant_nm_per_rad'])} " \
+                        f"N m/rad   Eq. 45 {_number(r['k_ts_nm_per_rad'])} N m/rad, as printed {_number(r['k_ts_paper_n'])} N"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
@@ -265,6 +378,6 @@ class Result:
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 
 
-def load(folder):
+def load(folder: Any) -> Any:
     """Result of a run folder."""
     return Result(folder)

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Elastic bodies of your own meshes, alone or in frictional contact, solved by the engine (small displacements)."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import _engine
+from ._check import array, checked, fields, integer, integers, kind, number, word
 from .mesh import Mesh
 
 
@@ -28,6 +32,10 @@ class Body:
     poisson: float
     angle: object = 0.0
 
+    def __post_init__(self) -> None:
+        n = len(kind(Mesh)("mesh", self.mesh).points)
+        fields(self, young=number(above=0), poisson=number(above=-1, below=0.5), angle=array([(), (n,)]))
+
 
 @dataclass
 class Face:
@@ -44,7 +52,16 @@ class Face:
     facets: np.ndarray
     chart: np.ndarray
 
-    def arrays(self, period):
+    def __post_init__(self) -> None:
+        fields(self, facets=integers((None, None), 0), chart=array((None, 2)))
+        if self.facets.shape[1] not in (4, 8):
+            raise _engine.InputError(f"facets have {self.facets.shape[1]} nodes: must have 4 or 8")
+        if self.facets.max() >= len(self.chart):
+            raise _engine.InputError(f"facets name node {self.facets.max()}, the chart has {len(self.chart)} nodes, from 0")
+        if any(len(set(f)) < len(f) for f in self.facets.tolist()):
+            raise _engine.InputError("a facet names a node twice")
+
+    def arrays(self, period: Any) -> Any:
         """Node numbers (nodes, k) from 1 and corner coordinates (2, 4, k), counter-clockwise."""
         facets = np.array(self.facets)
         corners = np.asarray(self.chart, float)[facets[:, :4]]
@@ -90,6 +107,35 @@ class Solution:
     history: np.ndarray
 
 
+_ELEMENTS = ("hex8", "hex8i", "hex20r")
+
+
+def _bodies(name, value):
+    """A rule: a sequence of bodies."""
+    if not isinstance(value, (list, tuple)) or not value or not all(isinstance(b, Body) for b in value):
+        raise _engine.InputError(f"{name}: must be a list of Body, at least one")
+    if len({b.mesh.quadratic for b in value}) > 1:
+        raise _engine.InputError(f"{name}: all must have cells of 8, or all of 20 nodes")
+    return value
+
+
+def _held(name, value):
+    """A rule: which dofs are prescribed."""
+    a = np.asarray(value)
+    if a.dtype.kind not in "biu" or a.ndim != 2 or a.shape[1] != 3:
+        raise _engine.InputError(f"{name}: must be true or false for every dof, shape (n, 3)")
+    return a != 0
+
+
+def _fitting(n, **arrays):
+    """Refuse arrays that are not one row per node."""
+    for name, (a, width) in arrays.items():
+        shape = np.shape(a)
+        one, many = ((n, width), 3) if width > 1 else ((n,), 2)
+        if a is not None and shape[-len(one):] != one or len(shape) > many:
+            raise _engine.InputError(f"{name} has shape {shape}: must be {one}, or that for every load step")
+
+
 def _common(bodies, element):
     """Arguments that describe the bodies."""
     nodes = np.cumsum([len(b.mesh.points) for b in bodies])
@@ -106,15 +152,30 @@ def _common(bodies, element):
     return element, nodes.astype(np.int32), cells.astype(np.int32), material, x, angle, connect
 
 
+def _refuse_far_slip(slip, limit, *faces):
+    """Raise NotConvergedError where slip (2, n, steps) passes the limit, by default the shortest side of a facet."""
+    if limit is None:
+        limit = min(np.linalg.norm(np.diff(c[:, [0, 1, 2, 3, 0]], axis=1), axis=2).min()
+                    for c in (np.asarray(f.chart, float)[np.asarray(f.facets)[:, :4]] for f in faces))
+    length = np.hypot(*slip).max(0)
+    step = int(np.argmax(length > limit))
+    if length[step] > limit:
+        raise _engine.NotConvergedError(
+            f"load step {step + 1} slides by {length[step]:.3g} m, farther than the shortest side of a facet ({limit:.3g} m): "
+            "hdengine.solid is for small displacements; use coarser facets, a shorter way, or max_slip on a flat, even master")
+
+
 def _columns(values, n, steps, width):
     """Nodal values as (width, n, steps), Fortran order; None is zero."""
     if values is None:
         return np.zeros((width, n, steps), order="F")
-    values = np.asarray(values, float).reshape(-1, n, width)
+    values = np.reshape(values, (-1, n, width))
     return np.asfortranarray(np.broadcast_to(values, (steps, n, width)).transpose(2, 1, 0))
 
 
-def static(bodies, fixed, displacement=None, force=None, element="hex8i"):
+@checked(bodies=_bodies, fixed=_held, displacement=array(optional=True), force=array(optional=True), element=word(*_ELEMENTS))
+def static(bodies: Any, fixed: np.ndarray, displacement: np.ndarray | None = None, force: np.ndarray | None = None,
+           element: str = "hex8i") -> np.ndarray:
     """Displacements of elastic bodies under forces and supports.
 
     Parameters
@@ -144,13 +205,24 @@ def static(bodies, fixed, displacement=None, force=None, element="hex8i"):
     """
     common = _common(bodies, element)
     n = common[4].shape[1]
+    _fitting(n, fixed=(fixed, 3), displacement=(displacement, 3), force=(force, 3))
+    for name, field in (("displacement", displacement), ("force", force)):
+        if field is not None and field.ndim > 2:
+            raise _engine.InputError(f"{name} has shape {field.shape}: there is one load step, give {(n, 3)}")
     held = np.asfortranarray(np.asarray(fixed).T, np.int32)
     return _engine.call("solid_static", *common, held, _columns(displacement, n, 1, 3)[..., 0],
                         _columns(force, n, 1, 3)[..., 0]).T
 
 
-def contact(bodies, slave, master, fixed, displacement=None, force=None, gap=None, friction=0.0, mode="frictional",
-            element="hex8i", period=0.0, scale=None, tolerance=1e-10, max_iterations=60):
+@checked(bodies=_bodies, slave=kind(Face), master=kind(Face), fixed=_held, displacement=array(optional=True),
+         force=array(optional=True), gap=array(optional=True), friction=number(least=0),
+         mode=word("bonded", "frictionless", "frictional"), element=word(*_ELEMENTS), period=number(least=0),
+         scale=number(above=0, optional=True), tolerance=number(above=0, below=1), max_iterations=integer(1, 10000),
+         max_slip=number(above=0, finite=False, optional=True))
+def contact(bodies: Any, slave: Any, master: Any, fixed: Any, displacement: np.ndarray | None = None,
+            force: np.ndarray | None = None, gap: np.ndarray | None = None, friction: float = 0.0, mode: str = "frictional",
+            element: str = "hex8i", period: float = 0.0, scale: float | None = None, tolerance: float = 1e-10,
+            max_iterations: int = 60, max_slip: float | None = None) -> Solution:
     """Contact of two faces through load steps, with friction history (mortar coupling, semi-smooth Newton).
 
     Parameters
@@ -173,6 +245,9 @@ def contact(bodies, slave, master, fixed, displacement=None, force=None, gap=Non
         Constant c of the iteration [Pa/m]; the solution does not depend on it.
     tolerance : float
         Relative residual.
+    max_slip : float, optional
+        Longest slip that is accepted [m]; default: the shortest side of a facet. Pairs of facets do not follow the slip, which
+        matters unless the master is flat and evenly supported.
 
     Returns
     -------
@@ -181,12 +256,23 @@ def contact(bodies, slave, master, fixed, displacement=None, force=None, gap=Non
     Raises
     ------
     NotConvergedError
-        A step has no equilibrium within `max_iterations`.
+        A step has no equilibrium within `max_iterations`, or slides farther than a facet is long, where pairs of facets do not
+        follow.
     """
     common = _common(bodies, element)
     x = common[4]
     n = x.shape[1]
-    steps = max(len(np.reshape(v, (-1, n, w))) for v, w in ((displacement, 3), (force, 3), (gap, 1)) if v is not None)
+    _fitting(n, fixed=(fixed, 3), displacement=(displacement, 3), force=(force, 3), gap=(gap, 1))
+    nodes = 8 if element == "hex20r" else 4
+    for name, face in (("slave", slave), ("master", master)):
+        if len(face.chart) != n or face.facets.shape[1] != nodes:
+            raise _engine.InputError(f"{name}: a chart of {len(face.chart)} nodes and facets of {face.facets.shape[1]}; the bodies "
+                                     f"have {n} nodes, and element '{element}' has facets of {nodes}")
+    loads = ((displacement, 3), (force, 3), (gap, 1))
+    counts = {len(np.reshape(v, (-1, n, w))) for v, w in loads if v is not None} - {1} or {1}
+    if len(counts) > 1:
+        raise _engine.InputError(f"displacement, force and gap have different numbers of load steps: {sorted(counts)}")
+    steps = counts.pop()
     held = np.asfortranarray(np.asarray(fixed).T, np.int32)
     if scale is None:
         scale = min(b.young for b in bodies) / np.ptp(x, axis=1).max()
@@ -194,4 +280,5 @@ def contact(bodies, slave, master, fixed, displacement=None, force=None, gap=Non
         "solid_contact", *common, held, *slave.arrays(period), *master.arrays(period), float(period), mode,
         np.array([friction, scale, tolerance]), max_iterations, _columns(displacement, n, steps, 3),
         _columns(force, n, steps, 3), _columns(gap, n, steps, 1)[0], (max_iterations + 1) * steps)
+    _refuse_far_slip(slip, max_slip, slave, master)
     return Solution(u.T, reaction.T, traction.T, slip.T, opening.T, state.T, area, history.T[:used])

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoothing by cubic B-splines with a penalty on the curvature (P-splines), the penalty by generalised cross-validation."""
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 
-def basis(x, low, high, pieces, derivative=0):
+def basis(x: ArrayLike, low: float, high: float, pieces: int, derivative: int = 0) -> np.ndarray:
     """Cubic B-splines on equal intervals.
 
     Parameters
@@ -55,7 +60,8 @@ class Spline:
         Effective number of parameters.
     """
 
-    def __init__(self, x, y, pieces=24, kink=None, penalty=None):
+    def __init__(self, x: ArrayLike, y: ArrayLike, pieces: int = 24, kink: float | None = None,
+                 penalty: float | None = None) -> None:
         x, y = np.asarray(x, float), np.asarray(y, float)
         self.low, self.high, self.pieces, self.kink = x.min(), x.max(), pieces, kink
         b = self._columns(x, 0)
@@ -81,6 +87,6 @@ class Spline:
         size, u = (self.high - self.low)**2 / 4, np.asarray(x, float) - self.kink
         return np.column_stack([b, u * np.abs(u) / size if derivative == 0 else 2 * np.abs(u) / size])
 
-    def __call__(self, x, derivative=0):
+    def __call__(self, x: Any, derivative: int = 0) -> Any:
         """Value, or first derivative."""
         return self._columns(x, derivative) @ self.coefficients

@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What K_TS owes to its inputs: bands, one-at-a-time ranges (tornado), variance-based indices."""
+from __future__ import annotations
+
 import json
 import os
 import warnings
+from typing import Any
 
 import numpy as np
 
 from . import torsion
 from ._engine import InputError
 from .contact import read_scene
-from .joint import Joint
+from .elastic import joint_of_scene
 from .results import facet_stiffness
-from .study import Study
+from .studies.study import Study
 
-# key: (low, high, why); docs/sensitivity.md has the sources
+# key: (low, high, why); docs/evidence/sensitivity.md has the sources
 JOINT = {
     "joint.asperity_radius": (3.74e-6, 6.30e-6, "fits to boundary elements: both cut-offs, the finer one"),
     "joint.s_min": (4.9e-13, 2.4e-12, "fits to boundary elements: the coarser cut-off, both"),
@@ -37,23 +40,6 @@ DRIVE = {
 }
 
 
-def scene_joint(scene):
-    """Joint of a scene, as the engine makes it.
-
-    Parameters
-    ----------
-    scene : dict
-        'group.key' to value (`read_scene`, `Result.scene`).
-    """
-    s_min = scene["joint.s_min"] or np.pi * (scene["joint.shortest_wavelength"] / 2)**2
-    return Joint(e1=scene["material.flexspline_e"], nu1=scene["material.flexspline_nu"], e2=scene["material.ring_e"],
-                 nu2=scene["material.ring_nu"], nu_soft=scene["material.flexspline_nu"],
-                 hardness=scene["joint.hardness"] or 2.8 * scene["material.yield_strength"],
-                 fractal_dimension=scene["joint.fractal_dimension"], roughness=scene["joint.roughness"],
-                 gamma=scene["joint.gamma"], asperity_radius=scene["joint.asperity_radius"], friction=scene["contact.friction"],
-                 s_min=s_min, reference_area=scene["joint.sample_length"]**2, paper=scene["joint.closure"] == "paper")
-
-
 class ContactField:
     """Pressure and shear of one load step; K_TS for other joints without solving the contact again.
 
@@ -66,25 +52,28 @@ class ContactField:
         Row of steps.csv; default: the last.
     """
 
-    def __init__(self, result, step=-1):
+    def __init__(self, result: Any, step: int = -1) -> None:
         self.scene = dict(result.scene)
         self._facets = c = {name: column[step] for name, column in result.contact.items()}
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
+        self._friction = float(result.steps["friction"][step])
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"ContactField: {len(self._facets['area_m2'])} facets at {self.torque_nm:g} N m"
 
-    def k_ts(self, **keys):
+    def k_ts(self, **keys: Any) -> Any:
         """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
         scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
-        joint = scene_joint(scene)
+        changed = "contact.friction" in {k.replace("__", ".", 1) for k in keys}
+        joint = joint_of_scene(scene, None if changed else self._friction)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return float(torsion.torsional_stiffness(*facet_stiffness(self._facets, joint), *self._place))
+            k_n, k_t = facet_stiffness(self._facets, joint)
+            return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field, ranges=JOINT):
+def joint_tornado(field: Any, ranges: Any = JOINT) -> dict:
     """K_TS at both ends of each range, the others at the scene's values.
 
     Returns
@@ -96,7 +85,7 @@ def joint_tornado(field, ranges=JOINT):
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 
-def joint_band(field, ranges=JOINT, draws=500, level=0.95, seed=1):
+def joint_band(field: Any, ranges: Any = JOINT, draws: int = 500, level: float = 0.95, seed: int = 1) -> tuple:
     """Band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
 
     Returns
@@ -117,7 +106,7 @@ def _point(ranges, unit):
     return point
 
 
-def joint_indices(field, ranges=JOINT, base=128, seed=1):
+def joint_indices(field: Any, ranges: dict = JOINT, base: int = 128, seed: int = 1) -> dict:
     """First-order and total variance-based indices of K_TS (Sobol; needs SALib: pip install 'hdengine[sensitivity]').
 
     Parameters
@@ -149,12 +138,12 @@ def joint_indices(field, ranges=JOINT, base=128, seed=1):
     return {key: tuple(float(s[name][i]) for name in ("S1", "S1_conf", "ST", "ST_conf")) for i, key in enumerate(ranges)}
 
 
-def one_at_a_time(scene="", ranges=None, fixed=None):
+def one_at_a_time(scene: str | os.PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Any:
     """Study with the scene itself and both ends of each range: point 0, then low and high of each key.
 
     Parameters
     ----------
-    scene : str
+    scene : str or Path
         Namelist.
     ranges : dict
         Default: DRIVE.
@@ -170,7 +159,7 @@ def one_at_a_time(scene="", ranges=None, fixed=None):
     return Study(scene, together=columns, fixed=fixed or {}, rows="last", title="One at a time")
 
 
-def drive_tornado(result, ranges=None, column="k_ts_nm_per_rad"):
+def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_rad") -> tuple:
     """Ends of each range from the study of `one_at_a_time`.
 
     Returns
@@ -194,7 +183,8 @@ GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
 }
 
 
-def bands(field, base=None, ends=None, draws=500, level=0.95, seed=1, ranges=None):
+def bands(field: Any, base: Any = None, ends: Any = None, draws: int = 500, level: float = 0.95, seed: int = 1,
+          ranges: dict | None = None) -> dict:
     """Bands of K_TS when groups of inputs scatter over their ranges.
 
     Keys of the joint are evaluated on the contact field. Keys of the drive act as factors, each a straight line from its low
@@ -223,7 +213,7 @@ def bands(field, base=None, ends=None, draws=500, level=0.95, seed=1, ranges=Non
         for _ in range(draws):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
-                low, high, middle = *ranges[key][:2], field.scene[key]
+                (low, high), middle = ranges[key][:2], field.scene[key]
                 x = low + (high - low) * generator.random()
                 value *= np.interp(x, *_line((low, middle, high), (ends[key][0] / base, 1.0, ends[key][1] / base)))
             values.append(value)
@@ -237,7 +227,7 @@ def _line(x, y):
     return sorted(kept), [kept[a] for a in sorted(kept)]
 
 
-def analyse(folder, drive=False, draws=500, sobol=128, show=True):
+def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
     """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, tornado_drive.png.
 
     Parameters
@@ -258,7 +248,7 @@ def analyse(folder, drive=False, draws=500, sobol=128, show=True):
     dict
         What sensitivity.json holds.
     """
-    from .plot import plt
+    from .figures.sensitivity import plot_tornado
     from .results import Result
 
     result = Result(folder)
@@ -283,29 +273,4 @@ def analyse(folder, drive=False, draws=500, sobol=128, show=True):
     os.replace(part, result.folder / "sensitivity.json")
     for name, figure in figures.items():
         figure.savefig(result.folder / name)
-        plt.close(figure)
     return found
-
-
-def plot_tornado(base, ends, ranges, title=""):
-    """Tornado chart (a matplotlib figure): change of K_TS between the ends of each range."""
-    from .plot import plt
-
-    figure, axis = plt.subplots(figsize=(9, 1.3 + 0.42 * len(ends)))
-    for i, (key, values) in enumerate(reversed(ends.items())):
-        changes = 100 * (np.array(values) / base - 1)
-        right = changes >= 0
-        if right[0] == right[1]:  # both texts on one side would cover each other: that of the shorter bar goes to the other
-            short = int(np.abs(changes[1]) < np.abs(changes[0]))
-            right[short] = not right[short]
-        for change, end, colour, away in zip(changes, ranges[key][:2], ("C0", "C1"), right):
-            axis.barh(i, change, color=colour, height=0.7)
-            place = max(change, 0) if away else min(change, 0)
-            axis.annotate(f"{end:.4g}", (place, i), xytext=(4 if away else -4, 0), textcoords="offset points",
-                          va="center", ha="left" if away else "right", fontsize=9)
-    axis.set_yticks(range(len(ends)), list(reversed(ends)), fontsize=11)
-    axis.axvline(0, color="k", lw=0.8)
-    axis.margins(x=0.15)
-    axis.set_xlabel(f"change of $K_{{TS}}$ / % of {base:.4g} N m/rad\nblue: low end, orange: high end, SI units")
-    axis.set_title(title, fontsize=12)
-    return figure

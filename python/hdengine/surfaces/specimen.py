@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measured specimens: read files, level, fit, and two of them as one equivalent joint surface (Fig. 5)."""
+from __future__ import annotations
+
+import os
+import re
 import struct
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
+from .._check import array, checked, fields, integer, kind, text
+from .._check import path as a_path
+from .._engine import FileError, InputError
 from . import roughness
-from ._engine import FileError, InputError
 
 _METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
 
@@ -33,21 +41,26 @@ class Specimen:
     name: str = "specimen"
     notes: tuple = ()
 
+    def __post_init__(self) -> None:
+        fields(self, heights=array([(None,), (None, None)], holes=True), name=text)
+        step = array([(), (1,), (2,)], above=0)("spacing", self.spacing)
+        object.__setattr__(self, "spacing", tuple(np.broadcast_to(step, 2).tolist()))
+
     @property
-    def size(self):
+    def size(self) -> Any:
         """Extent of the map (y, x) [m]; of a profile: (length,)."""
         steps = self.spacing if self.heights.ndim == 2 else self.spacing[-1:]
         return tuple((n - 1) * d for n, d in zip(self.heights.shape, steps))
 
-    def fit(self, **options):
+    def fit(self, **options: Any) -> Any:
         """`roughness.fit` of this specimen; takes its options."""
         return roughness.fit(self.heights, self.spacing, **options)
 
-    def structure_function(self, lags=None, direction="rows", second=False):
+    def structure_function(self, lags: Any = None, direction: str = "rows", second: bool = False) -> Any:
         """`roughness.structure_function` of this specimen."""
         return roughness.structure_function(self.heights, self.spacing, lags, direction, second)
 
-    def parameters(self):
+    def parameters(self) -> Any:
         """`roughness.parameters` of this specimen."""
         return roughness.parameters(self.heights, self.spacing)
 
@@ -61,7 +74,8 @@ def _factor(unit, path):
     return _METRES[unit]
 
 
-def read(path, unit=None, spacing=None, channel=None):
+@checked(path=a_path, channel=integer(0, optional=True))
+def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel: int | None = None) -> Specimen:
     """Read a height map or profile.
 
     SDF (ISO 25178-71, binary; `save` writes it) is read as it is; every other format by the package SurfaceTopography
@@ -94,8 +108,15 @@ def read(path, unit=None, spacing=None, channel=None):
     if not path.is_file():
         raise FileError(f"{path}: no such file")
     with open(path, "rb") as file:
-        if file.read(8) == b"bISO-1.0":
-            return _load(path)
+        head = file.read(2000)
+    if head[:8] == b"bISO-1.0":
+        return _load(path)
+    if head[:8] == b"aISO-1.0":
+        return _load_text(path)
+    if head[:6] == b"\x93NUMPY":
+        return _load_array(path, unit, spacing)
+    if b"<!DOCTYPE DATA" in head:
+        return _softgauge(path, unit, spacing)
     try:
         import SurfaceTopography
     except ImportError as e:
@@ -105,10 +126,12 @@ def read(path, unit=None, spacing=None, channel=None):
         info = reader.channels[channel] if channel is not None else reader.default_channel
         sized = info.physical_sizes is not None
         map_ = reader.topography(channel_index=info.index, **({} if sized else {"physical_sizes": (1.0,) * info.dim}))
-        heights = np.ma.filled(np.ma.asarray(map_.heights(), dtype=float), np.nan)
+        heights: np.ndarray = np.ma.filled(np.ma.asarray(map_.heights(), dtype=float), np.nan)
     except Exception as e:
         text = " ".join(str(e).split()) or type(e).__name__
         raise FileError(f"{path.name} cannot be read: {text[:200]}") from e
+    if info.dim == 1 and Path(path).suffix.lower() in (".xml", ".x3p") and not sized and map_.unit is None:
+        raise FileError(f"{path.name} cannot be read: its numbers run together as one profile, for its format is not known")
     if map_.unit is not None and unit is not None:
         raise InputError(f"{path.name} states its unit, {map_.unit}: leave out unit={unit!r}")
     pair = (map_.unit or unit,) * 2 if map_.unit or unit is None or isinstance(unit, str) else tuple(unit)
@@ -122,7 +145,88 @@ def read(path, unit=None, spacing=None, channel=None):
         return _profile(path, map_, heights, lateral, height, spacing, notes)
     steps = [s * lateral / n for s, n in zip(map_.physical_sizes, map_.nb_grid_pts)]
     step = roughness._spacing(spacing) if not sized else steps
-    return Specimen(np.ascontiguousarray(heights.T) * height, (float(step[1]), float(step[0])), path.stem, tuple(notes))
+    found = Specimen(np.ascontiguousarray(heights.T) * height, (float(step[1]), float(step[0])), path.stem, tuple(notes))
+    return _doubt(found)
+
+
+def _doubt(s):
+    """The specimen, with a note where its scale is hard to believe: a factor of 1000 shows in Sq over length and in the slope."""
+    with np.errstate(all="ignore"):
+        z = roughness.level(s.heights)
+        ratio = np.nanstd(z) / max(s.size)
+        slope = np.sqrt(np.nanmean(np.diff(z, axis=-1) ** 2)) / s.spacing[1]
+    if not np.isfinite(ratio) or ratio == 0:
+        return s
+    words = f"rms height {ratio:.2g} of the length, rms slope {slope:.2g}"
+    if max(s.size) > 1 or ratio < 1e-8 or slope < 1e-6:
+        note = (f"{words}, length {max(s.size):.3g} m: flatter or longer than rough surfaces are; "
+                "is the lateral scale 1000 times too large?")
+    elif ratio > 0.5 or slope > 20:
+        note = f"{words}: steeper than instruments see; is the lateral scale 1000 times too small?"
+    else:
+        return s
+    return replace(s, notes=(*s.notes, note))
+
+
+def _softgauge(path, unit, spacing):
+    """A profile in the XML of the softgauges of NPL and NIST: the raw points of <DATAFILE> with the stated unit and spacing [unit].
+
+    A file may hold filtered profiles too, in <ANALYSIS>; they are another curve and are left out.
+    """
+    text = re.sub(r"<\?.*?\?>|<!DOCTYPE[^>]*>", "", path.read_text(errors="replace"), flags=re.S)
+    try:
+        data: Any = ElementTree.fromstring(text).find("DATAFILE")
+        values = [float(v) for v in data.findtext("DATA_POINT_VALUES").split()]
+        count = int(data.findtext("NUMPOINTS"))
+        step = data.findtext("SPACING")
+    except (ElementTree.ParseError, AttributeError, TypeError, ValueError) as e:
+        raise FileError(f"{path.name} is a damaged or cut softgauge file (XML with <DATAFILE>): {e}") from e
+    if count != len(values):
+        raise FileError(f"{path.name} states {count} points and holds {len(values)}: it is damaged or cut")
+    stated = (data.findtext("UNITS") or "").strip() or None
+    if stated is not None and unit is not None:
+        raise InputError(f"{path.name} states its unit, {stated}: leave out unit={unit!r}")
+    if step is not None and spacing is not None:
+        raise InputError(f"{path.name} states its size: leave out spacing=")
+    if step is None and spacing is None:
+        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
+    pair = (stated or unit,) * 2 if stated or unit is None or isinstance(unit, str) else tuple(unit)
+    lateral, height = (_factor(u, path) for u in pair)
+    step = roughness._spacing(spacing)[0] if step is None else float(step) * lateral
+    notes = ["filtered curves of the file left out"] if text.count("POINT_VALUES>") > 2 else []
+    return _doubt(Specimen(np.array(values) * height, (step, step), path.stem, tuple(notes)))
+
+
+def _load_array(path, unit, spacing):
+    """Heights of a .npy file: rows x points, or one row of points; it states neither unit nor spacing."""
+    try:
+        z = np.load(path, allow_pickle=False)
+    except (ValueError, EOFError, OSError) as e:
+        raise FileError(f"{path.name} is a damaged or cut .npy file: {e}") from e
+    if z.ndim not in (1, 2) or z.dtype.kind not in "fiu":
+        raise FileError(f"{path.name} holds {z.dtype} of shape {z.shape}: heights are real numbers, rows x points or one row")
+    if spacing is None:
+        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
+    factor = _factor("m" if unit is None else unit if isinstance(unit, str) else unit[1], path)
+    dx, dy = roughness._spacing(spacing)
+    notes = () if unit else ("heights taken as metres",)
+    return _doubt(Specimen(z.astype(float) * factor, (dy, dx), path.stem, notes))
+
+
+def _load_text(path):
+    """Text form of ISO 25178-71, metres: lines 'key = value' up to a star, then numbers or BAD up to a star."""
+    head, _, body = path.read_text(errors="replace").partition("*")
+    keys = {k.strip().lower(): v.strip() for k, _, v in (line.partition("=") for line in head.splitlines()) if v}
+    try:
+        nx, ny = int(keys["numpoints"]), int(keys["numprofiles"])
+        dx, dy, dz = (float(keys[k]) for k in ("xscale", "yscale", "zscale"))
+        z = np.array([np.nan if w.lower() == "bad" else float(w) for w in body.partition("*")[0].split()])
+    except (KeyError, ValueError) as e:
+        raise FileError(f"{path.name} is a damaged surface data file (ISO 25178-71): {e}") from e
+    if z.size != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
+        raise FileError(f"{path.name} states {nx} x {ny} points and holds {z.size}, or a scale is not positive: damaged or cut")
+    z = z.reshape(ny, nx) * dz
+    return Specimen(z if ny > 1 else z[0], (dy if ny > 1 else dx, dx), path.stem)
 
 
 def _profile(path, map_, heights, lateral, height, spacing, notes):
@@ -137,11 +241,12 @@ def _profile(path, map_, heights, lateral, height, spacing, notes):
             even = x[0] + step * np.arange(x.size)
             heights = np.interp(even, x, heights)
             notes.append(f"points up to {100 * uneven:.0f} % off equidistance: interpolated, the shortest lags are smoothed")
-    return Specimen(heights * height, (float(step), float(step)), path.stem, tuple(notes))
+    return _doubt(Specimen(heights * height, (float(step), float(step)), path.stem, tuple(notes)))
 
 
 _HEADER = struct.Struct("<8s10s12s12sHHddddBBB")  # ISO 25178-71: version, maker, dates, points, rows, scales, kinds
-_NUMBERS = {3: "<f4", 5: "<i2", 6: "<i4", 7: "<f8"}
+_NUMBERS = {0: "u1", 1: "<u2", 2: "<u4", 3: "<f4", 4: "i1", 5: "<i2", 6: "<i4", 7: "<f8"}
+_HOLES = {1: 2**16 - 1, 2: 2**32 - 1, 5: -2**15, 6: -2**31}  # 8-bit numbers have no mark for a hole
 
 
 def _load(path):
@@ -155,12 +260,13 @@ def _load(path):
     if packed or min(nx, ny) < 1 or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
         raise FileError(f"{path.name}: compressed heights, or sizes or scales that are not positive")
     heights = z * dz
-    if z.dtype.kind == "i":
-        heights[z == np.iinfo(z.dtype).min] = np.nan
+    if kind in _HOLES:
+        heights[z == _HOLES[kind]] = np.nan
     return Specimen(heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), path.stem)
 
 
-def save(path, specimen):
+@checked(path=a_path, specimen=kind(Specimen))
+def save(path: str | os.PathLike, specimen: Any) -> None:
     """Write a specimen as binary SDF (ISO 25178-71, metres) with heights in 16-bit steps of 1/64000 of the range.
 
     hdengine.x, SurfaceTopography and Gwyddion read it.
@@ -186,7 +292,10 @@ def save(path, specimen):
     dates = (b" " * 12, b" " * 12)
     head = _HEADER.pack(b"bISO-1.0", b"hdengine  ", *dates, z.shape[1], z.shape[0], specimen.spacing[1], specimen.spacing[0], step,
                         -1.0, 0, 5, 0)
-    Path(path).write_bytes(head + steps.tobytes())
+    try:
+        Path(path).write_bytes(head + steps.tobytes())
+    except OSError as e:
+        raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
 
 
 @dataclass(frozen=True)
@@ -197,23 +306,24 @@ class JointSurface:
     fits: tuple = field(repr=False)         #: of each specimen
     equivalent: roughness.Fit = field(repr=False)  #: of the sum
 
-    def __str__(self):
+    def __str__(self) -> str:
         names = [s.name for s in self.specimens] + ["equivalent surface"]
         return "\n\n".join(f"{n}\n{f}" for n, f in zip(names, (*self.fits, self.equivalent)))
 
-    def plot(self):
+    def plot(self) -> Any:
         """Maps, profiles, structure functions with their fits and bands (Fig. 5).
 
         Returns
         -------
         matplotlib.figure.Figure
         """
-        from .plot_surface import plot_joint_surface
+        from ..figures.surface import plot_joint_surface
 
         return plot_joint_surface(self)
 
 
-def equivalent(first, second, **options):
+@checked(first=kind(Specimen), second=kind(Specimen))
+def equivalent(first: Any, second: Any, **options: Any) -> JointSurface:
     """Fit two specimens and their equivalent surface.
 
     Parameters
@@ -233,6 +343,9 @@ def equivalent(first, second, **options):
         Spacings differ, or as `roughness.fit`.
     """
     if not np.allclose(first.spacing, second.spacing, rtol=1e-3):
-        raise InputError(f"spacing (dy, dx) of {first.name} is {first.spacing} m, of {second.name} {second.spacing} m: must agree")
+        raise InputError(f"spacing (dy, dx) of {first.name} is {first.spacing} m, of {second.name} {second.spacing} m: must agree; "
+                         "composite.resample gives both one")
+    if first.heights.shape == second.heights.shape and np.array_equal(first.heights, second.heights, equal_nan=True):
+        raise InputError(f"{first.name} and {second.name} are the same heights: S_1 + S_2 holds for independent surfaces")
     both = roughness.fit(first.heights, first.spacing, second=second.heights, **options)
     return JointSurface((first, second), (first.fit(**options), second.fit(**options)), both)

@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of a study: columns over a swept key, one line per value of another."""
+from __future__ import annotations
+
 import itertools
+from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
 
-from .catalogue import UNITS
-from .paper import STATED
-from .plot import plt
+from ..catalogue import UNITS
+from ..paper.comparison import STATED
+from .style import new_axes, styled
 
 LABELS = {  # column: (label, unit, factor)
     "torque_nm": ("torque", "N m", 1), "k_ts_nm_per_rad": ("$K_{TS}$ (Eq. 45)", "MN m/rad", 1e-6),
     "k_ts_normal_nm_per_rad": ("$K_{TS}$, normal part", "MN m/rad", 1e-6),
+    "k_ts_tangent_nm_per_rad": ("$K_{TS}$, tangent", "MN m/rad", 1e-6),
+    "k_ts_secant_nm_per_rad": ("$K_{TS}$, secant", "MN m/rad", 1e-6),
+    "slip_share_k_ts": ("slipping share of Eq. 45", "%", 100), "edge_line_load_n_per_m": ("line load of the ends", "kN/m", 1e-3),
     "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure at a node", "MPa", 1e-6),
     "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
     "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
@@ -22,18 +31,22 @@ LABELS = {  # column: (label, unit, factor)
         "ring_thickness", "band_length")}, "load.tooth_clearance": ("clearance", "µm", 1e6),
     "wave_generator.w": ("radial deformation w", "mm", 1e3), "wave_generator.eccentricity": ("eccentricity", "µm", 1e6),
     "wave_generator.interference": ("interference", "µm", 1e6), "load.torque": ("final torque", "N m", 1),
+    "contact.friction": ("friction", "", 1), "joint.asperity_radius": ("asperity radius $r_m$", "µm", 1e6),
+    "joint.s_min": ("smallest spot $s_{min}$", "µm²", 1e12), "joint.fractal_dimension": ("fractal dimension D", "", 1),
+    "joint.roughness": ("roughness G", "µm", 1e6), "joint.hardness": ("hardness", "GPa", 1e-9),
+    "material.flexspline_e": ("E of the flexspline", "GPa", 1e-9), "material.ring_e": ("E of the ring", "GPa", 1e-9),
     "friction_capacity_nm": ("friction capacity", "N m", 1), "friction_torque_nm": ("torque through friction", "N m", 1),
 }
 
 
-def label(column):
+def label(column: Any) -> Any:
     """(axis label, factor) of a column."""
     name, unit, factor = LABELS.get(column, (column.replace("_", " "), "", 1))
     unit = f"({unit})" if "/" in unit else unit
     return f"{name} / {unit}" if unit else name, factor
 
 
-def axes_of(result):
+def axes_of(result: Any) -> Any:
     """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""
     figure, swept = result.summary["figure"], list(result.summary["swept"])
     varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
@@ -45,9 +58,12 @@ def axes_of(result):
 
 
 STYLES = ("-", "--", ":", "-.")
+MOST_NAMES = 12  # of a legend
+RAMP = ListedColormap(colormaps["viridis"](np.linspace(0, 0.88, 256)))  # its last yellow is lost on white
 
 
-def draw(axis, result, x, y, lines, chosen=None):
+@styled
+def draw(axis: Any, result: Any, x: Any, y: Any, lines: Any, chosen: dict | None = None) -> None:
     """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out.
 
     Where the other keys would take more than four styles, those that vary are held at the values of the first point.
@@ -71,19 +87,19 @@ def draw(axis, result, x, y, lines, chosen=None):
     (label_x, factor_x), (label_y, factor_y) = label(x), label(y)
     colours = sorted({r.get(lines) for r in rows}, key=_order)
     styles = sorted({tuple(r.get(n) for n in others) for r in rows}, key=lambda v: [_order(w) for w in v])
-    ramp = plt.cm.viridis(np.linspace(0, 0.85, len(colours))) if len(colours) > 3 else [f"C{i}" for i in range(len(colours))]
+    ramp = _shades(colours)
     for (i, colour), (j, style) in itertools.product(enumerate(colours), enumerate(styles)):
-        chosen = [r for r in rows if r.get(lines) == colour and tuple(r.get(n) for n in others) == style]
+        line = [r for r in rows if r.get(lines) == colour and tuple(r.get(n) for n in others) == style]
         if "torque_nm" not in (x, lines):
-            chosen = list({r["point"]: r for r in chosen}.values())
-        chosen.sort(key=lambda r: r[x])
-        a = np.array([[r[x] * factor_x, r[y] * factor_y] for r in chosen], float)
+            line = list({r["point"]: r for r in line}.values())
+        line.sort(key=lambda r: r[x])
+        a = np.array([[r[x] * factor_x, r[y] * factor_y] for r in line], float)
         if not len(a):
             continue
         if figure.get("relative"):
             a[:, 1] = 100 * (a[:, 1] / a[0, 1] - 1)
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
-        axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4], color=ramp[i], ms=4, label=name)
+        axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
     low, high = axis.get_ylim()
     if not figure.get("relative") and high - low < 0.02 * abs(low + high) / 2:  # no noise blown up to the height of the panel
         axis.set_ylim((low + high) / 2 * np.array([0.99, 1.01]))
@@ -91,9 +107,18 @@ def draw(axis, result, x, y, lines, chosen=None):
     axis.set_ylabel(label_y.split(" / ")[0] + ": change / %" if figure.get("relative") else label_y)
 
 
+def _shades(values):
+    """A colour for each value: by its size where there are more than a legend can name."""
+    if len(values) <= 3:
+        return [f"C{i}" for i in range(len(values))]
+    if len(values) <= MOST_NAMES or not all(isinstance(v, (int, float)) for v in values):
+        return RAMP(np.linspace(0, 1, len(values)))
+    return RAMP(Normalize(min(values), max(values))(values))
+
+
 def _follows(rows, name, other):
     """The column has one value at each value of the other: it draws no line of its own."""
-    seen = {}
+    seen: dict[str, str] = {}
     return all(seen.setdefault(str(r.get(other)), str(r.get(name))) == str(r.get(name)) for r in rows)
 
 
@@ -109,7 +134,8 @@ def _name(column, value):
     return f"{value * factor:.4g} {unit}" if unit else f"{name} {value:.4g}"
 
 
-def plot_study(result):
+@styled
+def plot_study(result: Any) -> list:
     """Make the figure of a study in its folder.
 
     Parameters
@@ -129,7 +155,7 @@ def plot_study(result):
         (ys[0], dict(zip(keys, values))) for values in dict.fromkeys(tuple(r.get(k) for k in keys) for r in result.rows)]
     columns = min(2 if len(panels) < 5 else 3, len(panels))
     rows = -(-len(panels) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 0.8 + 3.9 * rows), squeeze=False)
+    figure, axes = new_axes(rows, columns, figsize=(1 + 4.6 * columns, 0.8 + 3.9 * rows), squeeze=False)
     for axis, (y, chosen) in zip(axes.flat, panels):
         draw(axis, result, x, y, lines, chosen)
         axis.set_title(", ".join(_name(k, v) for k, v in chosen.items()), fontsize=12)
@@ -137,7 +163,14 @@ def plot_study(result):
     free, title = axes.flat[len(panels):], label(lines)[0] if lines in LABELS else None
     for axis in free:
         axis.set_axis_off()
-    if len(names) > 1 and len(free) and len(names) < 13:
+    values = [r[lines] for r in result.rows if isinstance(r.get(lines), (int, float))]
+    if len(names) > MOST_NAMES and values:  # more lines than a legend can name: their values as colours
+        name, unit, factor = LABELS.get(lines, (lines, "", 1))
+        shades = ScalarMappable(Normalize(factor * min(values), factor * max(values)), RAMP)
+        figure.colorbar(shades, ax=list(axes.flat[:len(panels)]), label=f"{name} / {unit}" if unit else name)
+    elif len(names) > MOST_NAMES:
+        figure.supxlabel(f"{len(names)} lines over {title or lines}, see study.csv", fontsize=11)
+    elif len(names) > 1 and len(free):
         free[0].legend(handles, names, loc="center", fontsize=12, title=title)
     elif len(names) > 1:
         figure.legend(handles, names, loc="outside lower center", ncols=min(4, len(names)), fontsize=11, title=title)
@@ -150,14 +183,14 @@ def plot_study(result):
 def _save(figure, result):
     path = result.folder / "study.png"
     figure.savefig(path)
-    plt.close(figure)
     return path
 
 
-def plot_series(result):
+@styled
+def plot_series(result: Any) -> Any:
     """K_TS, K_FTS and K_WTS (Eq. 46) over the torque, beside catalogue and paper (Fig. 10); a matplotlib figure."""
     rows, unit = result.series(), UNITS[14]
-    figure, axis = plt.subplots(figsize=(9, 5.6))
+    figure, axis = new_axes(figsize=(9, 5.6))
     for i, clearance in enumerate(sorted({r["tooth_clearance_m"] for r in rows})):
         chosen = sorted((r for r in rows if r["tooth_clearance_m"] == clearance), key=lambda r: r["torque_nm"])
         t, contact, teeth, drive = (np.array([r[c] for r in chosen]) for c in (
@@ -180,7 +213,8 @@ def plot_series(result):
     return figure
 
 
-def draw_catalogue(axis, result, name, colour):
+@styled
+def draw_catalogue(axis: Any, result: Any, name: Any, colour: Any) -> Any:
     """K_FTS over the size, one line per clearance of the outermost teeth; returns the values [N m/rad], a list per line."""
     found = []
     clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
@@ -193,7 +227,8 @@ def draw_catalogue(axis, result, name, colour):
     return found
 
 
-def draw_units(axis):
+@styled
+def draw_units(axis: Any) -> None:
     """K1, K2, K3 of the catalogue over the size, with axes and legend."""
     sizes = sorted(UNITS)
     for i in (1, 2, 3):
@@ -205,9 +240,10 @@ def draw_units(axis):
     axis.legend(fontsize=11)
 
 
-def plot_catalogue(result):
+@styled
+def plot_catalogue(result: Any) -> Any:
     """K_FTS of several sizes beside K1, K2, K3 of the catalogue; a matplotlib figure."""
-    figure, axis = plt.subplots(figsize=(9, 5))
+    figure, axis = new_axes(figsize=(9, 5))
     draw_catalogue(axis, result, "$K_{FTS}$", "C0")
     draw_units(axis)
     axis.set_title(result.summary["title"], fontsize=13)

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Namelist files whose keys may be dotted (`load.torque = 1, 3, 5`), for studies; scenes are read by the engine."""
+from __future__ import annotations
+
+import os
 import re
 from pathlib import Path
+from typing import Any
 
-from ._engine import FileError, InputError
+from .._engine import FileError, InputError
 
 _TOKEN = re.compile(r"""\s*(?:(?P<group>&\w+)|(?P<end>/)|(?P<text>'(?:[^']|'')*'|"[^"]*")|(?P<equal>=)|(?P<comma>,)
                         |(?P<word>[^\s,=/'"!&]+)|(?P<bad>.))""", re.X)
@@ -32,7 +36,7 @@ def _tokens(text):
                 yield match.lastgroup, match.group(match.lastgroup), number
 
 
-def read(path):
+def read(path: str | os.PathLike) -> Any:
     """Groups of a namelist file.
 
     Parameters
@@ -55,7 +59,8 @@ def read(path):
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None
-    groups, group, key = {}, None, None
+    groups: dict[str, dict] = {}
+    group, key = None, None
 
     def fault(line, what):
         return InputError(f"{what}\n  --> {path}:{line}")

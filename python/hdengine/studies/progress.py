@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Progress of a list of tasks on stderr: a bar with an estimate on a terminal, else one line per task."""
+"""Progress of a list of tasks: a bar of tqdm in notebooks; else on stderr, a bar on a terminal, lines in a file."""
+from __future__ import annotations
+
 import sys
 import time
+from typing import Any
+
+from ..contact import bar, in_notebook
 
 
-def duration(seconds):
+def duration(seconds: Any) -> Any:
     """Seconds as a short text."""
     minutes, s = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
@@ -19,14 +24,15 @@ class Progress:
     total, done : int
         Tasks in all, tasks done before.
     show : bool
-        Write to stderr.
+        Write to stderr, in a notebook to the cell.
     """
 
-    def __init__(self, total, done=0, show=True):
+    def __init__(self, total: int, done: int = 0, show: bool = True) -> None:
         self.total, self.done, self.first, self.failed, self.show = total, done, done, 0, show
         self.start = time.monotonic()
+        self.bar = bar(total=total, initial=done, desc="points", unit="") if show and in_notebook() else None
 
-    def step(self, label, failed=False):
+    def step(self, label: Any, failed: bool = False) -> None:
         """One more task is done."""
         self.done += 1
         self.failed += failed
@@ -35,7 +41,12 @@ class Progress:
         if not self.show:
             return
         tail = f"{self.done}/{self.total}" + (f", {self.failed} failed" if self.failed else "")
-        if sys.stderr.isatty():
+        if self.bar is not None:
+            self.bar.set_postfix_str(label + (f", {self.failed} failed" if self.failed else ""))
+            self.bar.update()
+            if self.done == self.total:
+                self.bar.close()
+        elif sys.stderr.isatty():
             filled = 30 * self.done // self.total
             print(f"\r[{'#' * filled}{'.' * (30 - filled)}] {tail}, {duration(left)} left ", end="", file=sys.stderr, flush=True)
             if self.done == self.total:

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface runs: a namelist with &surface or &fit alone, and its results."""
-import json
+from __future__ import annotations
+
+import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from . import _engine
-from ._engine import InputError
-from .contact import _assignments
-from .results import read_csv, read_summary
+from .. import _engine
+from .._engine import InputError
+from ..contact import _assignments
+from ..results import read_csv, read_summary
 from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 
 
-def run_surface(path="", out="surface.out", force=False, **keys):
+def run_surface(path: str | os.PathLike | None = "", out: str | os.PathLike | None = "surface.out", force: bool = False,
+                **keys: Any) -> SurfaceResult:
     """Generate a surface, or read one or two specimens, and fit D and G, as hdengine.x does.
 
     Parameters
@@ -62,9 +66,9 @@ class SurfaceResult:
         By name: generated; or first, second, equivalent. Empty if no fit was asked for.
     """
 
-    def __init__(self, folder):
+    def __init__(self, folder: Any) -> None:
         self.folder = Path(folder)
-        self.summary = read_summary(folder)
+        self.summary = read_summary(folder, "fits", "spacing_m")
         fits, spacing = self.summary["fits"], tuple(self.summary["spacing_m"])
         specimens = []
         for file, name in (("heights.npy", "generated"), ("first.npy", "first"), ("second.npy", "second")):
@@ -76,16 +80,16 @@ class SurfaceResult:
         self.fits = {name: _fit(name, s, table) for name, s in fits.items()}
 
     @property
-    def joint(self):
+    def joint(self) -> Any:
         """Both specimens with their equivalent surface, or None."""
         if "equivalent" not in self.fits:
             return None
         return JointSurface(self.specimens, (self.fits["first"], self.fits["second"]), self.fits["equivalent"])
 
-    def __str__(self):
+    def __str__(self) -> str:
         return "\n\n".join(f"{name}\n{fit}" for name, fit in self.fits.items()) or f"{self.folder}: surface without a fit"
 
-    def plot(self):
+    def plot(self) -> list:
         """Draw fit.png in the folder: maps, middle rows, structure functions with fit and 95 % band (Fig. 5).
 
         Returns
@@ -93,8 +97,7 @@ class SurfaceResult:
         list of Path
             Files written, none without a fit.
         """
-        from .plot import plt
-        from .plot_surface import plot_joint_surface, plot_specimen
+        from ..figures.surface import plot_joint_surface, plot_specimen
 
         if not self.fits:
             return []
@@ -102,7 +105,6 @@ class SurfaceResult:
         figure = plot_joint_surface(self.joint) if self.joint else plot_specimen(self.specimens[0], self.fits[name])
         path = self.folder / "fit.png"
         figure.savefig(path)
-        plt.close(figure)
         return [path]
 
 

@@ -1,39 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One self-contained HTML file of a run, of a study, or of a comparison with its studies; PDF on request."""
+"""Sections of reports, as HTML: of a run, a study, a surface, or a comparison with its studies."""
+from __future__ import annotations
+
 import base64
-import datetime
 import html
-import json
-import os
 import re
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from . import _engine, paper
-from ._engine import FileError, InputError
-from .contact import read_scene
-from .picture import PictureError, draw_cup
-from .results import Result
-from .study import StudyResult, read_rows
-from .surface_run import SurfaceResult
-from .uncertainty import scene_joint
+from .. import _engine
+from .._engine import FileError
+from ..contact import read_scene
+from ..elastic import joint_of_scene
+from ..figures.cup import PictureError, draw_cup
+from ..paper import comparison as paper
+from ..results import Result, read_json, read_summary
+from ..studies.study import StudyResult, read_rows
+from ..surfaces.run import SurfaceResult
+from .sketch import draw_scene
 
-_STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}
-h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em;border-bottom:1px solid #ccc}table{border-collapse:collapse;font-size:.85em}
-td,th{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:right}
-td:first-child,th:first-child,.text{text-align:left}
-.scroll{overflow-x:auto}figure{margin:1em 0}img{max-width:100%}
-.warning{background:#fff3cd;padding:.5em 1em;border-left:4px solid #e0a800}
-.bad{background:#f8d7da;padding:.5em 1em;border-left:4px solid #c00}figcaption{color:#555;font-size:.9em}pre{white-space:pre-wrap}
-@page{size:A4;margin:15mm}@media print{details{display:block}body{max-width:none;font-size:11px}table{font-size:8px}
-td,th{padding:1px 4px}
-.scroll{overflow:visible}.screen{display:none}figure{break-inside:avoid}img{max-height:115mm}h2{break-after:avoid}}
-.groups{columns:2;column-gap:2em}.groups table{width:100%;margin-bottom:1em}.groups th{color:#555}
-@page{@bottom-right{content:counter(page) " / " counter(pages);font:9px sans-serif;color:#555}}"""
-_CITE = """hdengine {version}. Model: Hu, Li, Wang, Li (2023), Front. Mater. 10:1211019, doi:10.3389/fmats.2023.1211019
-Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 1998)"""
 _CAPTIONS = {
     "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
     "pressure_band.png": "Contact pressure on the unrolled band, last step.",
@@ -41,6 +29,39 @@ _CAPTIONS = {
     "torsion.png": "Stiffness and rotation over the torque.",
     "newton.png": "Convergence: relative residual of every Newton iterate.",
 }
+
+
+OPEN = ("Answer", "Ended early", "Warnings", "Pictures", "Failed points", "Figure")  # the other sections fold away
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of a report.
+
+    Parameters
+    ----------
+    heading : str
+    body : str
+        HTML.
+    """
+
+    heading: str
+    body: str
+
+    @property
+    def open(self) -> bool:
+        """Shown without unfolding."""
+        return self.heading in OPEN
+
+    @property
+    def headline(self) -> bool:
+        """The box at the top."""
+        return self.heading == "Answer"
+
+    @property
+    def mark(self) -> str:
+        """Name for links."""
+        return re.sub(r"\W+", "-", self.heading.lower()).strip("-")
 
 
 def _text(value):
@@ -61,10 +82,10 @@ def _table(columns, rows):
 
 def _columns(names, rows):
     """Columns of a table of load steps, in the units of the figures."""
-    from .plot_study import label
+    from ..figures.study import label
 
-    heads, factors = zip(*(label(name) for name in names))
-    heads = [re.sub(r"[${}]", "", head).split(" / ", 1) for head in heads]  # a unit is not broken
+    titles, factors = zip(*(label(name) for name in names))
+    heads = [re.sub(r"[${}]", "", title).split(" / ", 1) for title in titles]  # a unit is not broken
     return _table([" /\u00a0".join([*h[:1], *(u.replace(" ", "\u00a0") for u in h[1:])]) for h in heads], [
         [v * f if f != 1 and not isinstance(v, str) else v for v, f in zip(row, factors)] for row in rows])
 
@@ -72,7 +93,7 @@ def _columns(names, rows):
 def _image(path, caption):
     data = base64.b64encode(Path(path).read_bytes()).decode()
     kind, screen = Path(path).suffix[1:], ' class="screen"' if Path(path).suffix == ".gif" else ""
-    return f'<figure{screen}><img alt="{html.escape(caption)}" src="data:image/{kind};base64,{data}">' \
+    return f'<figure{screen}><div class="wide"><img alt="{html.escape(caption)}" src="data:image/{kind};base64,{data}"></div>' \
            f"<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
@@ -84,7 +105,8 @@ def _pairs(mapping):
 
 def _inputs(scene):
     """One table per group of the keys of a drive; those that differ from the default are bold."""
-    default, tables = read_scene(), {}
+    default = read_scene()
+    tables: dict[str, list] = {}
     for key, value in scene.items():
         group, name = key.split(".", 1)
         if group not in ("surface", "fit"):
@@ -150,7 +172,7 @@ def _sensitivity(folder):
     """Figures and bands that `hdengine sensitivity` left in the folder."""
     path = folder / "sensitivity.json"
     if path.is_file():
-        found = json.loads(path.read_text())
+        found = read_json(path, "bands_95_nm_per_rad")
         text = _table(("what varies", "low", "median", "high"), [(k, *v) for k, v in found["bands_95_nm_per_rad"].items()])
         if found.get("indices"):
             text += "<p>Shares of the variance (Sobol) with the half width of their 95 % band:</p>" + _table(
@@ -169,30 +191,101 @@ def _stiffness(result):
                      "share of a pair of teeth, smallest and largest / %": f"{share.min():.1f}, {share.max():.1f}"}
         return found, k, \
             "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
-    k, printed = result.torsional_stiffness()
-    found = {"K_TS by Eq. 45 / (MN m/rad)": 1e-6 * k[-1], "Eq. 45 as printed / MN": 1e-6 * printed[-1]}
+    k, found = result.torsional_stiffness()[0], _readings(result.summary["results"])
     if result.limits:
         limit, error, _ = result.limits["k_ts_nm_per_rad"]
-        found["K_TS, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
+        found["K_TS, limit of fine meshes, by Eq. 45 / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
     return found, k, \
-        "The magnitude of K_TS rests on r_m and s_min, which are inputs; trends can be trusted."
+        "The tangent K_TS is what a test can measure: the slope of torque over rotation, less what glued faces give. " \
+        "Eq. 45 assumes that nothing slips further; its magnitude rests on r_m and s_min, which are inputs."
+
+
+def _readings(results):
+    """K_TS in every reading, and what of it slips."""
+    names = {"K_TS, tangent of the coupled joint / (MN m/rad)": ("k_ts_tangent_nm_per_rad", 1e-6),
+             "K_TS, secant of the coupled joint / (MN m/rad)": ("k_ts_secant_nm_per_rad", 1e-6),
+             "torque over rotation / (MN m/rad)": ("k_fe_secant_nm_per_rad", 1e-6),
+             "K_TS by Eq. 45 / (MN m/rad)": ("k_ts_nm_per_rad", 1e-6), "Eq. 45 as printed / MN": ("k_ts_paper_n", 1e-6),
+             "of Eq. 45 on points that slip / %": ("slip_share_k_ts", 100), "of the force on them / %": ("slip_share_force", 100),
+             "of the area / %": ("slip_share_area", 100)}
+    return {name: "-" if results[key] is None else factor * results[key] for name, (key, factor) in names.items()}
+
+
+def _model_error(summary):
+    """What the tolerance covers, and what the model leaves out."""
+    found = summary["model_error"]
+    covers = ", ".join(found["tolerance_covers"])
+    text = f"<p>The tolerance covers the mesh's share of {html.escape(covers)}.</p>" if covers else \
+        "<p>No tolerance was promised: the mesh's share of the error is not known.</p>"
+    lines = "".join(f"<li>{html.escape(line)}</li>" for line in found["left_out"])
+    return f"{text}<p>No mesh mends what the model leaves out:</p><ul>{lines}</ul>"
+
+
+def _band_of(result, k):
+    """What is known of the error of K_TS [N m/rad], as text."""
+    path = result.folder / "sensitivity.json"
+    known = []
+    if result.limits:
+        limit, error, _ = result.limits["k_ts_nm_per_rad"]
+        known.append(f"mesh: the limit of fine meshes by Eq. 45 is known to {100 * error:.2g} %")
+    else:
+        known.append("mesh: no tolerance was promised, its share of the error is not known (<code>run.tolerance</code>)")
+    if path.is_file():
+        bands = read_json(path, "bands_95_nm_per_rad")["bands_95_nm_per_rad"]
+        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
+        known.append(f"inputs: 95 % of K_TS by Eq. 45 lie from {low:.3g} to {high:.3g} N m/rad")
+    else:
+        known.append("inputs: not varied (<code>hdengine sensitivity</code> does)")
+    return "Band: " + "; ".join(known) + "."
+
+
+def _engineering(k):
+    """A stiffness in the unit that suits it."""
+    scale, unit = (1e-6, "MN m/rad") if k >= 1e6 else (1e-3, "kN m/rad") if k >= 1e3 else (1, "N m/rad")
+    return f"{scale * k:.3g} {unit}"
+
+
+def _answer(result):
+    """The headline: the stiffness, its meaning for a drive, what is known of its error."""
+    results, torque = result.summary["results"], result.torque_nm[-1]
+    if result.against_teeth:
+        k, name = result.secant_stiffness()[-1], "K_FTS, cup against the teeth (torque over rotation)"
+    else:
+        found = [(results.get(key), name) for key, name in (
+            ("k_ts_tangent_nm_per_rad", "K_TS of the contact, tangent of the coupled joint"),
+            ("k_ts_nm_per_rad", "K_TS of the contact, by Eq. 45"))]
+        k, name = next(((v, n) for v, n in found if v is not None), (float("nan"), found[-1][1]))
+    if not np.isfinite(k) or not k > 0:
+        return f'<p>{name} at {torque:.4g} N m</p><p class="value">no value</p><p>There is no torque, or nothing that turns.</p>'
+    arcsec, what = 180 * 3600 / np.pi / k, "cup against its teeth" if result.against_teeth else "contact"
+    text = f'<p>{name} at {torque:.4g} N m</p><p class="value">{_engineering(k)}</p>' \
+        f"<p>One more newton metre turns the {what} by {arcsec:.3g} arcsec ({1e6 / k:.3g} µrad).</p>"
+    if result.against_teeth:
+        return text
+    return text + f"<p>{_band_of(result, k)}</p>"
 
 
 def _run_parts(result, picture):
     """(heading, HTML) of a run."""
-    from .plot import animate, plot_run
+    from ..figures.run import animate, plot_run
 
     s = result.summary
     if not result.complete:
         yield "Ended early", f'<p class="bad">{html.escape(s["message"])}</p>'
-    stiffness, k, note = _stiffness(result)
-    yield "Result", _pairs({
-        "torque / N m": result.torque_nm[-1], **stiffness,
-        "rotation / µrad": 1e6 * s["results"]["rotation_rad"], "normal force / N": s["results"]["normal_force_n"],
-        "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"]}) + f"<p>{note}</p>"
+    yield "Answer", _answer(result) + draw_scene(result.scene)
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
-    figures = "".join(_image(p, _CAPTIONS.get(p.name, p.stem)) for p in plot_run(result) if p.name != "newton.png")
+    made = {p.name: p for p in plot_run(result)}
+    chosen = [n for n in ("pressure_band.png", "torsion.png", "positions.png") if n in made]
+    yield "Pictures", "".join(_image(made.pop(n), _CAPTIONS[n]) for n in chosen)
+    stiffness, k, note = _stiffness(result)
+    yield "All results", _pairs({
+        "torque / N m": result.torque_nm[-1], **stiffness,
+        "rotation / µrad": 1e6 * s["results"]["rotation_rad"], "normal force / N": s["results"]["normal_force_n"],
+        "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"],
+        "line load of the band's ends / (kN/m) (converges)": 1e-3 * s["results"]["edge_line_load_n_per_m"]}) + f"<p>{note}</p>"
+    yield "What the figures leave out", _model_error(s)
+    figures = "".join(_image(p, _CAPTIONS.get(n, p.stem)) for n, p in made.items() if n != "newton.png")
     if len(result.steps) > 1:
         figures += _image(animate(result, result.folder / "steps.gif"), "Pressure and shear on the unrolled band, step by step.")
     if picture:
@@ -201,12 +294,13 @@ def _run_parts(result, picture):
             figures += _image(result.folder / "cup.png", f"The cup cut open, displacements times {scale:g}; pressure on the ring.")
         except PictureError as why:
             figures += _warnings([f"3-D picture left out: {why}"])
-    yield "Figures", figures
+    yield "More figures", figures
     yield from _comparison(paper.of_run(result))
     yield from _sensitivity(result.folder)
     steps = result.steps
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
-                         "friction_torque_nm", "torque_balance_nm", "iterations") if n in steps.dtype.names]
+                         "friction_torque_nm", "torque_balance_nm", "k_ts_tangent_nm_per_rad", "k_ts_secant_nm_per_rad",
+                         "iterations") if n in steps.dtype.names]
     name = "k_fts_nm_per_rad" if result.against_teeth else "k_ts_nm_per_rad"
     yield "Load steps", _columns([*names, name], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
     yield "Plan", _plan(result)
@@ -231,7 +325,7 @@ def _study_warnings(result):
     peak = np.nanmax([r.get("pressure_max_pa", np.nan) for r in result.rows] + [0.0])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        scene_joint(result.summary["scene"]).stiffness(peak)
+        joint_of_scene(result.summary["scene"]).stiffness(peak)
     if caught:
         yield "Warnings", _warnings(dict.fromkeys(str(w.message) for w in caught))
 
@@ -247,12 +341,31 @@ def _study_convergence(rows):
                    "largest torque out of balance / N m": max(abs(r["torque_balance_nm"]) for r in done)})
 
 
+def _study_answer(result):
+    """The headline of a study: from where to where the stiffness goes."""
+    s = result.summary
+    against = s["scene"].get("load.support") == "teeth"
+    column, name = ("k_fe_secant_nm_per_rad", "K_FTS") if against else ("k_ts_nm_per_rad", "K_TS by Eq. 45")
+    rows = [r for r in result.rows if r["status"] == "done" and np.isfinite(r.get(column, np.nan))]
+    failed = f", {s['failed']} failed" if s["failed"] else ""
+    text = f"<p>{s['done'] - s['failed']} of {s['points']} points solved{failed}.</p>"
+    if not rows:
+        return text
+    low, high = (choose(rows, key=lambda r: r[column]) for choose in (min, max))
+
+    def place(row):
+        return ", ".join(f"{html.escape(str(k))} = {_text(row[k])}" for k in (*s["swept"], "torque_nm") if k in row)
+    return f'<p>{name}</p><p class="value">{_engineering(low[column])} to {_engineering(high[column])}</p>' \
+        f"<p>Lowest at {place(low)}; highest at {place(high)}.</p>{text}"
+
+
 def _study_parts(result):
     """(heading, HTML) of a study."""
-    from .plot_study import plot_study
+    from ..figures.study import plot_study
 
     s = result.summary
-    yield "Result", _pairs({"status": s["status"], "points": s["points"], "solved": s["done"] - s["failed"], "failed": s["failed"],
+    yield "Answer", _study_answer(result)
+    yield "Status", _pairs({"status": s["status"], "points": s["points"], "solved": s["done"] - s["failed"], "failed": s["failed"],
                             "swept": ", ".join(s["swept"]) or "torque"})
     if result.failures:
         yield "Failed points", _failures(result)
@@ -271,8 +384,8 @@ def _study_parts(result):
 
 def _surface_parts(result):
     """(heading, HTML) of a surface run."""
-    yield "Result", f"<pre>{html.escape(str(result))}</pre>"
-    yield "Figures", "".join(_image(p, "Heights, middle rows, structure functions with their fits.")
+    yield "Answer", f"<pre>{html.escape(str(result))}</pre>"
+    yield "Pictures", "".join(_image(p, "Heights, middle rows, structure functions with their fits.")
                              for p in result.plot() if Path(p).suffix == ".png")
     yield "Inputs", f"<pre>{html.escape((result.folder / 'echo.nml').read_text())}</pre>"
     yield "Provenance", _pairs(result.summary["provenance"])
@@ -280,9 +393,9 @@ def _surface_parts(result):
 
 def _collection_parts(folder):
     """(heading, HTML) of a comparison and of the studies beside it."""
-    from .plot_study import plot_study
+    from ..figures.study import plot_study
 
-    rows = json.loads((folder / "comparison.json").read_text())["rows"]
+    rows = read_json(folder / "comparison.json", "rows")["rows"]
     yield from _comparison([paper.Row(*(row[name] for name in paper.Row.HEAD)) for row in rows])
     for path in sorted(folder.glob("*/study.json")):
         result = StudyResult(path.parent)
@@ -294,13 +407,13 @@ def _collection_parts(folder):
     yield "Provenance", _pairs({"hdengine": _engine.version()})
 
 
-def _parts(folder, picture):
+def parts_of(folder: Path, picture: bool) -> tuple[str, list]:
     """Title and sections of whatever the folder holds."""
     if (folder / "study.json").is_file():
-        result = StudyResult(folder)
-        return result.summary["title"], [*_study_parts(result)]
+        study = StudyResult(folder)
+        return study.summary["title"], [*_study_parts(study)]
     if (folder / "summary.json").is_file():
-        summary = json.loads((folder / "summary.json").read_text())
+        summary = read_summary(folder)
         if summary.get("kind") == "surface":
             return summary.get("title"), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
@@ -308,58 +421,3 @@ def _parts(folder, picture):
     if (folder / "comparison.json").is_file():
         return "hdengine beside Hu et al. (2023)", [*_collection_parts(folder)]
     raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json)")
-
-
-def write_report(folder, path=None, picture=True):
-    """Write the report of a run, a study or a comparison.
-
-    Parameters
-    ----------
-    folder : str or Path
-        Folder with summary.json, study.json or comparison.json.
-    path : str or Path, optional
-        HTML file; default: report.html in the folder.
-    picture : bool
-        3-D picture of a run (needs PyVista; the report says so where it is missing).
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        The folder holds none of them.
-    """
-    folder = Path(folder)
-    title, parts = _parts(folder, picture)
-    title = title or folder.name
-    parts.append(("How to cite", f"<pre>{html.escape(_CITE.format(version=_engine.version()))}</pre>"))
-    body = "".join(f"<h2>{html.escape(heading)}</h2>{text}" for heading, text in parts)
-    made = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-    page = f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>' \
-           f"<style>{_STYLE}</style></head>" \
-           f"<body><h1>{html.escape(title)}</h1><p>hdengine {_engine.version()}, {made}</p>{body}</body></html>\n"
-    path = Path(path) if path else folder / "report.html"
-    part = path.with_name(path.name + ".part")
-    part.write_text(page, encoding="utf-8")
-    os.replace(part, path)
-    return path
-
-
-def write_pdf(path):
-    """The report as a PDF beside its HTML file (needs WeasyPrint).
-
-    Raises
-    ------
-    InputError
-        WeasyPrint, or a library of the system that it needs, is not installed.
-    """
-    try:
-        import weasyprint
-    except (ImportError, OSError) as why:
-        raise InputError("a PDF needs WeasyPrint and its system library Pango: pip install 'hdengine[pdf]', apt install "
-                         f"libpangoft2-1.0-0; or print the HTML file from a browser ({str(why).splitlines()[0]})") from None
-    out = Path(path).with_suffix(".pdf")
-    weasyprint.HTML(filename=str(path)).write_pdf(str(out))
-    return out

@@ -1,28 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies: one scene at many points, results in one table."""
+from __future__ import annotations
+
 import csv
 import hashlib
+import io
 import itertools
 import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from . import _engine, namelist, torsion
-from ._engine import FileError, HdengineError, InputError
-from .contact import read_scene
+from .. import _engine, torsion
+from .._check import checked, fields, flag, integer, mapping, text
+from .._check import path as a_path
+from .._engine import FileError, FolderLock, HdengineError, InputError
+from ..contact import read_scene
+from ..results import preformatted
+from . import study_file
 from .progress import Progress
 from .workers import solve_all
 
-_GROUPS = {
-    "study": {"title", "scene", "rows"},
-    "fixed": None,
-    "grid": None,
-    "together": None,
-    "figure": {"kind", "x", "y", "lines", "panels", "relative", "torque"},
-}
 ROWS = ("torque", "last", "all")
 
 
@@ -56,7 +57,7 @@ class Study:
     2
     """
 
-    scene: str = ""
+    scene: str | os.PathLike = ""
     grid: dict = field(default_factory=dict)
     together: dict = field(default_factory=dict)
     fixed: dict = field(default_factory=dict)
@@ -64,35 +65,38 @@ class Study:
     title: str = ""
     figure: dict = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        fields(self, scene=a_path, grid=mapping, together=mapping, fixed=mapping, rows=text, title=text, figure=mapping)
+        for name, keys in (("grid", self.grid), ("together", self.together)):
+            for key, values in keys.items():
+                if isinstance(values, np.ndarray):
+                    keys[key] = values = values.tolist()
+                if not isinstance(values, (list, tuple, range)):
+                    raise InputError(f"'{key}' in {name} = {values!r}: must be a list of values")
         if self.rows not in ROWS:
             raise InputError(f"study.rows has no choice '{self.rows}'; valid: {', '.join(ROWS)}")
         lengths = {key: len(v) for key, v in self.together.items()}
         if len(set(lengths.values())) > 1:
-            raise InputError(f"lists in &together differ in length: {lengths}")
+            raise InputError(f"lists in [together] differ in length: {lengths}")
         for name, keys in (("grid", self.grid), ("together", self.together)):
             for key, values in keys.items():
                 if len(values) == 0:
-                    raise InputError(f"'{key}' in &{name} has no value")
+                    raise InputError(f"'{key}' in [{name}] has no value")
                 if key in self.fixed or (name == "grid" and key in self.together):
                     raise InputError(f"'{key}' stands in two groups of the study")
 
     @classmethod
-    def read(cls, path):
-        """Study of a namelist file; the scene's path is relative to it.
+    def read(cls, path: Any) -> Any:
+        """Study of a file (TOML); the scene's path is relative to it.
 
         Raises
         ------
         InputError, FileError
             With file and line, or with the valid names.
         """
-        groups = namelist.read(path)
-        for group, keys in groups.items():
-            if group not in _GROUPS:
-                raise InputError(f"unknown group &{group} in '{path}'; valid: {', '.join('&' + g for g in _GROUPS)}")
-            for key in keys:
-                if _GROUPS[group] and key not in _GROUPS[group]:
-                    raise InputError(f"unknown key '{key}' of &{group} in '{path}'; valid: {', '.join(sorted(_GROUPS[group]))}")
+        groups = study_file.read(path)
+        if not groups:
+            raise InputError(f"'{path}' holds no study: it has none of the tables [{'], ['.join(study_file.GROUPS)}]")
         head = {key: v[0] for key, v in groups.get("study", {}).items()}
         figure = {key: v if key in ("y", "torque", "panels") else v[0] for key, v in groups.get("figure", {}).items()}
         scene = str(Path(path).parent / head["scene"]) if head.get("scene") else ""
@@ -101,12 +105,12 @@ class Study:
                    head.get("title", Path(path).stem), figure)
 
     @property
-    def points(self):
+    def points(self) -> Any:
         """Keys and values of every point, a list of dict."""
         side = [dict(zip(self.together, values)) for values in zip(*self.together.values())] or [{}]
         return [{**s, **dict(zip(self.grid, values))} for s in side for values in itertools.product(*self.grid.values())]
 
-    def __str__(self):
+    def __str__(self) -> str:
         keys = ", ".join([*self.together, *self.grid]) or "the torque alone"
         scene = self.scene or "the default"
         return f"Study {self.title!r}: {len(self.points)} points over {keys}; scene {scene}, rows {self.rows!r}"
@@ -116,7 +120,7 @@ class Study:
         text = Path(self.scene).read_bytes() if self.scene else b""
         return {"scene_sha256": hashlib.sha256(text).hexdigest(), "points": self.points, "fixed": self.fixed, "rows": self.rows}
 
-    def check(self):
+    def check(self) -> dict:
         """Let the engine read the scene of every point.
 
         Returns
@@ -129,15 +133,18 @@ class Study:
         InputError
             No point is valid: the message of the first.
         """
-        first = None
-        for point in self.points:
+        first: Exception = InputError("the study has no point")
+        for i, point in enumerate(self.points):
             try:
                 return read_scene(self.scene, **{**self.fixed, **point})
             except HdengineError as error:
-                first = first or error
+                if i == 0:
+                    first = error
         raise first
 
-    def run(self, out, jobs=1, force=False, retry=False, show=True):
+    @checked(out=a_path, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
+    def run(self, out: str | os.PathLike, jobs: int = 1, force: bool = False, retry: bool = False,
+            show: bool = True, other_version: bool = False) -> StudyResult:
         """Solve all points that the table in `out` does not hold yet.
 
         Parameters
@@ -145,13 +152,15 @@ class Study:
         out : str or Path
             Folder for study.csv and study.json; an unfinished study in it is continued.
         jobs : int
-            Worker processes; 1: in this process.
+            Worker processes with one thread each; 1: in this process. A script that asks for more needs no main guard.
         force : bool
             Start again, also where the folder holds another study.
         retry : bool
             Solve failed points again.
         show : bool
-            Progress on stderr.
+            Progress on stderr, in a notebook as a bar.
+        other_version : bool
+            Keep rows that another version of hdengine solved.
 
         Returns
         -------
@@ -160,59 +169,117 @@ class Study:
         Raises
         ------
         InputError
-            No point is valid, or the folder holds another study. Failing points raise nothing: their reason is in the table.
+            No point is valid. Failing points raise nothing: their reason is in the table.
+        FileError
+            The folder holds another study, rows of another version, or tables that are not as a study left them; or another
+            process is at work in it.
         """
         out = Path(out)
         scene = self.check()
         identity = json.loads(json.dumps(self._identity(), default=float))
-        rows = {} if force else self._earlier(out, identity, retry)
-        out.mkdir(parents=True, exist_ok=True)
-        points = self.points
-        todo = [i for i in range(len(points)) if i not in rows]
-        progress = Progress(len(points), len(points) - len(todo), show)
-        self._write(out, identity, scene, rows)
-        tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
-        for i, result in solve_all(tasks, jobs):
-            rows[i] = result
-            self._write(out, identity, scene, rows)
-            changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
-                       for k, v in points[i].items() if v != points[0][k]]
-            more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
-            progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
-        return StudyResult(out)
+        out.absolute().parent.mkdir(parents=True, exist_ok=True)
+        with FolderLock(out):
+            rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
+            versions = [v for v in versions if v != _engine.version()] + [_engine.version()]
+            points = self.points
+            todo = [i for i in range(len(points)) if i not in rows]
+            progress = Progress(len(points), len(points) - len(todo), show)
+            self._write(out, identity, scene, rows, versions)
+            tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
+            for i, result in solve_all(tasks, jobs):
+                rows[i] = result
+                self._write(out, identity, scene, rows, versions)
+                changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
+                           for k, v in points[i].items() if v != points[0][k]]
+                more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
+                progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
+            return StudyResult(out)
 
-    def _earlier(self, out, identity, retry):
-        """Rows of finished points in an earlier table of the same study, by point."""
+    def _earlier(self, out, identity, retry, other_version):
+        """Rows of finished points in an earlier table of the same study, by point, and the versions that solved them."""
         if not (out / "study.json").is_file():
-            return {}
-        if json.loads((out / "study.json").read_text())["identity"] != identity:
+            return {}, []
+        summary = read_study_summary(out)
+        if "checksum" not in summary:
+            raise FileError(f"'{out}/study.json' is of an earlier hdengine: add --force to solve all points anew")
+        if summary["identity"] != identity:
             raise FileError(f"'{out}' holds another study: add --force to replace it, or choose another folder")
-        rows = {}
+        if summary["hdengine"] != _engine.version() and not other_version:
+            raise FileError(f"'{out}' holds rows of hdengine {summary['hdengine']}, this is {_engine.version()}: add --force to "
+                            "solve all points anew, or --other-version to keep those rows")
+        rows: dict[int, list] = {}
         for row in read_rows(out / "study.csv"):
             rows.setdefault(row["point"], []).append(row)
-        return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}
+        return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}, summary["versions"]
 
-    def _write(self, out, identity, scene, rows):
-        """Table, then its description, each under a temporary name first."""
+    def _write(self, out, identity, scene, rows, versions):
+        """Table and its description, each under a temporary name first; the description holds checksums of both."""
         swept = [*self.together, *self.grid]
         points = self.points
         table = [{"point": i, **points[i], **{k: v for k, v in row.items() if k != "point" and k not in swept}}
                  for i in sorted(rows) for row in rows[i]]
         names = list(dict.fromkeys(name for row in table for name in row)) or ["point"]
         names.sort(key=lambda name: name == "reason")
-        part = out / "study.csv.part"
-        with open(part, "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, names)
-            writer.writeheader()
-            writer.writerows(table)
-        os.replace(part, out / "study.csv")
+        text = io.StringIO(newline="")
+        writer = csv.DictWriter(text, names)
+        writer.writeheader()
+        writer.writerows(table)
+        data = text.getvalue().encode()
         failed = sum(r[-1]["status"] == "failed" for r in rows.values())
         summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
-                   "hdengine": _engine.version(), "points": len(points), "done": len(rows), "failed": failed,
-                   "swept": swept, "figure": self.figure, "identity": identity, "scene": scene}
-        part = out / "study.json.part"
-        part.write_text(json.dumps(summary, indent=1, default=float))
-        os.replace(part, out / "study.json")
+                   "hdengine": _engine.version(), "versions": versions, "points": len(points), "done": len(rows), "failed": failed,
+                   "swept": swept, "figure": self.figure, "identity": identity, "scene": scene,
+                   "table_sha256": hashlib.sha256(data).hexdigest()}
+        summary = json.loads(json.dumps(summary, default=float))
+        summary["checksum"] = _checksum(summary)
+        (out / "study.csv.part").write_bytes(data)
+        (out / "study.json.part").write_text(json.dumps(summary, indent=1), encoding="utf-8")
+        os.replace(out / "study.csv.part", out / "study.csv")
+        os.replace(out / "study.json.part", out / "study.json")
+
+
+def _checksum(summary):
+    """SHA-256 of all that a description holds but this."""
+    rest = {k: v for k, v in summary.items() if k != "checksum"}
+    return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
+
+
+def read_study_summary(folder: str | os.PathLike) -> dict[str, Any]:
+    """Description of a study whose table is as the study left it.
+
+    A study that was killed between the two files left the new description under its temporary name.
+
+    Parameters
+    ----------
+    folder : str or Path
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    FileError
+        There is no study, or its files were changed or cut.
+    """
+    folder = Path(folder)
+    if not (folder / "study.json").is_file():
+        raise FileError(f"'{folder}' holds no study: study.json is missing")
+    try:
+        table = hashlib.sha256((folder / "study.csv").read_bytes()).hexdigest()
+    except OSError as e:
+        raise FileError(f"'{folder / 'study.csv'}' cannot be read: {e}") from None
+    cause = "study.json"
+    for name in ("study.json", "study.json.part"):
+        try:
+            summary = json.loads((folder / name).read_text(encoding="utf-8"))
+            if summary.get("checksum", _checksum(summary)) == _checksum(summary):
+                if summary.get("table_sha256", table) == table:
+                    return summary
+                cause = "study.csv"
+        except (OSError, ValueError, AttributeError):
+            pass
+    raise FileError(f"'{folder / cause}' is not as the study left it (its checksum differs): add --force to solve all points anew")
 
 
 def _number(text):
@@ -224,7 +291,7 @@ def _number(text):
     return text
 
 
-def read_rows(path):
+def read_rows(path: Any) -> Any:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -246,21 +313,18 @@ class StudyResult:
         converged state.
     """
 
-    def __init__(self, folder):
+    def __init__(self, folder: Any) -> None:
         self.folder = Path(folder)
-        path = self.folder / "study.json"
-        if not path.is_file():
-            raise FileError(f"'{folder}' holds no study: study.json is missing")
-        self.summary = json.loads(path.read_text())
+        self.summary = read_study_summary(self.folder)
         self.rows = read_rows(self.folder / "study.csv")
 
-    def column(self, name, rows=None):
+    def column(self, name: Any, rows: Any = None) -> Any:
         """A column as an array; NaN where a row has no value."""
         rows = self.rows if rows is None else rows
         values = [row.get(name, np.nan) for row in rows]
         return np.array(values, dtype=object if any(isinstance(v, str) for v in values) else float)
 
-    def select(self, torque_nm=None, **keys):
+    def select(self, torque_nm: Any = None, **keys: Any) -> Any:
         """Solved rows with the given values; group__key stands for 'group.key'."""
         keys = {k.replace("__", "."): v for k, v in keys.items()}
         if torque_nm is not None:
@@ -271,11 +335,11 @@ class StudyResult:
         return [r for r in self.rows if r["status"] == "done" and all(same(r.get(k), v) for k, v in keys.items())]
 
     @property
-    def failures(self):
+    def failures(self) -> Any:
         """Rows of the failed points."""
         return [row for row in self.rows if row["status"] == "failed"]
 
-    def series(self):
+    def series(self) -> list:
         """K_TS, K_FTS and both in series (Eq. 46) at every torque, for each point against the teeth.
 
         Returns
@@ -294,13 +358,13 @@ class StudyResult:
                              "k_ts_nm_per_rad": near[0], "k_fts_nm_per_rad": k, "k_wts_nm_per_rad": torsion.series(near[0], k)})
         return rows
 
-    def frame(self):
+    def frame(self) -> Any:
         """The table as a pandas.DataFrame (needs pandas)."""
         import pandas
 
         return pandas.read_csv(self.folder / "study.csv")
 
-    def dataset(self):
+    def dataset(self) -> Any:
         """Solved rows as an xarray.Dataset over the swept keys and the torque (needs pandas and xarray).
 
         Keys that change side by side make no grid: they become coordinates along the dimension `point`. With rows = 'last' the
@@ -317,7 +381,10 @@ class StudyResult:
         table = frame.set_index([*(varied if grid else ["point"]), *([] if rows == "last" else ["torque_nm"])]).to_xarray()
         return table if grid else table.drop_vars(varied).assign_coords({k: ("point", first[k]) for k in varied})
 
-    def __repr__(self):
+    def _repr_html_(self):
+        return preformatted(self)
+
+    def __repr__(self) -> str:
         s = self.summary
         lines = [f"{s['title']}: {s['status']}", f"  {s['done']} of {s['points']} points, {s['failed']} failed, "
                  f"{len(self.rows)} rows over {', '.join(s['swept']) or 'torque'}"]

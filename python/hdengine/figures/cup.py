@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """3-D picture of the deformed cup and the contact pressure (needs PyVista: pip install 'hdengine[report]')."""
+from __future__ import annotations
+
+import os
 import re
+from typing import Any
 
 import numpy as np
 
-from ._engine import FileError
-from .plot import colour_top
+from .._engine import FileError
+from .run import pressure_top
 
 
 class PictureError(Exception):
@@ -20,7 +24,7 @@ def _last(folder, stem):
     return found[-1]
 
 
-def draw_cup(result, path, scale=None, size=(1400, 1000)):
+def draw_cup(result: Any, path: str | os.PathLike, scale: float | None = None, size: tuple = (1400, 1000)) -> float:
     """Write a PNG of the cup cut open along its axis, deformed, with the contact pressure on the ring.
 
     Parameters
@@ -67,7 +71,7 @@ def draw_cup(result, path, scale=None, size=(1400, 1000)):
     plotter.add_mesh(cup.clip("-y", origin=(0, 0, 0)), color="lightsteelblue", opacity=0.55, ambient=0.3)
     plotter.add_mesh(face, scalars="contact pressure / MPa", cmap="viridis", nan_color="gainsboro", ambient=0.6,
                      diffuse=0.4, above_color="gold",
-                     clim=(0, colour_top(pressure, result.contact["area_m2"][-1], 0.9)),
+                     clim=(0, pressure_top(result)),
                      scalar_bar_args={"color": "black", "above_label": "more", "title": "contact pressure / MPa\n",
                                       "title_font_size": 28, "label_font_size": 24, "fmt": "%.0f"})
     plotter.add_text(f"displacements x {scale:g}", color="black", font_size=14, position="upper_left")

@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fractal rough surfaces: Weierstrass-Mandelbrot heights (Eq. 1-2) and the periodic surface of the same spectrum."""
+from __future__ import annotations
+
+import numbers
 import operator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from . import _engine
+from .. import _engine
+from .._check import array, checked, integer, number
 
 METHODS = ("auto", "direct", "product", "nufft")
+_TURNS = 2.0**53  # from here a phase has no digit behind the point
 _LARGE = 1 << 24  # points from which the engine is asked before memory is taken
 
 
@@ -22,7 +29,7 @@ class Method:
     n_max, waves : int
         Largest exponent of Eq. 1 and number of waves M (n_max + 1).
     predicted_s : dict
-        Predicted time of the methods considered on the machine of docs/verification.md [s].
+        Predicted time of the methods considered on the machine of docs/evidence/verification.md [s].
     memory_mb : float
         Memory needed beside the heights [MB].
     """
@@ -47,18 +54,23 @@ def _seed(seed):
 def _pair(value, name, kind=float):
     try:
         values = [kind(v) for v in np.broadcast_to(value, 2)]
-    except (TypeError, ValueError):
+        if kind is float and not all(isinstance(v, numbers.Real) for v in np.broadcast_to(value, 2)):
+            raise TypeError
+    except (TypeError, ValueError, OverflowError):
         raise _engine.InputError(f"{name} = {value!r}: give one number or two, (y, x)") from None
     return values[0], values[1]
 
 
 def _grid(shape, spacing, origin, method, dtype):
     ny, nx = _pair(shape, "shape", operator.index)
-    dy, dx = _pair(spacing, "spacing")
-    y_0, x_0 = _pair(origin, "origin")
-    if method not in METHODS:
+    dy, dx = (_real("spacing", v) for v in _pair(spacing, "spacing"))
+    y_0, x_0 = (_real("origin", v) for v in _pair(origin, "origin"))
+    if not isinstance(method, str) or method not in METHODS:
         raise _engine.InputError(f"method = {method!r}: must be one of {', '.join(METHODS)}")
-    dtype = np.dtype(dtype)
+    try:
+        dtype = np.dtype(dtype)
+    except (TypeError, ValueError):
+        raise _engine.InputError(f"dtype = {dtype!r}: must be float64 or float32") from None
     if dtype not in (np.dtype(np.float64), np.dtype(np.float32)):
         raise _engine.InputError(f"dtype = {dtype}: must be float64 or float32")
     if max(abs(nx), abs(ny)) >= 2**31:
@@ -66,23 +78,44 @@ def _grid(shape, spacing, origin, method, dtype):
     return (nx, ny), np.array([dx, dy, x_0, y_0]), METHODS.index(method), dtype
 
 
+_list = array([(None,)])
+_ridges, _tolerance = integer(1), number(least=0, optional=True)
+_real = number(finite=False)  # the engine checks the range
+
+
+def _spectrum(fractal_dimension, roughness, gamma, length, shortest_wavelength):
+    """The numbers of Eq. 1 as the engine takes them."""
+    return np.array([_real("fractal_dimension", fractal_dimension), _real("roughness", roughness), _real("gamma", gamma),
+                     _real("length", length), _real("shortest_wavelength", shortest_wavelength)])
+
+
+def _turns(largest, what):
+    """Refuse waves whose phase on the grid has no digits left."""
+    if largest >= _TURNS:
+        raise _engine.InputError(f"{what}: {largest:.3g} turns on the grid, must be below {_TURNS:.3g}, where no digit of the "
+                                 "phase is left")
+
+
 def _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype):
     size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype)
-    if not -(2**31) < ridges < 2**31:
-        raise _engine.InputError(f"ridges = {ridges}: must be below 2^31")
-    return (np.array(spectrum, dtype=float), ridges, _seed(seed), grid), size, dtype, wanted
+    spectrum = _spectrum(*spectrum)
+    reach = max(abs(grid[2]) + size[0] * grid[0], abs(grid[3]) + size[1] * grid[1])
+    if spectrum[4] > 0 and np.isfinite([*grid, spectrum[4]]).all():  # else the engine says what is wrong
+        _turns(reach / spectrum[4], "origin and size over shortest_wavelength")
+    return (spectrum, _ridges("ridges", ridges), _seed(seed), grid), size, dtype, wanted
 
 
 def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype):
     head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
-    found = _engine.call("surface_method", *head, *size, tolerance or 0.0, dtype.itemsize, wanted)
+    found = _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, dtype.itemsize, wanted)
     n_max, waves, evaluator, seconds, memory = found
     predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < 1e300}
     return head, size, dtype, int(evaluator), Method(METHODS[evaluator], int(n_max), int(waves), predicted, float(memory))
 
 
-def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
-           origin=0.0, tolerance=None, method="auto", dtype=float):
+def choose(shape: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any,
+           ridges: Any, seed: int = 0, *, origin: Any = 0.0, tolerance: Any = None, method: str = "auto",
+           dtype: Any = float) -> Method:
     """What `generate` would do with the same arguments: evaluator, waves, predicted times, memory.
 
     Returns
@@ -98,8 +131,9 @@ def choose(shape, spacing, fractal_dimension, roughness, gamma, length, shortest
     return _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)[-1]
 
 
-def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0, *,
-             origin=0.0, tolerance=None, method="auto", dtype=float):
+def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: float, gamma: float, length: float,
+             shortest_wavelength: float, ridges: int, seed: int = 0, *, origin: Any = 0.0, tolerance: float | None = None,
+             method: str = "auto", dtype: Any = float) -> np.ndarray:
     """Weierstrass-Mandelbrot surface (Eq. 1) on a rectangular grid.
 
     Parameters
@@ -149,15 +183,16 @@ def generate(shape, spacing, fractal_dimension, roughness, gamma, length, shorte
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
     head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_method", *head, *size, tolerance or 0.0, dtype.itemsize, wanted)
+        _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, dtype.itemsize, wanted)
     heights = np.empty(size, dtype=dtype, order="F")
     entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, tolerance or 0.0, wanted, heights)
+    _engine.call(entry, *head, _tolerance("tolerance", tolerance) or 0.0, wanted, heights)
     return heights.T
 
 
-def profile(n, spacing, fractal_dimension, roughness, gamma, length, shortest_wavelength, seed=0, *,
-            origin=0.0, tolerance=None, method="auto", dtype=float):
+@checked(n=integer(-2**31), origin=_real)
+def profile(n: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any,
+            seed: int = 0, *, origin: Any = 0.0, tolerance: Any = None, method: str = "auto", dtype: Any = float) -> np.ndarray:
     """Weierstrass-Mandelbrot profile (Eq. 2): n heights [m] along x, with D_s = fractal_dimension - 1.
 
     Parameters as in `generate`; Eq. 2 is its row y = 0 with one ridge.
@@ -176,7 +211,8 @@ def profile(n, spacing, fractal_dimension, roughness, gamma, length, shortest_wa
                     origin=(0.0, origin), tolerance=tolerance, method=method, dtype=dtype)[0]
 
 
-def waves(fractal_dimension, roughness, gamma, length, shortest_wavelength, ridges, seed=0):
+def waves(fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any, ridges: Any,
+          seed: int = 0) -> dict:
     """The plane waves of Eq. 1: height = offset - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
     Returns
@@ -192,10 +228,12 @@ def waves(fractal_dimension, roughness, gamma, length, shortest_wavelength, ridg
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
     count = _arguments(1, 1.0, spectrum, ridges, seed, 0.0, None, "direct", float)[-1].waves
     keys = ("fx_per_m", "fy_per_m", "amplitude_m", "phase_turns", "offset_m")
-    return dict(zip(keys, _engine.call("surface_waves", np.array(spectrum, dtype=float), ridges, _seed(seed), count)))
+    return dict(zip(keys, _engine.call("surface_waves", _spectrum(*spectrum), ridges, _seed(seed), count)))
 
 
-def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance=None, method="auto"):
+@checked(fx=_list, fy=_list, amplitude=_list, phase=_list, tolerance=_tolerance)
+def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLike, shape: Any, spacing: Any, *,
+              origin: Any = 0.0, tolerance: Any = None, method: str = "auto") -> np.ndarray:
     """Any sum of plane waves on a rectangular grid: - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
     Parameters
@@ -220,14 +258,16 @@ def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance
         As `generate`; lengths that differ, no wave, numbers that are not finite.
     """
     size, grid, wanted, _ = _grid(shape, spacing, origin, method, float)
-    try:
-        lists = [np.ascontiguousarray(v, dtype=float).ravel() for v in (fx, fy, amplitude, phase)]
-    except (TypeError, ValueError):
-        raise _engine.InputError("fx, fy, amplitude, phase: must be lists of numbers") from None
+    lists = [np.ascontiguousarray(v) for v in (fx, fy, amplitude, phase)]
     if len({v.size for v in lists}) != 1 or lists[0].size == 0:
         raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
-    if not all(np.isfinite(v).all() for v in lists):
-        raise _engine.InputError("fx, fy, amplitude, phase: must be finite")
+    with np.errstate(over="ignore"):
+        if not np.sum(np.abs(lists[2])) < 1e150:
+            raise _engine.InputError(f"amplitude: the sum of {lists[2].size} waves must be below 1e150 m")
+        for name, f, step, first, n in zip(("fx", "fy"), lists, grid[:2], grid[2:], size):
+            if np.isfinite(grid).all():
+                _turns(np.max(np.abs(f)) * (abs(first) + n * step), name)
+        _turns(np.max(np.abs(lists[3])), "phase")
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
         _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, wanted)
     heights = np.empty(size, order="F")
@@ -235,7 +275,9 @@ def sum_waves(fx, fy, amplitude, phase, shape, spacing, *, origin=0.0, tolerance
     return heights.T
 
 
-def periodic(n, length, fractal_dimension, roughness, shortest_wavelength, seed):
+@checked(n=integer(-2**31), length=_real, fractal_dimension=_real, roughness=_real, shortest_wavelength=_real)
+def periodic(n: int, length: float, fractal_dimension: float, roughness: float, shortest_wavelength: float,
+             seed: int) -> np.ndarray:
     """Periodic surface with the continuum spectrum of Eq. 1: isotropic, band limited, random phases.
 
     Parameters

@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measure height maps: structure function, roughness numbers, and the fit of D and G."""
-from dataclasses import dataclass, field
-from math import floor, inf, log
+from __future__ import annotations
+
+from dataclasses import replace
+from math import floor, inf
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from . import _engine
-from ._engine import InputError
+from .. import _engine
+from .._check import array, checked, flag, integers, kind, number, optional_flag, word
+from .._engine import InputError
+from .fitted import Fit, Ridges
 
-_MODELS = {"isotropic": 1, "profile": 2, "ridges": 3, "paper": 4}
+_MODELS = {"isotropic": 1, "profile": 2, "ridges": 3, "paper": 4, "spectrum": 5}
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}
 
 
 def _map(heights):
     """Heights as the engine takes them: (points along a row, rows), Fortran order, no copy of a C-ordered array."""
-    z = np.asarray(heights, dtype=float)
+    z = array(holes=True, empty=True)("heights", heights)
     if z.ndim == 1:
         z = z[None, :]
     if z.ndim != 2 or z.size == 0:
@@ -26,13 +32,20 @@ def _map(heights):
 
 def _spacing(spacing):
     """(dx, dy) [m] of one number or of (dy, dx)."""
-    d = np.atleast_1d(np.asarray(spacing, dtype=float))
+    d = np.atleast_1d(array(finite=False)("spacing", spacing))
     if d.shape not in ((1,), (2,)) or not np.all(np.isfinite(d)) or not np.all(d > 0):
         raise InputError(f"spacing = {spacing}: give the distance of points in m, positive, one number or (dy, dx)")
     return float(d[-1]), float(d[0])
 
 
-def structure_function(heights, spacing, lags=None, direction="rows", second=False):
+def _direction(name, value):
+    """A rule: a word, or a step in points."""
+    return value if isinstance(value, str) else tuple(integers((2,), -2**30, 2**30)(name, value))
+
+
+@checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag)
+def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direction: str = "rows",
+                       second: bool = False) -> tuple:
     """Structure function S(tau) = mean (z(x + tau) - z(x))^2; NaN are holes.
 
     Short lags are summed directly, long ones come from FFTs; every value has a relative error below 1e-12.
@@ -85,7 +98,10 @@ def structure_function(heights, spacing, lags=None, direction="rows", second=Fal
     return lags * np.hypot(p * dx, q * dy), s, pairs
 
 
-def expected_structure(tau, fractal_dimension, roughness, band, model="isotropic"):
+@checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
+         model=word("isotropic", "profile"))
+def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: float, band: Any,
+                       model: str = "isotropic") -> np.ndarray:
     """Mean structure function of a continuous band with the power of Eq. 1 (isotropic) or Eq. 2 (profile).
 
     S = G^(2(D-2)) times the integral of f^(-a-1) (1 - c(2 pi f tau)) over the band, a = 6 - 2D, c = J0 or cos.
@@ -111,17 +127,15 @@ def expected_structure(tau, fractal_dimension, roughness, band, model="isotropic
     InputError
         A number is out of range.
     """
-    tau = np.asarray(tau, dtype=float)
-    if model not in ("isotropic", "profile"):
-        raise InputError(f'model = {model!r}: "isotropic" or "profile"')
-    if not (2 < fractal_dimension < 3 and roughness > 0 and np.all((tau > 0) & (tau < inf)) and 0 <= band[0] < band[1]):
-        raise InputError("2 < D < 3, G > 0, lags > 0 and 0 <= shortest < longest wavelength are needed")
+    if not band[0] < band[1]:
+        raise InputError(f"band = {tuple(band)}: shortest and longest wavelength in m, 0 <= shortest < longest")
     top = 1 / band[0] if band[0] > 0 else inf
+    tau = np.asarray(tau)
     s = _engine.call("structure_expected", _MODELS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
     return roughness ** (2 * (fractal_dimension - 2)) * s.reshape(tau.shape)
 
 
-def level(heights):
+def level(heights: ArrayLike) -> np.ndarray:
     """Heights less their least-squares plane (a profile: line); holes stay holes.
 
     Parameters
@@ -139,7 +153,7 @@ def level(heights):
     return z.T.reshape(np.shape(heights))
 
 
-def parameters(heights, spacing):
+def parameters(heights: ArrayLike, spacing: Any) -> dict:
     """Roughness numbers named as in ISO 25178-2, of the heights less their plane.
 
     Parameters
@@ -162,7 +176,7 @@ def parameters(heights, spacing):
     return dict(zip(names, v)) | {"bandwidth_m": (v[6], v[7]), "nayak": v[8]}
 
 
-def psd(heights, spacing, direction="rows"):
+def psd(heights: ArrayLike, spacing: Any, direction: str = "rows") -> tuple:
     """Power spectral density of the heights less their plane, under a Hann window.
 
     Parameters
@@ -188,7 +202,7 @@ def psd(heights, spacing, direction="rows"):
     """
     z = _map(heights)
     dx, dy = _spacing(spacing)
-    if direction not in ("rows", "columns", "radial"):
+    if not isinstance(direction, str) or direction not in ("rows", "columns", "radial"):
         raise InputError(f'direction = {direction!r}: "rows", "columns" or "radial"')
     if direction == "radial":
         rings = floor(0.5 * max(z.shape[0] * dx, z.shape[1] * dy) / max(dx, dy) + 1e-9)
@@ -198,131 +212,19 @@ def psd(heights, spacing, direction="rows"):
     return _engine.call("surface_spectrum", z, dx, dy, 0, z.shape[0] // 2)
 
 
-@dataclass(frozen=True)
-class Ridges:
-    """What is known of a surface made by Eq. 1.
-
-    Parameters
-    ----------
-    length : float
-        L [m].
-    shortest_wavelength : float
-        L_s [m]; n_max = floor(ln(L/L_s)/ln gamma).
-    ridges : int
-        M.
-    gamma : float
-        Frequency ratio > 1.
-    """
-
-    length: float
-    shortest_wavelength: float
-    ridges: int = 10
-    gamma: float = 1.5
-
-    @property
-    def n_max(self):
-        """Highest index of the sum."""
-        if not (self.gamma > 1 and 0 < self.shortest_wavelength <= self.length < inf and self.ridges >= 1):
-            raise InputError(f"{self}: gamma > 1, 0 < shortest_wavelength <= length and ridges >= 1 are needed")
-        return floor(log(self.length / self.shortest_wavelength) / log(self.gamma) + 1e-9)
-
-    @property
-    def band(self):
-        """Wavelengths (shortest, longest) of the continuous band with the same power [m]."""
-        return self.length * self.gamma ** -(self.n_max + 0.5), self.length * self.gamma**0.5
+def _noise(name, value):
+    """A rule: rms of the noise, or 'fit'."""
+    return value if isinstance(value, str) else number(least=0)(name, value)
 
 
-@dataclass(frozen=True)
-class Fit:
-    """Result of `fit`. `print(fit)` tells it all, `fit.plot()` draws it."""
-
-    fractal_dimension: float                #: D
-    roughness_m: float                      #: G [m]
-    fractal_dimension_error: float          #: standard error of D: a 3.92th of its 95 % interval
-    ln_roughness_error: float               #: standard error of ln G
-    covariance: np.ndarray = field(repr=False)  #: of D, ln G, noise variance [m^2] (3, 3), were that free to be negative
-    interval: tuple                         #: 95 % intervals ((D_low, D_high), (G_low, G_high)) [-, m] of sampling and misfit
-    sampling_interval: tuple                #: the same of sampling alone: right if the model is
-    noise_m: float                          #: rms of white noise, fitted or given [m]
-    verdict: str                            #: "fractal", "not fractal" or "noise-dominated"
-    kind: str                               #: what it is: fractal, sine, square wave, steps, plane, constant, white noise, ...
-    reason: str                             #: why
-    model: str                              #: isotropic, profile, ridges or paper
-    weighted: bool                          #: by the inverse covariance of ln S
-    ensemble: str                           #: covariance taken from: "random phases" or "Gaussian field"
-    lags: tuple                             #: window, first and last lag [points]
-    band_m: tuple                           #: shortest and longest wavelength of the model [m]
-    rms: float                              #: of the residuals of ln S
-    rms_expected: float                     #: what sampling alone leaves
-    misfit: float                           #: rms of ln S the model itself is off by
-    chi2: float                             #: of a weighted fit
-    freedom: int                            #: degrees of freedom
-    anisotropy: float                       #: mean ratio of S along rows and along columns; nan for a profile
-    tilt: tuple                             #: slope of the least-squares plane along x and y
-    levelled: bool                          #: that plane was taken off
-    tau_m: np.ndarray = field(repr=False)       #: lags [m]
-    s_m2: np.ndarray = field(repr=False)        #: measured S [m^2]
-    curve_m2: np.ndarray = field(repr=False)    #: S of the model [m^2]
-    curve_error: np.ndarray = field(repr=False)  #: standard error of ln of the model
-    sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
-    ridges: Ridges | None = None            #: the sum of Eq. 1 that was told or recognised
-
-    @property
-    def band(self):
-        """95 % band of measured S about the model: (low, high) [m^2]."""
-        w = np.exp(1.959964 * self.sample_error)
-        return self.curve_m2 / w, self.curve_m2 * w
-
-    def __str__(self):
-        lines = [f"verdict   {self.verdict}" + (f" ({self.kind})" if self.kind != self.verdict else "") + f": {self.reason}"]
-        if np.isfinite(self.fractal_dimension):
-            (d_low, d_high), (low, high) = self.interval
-            (s_low, s_high), _ = self.sampling_interval
-            lines += [
-                f"D         {self.fractal_dimension:.4f}, {d_low:.4f} to {d_high:.4f} (95 %; by sampling alone {s_low:.4f} to "
-                f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
-                f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
-                f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
-                *([f"ridges    {self.ridges}"] if self.ridges else []),
-                f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by "
-                f"{self.misfit:.2g}" + (f", chi2 {self.chi2:.1f} / {self.freedom}" if self.weighted else ""),
-            ]
-            if self.noise_m > 0:
-                lines.append(f"noise     {self.noise_m:.3g} m rms")
-        lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({self.tau_m.min():.3g} to {self.tau_m.max():.3g} m), "
-                     f"{'plane taken off' if self.levelled else 'not levelled'}, tilt {self.tilt[0]:.2g}, {self.tilt[1]:.2g}")
-        if np.isfinite(self.anisotropy):
-            lines.append(f"anisotropy S(rows)/S(columns) = {self.anisotropy:.3g}"
-                         + (": not isotropic, D and G are means of both" if abs(np.log(self.anisotropy)) > 0.4 else ""))
-        return "\n".join(lines)
-
-    def plot(self, axis=None, label="measured", colour="C0"):
-        """S with the fit and its 95 % band.
-
-        Parameters
-        ----------
-        axis : matplotlib.axes.Axes, optional
-            Where to draw; default: a new figure.
-        label : str
-            Name of the data in the legend.
-        colour : str
-            Matplotlib colour.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
-        from .plot_surface import plot_fit
-
-        return plot_fit(self, axis, label, colour)
-
-
-def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None, level=True, band=None, noise=0.0, second=None):
+@checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise)
+def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None, surface: Any = None, weighted: bool | None = None,
+        level: bool = True, band: Any = None, noise: float = 0.0, second: ArrayLike | None = None) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
 
-    A sum of Eq. 1 (told by `surface`, or recognised by the lines of its spectrum): two-step generalised least squares on the exact
-    sum, errors from random phases. Any other map: least squares of ln S on a continuous isotropic band (of a single profile:
-    Eq. 2), errors from the covariance of S of a Gaussian field plus what the model is seen to be off by.
+    A sum of Eq. 1 (told by `surface`): two-step generalised least squares on the exact sum, errors from random phases. Any other
+    map or profile: the spectrum, told nothing: power law, Gaussian probe, detail finer than the spacing, white noise, over the
+    widest window of frequencies that follows it; spikes are masked and holes filled. Intervals are those of the likelihood.
 
     Parameters
     ----------
@@ -332,20 +234,21 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
         Spacing (dy, dx) [m].
     lags : (int, int)
         First and last lag [points].
-    model : {"isotropic", "profile", "ridges", "paper"}, optional
-        Default: "ridges" for a sum of Eq. 1, else "isotropic" or "profile"; a model given is fitted without looking for lines.
+    model : {"spectrum", "isotropic", "profile", "ridges", "paper"}, optional
+        Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". "isotropic" and "profile" fit S over `lags` to a
+        band with sharp ends, which must be known. A spectrum of lines (few waves) is left for them too.
         "paper" is the straight line with the literature's (Majumdar-Bhushan) constant: G is wrong by 2.2 (profile) or 1.4.
     surface : Ridges, optional
-        What is known of a surface made by Eq. 1. Without it, M, gamma and the frequencies are looked for in the spectrum.
+        What is known of a surface made by Eq. 1.
     weighted : bool, optional
         Weight by the inverse covariance; default: for "ridges" only, where the model is exact.
     level : bool
         Take the least-squares plane off; the model accounts for what this takes from S.
     band : (float, float), optional
         Shortest and longest wavelength of the surface [m]; the first may be 0. Default: that of `surface`, else one spacing and
-        the longer side.
+        the longer side. "spectrum": the window to fit; default: looked for.
     noise : float or "fit"
-        Rms of white instrument noise [m]: known, or a third unknown.
+        Rms of white instrument noise [m]: known, or one more unknown. "spectrum" fits it unless it is known.
     second : array_like, optional
         Another specimen with the same spacing: D and G are those of S_eq = S_1 + S_2, the equivalent rough surface of the joint.
 
@@ -358,20 +261,21 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     InputError
         Map without heights, too small for the window, spacing not positive, unknown model.
     """
+    surface = kind(Ridges, optional=True)("surface", surface)
     z = _map(heights)
     other = np.zeros((1, 1), order="F") if second is None else _map(second)
     dx, dy = _spacing(spacing)
     profile = z.shape[1] == 1
-    search = model is None and surface is None and not profile
     if model is None:
-        model = "ridges" if surface is not None else "profile" if profile else "isotropic"
-    if model not in _MODELS:
+        model = "ridges" if surface is not None else "spectrum"
+    if not isinstance(model, str) or model not in _MODELS:
         raise InputError(f"model = {model!r}: one of {', '.join(_MODELS)}")
     if model == "ridges" and surface is None:
         raise InputError('model "ridges" needs surface=Ridges(...), what is known of the sum')
     weighted = model == "ridges" if weighted is None else bool(weighted)
     if weighted and model != "ridges":
         raise InputError(f'weighted=True is sound for the exact model "ridges" only: with {model!r} it is biased many times over')
+    told = band is not None
     if band is None:
         band = surface.band if surface is not None else (min(dx, dy), max((z.shape[0] - 1) * dx, (z.shape[1] - 1) * dy))
     if not 0 <= band[0] < band[1]:
@@ -383,16 +287,32 @@ def fit(heights, spacing, lags=(1, 20), model=None, surface=None, weighted=None,
     waves = surface if known else Ridges(1.0, 0.5)
     if known and waves.ridges * (waves.n_max + 1) > 4000:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
-    whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max, search]
+    whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max, told]
     reals = [1 / band[1], 1 / band[0] if band[0] > 0 else inf, waves.gamma, waves.length, 0.0 if free else noise]
-    columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1)
-    whole = np.array(whole, dtype=np.int32)
-    numbers, curves, name, reason = _engine.call("surface_fit", z, other, dx, dy, whole, np.array(reals), columns)
+    columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
+    numbers, curves, rings, name, reason = _engine.call(
+        "surface_fit", z, other, dx, dy, np.array(whole, np.int32), np.array(reals), columns, _RINGS)
     if numbers[29] > 0:
-        count, n_max, gamma, length = numbers[29:33].tolist()
-        surface = Ridges(length, length * gamma**-n_max, int(count), gamma)
-        model, weighted, band = "ridges", True, surface.band
-    return _result(numbers, curves, name, reason, model, weighted, surface, lags, band, level, profile, dx, dy)
+        band = (1 / numbers[36], 1 / numbers[35])
+    elif model == "spectrum":
+        model = "profile" if profile else "isotropic"
+    found = _result(numbers, curves, name, reason, model, weighted, surface, lags, band, level, profile, dx, dy)
+    return found if np.isnan(rings[0, 0]) else replace(found, **_spectrum(numbers, rings))
+
+
+_RINGS = 300  # more than any map has
+
+
+def _spectrum(numbers, rings):
+    """What the fit of a spectrum adds."""
+    n = int(np.sum(np.isfinite(rings[:, 0])))
+    out = {"spikes": int(numbers[30]), "holes": int(numbers[31]), "axis_excess": tuple(numbers[47:49].tolist()),
+           "frequency": rings[:n, 0], "density": rings[:n, 1], "density_model": rings[:n, 3]}
+    if numbers[29] > 0:
+        out |= {"probe_m": float(numbers[33]), "finer_detail": float(numbers[34])}
+    if numbers[43] > 0:
+        out["second_range"] = (float(numbers[43]), 1 / float(numbers[45]), 1 / float(numbers[44]))
+    return out
 
 
 def _interval(v):

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `hdengine surface`."""
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Any
 
+from .._engine import InputError
 from . import roughness, specimen
-from ._engine import InputError
 
 
-def add_options(parser):
+def add_options(parser: Any) -> None:
     """Options of the command."""
     parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
@@ -19,10 +22,9 @@ def add_options(parser):
     parser.add_argument("--out", default=".", help="folder for the figures")
 
 
-def run_surface(args):
+def run_surface(args: Any) -> Any:
     """Read, fit, judge, plot; returns 0."""
-    from .plot import plt
-    from .plot_surface import plot_specimen
+    from ..figures.surface import plot_specimen
 
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     known = None
@@ -55,6 +57,5 @@ def run_surface(args):
         figures["joint_surface.png"] = joint.plot()
     for name, figure in figures.items():
         figure.savefig(out / name)
-        plt.close(figure)
         print(f"written: {out / name}")
     return 0

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Hu et al. (2023) state, beside what hdengine gives: rows with a verdict, each computed."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from . import torsion
-from .catalogue import UNITS
+from .. import torsion
+from ..catalogue import UNITS
 
 TORQUES_NM = (1.0, 3.0, 5.0)
-STATED = {
+STATED: dict[str, Any] = {
     "k_ts_5_nm": 1820.44, "pressure_long_1_mpa": 96.35, "eccentricity_percent": (-9.40, -6.61, -5.02),
     "w_best_m": 0.21e-3, "w_percent": (12.65, 8.76, 7.12), "k_ts_best_w": (1009.11, 1552.69, 1940.49),
     "k_wts_theory": 2524.92, "k_wts_test": 2723.75, "k_wts_difference_percent": 7.30, "k_wts_highest": 5294.0,
@@ -31,23 +34,23 @@ class Row:
 
     HEAD = ("quantity", "paper", "ours", "by the printed forms", "verdict", "because")
 
-    def cells(self):
+    def cells(self) -> Any:
         """Texts in the order of HEAD."""
         return self.quantity, self.paper, self.ours, self.printed, self.verdict, self.because
 
 
-def signed(values, digits=1):
+def signed(values: Any, digits: int = 1) -> Any:
     """Changes in per cent as one text."""
     text = " / ".join("-" if not np.isfinite(v) else f"{v:+.{digits}f}" for v in values)
     return f"{text} %" if np.any(np.isfinite(values)) else "-"
 
 
-def judge_figure(paper, ours):
+def judge_figure(paper: Any, ours: Any) -> Any:
     """'agrees' within a tenth."""
     return "agrees" if abs(ours / paper - 1) <= CLOSE else "does not agree"
 
 
-def judge_trend(paper, ours):
+def judge_trend(paper: Any, ours: Any) -> Any:
     """Figures within a tenth agree. A trend agrees where the signs do, no figure is below a tenth of the paper's or 1 %, and the
     order is not reversed by more than 1 %, that of the extremes kept by more."""
     paper, ours = np.asarray(paper, float), np.asarray(ours, float)
@@ -59,18 +62,18 @@ def judge_trend(paper, ours):
     return "trend agrees" if order and large else "does not agree"
 
 
-def applies(scene):
+def applies(scene: Any) -> Any:
     """The scene is that of the paper in size, and its torque passes the contact."""
     return abs(scene["geometry.bore_radius"] - 17.5e-3) < 0.3e-3 and scene["contact.mode"] != "bonded" \
         and scene["load.support"] != "teeth"
 
 
-def at(rows, torque_nm, column="k_ts_nm_per_rad"):
+def at(rows: Any, torque_nm: Any, column: str = "k_ts_nm_per_rad") -> Any:
     """A column at a torque; NaN where it was not solved."""
     return next((r.get(column, np.nan) for r in rows if abs(r.get("torque_nm", -1) - torque_nm) < 1e-6), np.nan)
 
 
-def torque_rows(rows, closure=(), trends=()):
+def torque_rows(rows: list, closure: Any = (), trends: Any = ()) -> list:
     """K_TS and pressure at 5 N m, rise from 1 to 5 N m.
 
     Parameters
@@ -102,8 +105,7 @@ def torque_rows(rows, closure=(), trends=()):
         table.append(_nearest(Row("K_TS from 1 to 5 N m", f"+{stated:.0f} % (w = 0.21 mm)", signed([rise]), signed([printed]),
                                   judge_trend([stated], [rise])), [stated], trends, "rise_percent"))
         table.append(Row("K_TS at 1 / 3 N m, one gauge factor for 5 N m", "{:.0f} / {:.0f} (w = 0.21 mm)".format(
-            *STATED["k_ts_best_w"]), "{:.0f} / {:.0f} N m/rad (gauge {:.2e})".format(
-                gauge * at(rows, 1.0), gauge * at(rows, 3.0), gauge), "-",
+            *STATED["k_ts_best_w"]), f"{gauge * at(rows, 1.0):.0f} / {gauge * at(rows, 3.0):.0f} N m/rad (gauge {gauge:.2e})", "-",
             judge_figure(STATED["k_ts_best_w"][0], gauge * at(rows, 1.0)), "a factor cannot turn a flat curve into a rising one"))
     p, peak = (1e-6 * at(rows, 5.0, c) for c in ("pressure_long_1_pa", "pressure_max_pa"))
     if np.isfinite(p):
@@ -115,7 +117,7 @@ def torque_rows(rows, closure=(), trends=()):
     return table
 
 
-def eccentricity_rows(rows, trends=()):
+def eccentricity_rows(rows: Any, trends: Any = ()) -> Any:
     """Change of K_TS by 10 um of eccentricity; rows with and without it, of one support."""
     def change(column):
         values = {e: [at([r for r in rows if abs(r.get("wave_generator.eccentricity", -1) - e) < 1e-9], t, column)
@@ -128,7 +130,7 @@ def eccentricity_rows(rows, trends=()):
                          judge_trend(stated, ours)), stated, trends, "fall_percent")]
 
 
-def w_rows(rows, trends=()):
+def w_rows(rows: Any, trends: Any = ()) -> Any:
     """Place and height of the maximum of K_TS over w."""
     widths = sorted({r["wave_generator.w"] for r in rows if "wave_generator.w" in r})
 
@@ -155,7 +157,7 @@ def w_rows(rows, trends=()):
                 f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'], 2)}", best(k), best(printed), verdict, because)]
 
 
-def series_rows(k_ts, k_fts):
+def series_rows(k_ts: Any, k_fts: Any) -> Any:
     """K_WTS by Eq. 46 beside theory, test and catalogue; stiffness of contact and of cup against teeth [N m/rad]."""
     k, unit, s = torsion.series(k_ts, k_fts), UNITS[14], STATED
     because = f"the scene holds cup, ring and teeth alone; {k / unit.k1_nm_per_rad:.1f} times the catalogue's K1"
@@ -166,7 +168,7 @@ def series_rows(k_ts, k_fts):
                 judge_figure(s["k_wts_highest"], k).replace("does not", "cannot"), because)]
 
 
-def arithmetic_rows():
+def arithmetic_rows() -> Any:
     """What the paper's own figures say about each other."""
     s, unit = STATED, UNITS[14]
     difference = 100 * (1 - s["k_wts_theory"] / s["k_wts_test"])
@@ -199,7 +201,7 @@ def arithmetic_rows():
 
 
 def _surface(dimension, roughness, length=0.5e-3, shortest=1e-6, gamma=1.5):
-    """rms height [m] and rms slope of Eq. 1."""
+    """Rms height [m] and rms slope of Eq. 1."""
     n = np.arange(int(np.log(length / shortest) / np.log(gamma) + 1e-9) + 1)
     square = np.log(gamma) * roughness**(2 * (dimension - 2)) * (length / gamma**n)**(2 * (3 - dimension))
     return np.sqrt(square.sum() / 2), np.sqrt((square * (2 * np.pi * gamma**n / length)**2).sum() / 2)
@@ -209,20 +211,21 @@ def _nearest(row, stated, trends, key):
     """A trend's row with the scene that comes nearest to the paper in logarithms of figures of the right sign."""
     if not trends:
         return row
+    cells = row.quantity, row.paper, row.ours, row.printed, row.verdict
     good = [t for t in trends if judge_trend(stated, np.atleast_1d(t[key])) != "does not agree"]
     if not good:
-        return Row(*row.cells()[:5], f"no scene of {len(trends)} tried gives it")
+        return Row(*cells, f"no scene of {len(trends)} tried gives it")
     best = min(good, key=lambda t: np.abs(np.log(np.atleast_1d(t[key]) / np.asarray(stated))).max())
-    return Row(*row.cells()[:5], f"{len(good)} of {len(trends)} scenes tried give it, nearest {best['name']}: "
-                                 f"{signed(np.atleast_1d(best[key]))}")
+    return Row(*cells, f"{len(good)} of {len(trends)} scenes tried give it, nearest {best['name']}: "
+                       f"{signed(np.atleast_1d(best[key]))}")
 
 
-def of_run(result):
+def of_run(result: Any) -> Any:
     """Rows that a run can answer; none for a scene unlike the paper's."""
     return torque_rows(result.rows()) if applies(result.scene) else []
 
 
-def of_study(result):
+def of_study(result: Any) -> Any:
     """Rows that a study can answer: the first curve over torque, eccentricity or w at the scene's other values."""
     scene, swept = result.summary["scene"], result.summary["swept"]
     if result.summary["figure"].get("kind") == "series":
@@ -237,7 +240,7 @@ def of_study(result):
     return known[key](same) if key else torque_rows(same)
 
 
-def markdown(rows):
+def markdown(rows: Any) -> Any:
     """Rows as a table for docs."""
     lines = ["| " + " | ".join(Row.HEAD) + " |", "|---" * len(Row.HEAD) + "|"]
     return "\n".join(lines + ["| " + " | ".join(f"**{c}**" if i == 4 else c for i, c in enumerate(r.cells())) + " |" for r in rows])

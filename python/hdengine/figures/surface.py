@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of surfaces."""
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
-from .plot import plt
+from .style import new_axes, new_figure, styled
 
 
-def plot_fit(fit, axis=None, label="measured", colour="C0"):
+@styled
+def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = "C0") -> Any:
     """S over the lag with the fitted model and its 95 % band.
 
     Parameters
@@ -22,7 +27,7 @@ def plot_fit(fit, axis=None, label="measured", colour="C0"):
     matplotlib.axes.Axes
     """
     if axis is None:
-        axis = plt.subplots(figsize=(7, 5))[1]
+        axis = new_axes(figsize=(7, 5))[1]
     order = np.argsort(fit.tau_m)
     tau = fit.tau_m[order] * 1e6
     axis.loglog(tau, fit.s_m2[order] * 1e12, "o", ms=5, mfc="none", color=colour, label=label)
@@ -37,7 +42,8 @@ def plot_fit(fit, axis=None, label="measured", colour="C0"):
     return axis
 
 
-def plot_residual(fit, axis, colour="C0"):
+@styled
+def plot_residual(fit: Any, axis: Any, colour: str = "C0") -> None:
     """What S is off the model by, in percent, with the 95 % band."""
     if not np.isfinite(fit.fractal_dimension):
         return
@@ -51,7 +57,8 @@ def plot_residual(fit, axis, colour="C0"):
     axis.set_ylabel("S / model - 1 / %")
 
 
-def plot_map(specimen, axis):
+@styled
+def plot_map(specimen: Any, axis: Any) -> None:
     """Height map, or the profile of a line scan."""
     z = specimen.heights * 1e6
     if z.ndim == 1:
@@ -67,7 +74,8 @@ def plot_map(specimen, axis):
     axis.set_title(specimen.name, fontsize=12)
 
 
-def plot_specimen(specimen, fit):
+@styled
+def plot_specimen(specimen: Any, fit: Any) -> Any:
     """One specimen: map and structure function.
 
     Parameters
@@ -81,8 +89,9 @@ def plot_specimen(specimen, fit):
     -------
     matplotlib.figure.Figure
     """
-    figure = plt.figure(figsize=(12, 5.5))
-    left, right = figure.subfigures(1, 2)
+    figure = new_figure(figsize=(12, 5.5))
+    halves: Any = figure.subfigures(1, 2)
+    left, right = halves
     plot_map(specimen, left.subplots())
     axes = right.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
     plot_fit(fit, axes[0])
@@ -92,7 +101,8 @@ def plot_specimen(specimen, fit):
     return figure
 
 
-def plot_joint_surface(joint):
+@styled
+def plot_joint_surface(joint: Any) -> Any:
     """Both specimens, their middle rows, and the three structure functions with fit and 95 % band (Fig. 5).
 
     Parameters
@@ -104,8 +114,9 @@ def plot_joint_surface(joint):
     -------
     matplotlib.figure.Figure
     """
-    figure = plt.figure(figsize=(12, 10))
-    top, bottom = figure.subfigures(2, 1)
+    figure = new_figure(figsize=(12, 10))
+    halves: Any = figure.subfigures(2, 1)
+    top, bottom = halves
     for specimen, axis in zip(joint.specimens, top.subplots(1, 2)):
         plot_map(specimen, axis)
     left, right = bottom.subfigures(1, 2)

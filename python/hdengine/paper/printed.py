@@ -1,23 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Eq. 17-44 as printed by Hu et al. (2023), kept to show where they fail. Nothing in hdengine computes with them."""
+from __future__ import annotations
+
 from math import gamma as gamma_function
 from math import log, pi
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
-def spot_ratio_fit(fractal_dimension):
-    """psi of Eq. 17 by the printed fit in D_s = D - 1, up to 0.37 % off."""
+def spot_ratio_fit(fractal_dimension: Any) -> Any:
+    """Psi of Eq. 17 by the printed fit in D_s = D - 1, up to 0.37 % off."""
     return 5.454 * np.exp(-(fractal_dimension - 1) / 0.628) + 1.499
 
 
-def structure_constant(profile_dimension):
+def structure_constant(profile_dimension: Any) -> Any:
     """Gamma(2 D_s - 3) sin((2 D_s - 3) pi / 2), the literature's constant: infinity times zero at D_s = 1.5."""
     x = 2 * profile_dimension - 3
     return gamma_function(x) * np.sin(x * pi / 2)
 
 
-def load_parts(joint, s_l):
+def load_parts(joint: Any, s_l: float) -> np.ndarray:
     """Eq. 23-26 with the printed limits, which assume s_l above the last regime edge.
 
     Parameters
@@ -40,7 +44,7 @@ def load_parts(joint, s_l):
     return _share(joint, s_l) * factor * s_ec**-power * (s[1:] ** e - s[:-1] ** e) / e
 
 
-def stiffness_parts(joint, s_l):
+def stiffness_parts(joint: Any, s_l: float) -> np.ndarray:
     """Eq. 30, 33, 34 as printed: only the finite part of the divergent Eq. 30, hence negative.
 
     Parameters
@@ -64,7 +68,7 @@ def stiffness_parts(joint, s_l):
     return _share(joint, s_l) * factor * (s**e - low) / e
 
 
-def tangential_by_strength(joint, s, strength):
+def tangential_by_strength(joint: Any, s: ArrayLike, strength: float) -> np.ndarray:
     """Eq. 39 with t = tau_b s, tau_b a shear strength: every spot slips, and the cube root turns complex or NaN.
 
     Parameters
@@ -87,12 +91,12 @@ def tangential_by_strength(joint, s, strength):
         return 8 * p["g_prime_pa"] * np.sqrt(s / pi) * (1 - strength * s / (joint.friction * f)) ** (1 / 3)
 
 
-def power_integral(low, high, e):
+def power_integral(low: Any, high: Any, e: Any) -> Any:
     """(high^e - low^e) / e, the printed form: 0/0 at e = 0, digits lost near it."""
     return (high**e - low**e) / e
 
 
-def waves(length, shortest, ratio):
+def waves(length: Any, shortest: Any, ratio: Any) -> Any:
     """n_max as floor(ln(L / L_s) / ln gamma): one too few where rounding leaves 14.9999999."""
     return int(log(length / shortest) / log(ratio))
 

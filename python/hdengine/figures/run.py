@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of a run."""
+from __future__ import annotations
+
+import os
 import warnings
+from pathlib import Path
+from typing import Any
 
-import matplotlib
+import numpy as np
+from matplotlib.colors import PowerNorm
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-plt.rcParams.update({"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "figure.constrained_layout.use": True,
-                     "savefig.dpi": 150})
+from .drive import plot_fatigue, plot_loads, plot_loop
+from .style import new_axes, styled
 
 
-def plot_run(result):
+@styled
+def plot_run(result: Any) -> list:
     """Make all figures of a run in its folder.
 
     Parameters
@@ -31,11 +34,12 @@ def plot_run(result):
     }
     if not (result.against_teeth and np.all(result.torque_nm == 0)):
         figures["torsion.png"] = plot_torsion(result)
+    if result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists():
+        figures |= {"loop.png": plot_loop(result), "loads.png": plot_loads(result), "fatigue.png": plot_fatigue(result)}
     paths = []
     for name, figure in figures.items():
         paths.append(result.folder / name)
         figure.savefig(paths[-1])
-        plt.close(figure)
     return paths
 
 
@@ -56,7 +60,7 @@ def _band(axis, result, field, **keys):
     return axis.pcolormesh(angle, 1e3 * result.row_edges(), field, **keys)
 
 
-def colour_top(pressure, area, share=0.97):
+def colour_top(pressure: np.ndarray, area: np.ndarray, share: float = 0.97) -> float:
     """Pressure that all but a small share of the closed area stays below: narrow rows at the edges take no part of the colours.
 
     Parameters
@@ -77,9 +81,22 @@ def colour_top(pressure, area, share=0.97):
     return float(pressure[closed][order][np.searchsorted(part, share * part[-1])])
 
 
-def plot_positions(result):
+def pressure_top(result: Any) -> float:
+    """Top of the colours of every pressure map of a run, from the end of the assembly on [MPa]."""
+    late = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)
+    first = late[0] if len(late) else 0
+    return colour_top(result.contact["pressure_pa"][first:] / 1e6, result.contact["area_m2"][first:])
+
+
+def _colours(top):
+    """Colours whose first half is for the lowest quarter of the pressures, where most of the band lies."""
+    return {"cmap": "viridis", "norm": PowerNorm(0.5, vmin=0, vmax=top)}
+
+
+@styled
+def plot_positions(result: Any) -> Any:
     """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
-    figure, axes = plt.subplots(2, 1, sharex=True, figsize=(8, 7))
+    figure, axes = new_axes(2, 1, sharex=True, figsize=(8, 7))
     theta = np.degrees(_grid(result, "theta_rad")[:, 0])
     z = _reference_z(result)
     for label, place, style in zip(("I", "II", "III"), result.scene["output.positions"], ("-", "--", "-.")):
@@ -98,12 +115,13 @@ def plot_positions(result):
     return figure
 
 
-def plot_band(result):
+@styled
+def plot_band(result: Any) -> Any:
     """Contact pressure on the unrolled band, last step."""
-    figure, axis = plt.subplots(figsize=(9, 4))
+    figure, axis = new_axes(figsize=(9, 4))
     p = _grid(result, "pressure_pa").T / 1e6
-    top = colour_top(p, _grid(result, "area_m2").T)
-    image = _band(axis, result, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top)
+    top = pressure_top(result)
+    image = _band(axis, result, np.where(p > 0, p, np.nan), **_colours(top))
     axis.set_facecolor("0.9")
     axis.grid(False)
     axis.set_xticks(range(0, 361, 45))
@@ -121,35 +139,61 @@ def _grey(result):
     return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
-def plot_steps(result, most=6):
-    """Contact pressure on the unrolled band over the torque, small multiples of one colour scale."""
+@styled
+def plot_steps(result: Any, most: int = 6) -> Any:
+    """Contact pressure on the unrolled band over the torque: the first map, and what the others differ by from it.
+
+    Where they differ by half of the scale or more, every map is drawn as it is, all on one scale.
+    """
     steps = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[:1].tolist()
     steps += [i for i in range(len(result.torque_nm)) if i > steps[0]] if steps else range(len(result.torque_nm))
     steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, most).round().astype(int))]
     columns = min(3, len(steps))
     rows = -(-len(steps) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(4 * columns + 1, 2.1 * rows + 0.8), sharex=True, sharey=True, squeeze=False)
+    figure, axes = new_axes(rows, columns, figsize=(4 * columns + 1, 2.1 * rows + 1.2), sharex=True, sharey=True, squeeze=False)
     p = result.contact["pressure_pa"] / 1e6
-    top = colour_top(p[steps], result.contact["area_m2"][steps])
+    top, first = pressure_top(result), p[steps[0]]
+    change = max((colour_top(abs(p[i] - first), result.contact["area_m2"][i]) for i in steps[1:]), default=top)
+    alike = len(steps) > 1 and change < 0.5 * top
+    images = []
     for axis, i in zip(axes.flat, steps):
-        field = p[i].reshape(result.shape).T
-        image = _band(axis, result, np.where(field > 0, field, np.nan), vmin=0, vmax=top)
-        axis.set_facecolor("0.9")
+        closed, torque = p[i] > 0, f"{result.torque_nm[i]:.3g} N m"
+        if alike and i != steps[0]:
+            field, keys = np.where(closed | (first > 0), p[i] - first, np.nan), {"cmap": "RdBu_r", "vmin": -change, "vmax": change}
+            axis.set_title(f"{torque} less {result.torque_nm[steps[0]]:.3g} N m", fontsize=12)
+        else:
+            field, keys = np.where(closed, p[i], np.nan), _colours(top)
+            axis.set_title(torque, fontsize=12)
+        images.append(_band(axis, result, field.reshape(result.shape).T, **keys))
+        axis.set_facecolor("0.8")
         axis.grid(False)
         axis.set_xticks(range(0, 361, 90))
-        axis.set_title(f"{result.torque_nm[i]:.3g} N m", fontsize=12)
     for axis in axes.flat[len(steps):]:
         axis.remove()
-    if len(steps) > 1:
-        change = f"from first to last it changes by {abs(p[steps[-1]] - p[steps[0]]).max():.2g} MPa at most"
-        figure.suptitle(f"Contact pressure (grey: {_grey(result)}); {change}", fontsize=12)
+    title = f"Contact pressure (grey: {_grey(result)})"
+    if alike:
+        title += f" and its change over the torque, {_against_resolution(result, p, steps)}"
+    figure.suptitle(title, fontsize=12)
     figure.supxlabel("angle from the long axis / degree", fontsize=12)
     figure.supylabel("from the front edge / mm", fontsize=12)
-    figure.colorbar(image, ax=list(axes.flat[:len(steps)]), label="pressure / MPa", extend="max")
+    used = list(axes.flat[:len(steps)])
+    figure.colorbar(images[0], ax=used, label="pressure / MPa", extend="max")
+    if alike:
+        figure.colorbar(images[-1], ax=used, label="change / MPa", extend="both")
     return figure
 
 
-def animate(result, path, most=25, fps=3):
+def _against_resolution(result, p, steps):
+    """The largest change in words, beside what is known of the pressure."""
+    text = f"{abs(p[steps] - p[steps[0]]).max():.2g} MPa at most"
+    if "pressure_mid_mean_pa" in result.limits:
+        error = result.limits["pressure_mid_mean_pa"][1]
+        text += f"; mid-band pressure is known to {100 * error:.2g} %"
+    return text
+
+
+@styled
+def animate(result: Any, path: str | os.PathLike, most: int = 25, fps: int = 3) -> Path:
     """Write a GIF of pressure and shear on the unrolled band over the load steps.
 
     Parameters
@@ -158,7 +202,7 @@ def animate(result, path, most=25, fps=3):
     path : str or Path
     most : int
         Frames at most.
-    fps : float
+    fps : int
         Frames per second.
 
     Returns
@@ -170,12 +214,13 @@ def animate(result, path, most=25, fps=3):
     p, q = result.contact["pressure_pa"] / 1e6, result.contact["traction_theta_pa"] / 1e6
     frames = np.unique(np.linspace(0, len(p) - 1, most).round().astype(int))
     area = result.contact["area_m2"]
-    top, shear = colour_top(p, area), colour_top(np.where(p > 0, np.abs(q), 0), area)
-    figure, axes = plt.subplots(2, 1, figsize=(8, 5.4), sharex=True)
+    top, shear = pressure_top(result), colour_top(np.where(p > 0, np.abs(q), 0), area)
+    figure, axes = new_axes(2, 1, figsize=(8, 5.4), sharex=True)
     images = []
     for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), ("viridis", "coolwarm"),
                                             ("pressure / MPa", "shear along θ / MPa")):
-        images.append(_band(axis, result, np.zeros(result.shape).T, vmin=low, vmax=high, cmap=cmap))
+        keys = _colours(high) if low == 0 else {"vmin": low, "vmax": high, "cmap": cmap}
+        images.append(_band(axis, result, np.zeros(result.shape).T, **keys))
         axis.set_facecolor("0.9")
         axis.grid(False)
         axis.set_ylabel("from front edge / mm")
@@ -189,23 +234,34 @@ def animate(result, path, most=25, fps=3):
         load, torque = result.steps["load_factor"][i], result.torque_nm[i]
         axes[0].set_title(f"torque {torque:.3g} N m" if torque else f"assembly, {100 * load:.0f} %", fontsize=13)
 
-    FuncAnimation(figure, show, frames.tolist()).save(path, PillowWriter(fps), dpi=80)
-    plt.close(figure)
-    return path
+    FuncAnimation(figure, show, frames.tolist()).save(Path(path), PillowWriter(fps), dpi=80)
+    return Path(path)
 
 
-def plot_torsion(result):
-    """K_TS over torque by both forms of Eq. 45, and the FE rotation; against the teeth K_FTS, rotation and shares of the pairs."""
+@styled
+def plot_torsion(result: Any) -> Any:
+    """K_TS over the torque, coupled and by Eq. 45, and the FE rotation; against the teeth K_FTS, rotation, shares of the pairs."""
     if result.against_teeth:
         return plot_teeth(result)
-    k, paper = result.torsional_stiffness()
     select = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[0]
-    t = result.torque_nm[select:]
-    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
-    for axis, values, label in zip(
-            axes, (k[select:] / 1e6, paper[select:] / 1e6, 1e6 * result.steps["rotation_rad"][select:]),
-            ("$K_{TS}$ (Eq. 45) / (MN m/rad)", "Eq. 45 as printed / MN", "FE rotation / µrad")):
-        _over_torque(axis, t, values, label)
+    t, steps = result.torque_nm[select:], result.steps[select:]
+    figure, axes = new_axes(1, 3, figsize=(11, 3.6))
+    for reading, style in (("tangent", "o-"), ("secant", "s--")):
+        column = f"k_ts_{reading}_nm_per_rad"
+        if column in steps.dtype.names and np.any(np.isfinite(steps[column])):
+            axes[0].plot(t, steps[column] / 1e6, style, label=reading)
+    axes[0].set_title("$K_{TS}$, coupled joint / (MN m/rad)", fontsize=12)
+    axes[0].set_xlabel("torque / N m")
+    axes[0].set_ylim(bottom=0)
+    if axes[0].lines:
+        axes[0].legend(fontsize=11)
+    k = result.torsional_stiffness()[0][select:] / 1e6
+    _over_torque(axes[1], t, k, "$K_{TS}$ (Eq. 45) / (MN m/rad)")
+    known = result.limits["k_ts_nm_per_rad"][1] if result.limits else 0.01
+    axes[1].fill_between(t, k * (1 - known), k * (1 + known), color="C0", alpha=0.15, lw=0, label=(
+        f"known to {100 * known:.2g} % (plan)" if result.limits else "1 %: points between stick and slip"))
+    axes[1].legend(fontsize=10)
+    _over_torque(axes[2], t, 1e6 * steps["rotation_rad"], "FE rotation / µrad")
     return figure
 
 
@@ -218,9 +274,10 @@ def _over_torque(axis, torque, values, label):
         axis.set_ylim(np.mean(values) * np.array([0.95, 1.05]))
 
 
-def plot_teeth(result):
+@styled
+def plot_teeth(result: Any) -> Any:
     """K_FTS and rotation over the torque; share of each pair of teeth at one end of the long axis, first and last torque."""
-    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
+    figure, axes = new_axes(1, 3, figsize=(11, 3.6))
     after = result.torque_nm != 0
     torque = result.torque_nm[after]
     _over_torque(axes[0], torque, result.secant_stiffness()[after] / 1e3, "$K_{FTS}$ / (kN m/rad)")
@@ -235,7 +292,8 @@ def plot_teeth(result):
     return figure
 
 
-def draw_shares(axis, result, torque, style, label):
+@styled
+def draw_shares(axis: Any, result: Any, torque: Any, style: Any, label: Any) -> None:
     """Share of each pair of teeth at one end of the long axis at a torque [per cent]; the other end is alike."""
     rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < 1e-9]
     angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
@@ -243,12 +301,13 @@ def draw_shares(axis, result, torque, style, label):
     axis.plot(angle[near], 100 * rows["share"][near], style, ms=4, label=label)
 
 
-def plot_newton(result):
+@styled
+def plot_newton(result: Any) -> Any:
     """Relative residual over the Newton iterations of all steps."""
     h = result.history
-    figure, axis = plt.subplots(figsize=(9, 4.2))
+    figure, axis = new_axes(figsize=(9, 4.2))
     marks = np.flatnonzero(h["iteration"] == 0)
-    for i, (a, b) in enumerate(zip(marks, np.append(marks[1:], len(h)))):
+    for a, b in zip(marks, np.append(marks[1:], len(h))):
         colour = "C0" if str(h["phase"][a]).strip() == "assembly" else "C1"
         axis.semilogy(np.arange(a, b), np.maximum(h["residual"][a:b], 1e-17), "o-", color=colour, ms=4)
     axis.axhline(result.scene["solver.tolerance"], color="k", ls=":", label="tolerance")
@@ -260,7 +319,8 @@ def plot_newton(result):
     return figure
 
 
-def plot_joint(joint, pressure, axis=None):
+@styled
+def plot_joint(joint: Any, pressure: np.ndarray, axis: Any = None) -> Any:
     """K_N and K_T per nominal area over the pressure, with the regime of the largest spot shaded.
 
     Parameters
@@ -274,7 +334,7 @@ def plot_joint(joint, pressure, axis=None):
     -------
     matplotlib axes
     """
-    axis = axis or plt.subplots(figsize=(8, 5))[1]
+    axis = axis or new_axes(figsize=(8, 5))[1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         k_n, k_t = joint.stiffness(pressure)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The figure of a record of a test bench."""
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from .style import new_axes, styled
+
+ARCMIN = 180 * 60 / pi
+
+
+@styled
+def plot_record(record: Any) -> Any:
+    """Loop of torque over angle, and stiffness over torque with its 95 % band.
+
+    Parameters
+    ----------
+    record : hdengine.record.Record
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, axes = new_axes(1, 2, figsize=(11, 4.4))
+    axes[0].plot(record.angle_rad * ARCMIN, record.torque_nm, ".", ms=2, color="0.6", label="readings")
+    curve = record.curve()
+    axes[0].plot(curve.angle_rad * ARCMIN, curve.torque_nm, color="C0", label="middle curve")
+    axes[0].set_xlabel("angle / arcmin")
+    axes[0].set_ylabel("torque / N m")
+    axes[0].legend()
+    for branch, colour in (("middle", "C0"), ("up", "C1"), ("down", "C2")):
+        c = record.curve(branch)
+        axes[1].plot(c.torque_nm, c.stiffness_nm_per_rad / 1e3, color=colour, label={
+            "middle": "middle", "up": "rising torque", "down": "falling torque"}[branch])
+        axes[1].fill_between(c.torque_nm, c.low_nm_per_rad / 1e3, c.high_nm_per_rad / 1e3, color=colour, alpha=0.2, lw=0)
+    axes[1].set_xlabel("torque / N m")
+    axes[1].set_ylabel("stiffness dT/dθ / (kN m/rad)")
+    axes[1].set_ylim(0, 1.3e-3 * np.percentile(record.curve().stiffness_nm_per_rad, 99))
+    axes[1].legend(title="95 % band")
+    return figure

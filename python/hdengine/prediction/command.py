@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command `hdengine joint`."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._engine import FileError, InputError
+from ..surfaces import specimen
+from .law import PRESSURES, Bodies, predict
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    b = Bodies()
+    parser.add_argument("maps", nargs="+", metavar="MAP",
+                        help="one or two height maps: .sdf, .npy (with --dx), or what SurfaceTopography reads")
+    parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
+    parser.add_argument("--dx", type=float, help="spacing of maps that state no size, as .npy [m]")
+    parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
+    parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
+    parser.add_argument("--pressure", metavar="P1,P2,...", help="rising pressures [Pa] (default: 1 to 500 MPa)")
+    parser.add_argument("--longest", type=float, default=np.inf, help="longest wavelength that counts as roughness [m]")
+    parser.add_argument("--e1", type=float, default=b.e1, help="Young's modulus of the first body [Pa]")
+    parser.add_argument("--nu1", type=float, default=b.nu1, help="its Poisson's ratio")
+    parser.add_argument("--e2", type=float, default=b.e2, help="Young's modulus of the second body [Pa]")
+    parser.add_argument("--nu2", type=float, default=b.nu2, help="its Poisson's ratio")
+    parser.add_argument("--hardness", type=float, default=b.hardness, help="of the softer body [Pa]")
+    parser.add_argument("--points", type=int, default=256, help="boundary elements: points a side of the map after averaging")
+    parser.add_argument("--out", default="joint.out", help="folder for joint.csv, spectrum.csv, joint.json, joint.png")
+
+
+def read_map(path: str | Path, unit: Any = None, dx: float | None = None, dy: float | None = None) -> tuple:
+    """Heights and spacing of a file [m].
+
+    Parameters
+    ----------
+    path : path-like
+    unit : str or (str, str), optional
+    dx, dy : float, optional
+        Spacing of files that state no size [m].
+
+    Returns
+    -------
+    heights : ndarray
+    spacing : (float, float)
+
+    Raises
+    ------
+    InputError, FileError
+        As `specimen.read`; an array that is no map.
+    """
+    path = Path(path)
+    spacing = None if dx is None else (dy or dx, dx)
+    if path.suffix != ".npy":
+        s = specimen.read(path, unit, spacing)
+        return s.heights, s.spacing
+    if not path.is_file():
+        raise FileError(f"{path}: no such file")
+    try:
+        heights = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as e:
+        raise FileError(f"{path.name} cannot be read: {' '.join(str(e).split())[:200]}") from None
+    if heights.ndim != 2 or heights.dtype.kind not in "fiu":
+        raise InputError(f"{path.name} holds an array of shape {heights.shape} and type {heights.dtype}; valid: numbers in two "
+                         "dimensions")
+    if spacing is None or not min(spacing) > 0:
+        raise InputError(f"{path.name} states no size: say --dx, the spacing of its points in m")
+    height_unit = unit[1] if isinstance(unit, tuple) else unit
+    return heights * (specimen._factor(height_unit, path) if height_unit else 1.0), spacing
+
+
+def run_joint(args: argparse.Namespace) -> int:
+    """Read, predict, write, print; returns 0."""
+    unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
+    if len(args.maps) > 2:
+        raise InputError(f"a joint has one or two maps, got {len(args.maps)}")
+    pressure = list(PRESSURES)
+    if args.pressure:
+        try:
+            pressure = [float(x) for x in args.pressure.split(",")]
+        except ValueError:
+            raise InputError(f"--pressure {args.pressure}: numbers in Pa joined by commas, as 10e6,50e6") from None
+    if not (min(args.e1, args.e2, args.hardness) > 0 and min(args.nu1, args.nu2) > -1 and max(args.nu1, args.nu2) < 0.5):
+        raise InputError("--e1, --e2 and --hardness must be above 0, --nu1 and --nu2 between -1 and 0.5")
+    if not 16 <= args.points <= 4096:
+        raise InputError(f"--points {args.points}: valid: 16 to 4096")
+    maps = [read_map(m, unit, args.dx, args.dy) for m in args.maps]
+    found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points,
+                    bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
+    print(found)
+    for path in found.write(args.out):
+        print(f"written: {path}")
+    return 0

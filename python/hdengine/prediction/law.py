@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The law of a joint from the maps of its two surfaces: stiffness, closure and true contact over pressure, with a band."""
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import _engine
+from .._engine import InputError
+from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
+from . import half_space
+from .spectrum import Spectrum, bands, level, of_map
+
+PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
+FEW = 1e-3          # share of the area below which single spots of a map decide
+FEW_WAVES = 0.03    # the same where a map is no longer than its longest waves
+LAY = 0.6           # isotropy below which a surface has a lay
+SKEW = 0.7          # skewness beyond which heights are not those of random waves
+# standard deviation of ln k_N of single maps about the theory, over the true contact (bench/joint_law.py, generated surfaces)
+SCATTER = ((3e-5, 0.37), (1e-4, 0.23), (3e-4, 0.20), (1e-3, 0.11), (1e-2, 0.08), (1e-1, 0.06), (1.0, 0.04))
+MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Elastic constants and hardness of the two bodies; defaults: those of the scene."""
+
+    e1: float = 209e9
+    nu1: float = 0.295
+    e2: float = 219e9
+    nu2: float = 0.30
+    hardness: float = 2.8 * 835e6
+
+    @property
+    def e_star(self) -> float:
+        """E* [Pa]."""
+        return moduli(self.e1, self.nu1, self.e2, self.nu2)[0]
+
+    @property
+    def ratio(self) -> float:
+        """k_T/k_N of full stick."""
+        return moduli(self.e1, self.nu1, self.e2, self.nu2)[1]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A joint law over pressure.
+
+    Parameters
+    ----------
+    table : dict of ndarray
+        Columns of joint.csv.
+    model : str
+        'spectrum' or 'boundary_elements'.
+    reason : str
+        Why that model.
+    spectrum : Spectrum
+        Of the equivalent surface.
+    notes : tuple of str
+        What decides the law and what speaks against it.
+    """
+
+    table: dict = field(repr=False)
+    model: str
+    reason: str
+    spectrum: Spectrum = field(repr=False)
+    bodies: Bodies
+    notes: tuple = ()
+    facts: tuple = field(default=(), repr=False)
+
+    def joint(self, friction: float = 0.15) -> ElasticJoint:
+        """The law as an `ElasticJoint`."""
+        return ElasticJoint(self.table["pressure_pa"], self.table["k_n_pa_per_m"], self.table["k_t_pa_per_m"], friction, self.model)
+
+    def __str__(self):
+        t = self.table
+        lines = [f"joint by {self.model}: {self.reason}",
+                 f"  h_rms {1e6 * self.spectrum.h_rms:.4g} um, slope {self.spectrum.slope_rms:.3g}, wavelengths "
+                 f"{2e6 * np.pi / self.spectrum.q[-1]:.3g} to {2e6 * np.pi / self.spectrum.q[0]:.4g} um",
+                 "  pressure/MPa   k_N/(Pa/m)       95 % band             k_T/(Pa/m)  closure/um  contact/%"]
+        for i, p in enumerate(t["pressure_pa"]):
+            lines.append(f"  {p / 1e6:12.4g} {t['k_n_pa_per_m'][i]:12.4g}   {t['k_n_pa_per_m_low'][i]:.3g} to "
+                         f"{t['k_n_pa_per_m_high'][i]:.3g}  {t['k_t_pa_per_m'][i]:12.4g} {1e6 * t['closure_m'][i]:10.4g} "
+                         f"{100 * t['contact_area_fraction'][i]:10.3g}")
+        return "\n".join(lines + [f"  {note}" for note in self.notes])
+
+    def plot(self) -> Any:
+        """k_N and k_T over pressure with the band, and the spectrum (a matplotlib figure)."""
+        from ..figures.joint import plot_prediction
+
+        return plot_prediction(self)
+
+    def write(self, folder: str | os.PathLike) -> list[Path]:
+        """Write joint.csv, spectrum.csv, joint.json and joint.png; returns their paths."""
+        folder = Path(folder)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as e:
+            raise _engine.FileError(f"'{folder}' cannot be made: {e.strerror}") from None
+        spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
+        record = {"model": self.model, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
+                  "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
+                  "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "hdengine": _engine.version(),
+                  "tamaas": half_space.tamaas().__version__ if self.model == "boundary_elements" else None}
+        paths = [folder / name for name in ("joint.csv", "spectrum.csv", "joint.json", "joint.png")]
+        _write_table(paths[0], self.table)
+        _write_table(paths[1], spectrum)
+        _replace(paths[2], lambda part: part.write_text(json.dumps(record, indent=1) + "\n"))
+        self.plot().savefig(paths[3])
+        return paths
+
+
+def _replace(path, write):
+    part = path.with_name(path.name + ".part")
+    write(part)
+    os.replace(part, path)
+
+
+def _write_table(path, columns):
+    _replace(path, lambda part: np.savetxt(part, np.column_stack(list(columns.values())), delimiter=",", comments="",
+                                           header=",".join(columns), fmt="%.9g"))
+
+
+def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
+            longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1) -> Prediction:
+    """The joint of one or two surfaces.
+
+    Parameters
+    ----------
+    *maps : (heights, spacing) or objects with these attributes (`specimen.read`)
+        One or two surfaces; one: against a smooth one. Two: taken as independent, their spectra add.
+    pressure : sequence of float
+        Nominal pressures, rising [Pa].
+    model : str, optional
+        'spectrum', 'boundary_elements'; default: `choose`.
+    bodies : Bodies, optional
+        Elastic constants and hardness.
+    longest : float
+        Longest wavelength that counts as roughness [m]; longer waves belong into the geometry.
+    draws : int
+        For the band.
+    points : int
+        Boundary elements: points a side of the map after averaging (the half space has twice as many).
+    seed : int
+        Of the draws.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    InputError
+        No map, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+    """
+    bodies = bodies or Bodies()
+    pairs = [(m.heights, m.spacing) if hasattr(m, "heights") else m for m in maps]
+    if not 1 <= len(pairs) <= 2:
+        raise InputError(f"a joint has one or two maps, got {len(pairs)}")
+    if model not in (None, "spectrum", "boundary_elements"):
+        raise InputError(f"model {model!r}; valid: spectrum, boundary_elements")
+    p = np.atleast_1d(np.asarray(pressure, float))
+    if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
+        raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
+                         f"{bodies.hardness:g} Pa")
+    found = [of_map(*m) for m in pairs]
+    raw = [s for s, _ in found]
+    clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
+    spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
+    facts = [f for _, f in found]
+    k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
+    wanted, reason = choose(facts, p, area)
+    notes = _notes(facts, spectrum)
+    if model:
+        wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
+    scatter = np.interp(np.log(area), np.log([a for a, _ in SCATTER]), [s for _, s in SCATTER])
+    k_t = bodies.ratio * k_n
+    if wanted == "boundary_elements":
+        try:
+            k_n, k_t, area, scatter = _by_elements(pairs, p, bodies, points, longest)
+        except (InputError, _engine.NotConvergedError) as why:
+            if model:
+                raise
+            wanted, reason = "spectrum", f"{reason}; but {why}"
+    if wanted == "boundary_elements":
+        notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly; band from the four quarters",)
+        low, high, area_error = np.zeros(len(p)), np.zeros(len(p)), scatter
+    else:
+        low, high, area_error = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed)
+    low, high = (np.exp(s * np.hypot(1.96 * scatter, e)) for s, e in ((-1, low), (1, high)))
+    closure = _closure(p, k_n)
+    table = {"pressure_pa": p}
+    for name, value, (a, b) in (("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
+                                ("closure_m", closure, (1 / high, 1 / low)),
+                                ("contact_area_fraction", area, (np.exp(-1.96 * area_error), np.exp(1.96 * area_error)))):
+        table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
+    return Prediction(table, wanted, reason, spectrum, bodies, notes, tuple(facts))
+
+
+def _closure(p, k_n):
+    """Approach from first touch to each pressure [m]: int dP/k_N, k_N a power of P below the first."""
+    if len(p) < 2:
+        return p / k_n
+    joint = ElasticJoint(p, k_n, k_n)
+    d = joint.closure(p, p[0])[0]
+    power = min(max(np.log(k_n[1] / k_n[0]) / np.log(p[1] / p[0]), 0.0), 1.0)
+    return d + p[0] / k_n[0] / max(1 - power, 0.05)
+
+
+def _denoise(spectrum, noise, points):
+    """Spectrum less the white noise of a map."""
+    left = np.maximum(spectrum.height_variance - spectrum.modes * noise / points, 0)
+    left = np.where(left > 0, left, 1e-9 * spectrum.height_variance)
+    return Spectrum(spectrum.q, left, spectrum.modes) if noise else spectrum
+
+
+def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray) -> tuple[str, str]:
+    """Theory or boundary elements, with the reason.
+
+    Parameters
+    ----------
+    facts : list of dict
+        Of each map (`of_map`).
+    pressure, area : ndarray
+        Pressures [Pa] and the true contact that the theory expects.
+
+    Returns
+    -------
+    model, reason : str
+    """
+    lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
+    if lay < LAY:
+        return "boundary_elements", (f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the "
+                                     "theory takes the mean of all directions")
+    if abs(skew) > SKEW:
+        return "boundary_elements", f"skewness {skew:.2f}: not the heights of random waves, which the theory takes"
+    if area[0] < FEW:
+        return "boundary_elements", (f"at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area touches: a few spots of "
+                                     "the map decide")
+    if area[0] < FEW_WAVES and not all(f["rolls_off"] for f in facts):
+        return "boundary_elements", (f"a map has no roll-off, and at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area "
+                                     "touches: its few longest waves decide")
+    return "spectrum", f"{100 * area[0]:.2g} to {100 * area[-1]:.2g} % of the area touches, isotropic, no marked skewness"
+
+
+def _notes(facts, spectrum):
+    """Sentences on what decides the law."""
+    notes, parts = [], spectrum.height_variance.cumsum() / spectrum.height_variance.sum()
+    half = 2e6 * np.pi / spectrum.q[min(int(np.searchsorted(parts, 0.5)), len(parts) - 1)]
+    notes.append(f"half of the height variance lies above wavelengths of {half:.3g} um: the longest decide k_N at light load")
+    for i, f in enumerate(facts, 1):
+        if not f["rolls_off"]:
+            notes.append(f"map {i} has no roll-off: waves longer than it would lower k_N; the band counts one more octave")
+        if f["noise_variance_m2"]:
+            notes.append(f"map {i} ends in a flat spectrum: noise of {1e9 * np.sqrt(f['noise_variance_m2']):.3g} nm rms: "
+                         "removed, the band counts both")
+        if f["isotropy"] < LAY:
+            notes.append(f"map {i} has a lay (isotropy {f['isotropy']:.2f})")
+        if f["holes"]:
+            notes.append(f"map {i} has {100 * f['holes']:.2g} % holes: interpolated")
+    return tuple(notes)
+
+
+def _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed):
+    """Half widths of ln k_N downwards and upwards (95 %), and the standard deviation of ln A."""
+    rng = np.random.default_rng(seed)
+    many, areas = [], []
+    for _ in range(draws):
+        freedom = np.maximum(spectrum.modes, 1)
+        h = spectrum.height_variance * rng.chisquare(freedom) / freedom
+        e, hard = (np.exp(s * rng.standard_normal()) for s in (MODULUS_ERROR, HARDNESS_ERROR))
+        k, a = stiffness_from_spectrum(spectrum.q, h, p, bodies.e_star * e, max(bodies.hardness * hard, 1.01 * p[-1]))
+        many.append(np.log(k / k_n))
+        areas.append(np.log(a / area))
+    low, high = (abs(np.quantile(many, x, axis=0)) for x in (0.025, 0.975))
+    if noisy is not spectrum:
+        with_noise, _ = stiffness_from_spectrum(noisy.q, noisy.height_variance, p, bodies.e_star, bodies.hardness)
+        low = np.hypot(low, np.maximum(np.log(k_n / with_noise), 0))
+    if not all(f["rolls_off"] for f in facts):
+        longer = bands(np.concatenate([[spectrum.q[0] / 2**0.5], spectrum.q]),
+                       np.concatenate([[spectrum.height_variance[spectrum.q < 2 * spectrum.q[0]].sum()], spectrum.height_variance]))
+        soft, _ = stiffness_from_spectrum(longer.q, longer.height_variance, p, bodies.e_star, bodies.hardness)
+        low = np.hypot(low, np.maximum(np.log(k_n / soft), 0))
+    return low, high, np.std(areas, axis=0)
+
+
+def _averaged(z, spacing, points):
+    """Map averaged over blocks to at most `points` a side."""
+    by = [max(1, -(-n // points)) for n in z.shape]
+    n, m = (s // b * b for s, b in zip(z.shape, by))
+    return z[:n, :m].reshape(n // by[0], by[0], m // by[1], by[1]).mean((1, 3)), tuple(d * b for d, b in zip(spacing, by))
+
+
+def _by_elements(maps, p, bodies, points, longest):
+    """Stiffness and contact by boundary elements on the sum of the maps; standard deviation of ln k_N among its quarters."""
+    z, spacing = level(maps[0][0])[0], maps[0][1]
+    if len(maps) == 2:
+        other = level(maps[1][0])[0]
+        if not np.allclose(spacing, maps[1][1], rtol=1e-3):
+            raise InputError(f"boundary elements on two maps need equal spacing, got {spacing} and {maps[1][1]} m; "
+                             "--model spectrum does not")
+        n, m = (min(a, b) for a, b in zip(z.shape, other.shape))
+        z = level(z[:n, :m] + other[:n, :m])[0]
+    if np.isfinite(longest):
+        z = _shortened(z, spacing, longest)
+    args = (p, bodies.e_star, bodies.ratio, bodies.hardness)
+    whole, step = _averaged(z, spacing, points)
+    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, *args)
+    n, m = (s // 2 for s in z.shape)
+    quarters = []
+    for part in (z[:n, :m], z[n:, :m], z[:n, m:], z[n:, m:]):
+        small, step = _averaged(level(part)[0], spacing, points // 2)
+        quarters.append(np.log(half_space.stiffness_on_map(half_space.mirrored(small), step, *args, tangential=False)[0]))
+    return k_n, k_t, area, np.maximum(np.std(quarters, axis=0, ddof=1) / 2, 0.02)
+
+
+def _shortened(z, spacing, longest):
+    """Map without the waves longer than `longest`."""
+    n, m = z.shape
+    h = np.fft.fft2(half_space.mirrored(z))
+    q = np.hypot(*np.meshgrid(np.fft.fftfreq(2 * n, spacing[0]), np.fft.fftfreq(2 * m, spacing[1]), indexing="ij"))
+    h[q < 1 / longest] = 0
+    return np.fft.ifft2(h).real[:n, :m]

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The power spectrum of a height map as the joint needs it, and what in the map speaks against it."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .._engine import InputError
+
+PER_OCTAVE = 16  # bands of a spectrum
+_FEWEST = 16     # points a side
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Variance of heights over wavenumber, isotropic.
+
+    Parameters
+    ----------
+    q : ndarray (bands,)
+        Mean wavenumber of each band, rising [1/m].
+    height_variance : ndarray (bands,)
+        Variance of the heights in it [m^2].
+    modes : ndarray (bands,)
+        Waves of the map in it: the variance is known to sqrt(2 / modes).
+    """
+
+    q: np.ndarray = field(repr=False)
+    height_variance: np.ndarray = field(repr=False)
+    modes: np.ndarray = field(repr=False)
+
+    @property
+    def h_rms(self) -> float:
+        """Root mean square height [m]."""
+        return float(np.sqrt(self.height_variance.sum()))
+
+    @property
+    def slope_rms(self) -> float:
+        """Root mean square gradient."""
+        return float(np.sqrt((self.height_variance * self.q**2).sum()))
+
+    @property
+    def c(self) -> np.ndarray:
+        """Two-dimensional isotropic spectrum C(q), h_rms^2 = 2 pi int q C dq [m^4], on the width of each band."""
+        edges = np.sqrt(self.q[1:] * self.q[:-1])
+        edges = np.concatenate([[self.q[0]**2 / edges[0]], edges, [self.q[-1]**2 / edges[-1]]])
+        return self.height_variance / (np.pi * np.diff(edges**2))
+
+    def __add__(self, other: Spectrum) -> Spectrum:
+        """Spectrum of the equivalent surface: variances of independent surfaces add."""
+        return bands(np.concatenate([self.q, other.q]), np.concatenate([self.height_variance, other.height_variance]),
+                     np.concatenate([self.modes, other.modes]))
+
+    def between(self, longest: float = np.inf, shortest: float = 0.0) -> Spectrum:
+        """The spectrum of wavelengths from `shortest` to `longest` [m].
+
+        Raises
+        ------
+        InputError
+            Fewer than two bands are left.
+        """
+        keep = (2 * np.pi / self.q <= longest) & (2 * np.pi / self.q >= shortest)
+        if keep.sum() < 2:
+            raise InputError(f"between {shortest:g} and {longest:g} m lie {keep.sum()} bands of the spectrum; it has wavelengths "
+                             f"from {2 * np.pi / self.q[-1]:.3g} to {2 * np.pi / self.q[0]:.3g} m")
+        return Spectrum(self.q[keep], self.height_variance[keep], self.modes[keep])
+
+
+def bands(q: np.ndarray, variance: np.ndarray, modes: np.ndarray | None = None) -> Spectrum:
+    """Spectrum of single waves, or of spectra set side by side, gathered in narrow bands."""
+    modes = np.ones(len(q)) if modes is None else modes
+    number = np.rint(np.log2(q / q.min()) * PER_OCTAVE).astype(int)
+    h, m, qh, qm = (np.bincount(number, x) for x in (variance, modes, q * variance, q * modes))
+    filled = m > 0
+    h, m, qh, qm = h[filled], m[filled], qh[filled], qm[filled]
+    return Spectrum(np.where(h > 0, qh / np.where(h > 0, h, 1), qm / m), h, m)
+
+
+def level(heights: np.ndarray) -> tuple[np.ndarray, float]:
+    """Heights without their mean plane, holes filled along the rows and columns.
+
+    Parameters
+    ----------
+    heights : ndarray (rows, points)
+        [m]; NaN are holes.
+
+    Returns
+    -------
+    heights : ndarray
+    holes : float
+        Share of holes.
+
+    Raises
+    ------
+    InputError
+        No map, fewer than 16 points a side, holes on more than a fifth.
+    """
+    z = np.array(heights, dtype=float)
+    if z.ndim != 2:
+        raise InputError(f"a joint needs height maps, got {z.ndim} dimension(s): a profile does not tell the spectrum of an area")
+    if min(z.shape) < _FEWEST:
+        raise InputError(f"map of {z.shape[0]} x {z.shape[1]} points; valid: {_FEWEST} or more a side")
+    good = np.isfinite(z)
+    holes = 1 - float(good.mean())
+    if holes > 0.2:
+        raise InputError(f"{100 * holes:.0f} % of the map are holes; valid: up to 20 %")
+    y, x = np.indices(z.shape)
+    basis = np.stack([np.ones(z.size), x.ravel() / z.shape[1], y.ravel() / z.shape[0]], axis=1)
+    plane = np.linalg.lstsq(basis[good.ravel()], z[good], rcond=None)[0]
+    z -= (basis @ plane).reshape(z.shape)
+    if holes:
+        filled = [_fill(z), _fill(z.T).T]
+        z = np.where(good, z, np.nanmean(filled, axis=0))
+        z = np.where(np.isfinite(z), z, 0)
+    return z, holes
+
+
+def _fill(z):
+    """Holes of each row interpolated; rows without any point stay empty."""
+    out, x = z.copy(), np.arange(z.shape[1])
+    for row in out:
+        good = np.isfinite(row)
+        if good.any():
+            row[~good] = np.interp(x[~good], x[good], row[good])
+    return out
+
+
+def waves(z: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Wave vectors and variances of a map continued evenly across its edges (cosine transform): no window, no jump at the seams.
+
+    Parameters
+    ----------
+    z : ndarray (rows, points)
+        Levelled heights [m].
+    spacing : (float, float)
+        (dy, dx) [m].
+
+    Returns
+    -------
+    qy, qx, variance : ndarray (rows, points)
+        [1/m], [m^2]; the first is the mean.
+    """
+    ny, nx = z.shape
+    mirrored = np.concatenate([z, z[::-1]], axis=0)
+    mirrored = np.concatenate([mirrored, mirrored[:, ::-1]], axis=1)
+    power = np.abs(np.fft.rfft2(mirrored) / mirrored.size)**2
+    power = power[:ny, :nx]
+    power[1:] *= 2
+    power[:, 1:] *= 2
+    qy, qx = np.meshgrid(np.pi * np.arange(ny) / (ny * spacing[0]), np.pi * np.arange(nx) / (nx * spacing[1]), indexing="ij")
+    power[0, 0] = 0
+    return qy, qx, power
+
+
+def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum, dict]:
+    """Spectrum of a map, and what is to be said of it.
+
+    Parameters
+    ----------
+    heights : ndarray (rows, points)
+        [m]; NaN are holes.
+    spacing : (float, float)
+        (dy, dx) [m].
+
+    Returns
+    -------
+    spectrum : Spectrum
+    facts : dict
+        holes, skewness, kurtosis, isotropy (smaller over larger principal variance of the slope), noise_variance_m2 (white noise
+        that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves that matter).
+
+    Raises
+    ------
+    InputError
+        As `level`; a flat map.
+    """
+    z, holes = level(heights)
+    if not z.std() > 0:
+        raise InputError("the map is flat: no roughness, no joint")
+    qy, qx, power = waves(z, spacing)
+    moments = np.array([[(power * a * b).sum() for a in (qy, qx)] for b in (qy, qx)])
+    # the even continuation makes the mixed moment positive whatever the lay: take it from the gradients
+    gy, gx = np.gradient(z, *spacing)
+    both = max((gy**2).mean() * (gx**2).mean(), np.finfo(float).tiny)
+    moments[0, 1] = moments[1, 0] = (gy * gx).mean() * np.sqrt(moments[0, 0] * moments[1, 1] / both)
+    small, large = np.linalg.eigvalsh(moments)
+    q = np.hypot(qy, qx)
+    inside = (q > 0) & (q <= min(qy.max(), qx.max()))  # a whole quarter circle of directions
+    spectrum = bands(q[inside], power[inside])
+    w = z / z.std()
+    facts = {"holes": holes, "skewness": float((w**3).mean()), "kurtosis": float((w**4).mean()), "isotropy": float(small / large),
+             "h_rms_m": float(z.std()), "slope_rms": spectrum.slope_rms, "noise_variance_m2": _noise(spectrum, z.size),
+             "rolls_off": _rolls_off(spectrum)}
+    return spectrum, facts
+
+
+def _noise(spectrum, points):
+    """Variance of white noise over all points that a flat end of the spectrum shows [m^2]; 0 where it still falls."""
+    last = spectrum.q > spectrum.q[-1] / 3
+    per_wave = spectrum.height_variance / spectrum.modes
+    if last.sum() < 4 or not np.all(per_wave[last] > 0):
+        return 0.0
+    fall = np.polyfit(np.log(spectrum.q[last]), np.log(per_wave[last]), 1, w=np.sqrt(spectrum.modes[last]))[0]
+    return float(np.median(per_wave[last]) * points) if fall > -0.5 else 0.0
+
+
+def _rolls_off(spectrum):
+    """Whether the power per wave stops rising towards the longest waves of the map."""
+    first = spectrum.q < 4 * spectrum.q[0]
+    per_wave = spectrum.height_variance / spectrum.modes
+    use = first & (per_wave > 0)
+    if use.sum() < 4:
+        return False
+    fall = np.polyfit(np.log(spectrum.q[use]), np.log(per_wave[use]), 1, w=np.sqrt(spectrum.modes[use]))[0]
+    return bool(fall > -1)

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One self-contained HTML file of a run, of a study, or of a comparison with its studies; PDF on request."""
+from __future__ import annotations
+
+import datetime
+import html
+import os
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from .. import _engine
+from .._engine import InputError
+from .parts import Part, parts_of
+
+__all__ = ["write_pdf", "write_report"]
+
+_CITE = """hdengine {version}. Model: Hu, Li, Wang, Li (2023), Front. Mater. 10:1211019, doi:10.3389/fmats.2023.1211019
+Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 1998)"""
+
+def _render(title, parts):
+    """The page of some sections."""
+    loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
+    page = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
+    made = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
+    return page.render(title=title, parts=parts, version=_engine.version(), made=made)
+
+
+def write_report(folder: str | os.PathLike, path: str | os.PathLike | None = None, picture: bool = True) -> Path:
+    """Write the report of a run, a study or a comparison.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder with summary.json, study.json or comparison.json.
+    path : str or Path, optional
+        HTML file; default: report.html in the folder.
+    picture : bool
+        3-D picture of a run (needs PyVista; the report says so where it is missing).
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        The folder holds none of them.
+    """
+    folder = Path(folder)
+    title, parts = parts_of(folder, picture)
+    title = title or folder.name
+    parts = [Part(*part) for part in parts]
+    parts.append(Part("How to cite", f"<pre>{html.escape(_CITE.format(version=_engine.version()))}</pre>"))
+    page = _render(title, parts)
+    path = Path(path) if path else folder / "report.html"
+    part = path.with_name(path.name + ".part")
+    part.write_text(page, encoding="utf-8")
+    os.replace(part, path)
+    return path
+
+
+def write_pdf(path: Any) -> Any:
+    """The report as a PDF beside its HTML file (needs WeasyPrint).
+
+    Raises
+    ------
+    InputError
+        WeasyPrint, or a library of the system that it needs, is not installed.
+    """
+    try:
+        import weasyprint
+    except (ImportError, OSError) as why:
+        raise InputError("a PDF needs WeasyPrint and its system library Pango: pip install 'hdengine[pdf]', apt install "
+                         f"libpangoft2-1.0-0; or print the HTML file from a browser ({str(why).splitlines()[0]})") from None
+    out = Path(path).with_suffix(".pdf")
+    page = Path(path).read_text(encoding="utf-8").replace("<details>", "<details open>")  # paper does not unfold
+    weasyprint.HTML(string=page, base_url=str(Path(path).parent)).write_pdf(str(out))
+    return out

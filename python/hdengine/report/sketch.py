@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
+
+_FLEXSPLINE, _RING, _BAND = "#9fb8d0", "#d9c39a", "#d1495b"
+
+
+def _box(x, y, width, height, colour):
+    return (f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" fill="{colour}" stroke="#445" '
+            'stroke-width=".6"/>')
+
+
+def _ellipse(x, y, a, b, colour, width):
+    return f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a:.1f}" ry="{b:.1f}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
+
+
+def _text(x, y, text, anchor="middle"):
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{text}</text>'
+
+
+def draw_scene(scene: dict) -> str:
+    """SVG of a scene: on the left the cut along the axis, to scale; on the right the front view, deformation enlarged.
+
+    Parameters
+    ----------
+    scene : dict
+        'group.key' to value, SI units.
+
+    Returns
+    -------
+    str
+    """
+    g = {key.split(".")[1]: value for key, value in scene.items() if key.startswith("geometry.")}
+    r, length = g["bore_radius"], g["cup_length"]
+    outside = r + max(g["rim_thickness"], g["wall_thickness"])
+    scale = min(260 / length, 150 / outside)  # px per m
+    left, axis = 30.0, 30 + outside * scale
+
+    def z(value):
+        return left + value * scale
+
+    def y(radius):
+        return axis - radius * scale
+    parts = [
+        _box(z(0), y(r + g["rim_thickness"]), g["rim_length"] * scale, g["rim_thickness"] * scale, _FLEXSPLINE),
+        _box(z(g["rim_length"]), y(r + g["wall_thickness"]), (length - g["rim_length"]) * scale, g["wall_thickness"] * scale,
+             _FLEXSPLINE),
+        _box(z(length - g["bottom_thickness"]), y(r), g["bottom_thickness"] * scale, (r - g["hub_radius"]) * scale, _FLEXSPLINE),
+        _box(z(g["band_start"]), y(r), g["band_length"] * scale, g["ring_thickness"] * scale, _RING),
+        f'<line x1="{z(g["band_start"]):.1f}" y1="{y(r):.1f}" x2="{z(g["band_start"] + g["band_length"]):.1f}" y2="{y(r):.1f}" '
+        f'stroke="{_BAND}" stroke-width="3"/>',
+        f'<line x1="{left - 12:.1f}" y1="{axis:.1f}" x2="{z(length) + 12:.1f}" y2="{axis:.1f}" stroke="#445" '
+        'stroke-dasharray="9 3 2 3"/>',
+        _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 15, "ring of the bearing"),
+        _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 29,
+              f'<tspan fill="{_BAND}">contact band</tspan>, {1e3 * g["band_length"]:.3g} mm'),
+        _text(z(length) + 2, y(outside) - 6, f"flexspline (cup), {1e3 * length:.3g} mm long", "end"),
+        _text(z(length - g["bottom_thickness"]) - 5, y(g["hub_radius"]) - 3,
+              {"hub": "held at the hub", "bearing": "hub free to turn", "teeth": "torque at the hub"}.get(
+                  scene["load.support"], ""), "end"),
+        _text(z(0) - 4, axis - 4, "axis", "start"),
+    ]
+    centre, radius = 160.0, 0.62 * min(outside * scale, 120)
+    half = axis - 0.5 * outside * scale
+    a, b = 1.12 * radius, 0.88 * radius
+    front = [
+        _ellipse(centre, half, a + 5, b + 5, _FLEXSPLINE, 7), _ellipse(centre, half, a - 3, b - 3, _RING, 8),
+        _ellipse(centre, half, a + 1, b + 1, _BAND, 1.5),
+        f'<line x1="{centre - a - 16:.1f}" y1="{half:.1f}" x2="{centre + a + 16:.1f}" y2="{half:.1f}" stroke="#445" '
+        'stroke-dasharray="9 3 2 3"/>',
+        _text(centre, half - 5, "long axis, θ = 0"),
+        _text(centre, half + 15, f'bore radius {1e3 * r:.4g} mm'),
+        _text(centre, half + b + 26, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
+              f'torque {scene["load.torque"]:.4g} N m'),
+    ]
+    height = max(axis + 12, half + b + 38)
+    views = (("cut along the axis", parts), ("front view", front))
+    return '<div class="views">' + "".join(
+        f'<svg viewBox="0 0 320 {height:.0f}" role="img" aria-label="{name}" font-size="13" '
+        f'font-family="system-ui,sans-serif" fill="#222">{"".join(view)}</svg>' for name, view in views) + "</div>"

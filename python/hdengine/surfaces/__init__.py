@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces: generator, specimens, fit of D and G, and runs without contact."""

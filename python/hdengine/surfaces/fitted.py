@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a fit of D and G is told, and what it returns."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import floor, inf, log
+from typing import Any, cast
+
+import numpy as np
+
+from .._check import fields, integer, number
+from .._engine import InputError
+from ..results import preformatted
+
+
+@dataclass(frozen=True)
+class Ridges:
+    """What is known of a surface made by Eq. 1.
+
+    Parameters
+    ----------
+    length : float
+        L [m].
+    shortest_wavelength : float
+        L_s [m]; n_max = floor(ln(L/L_s)/ln gamma).
+    ridges : int
+        M.
+    gamma : float
+        Frequency ratio > 1.
+    """
+
+    length: float
+    shortest_wavelength: float
+    ridges: int = 10
+    gamma: float = 1.5
+
+    def __post_init__(self) -> None:
+        fields(self, length=number(), shortest_wavelength=number(), ridges=integer(-2**31), gamma=number())
+
+    @property
+    def n_max(self) -> Any:
+        """Highest index of the sum."""
+        if not (self.gamma > 1 and 0 < self.shortest_wavelength <= self.length < inf and self.ridges >= 1):
+            raise InputError(f"{self}: gamma > 1, 0 < shortest_wavelength <= length and ridges >= 1 are needed")
+        return floor((log(self.length) - log(self.shortest_wavelength)) / log(self.gamma) + 1e-9)
+
+    @property
+    def band(self) -> Any:
+        """Wavelengths (shortest, longest) of the continuous band with the same power [m]."""
+        return self.length * self.gamma ** -(self.n_max + 0.5), self.length * self.gamma**0.5
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Result of `fit`. `print(fit)` tells it all, `fit.plot()` draws it."""
+
+    fractal_dimension: float                #: D
+    roughness_m: float                      #: G [m]
+    fractal_dimension_error: float          #: standard error of D: a 3.92th of its 95 % interval
+    ln_roughness_error: float               #: standard error of ln G
+    covariance: np.ndarray = field(repr=False)  #: of D, ln G, noise variance [m^2] (3, 3), were that free to be negative
+    interval: tuple                         #: 95 % intervals ((D_low, D_high), (G_low, G_high)) [-, m] of sampling and misfit
+    sampling_interval: tuple                #: the same of sampling alone: right if the model is
+    noise_m: float                          #: rms of white noise, fitted or given [m]
+    verdict: str                            #: "fractal", "not fractal" or "noise-dominated"
+    kind: str                               #: what it is: fractal, sine, square wave, steps, plane, constant, white noise, ...
+    reason: str                             #: why
+    model: str                              #: spectrum, isotropic, profile, ridges or paper
+    weighted: bool                          #: by the inverse covariance of ln S
+    ensemble: str                           #: covariance taken from: "random phases" or "Gaussian field"
+    lags: tuple                             #: window, first and last lag [points]
+    band_m: tuple                           #: shortest and longest wavelength of the model [m]
+    rms: float                              #: of the residuals of ln S
+    rms_expected: float                     #: what sampling alone leaves
+    misfit: float                           #: rms of ln S the model itself is off by
+    chi2: float                             #: of a weighted fit
+    freedom: int                            #: degrees of freedom
+    anisotropy: float                       #: mean ratio of S along rows and along columns; nan for a profile
+    tilt: tuple                             #: slope of the least-squares plane along x and y
+    levelled: bool                          #: that plane was taken off
+    tau_m: np.ndarray = field(repr=False)       #: lags [m]
+    s_m2: np.ndarray = field(repr=False)        #: measured S [m^2]
+    curve_m2: np.ndarray = field(repr=False)    #: S of the model [m^2]
+    curve_error: np.ndarray = field(repr=False)  #: standard error of ln of the model
+    sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
+    ridges: Ridges | None = None            #: the sum of Eq. 1 that was told
+    probe_m: float = float("nan")           #: standard deviation of the Gaussian probe that blurs the map, fitted [m]
+    finer_detail: float = float("nan")      #: share of the detail finer than the spacing that folds back, 0 to 1
+    spikes: int = 0                         #: single wrong points, masked
+    holes: int = 0                          #: points filled, spikes among them
+    axis_excess: tuple = ()                 #: power of waves along x and along y over that of rings; above 3: row jitter, steps
+    second_range: tuple = ()                #: D, shortest and longest wavelength [m] of a second range, if there is one
+    frequency: np.ndarray = field(repr=False, default=cast(Any, None))  #: of the rings [1/m]
+    density: np.ndarray = field(repr=False, default=cast(Any, None))    #: measured power [m^4], of a line [m^3]
+    density_model: np.ndarray = field(repr=False, default=cast(Any, None))  #: the model's; NaN outside the window
+
+    @property
+    def band(self) -> Any:
+        """95 % band of measured S about the model: (low, high) [m^2]."""
+        w = np.exp(1.959964 * self.sample_error)
+        return self.curve_m2 / w, self.curve_m2 * w
+
+    def __str__(self) -> str:
+        lines = [f"verdict   {self.verdict}" + (f" ({self.kind})" if self.kind != self.verdict else "") + f": {self.reason}"]
+        if np.isfinite(self.fractal_dimension):
+            (d_low, d_high), (low, high) = self.interval
+            (s_low, s_high), _ = self.sampling_interval
+            lines += [
+                f"D         {self.fractal_dimension:.4f}, {d_low:.4f} to {d_high:.4f} (95 %; by sampling alone {s_low:.4f} to "
+                f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
+                "G         not determined: the interval of D reaches 2" if d_low < 2.005 else
+                f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
+                f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
+                *([f"ridges    {self.ridges}"] if self.ridges else []),
+                f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by "
+                f"{self.misfit:.2g}" + (f", chi2 {self.chi2:.1f} / {self.freedom}" if self.weighted else ""),
+            ]
+            if self.model == "spectrum":
+                lines[3] = (f"fit       spectrum, wavelengths {self.band_m[0]:.3g} to {self.band_m[1]:.3g} m, "
+                            f"probe {self.probe_m:.2g} m, {self.finer_detail:.0%} of finer detail")
+                lines[4] = f"misfit    {self.misfit:.2g} of ln power beyond chance, deviance {self.chi2:.1f} / {self.freedom}"
+                if self.holes:
+                    lines.append(f"points    {self.spikes} spikes masked, {self.holes} holes filled, spikes among them")
+                if max(self.axis_excess, default=0) > 3:
+                    lines.append("axes      waves along {} hold {:.3g} times the power of other directions, left out: row "
+                                 "jitter, steps or a lay".format("xy"[int(np.argmax(self.axis_excess))], max(self.axis_excess)))
+            if self.noise_m > 0:
+                lines.append(f"noise     {self.noise_m:.3g} m rms")
+        lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({self.tau_m.min():.3g} to {self.tau_m.max():.3g} m), "
+                     f"{'plane taken off' if self.levelled else 'not levelled'}, tilt {self.tilt[0]:.2g}, {self.tilt[1]:.2g}")
+        if np.isfinite(self.anisotropy):
+            lines.append(f"anisotropy S(rows)/S(columns) = {self.anisotropy:.3g}"
+                         + (": not isotropic, D and G are means of both" if abs(np.log(self.anisotropy)) > 0.4 else ""))
+        return "\n".join(lines)
+
+    def _repr_html_(self):
+        return preformatted(self)
+
+    def plot(self, axis: Any = None, label: str = "measured", colour: str = "C0") -> Any:
+        """S with the fit and its 95 % band.
+
+        Parameters
+        ----------
+        axis : matplotlib.axes.Axes, optional
+            Where to draw; default: a new figure.
+        label : str
+            Name of the data in the legend.
+        colour : str
+            Matplotlib colour.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ..figures.surface import plot_fit
+
+        return plot_fit(self, axis, label, colour)

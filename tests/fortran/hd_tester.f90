@@ -7,20 +7,26 @@ program hd_tester
   use test_contact_edge, only: run_contact_edge
   use test_element, only: run_element
   use test_fft, only: run_fft
+  use test_hertz, only: run_hertz
   use test_heights, only: run_heights
+  use test_parameters, only: run_parameters
   use test_random, only: run_random
   use test_interface, only: run_interface
   use test_mesh_series, only: run_mesh_series
   use test_pairing, only: run_pairing
   use test_rotation, only: run_rotation
   use test_section, only: run_section
+  use test_stress, only: run_stress
   use test_table, only: run_table
   use test_text, only: run_text
   implicit none
   call run_text()
+  call run_stress()
   call run_table()
+  call run_parameters()
   call run_band()
   call run_fft()
+  call run_hertz()
   call run_heights()
   call run_random()
   call run_element()

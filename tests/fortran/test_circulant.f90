@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 module test_circulant
   use hd_check, only: check_close
-  use hd_circulant_side, only: side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
+  use hd_circulant_side, only: circulant_side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
   use hd_error, only: error_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_kinds, only: dp
@@ -59,7 +59,7 @@ contains
   subroutine one_side(stride)
     integer, intent(in) :: stride
     integer, parameter :: n = 8, m = 2   !< sectors, nodes of each
-    type(side_t) :: side
+    type(circulant_side_t) :: side
     type(error_t), allocatable :: error
     real(dp) :: f(3, n), w(3, n), column(3, 3, n), expected(3, n)
     integer :: j, k

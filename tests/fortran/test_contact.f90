@@ -237,6 +237,7 @@ contains
     if (.not. allocated(load%force)) allocate (load%force(3, problem%n), source=0._dp)
     if (.not. allocated(load%displacement)) allocate (load%displacement(3, problem%n), source=0._dp)
     load%gap = gap
+    load%friction = problem%law%friction
     options%tolerance = 1e-12_dp
     call new_newton_matrix(problem, matrix, error)
     call new_state(problem, rest)

@@ -38,7 +38,7 @@ contains
     integer, intent(in) :: kind, n
     real(dp) :: x(3, n), u(3, n), g(n, 3, points), weight(points), c(6, 6), ke(3*n, 3*n), k(3*n, 3*n)
     real(dp) :: f(3, n), plus(3, n), minus(3, n), noise(3, n), step, worst
-    real(dp), allocatable :: eased(:, :)
+    real(dp), allocatable :: condensed_modes(:, :)
     type(error_t), allocatable :: error
     integer :: i, j
     call element(kind, x)
@@ -50,26 +50,26 @@ contains
     x = x + 0.05_dp*noise
     c = elasticity_matrix(1._dp, 0.3_dp)
     call element_stiffness(kind, x, c, ke, error)
-    call element_points(kind, x, c, g, weight, eased, error)
-    call element_response(g, weight, eased, c, 0*x, f, k)
+    call element_points(kind, x, c, g, weight, condensed_modes, error)
+    call element_response(g, weight, condensed_modes, c, 0*x, f, k)
     call check_close(maxval(abs(k - ke)), 0._dp, 1e-15_dp, 'at rest the tangent is the linear stiffness')
     worst = 0
     do i = 1, 6
-      call element_response(g, weight, eased, c, turned(x, 0.5_dp*i) - x, f)
+      call element_response(g, weight, condensed_modes, c, turned(x, 0.5_dp*i) - x, f)
       worst = max(worst, maxval(abs(f)))
     end do
     call check_close(worst, 0._dp, 1e-14_dp, 'a distorted element turned rigidly by up to 3 rad is free of forces')
     u = turned(x, 0.9_dp) - x + 0.08_dp*noise(:, n:1:-1)
-    call element_response(g, weight, eased, c, u, f, k)
+    call element_response(g, weight, condensed_modes, c, u, f, k)
     call check_close(maxval(abs(k - transpose(k))), 0._dp, 1e-15_dp, 'the tangent is symmetric')
     worst = 0
     step = 1e-6_dp
     do j = 1, n
       do i = 1, 3
         u(i, j) = u(i, j) + step
-        call element_response(g, weight, eased, c, u, plus)
+        call element_response(g, weight, condensed_modes, c, u, plus)
         u(i, j) = u(i, j) - 2*step
-        call element_response(g, weight, eased, c, u, minus)
+        call element_response(g, weight, condensed_modes, c, u, minus)
         u(i, j) = u(i, j) + step
         worst = max(worst, maxval(abs(reshape(plus - minus, [3*n])/(2*step) - k(:, 3*(j - 1) + i))))
       end do
@@ -168,8 +168,9 @@ contains
     integer :: i
     associate (x => problem%bodies(1)%x)
       do i = 1, problem%n
-        if (.not. any(abs(x(:, i)) < 1e-9_dp .or. abs(x(:, i) - 1) < 1e-9_dp)) &
+        if (.not. any(abs(x(:, i)) < 1e-9_dp .or. abs(x(:, i) - 1) < 1e-9_dp)) then
           x(:, i) = x(:, i) + 0.08_dp*[sin(5._dp*i), sin(3._dp*i), cos(2._dp*i)]
+        end if
       end do
     end associate
     deallocate (problem%lagrangian)

@@ -2,6 +2,7 @@
 module test_table
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_check, only: check
+  use hd_checksum, only: checksum
   use hd_error, only: error_t
   use hd_kinds, only: dp
   use hd_system, only: remove_file
@@ -20,7 +21,7 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: x(n), y(n)
     integer :: i, unit
-    integer(int64) :: bytes
+    integer(int64) :: bytes, sum
     character(len=6000) :: line
     x = [(-1.7_dp**i/(1 + 1e-3_dp*i)*1e-30_dp, i=1, n)]
     x(:6) = [0._dp, 0.25_dp, -huge(x), -tiny(x), tiny(x)*epsilon(x), 1/3._dp]
@@ -30,6 +31,7 @@ contains
     end do
     call table%end_row(error)
     bytes = table%bytes()
+    sum = table%sum
     call table%add(-7)
     call table%add('open  ')
     call table%add(8)
@@ -45,7 +47,7 @@ contains
     read (unit, '(a)') line
     close (unit)
     call check(line == '-7,open,8', 'integers stand as they are, texts without trailing blanks')
-    call table%reopen(path, bytes, error)
+    call table%reopen(path, bytes, sum, error)
     call table%add(8)
     call table%end_row(error)
     call table%close()
@@ -53,6 +55,13 @@ contains
     read (unit, '(/,/,a)') line
     close (unit)
     call check(line == '8', 'a table goes on behind the bytes that stay')
+    open (newunit=unit, file=path, access='stream', form='unformatted', action='readwrite', status='old')
+    write (unit, pos=8) 'x'
+    close (unit)
+    call table%reopen(path, bytes, sum, error)
+    call check(allocated(error), 'a table that was changed does not go on')
     call remove_file(path)
+    call check(checksum('123456789') == int(z'995DC9BBDF1939FA', int64), 'CRC-64 has the value that xz states for 123456789')
+    call check(checksum('6789', checksum('12345')) == checksum('123456789'), 'a checksum goes on behind another')
   end subroutine run_table
 end module test_table

@@ -21,7 +21,9 @@ def pytest_configure(config):
 
 
 def executable():
-    """hdengine.x that belongs to the installed package."""
+    """hdengine.x that belongs to the installed package, or what HDENGINE_EXE names (./hd coverage)."""
+    if os.environ.get("HDENGINE_EXE"):
+        return os.environ["HDENGINE_EXE"]
     beside = Path(sys.executable).with_name("hdengine.x")
     found = str(beside) if beside.exists() else shutil.which("hdengine.x")
     assert found, "hdengine.x is not installed beside this Python"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad inputs: exit code and the whole of stderr, and the same words as a Python exception."""
 import pytest
-from conftest import call
 
 import hdengine
+from conftest import call
 
 HEAD = "&hd_input version = 1 /\n"
 
@@ -14,7 +14,7 @@ error: unknown group &geometri
   --> {f}:1:1
  1 | &geometri bore_radius = 1 /
    | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, material, mesh, wave_generator, contact, load, \
-solver, joint, output, surface, fit
+bearing, loop, fatigue, solver, joint, output, surface, fit
 """),
     "misspelt_key": ("&contact\n  frictoin = 0.2\n/\n", 2, """\
 error: unknown key 'frictoin' in &contact
@@ -89,7 +89,7 @@ error: group &load is not closed
     "empty_file": ("", 2, """\
 error: the file holds no group
   --> {f}:1:1
- 1 | 
+ 1 |{blank}
    | ^ an empty scene is written as "&hd_input version = 1 /"
 """),
     "text_outside": ("hello = 3\n" + HEAD, 2, """\
@@ -142,7 +142,7 @@ error: 'positions' takes 3 value(s), 1 found
 error: 'support' has no choice 'huub'
   --> {f}:1:17
  1 | &load support = 'huub' /
-   |                 ^^^^^^ did you mean 'hub'?  valid: hub, bearing, teeth
+   |                 ^^^^^^ did you mean 'hub'?  valid: hub, bearing, teeth, drive
 """),
     "text_too_long": ("&run title = '" + "x" * 121 + "' /\n", 2, """\
 error: 'title' is too long: 121 characters
@@ -229,13 +229,13 @@ def test_bad_file(exe, tmp_path, name):
     if expected is None:
         assert "MB, the limit is 1000.0 MB" in done.stderr and "mesh.divisions (100000)" in done.stderr
     else:
-        assert done.stderr == expected.format(f=file)
+        assert done.stderr == expected.format(f=file, blank=" ")
     assert [p.name for p in tmp_path.iterdir()] == ["in.nml"]
     kind = {2: hdengine.InputError, 6: hdengine.EngineMemoryError}[code]
     with pytest.raises(kind) as caught:
         hdengine.Run(file)
     if expected is not None:
-        assert str(caught.value) == expected.format(f=file).strip().removeprefix("error: ")
+        assert str(caught.value) == expected.format(f=file, blank=" ").strip().removeprefix("error: ")
 
 
 def test_missing_file(exe, tmp_path):
@@ -308,3 +308,21 @@ error: 'nonsense=' is no assignment
 """
     with pytest.raises(hdengine.InputError, match="did you mean 'torque'"):
         hdengine.Run(load={"torqe": 3})
+
+
+def test_long_messages_are_whole(exe, tmp_path):
+    """The exception holds every mistake of a file, as the command shows them, however many there are."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD + "&contact\n" + "".join(f"  frictoin_{i} = 0.2\n" for i in range(300)) + "/\n")
+    with pytest.raises(hdengine.InputError) as caught:
+        hdengine.read_scene(str(file))
+    assert "frictoin_299" in str(caught.value)
+    assert str(caught.value) == call(exe, file).stderr.strip().removeprefix("error: ")
+
+
+def test_long_lines_are_whole(tmp_path):
+    """A line of an input file counts to its end, however long it is, the last one without its end too."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD + "&load" + " " * 5000 + "torque = 3.25 /\r\n&joint gamma = 1.25 /")
+    scene = hdengine.read_scene(str(file))
+    assert (scene["load.torque"], scene["joint.gamma"]) == (3.25, 1.25)

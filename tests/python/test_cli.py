@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command hdengine: help with examples, plan, completion, sensitivity."""
+import json
+import re
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
 
 import hdengine
+from conftest import ROOT, call
 from hdengine import cli, completion
-from hdengine.progress import Progress
-from hdengine.study import StudyResult
+from hdengine.studies.progress import Progress
+from hdengine.studies.study import StudyResult
 
 COMMANDS = sorted(next(a for a in cli.make_parser()._actions if a.dest == "command").choices)
 
@@ -37,7 +40,7 @@ def test_plan(capsys, tmp_path):
     """`hdengine plan` prints the series of meshes of a scene and of a study's first point; mistakes end with code 2."""
     assert cli.main(["plan", str(ROOT / "data/cd14.nml"), "solver.kinematics=linear", "--tolerance", "0.05"]) == 0
     assert "known to 5.0 %" in capsys.readouterr().out
-    assert cli.main(["plan", str(ROOT / "data/fig13_w.nml"), "load.torque=3", "solver.kinematics=linear"]) == 0
+    assert cli.main(["plan", str(ROOT / "data/fig13_w.toml"), "load.torque=3", "solver.kinematics=linear"]) == 0
     assert capsys.readouterr().out.startswith("10 points")
     assert cli.main(["plan", str(ROOT / "data/cd14.nml"), "load.torqe=3"]) == 2 and "did you mean 'torque'" in capsys.readouterr().err
     assert cli.main(["plan", str(tmp_path / "none.nml")]) == 3
@@ -46,9 +49,8 @@ def test_plan(capsys, tmp_path):
 
 def test_ctrl_c_keeps_what_was_solved(monkeypatch, capsys, tmp_path):
     """Ctrl-C ends a study without a traceback, code 7; the same command goes on to the result of an undisturbed one."""
-    (tmp_path / "s.nml").write_text("&fixed mesh.divisions = 16, mesh.band_facets = 3, load.torque_steps = 1 /\n"
-                                    "&grid load.torque = 2, 3 /\n")
-    command = ["study", str(tmp_path / "s.nml"), "--out", str(tmp_path / "s.out")]
+    (tmp_path / "s.toml").write_text("[fixed]\nmesh = {divisions = 16, band_facets = 3}\nload.torque_steps = 1\n[grid]\nload.torque = [2, 3]\n")
+    command = ["study", str(tmp_path / "s.toml"), "--out", str(tmp_path / "s.out")]
 
     def stop(self, *words):
         raise KeyboardInterrupt
@@ -82,7 +84,10 @@ def test_tables_for_pandas_and_xarray(small_run):
     result = hdengine.load(small_run)
     frame, data = result.frame(), result.dataset()
     assert frame["k_ts_nm_per_rad"].iloc[-1] == pytest.approx(result.torsional_stiffness()[0][-1])
-    assert data["pressure_pa"].dims == ("step", "theta_rad", "z_m")
+    assert data["pressure_pa"].dims == ("step", "theta_rad", "band_z_m")
+    assert all(v.attrs["units"] and v.attrs["long_name"] for v in data.data_vars.values())
+    assert float(abs(data["z_m"][-1].mean("theta_rad") - data["band_z_m"] - result.scene["geometry.band_start"]).max()) < 1e-4
+    assert "<pre" in result._repr_html_()
     assert float((data["pressure_pa"] * data["area_m2"]).isel(step=-1).sum()) == pytest.approx(
         float((result.contact["pressure_pa"] * result.contact["area_m2"])[-1].sum()))
 
@@ -109,3 +114,98 @@ def test_studies_for_xarray(tmp_path, rows):
             assert float(data["torque_nm"].sel(place)) == pytest.approx(3.0)
         want = result.select(torque_nm=3.0, wave_generator__w=0.20e-3)[0]["k_ts_nm_per_rad"]
         assert float(data["k_ts_nm_per_rad"].sel(place)) == pytest.approx(want)
+
+
+WRONG = {"bad.csv": b"a,b\n1,2\n", "words.csv": b"torque_nm,angle_rad\n1,x\n2,3\n", "bytes.png": b"\x89PNG\r\n\x1a\n\x00\x01", "empty": b"",
+         "brace.out/summary.json": b"{", "list.out/study.json": b"[]", "other.out/summary.json": b'{"kind": "x"}',
+         "other.out/study.csv": b"\xff"}
+
+
+@pytest.mark.parametrize("command", ("record", "report", "plot", "sensitivity", "study", "plan", "run", "surface"))
+def test_wrong_files_end_with_one_error(command, tmp_path, monkeypatch, capsys):
+    """Every command ends with one line `error: ...` and code 2 or 3 for files and folders that are not what it takes."""
+    monkeypatch.chdir(tmp_path)
+    for name, content in WRONG.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    for name in {*WRONG, "brace.out", "list.out", "other.out", "nothing", "."}:
+        code, told = cli.main([command, name]), capsys.readouterr().err
+        assert code in (2, 3) and told.startswith("error: ") and told.count("error: ") == 1, (name, code, told)
+
+
+def test_places_that_cannot_be_written(tmp_path, capsys):
+    """A folder for results that is a file, or lies in one, ends with code 3 and its name."""
+    (tmp_path / "file").write_text("")
+    for words in (["record", str(ROOT / "data/torque_record.csv")], ["surface", str(ROOT / "data/specimen_bearing.sdf")],
+                  ["run", str(ROOT / "data/cd14.nml")]):
+        for place in ("file", "file/below"):
+            assert cli.main([*words, "--out", str(tmp_path / place)]) == 3 and "file" in capsys.readouterr().err
+
+
+def test_forms_of_run(tmp_path, monkeypatch, capsys):
+    """Keys stand anywhere; --check, --plan, --explain, -q, -v and --version do what hdengine.x does with them."""
+    monkeypatch.chdir(tmp_path)
+    scene = str(ROOT / "data/cd14.nml")
+    assert cli.main(["run", scene, "--out", "o", "load.torque=3", "--check"]) == 0 and "is valid" in capsys.readouterr().out
+    assert cli.main(["run", scene, "--check", "load.torqe=3"]) == 2 and "did you mean 'torque'" in capsys.readouterr().err
+    small = ["mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=1", "load.assembly_steps=1"]
+    assert cli.main(["run", scene, *small, "--out", "o", "-v", "load.torque=3"]) == 0
+    told = capsys.readouterr().out
+    assert "3.0000 N m" in told and "residual" in told
+    assert cli.main(["run", scene, *small, "-q", "--out", "quiet"]) == 0 and "N m  normal" not in capsys.readouterr().out
+    for words, found in ((["--version"], hdengine.__version__), (["run", "--explain", "load.torque"], "torque at the end")):
+        with pytest.raises(SystemExit) as end:
+            cli.main(words)
+        assert end.value.code == 0 and found in capsys.readouterr().out
+    for words, found in ((["run", "--explain", "load.torqe"], "torque"), (["study", "x", "--jobs", "-3"], "1 or more"),
+                         (["run", scene, "--bogus"], "--bogus"), (["plot", "o", "load.torque=3"], "no place in")):
+        with pytest.raises(SystemExit) as end:
+            cli.main(words)
+        assert end.value.code == 2 and found in capsys.readouterr().err
+
+
+def test_record_writes_a_folder(tmp_path, monkeypatch, capsys):
+    """`hdengine record` leaves figures with bands, the curve, a figure, and lines that a scene can take."""
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["record", str(ROOT / "data/torque_record.csv")]) == 0
+    out = tmp_path / "torque_record.out"
+    found = json.loads((out / "record.json").read_text())
+    value, low, high = found["value_low_high"]["k1_nm_per_rad"]
+    assert low < value < high and (out / "record.png").is_file()
+    assert hdengine.results.read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
+    assert hdengine.read_scene(out / "scene.nml")["load.torque"] == pytest.approx(found["torque_max_nm"], rel=1e-5)
+    (out / "summary.json").write_text("{}")
+    assert cli.main(["record", str(ROOT / "data/torque_record.csv")]) == 3 and "holds a run" in capsys.readouterr().err
+
+
+def test_the_distribution_states_its_python_and_its_licences():
+    """Python 3.9 is refused on installing, and the installed package brings its licence files."""
+    told = metadata.distribution("hdengine")
+    assert told.metadata["Requires-Python"] == ">=3.10"
+    files = {Path(str(f)).name for f in told.files if "licenses" in str(f)}
+    assert files >= {"LICENSE", "LICENSE-EXCEPTION", "THIRD_PARTY.md"}
+
+
+DOUBTS = {"material.flexspline_e=209": "209 GPa", "material.ring_e=219e3": "GPa|MPa", "wave_generator.w=0.8e-3": "times the wall",
+          "geometry.rim_thickness=0.3e-3": "thinner than the wall", "contact.friction=1.5": "contact.friction",
+          "load.torque=5000": "5.0 N m .5000.0 N mm", "joint.asperity_radius=5e-3": "joint.asperity_radius", "joint.s_min=0.8": r"um\^2"}
+
+
+@pytest.mark.parametrize("key", DOUBTS)
+def test_values_that_are_hardly_meant(exe, key):
+    """A value far from any drive is told with its usual range and the slip of units; the scene stays valid."""
+    said = [call(exe, ROOT / "data/cd14.nml", "--check", *keys).stdout for keys in ((), (key,))]
+    assert "warning" not in said[0] and "is valid" in said[1] and re.search(DOUBTS[key].replace("209 GPa", "209.0 GPa"), said[1]), said
+    group, name = key.split("=")[0].split(".")
+    assert len(hdengine.contact.doubts(str(ROOT / "data/cd14.nml"), **{group: {name: float(key.split("=")[1])}})) == 1
+
+
+def test_grid_of_the_contact_face(small_run):
+    """The contact grid holds the points of its facets alone, and pressure, K_N, K_T and state of contact.csv."""
+    meshio = pytest.importorskip("meshio")
+    result = hdengine.load(small_run)
+    grid = meshio.read(sorted(small_run.glob("contact_*.vtu"))[-1])
+    assert set(grid.cells[0].data.ravel()) == set(range(len(grid.points)))
+    for name, column in (("k_n_n_per_m", "k_n_n_per_m"), ("k_t_n_per_m", "k_t_n_per_m"), ("pressure_pa", "pressure_pa"),
+                         ("state_0_open_1_stick_2_slip", "state")):
+        assert grid.cell_data[name][0].ravel() == pytest.approx(result.contact[column][-1])

@@ -1,11 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layout keeps its own rules."""
+import ast
 import re
+import sys
 
 import pytest
+
 from conftest import ROOT
 
-FLOOR = {"base": 0, "io": 1, "lib": 1, "surface": 2, "joint": 2, "contact": 2, "study": 3, "app": 4, "bindings": 4}
+FLOORS = [["base"], ["io", "lib"], ["spectra"], ["waves", "roughness", "joint", "elements", "scene"], ["nufft", "interface"],
+          ["heights", "contact"], ["solvers", "surface_run"], ["solid", "drive"], ["results"], ["run"], ["plan"], ["app", "bindings"]]
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+MOST_FILES = 15
+PACKAGE = ROOT / "python/hdengine"
+PYTHON_FLOORS = [["_engine"], ["_check"], ["torsion", "catalogue", "spline", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
+                 ["elastic"], ["results"], ["contact", "record"], ["surfaces", "studies"], ["prediction"],
+                 ["uncertainty", "completion"], ["report"], ["cli"], ["__main__"],
+                 ["__init__"]]
+PYTHON_FLOOR = {room: floor for floor, rooms in enumerate(PYTHON_FLOORS) for room in rooms}
 SOURCES = sorted((ROOT / "fortran").rglob("*.f90"))
 ROOM = {p.stem: p.parent.name for p in SOURCES} | {"hd_version": "base"}
 ALL = SOURCES + sorted((ROOT / "fortran").rglob("*.c")) + sorted((ROOT / "python").rglob("*.py"))
@@ -18,6 +30,63 @@ def test_floors_look_down(path):
     for used in re.findall(r"^\s*use\s+(hd_\w+)", path.read_text(), re.M):
         other = ROOM[used]
         assert other == room or FLOOR[other] < FLOOR[room], f"{path.name} ({room}) uses {used} ({other})"
+
+
+@pytest.mark.parametrize("path", [p for p in (ROOT / "fortran").rglob("*") if p.suffix in (".c", ".h", ".inc", ".f90")],
+                         ids=lambda p: p.name)
+def test_includes_look_down(path):
+    """An included file of the project stands in the same room or on a lower floor."""
+    room = path.parent.name
+    for used in re.findall(r"""^\s*#?include\s+["']([^"']+)["']""", path.read_text(), re.M):
+        other = (path.parent / used).resolve()
+        if other.exists():
+            assert other.parent.name == room or FLOOR[other.parent.name] < FLOOR[room], f"{path.name} ({room}) includes {used}"
+
+
+def python_room(path):
+    """Folder of a module of the package, or the module itself where it stands in none."""
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: "/".join(p.relative_to(PACKAGE).parts))
+def test_python_looks_down(path):
+    """A Python module imports from lower floors and its own folder alone, inside of functions too."""
+    room, here = python_room(path), ("hdengine", *path.relative_to(PACKAGE).parts[:-1])
+    for node in ast.walk(ast.parse(path.read_text())):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        base = [*here[:len(here) - node.level + 1], *(node.module.split(".") if node.module else [])]
+        for target in base[1:2] or [alias.name for alias in node.names]:
+            if target not in (room, "_hdengine"):
+                assert PYTHON_FLOOR[target] < PYTHON_FLOOR[room], f"{path.name} ({room}) imports {target}"
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: "/".join(p.relative_to(PACKAGE).parts))
+def test_public_functions_say_their_types(path):
+    """Every public function and method of the package annotates its arguments and what it gives."""
+    if path.stem.startswith("_") and path.stem != "_engine":
+        return
+    tree = ast.parse(path.read_text())
+    public = [node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
+    for owner in (tree, *public):
+        for f in owner.body:
+            if isinstance(f, ast.FunctionDef) and (not f.name.startswith("_") or f.name == "__init__"):
+                given = [*f.args.posonlyargs, *f.args.args, *f.args.kwonlyargs, f.args.vararg, f.args.kwarg]
+                bare = [a.arg for a in given if a and a.annotation is None and a.arg not in ("self", "cls")]
+                assert f.returns is not None and not bare, (f.name, bare)
+
+
+def test_python_rooms_are_small():
+    """No folder of the package holds more than fifteen modules beside `__init__` and `__main__`."""
+    for folder in (PACKAGE, *(p for p in PACKAGE.iterdir() if p.is_dir() and p.name != "__pycache__")):
+        assert len([p for p in folder.glob("*.py") if p.stem not in ("__init__", "__main__")]) <= MOST_FILES
+
+
+@pytest.mark.parametrize("room", sorted(FLOOR))
+def test_rooms_are_small(room):
+    """No room holds more than fifteen sources."""
+    files = [p for p in (ROOT / "fortran" / room).iterdir() if p.name != "meson.build"]
+    assert 0 < len(files) <= MOST_FILES, len(files)
 
 
 @pytest.mark.parametrize("path", ALL, ids=lambda p: p.stem)
@@ -59,7 +128,7 @@ def test_foreign_headers_stay_in_lib():
 
 def test_only_the_engine_module_imports_the_extension():
     """One door to the Fortran code."""
-    for path in (ROOT / "python/hdengine").glob("*.py"):
+    for path in PACKAGE.rglob("*.py"):
         if path.name != "_engine.py":
             assert "import _hdengine" not in path.read_text()
 
@@ -71,7 +140,7 @@ def test_readme_opens_with_two_commands():
     assert "./hd test" in (ROOT / ".ci/run").read_text()
 
 
-@pytest.mark.parametrize("page", ["README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))])
+@pytest.mark.parametrize("page", ["README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md"))])
 def test_python_blocks_run(page, tmp_path, monkeypatch):
     """Every Python block of the README and of the docs runs as it stands."""
     monkeypatch.chdir(tmp_path)
@@ -84,6 +153,26 @@ def test_python_blocks_run(page, tmp_path, monkeypatch):
 
 def test_links_lead_somewhere():
     """Every relative link in the README and in the docs names a file that exists."""
-    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+    for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")):
         for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
             assert target.startswith("http") or (page.parent / target).exists(), (page.name, target)
+
+
+def test_every_equation_has_its_procedure():
+    """Eq. 1 to 46 of the paper are each tagged at a procedure that computes them, and the page of equations is current."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    import equation_map
+    assert sorted(equation_map.places()) == list(range(1, 47))
+    assert [n for part in equation_map.WHAT for n in equation_map.numbers(part)] == list(range(1, 47))
+    assert equation_map.PAGE.read_text() == equation_map.page(), "run tools/equation_map.py"
+
+
+def test_every_test_says_what_it_requires():
+    """Every Python test says in its docstring what it requires, and the page of requirements holds it."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    import requirements_page
+    text, count = requirements_page.page()
+    assert count > 400
+    for path in (ROOT / "tests/python").glob("test_*.py"):
+        for name, sentence in requirements_page.python_tests(path)[1]:
+            assert sentence.endswith(".") and sentence in text, (path.name, name)

@@ -57,7 +57,7 @@ def test_integrals_agree_with_reference(reference):
 
 
 def test_psi_agrees_with_reference(reference):
-    """psi solves its transcendental equation to 1e-13, also near D = 2 and D = 3."""
+    """Psi solves its transcendental equation to 1e-13, also near D = 2 and D = 3."""
     for case in reference["psi"]:
         joint = hdengine.Joint(fractal_dimension=float(case["inputs"]["D"]))
         assert joint.parts(1e-12)["psi"] == pytest.approx(float(case["outputs"]["psi"]), rel=1e-13)
@@ -101,7 +101,7 @@ def test_stiffness_grows_with_pressure():
 
 @pytest.mark.parametrize("keys, word", [
     ({"fractal_dimension": 2.0}, "fractal_dimension"), ({"fractal_dimension": 3.0}, "fractal_dimension"),
-    ({"s_min": 0.0}, "s_min"), ({"friction": -0.1}, "friction"), ({"roughness": float("nan")}, "yield"),
+    ({"s_min": 0.0}, "s_min"), ({"friction": -0.1}, "friction"), ({"roughness": float("nan")}, "roughness"),
 ])
 def test_bad_parameters_are_named(keys, word):
     """Parameters out of range raise InputError with their name and what is valid."""

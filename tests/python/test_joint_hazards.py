@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Each hazard of the joint model: first the formula as printed or as one would write it fails, then ours holds (docs/limits.md)."""
+"""Each hazard of the joint model: first the formula as printed or as one would write it fails, then ours holds (docs/evidence/limits.md)."""
 import warnings
 from dataclasses import replace
 
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import hdengine
-from hdengine import Joint, JointWarning, printed, torsion
+from hdengine import Joint, JointWarning, torsion
+from hdengine.paper import printed
 
 mpmath = pytest.importorskip("mpmath")
 from oracle import Oracle, mpf  # noqa: E402
@@ -178,6 +179,7 @@ def test_warnings_outside_the_range():
     for joint, pressure, word in ((Joint(), 50e6, "base of an asperity"), (Joint(), 5e9, "exceeds the nominal"),
                                   (Joint(s_min=1e-10), 1e6, "plastic already")):
         assert any(word in line for line in joint.warnings(pressure)), word
+        hdengine.joint._warned.clear()
         with pytest.warns(JointWarning, match=word):
             joint.stiffness(pressure)
 

@@ -2,9 +2,9 @@
 """The rough joint as interface law of whole scenes."""
 import numpy as np
 import pytest
-from conftest import ROOT, SMALL, call
 
 import hdengine
+from conftest import ROOT, SMALL, call
 
 CD14 = ROOT / "data/cd14.nml"
 LAW = ["contact.law=joint", "output.vtu=none"]

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT, SMALL, call
 
 import hdengine
+from conftest import ROOT, SMALL, call
 from hdengine import Joint, _engine
 
 mpmath = pytest.importorskip("mpmath")

@@ -2,9 +2,9 @@
 """Large displacements in whole scenes."""
 import numpy as np
 import pytest
-from conftest import ROOT, SMALL, call
 
 import hdengine
+from conftest import ROOT, SMALL, call
 
 CD14 = ROOT / "data/cd14.nml"
 

@@ -2,10 +2,11 @@
 """The comparison with the paper: verdicts follow the figures."""
 import numpy as np
 import pytest
-from conftest import ROOT
 
 import hdengine
-from hdengine import paper, torsion
+from conftest import ROOT
+from hdengine import torsion
+from hdengine.paper import comparison as paper
 
 SMALL = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.assembly_steps": 1}
 
@@ -48,19 +49,19 @@ def test_arithmetic_of_the_paper():
 
 
 def test_docs_hold_what_was_computed():
-    """The table of docs/comparison.md is that of bench/results/paper_comparison.json, row by row."""
+    """The table of docs/evidence/comparison.md is that of bench/results/paper_comparison.json, row by row."""
     import json
 
     rows = json.loads((ROOT / "bench/results/paper_comparison.json").read_text())["rows"]
     table = paper.markdown([paper.Row(*(r[name] for name in paper.Row.HEAD)) for r in rows])
-    assert table in (ROOT / "docs/comparison.md").read_text()
+    assert table in (ROOT / "docs/evidence/comparison.md").read_text()
 
 
 def test_series_of_a_study(tmp_path):
     """The study of Fig. 10 puts K_TS and K_FTS of each torque in series, softer than both; its figure and rows are made."""
-    from hdengine.plot_study import plot_study
+    from hdengine.figures.study import plot_study
 
-    study = hdengine.Study.read(ROOT / "data/fig10_series.nml")
+    study = hdengine.Study.read(ROOT / "data/fig10_series.toml")
     study.fixed.update(SMALL | {"load.torque_steps": 2})
     result = study.run(tmp_path / "s", show=False)
     rows = result.series()

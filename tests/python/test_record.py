@@ -4,9 +4,9 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT
 
 import hdengine
+from conftest import ROOT
 from hdengine.cli import main
 from hdengine.record import ARCSEC, Record
 from hdengine.spline import Spline, basis

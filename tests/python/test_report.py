@@ -7,12 +7,13 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT, call
 
 import hdengine
-from hdengine import paper, picture
+from conftest import ROOT, call
 from hdengine.cli import main
-from hdengine.plot import colour_top, plot_steps
+from hdengine.figures import cup as picture
+from hdengine.figures.run import colour_top, plot_steps
+from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
@@ -32,7 +33,7 @@ def folder(small_run, tmp_path_factory):
 def test_report_stands_alone(folder):
     """Nothing is fetched: every image is embedded, no script, no link; inputs, plan, convergence, comparison, provenance are there."""
     page = (folder / "report.html").read_text()
-    sources = re.findall(r'(?:src|href)="([^"]*)"', page)
+    sources = re.findall(r'(?:src|href)="([^#"]*)"', page)
     assert len(sources) >= 5 and all(s.startswith(("data:image/png;base64,", "data:image/gif;base64,")) for s in sources)
     assert "<script" not in page and len(page) < 4e6
     for word in ("K_TS by Eq. 45", "<td>interference</td>", "compiler", "Convergence", "Plan", "no tolerance was stated",
@@ -140,6 +141,62 @@ def test_colours_do_not_rest_on_edge_cells():
 
 
 def test_small_multiples_of_any_number_of_steps(tmp_path):
-    """Four panels in rows of three, so two empty places: the figure is drawn, with four panels and a colour bar."""
+    """Four panels in rows of three, so two empty places: the figure is drawn, with four panels and a colour bar for pressure and for change."""
     run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", mesh__divisions=16, mesh__band_facets=3, load__torque_steps=3)
-    assert len(plot_steps(run).axes) == 5
+    assert len(plot_steps(run).axes) == 6
+
+
+def test_report_opens_with_the_answer(folder):
+    """Stiffness, its meaning, what is known of its error, a sketch and three pictures stand open; all else folds away, with links."""
+    page = (folder / "report.html").read_text()
+    assert 'name="viewport"' in page
+    head, rest = page.split("<nav>")
+    assert "<details" not in head and head.count("<img") == 3 and "<svg" in head
+    assert "m/rad</p>" in head and "arcsec" in head and "Band: mesh: no tolerance was promised" in head
+    links = re.findall(r'href="#([^"]+)"', rest)
+    assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
+    assert all(page.count(f'id="{mark}"') == 1 for mark in links)
+    assert "max-width:600px" in page and page.count('<div class="wide">') == page.count("<img")
+
+
+def test_one_scale_for_every_pressure_map(folder):
+    """Map, steps and animation of a run have one top of their colours, and half of the colours are for the lowest quarter."""
+    from hdengine.figures import run
+
+    result = hdengine.load(folder)
+    top = run.pressure_top(result)
+    band, steps = run.plot_band(result), run.plot_steps(result)
+    norms = [figure.axes[0].collections[0].norm for figure in (band, steps)]
+    assert [n.vmax for n in norms] == [top, top] and norms[0](top / 4) == pytest.approx(0.5)
+
+
+def test_maps_that_are_alike_are_drawn_as_changes(folder):
+    """Where the torque hardly changes the pressure, one map is drawn and the others as their difference from it."""
+    figure = plot_steps(hdengine.load(folder))
+    titles = [axis.get_title() for axis in figure.axes]
+    assert titles[0] == "0 N m" and titles[1].endswith("less 0 N m")
+    assert "change over the torque" in figure.get_suptitle()
+
+
+def test_many_lines_get_a_colour_bar(tmp_path):
+    """A study with more lines than a legend can name has a colour bar with the key's unit, and no legend."""
+    from hdengine.figures import study as figures
+
+    rows = [{"point": i, "wave_generator.w": 1e-4 * (i % 4 + 1), "contact.friction": 0.01 * (i // 4 + 1), "torque_nm": 5.0,
+             "k_ts_nm_per_rad": 3e6 + i, "pressure_max_pa": 1e6, "normal_force_n": 1.0, "status": "done"} for i in range(200)]
+    result = type("Study", (), {"rows": rows, "failures": [], "folder": tmp_path, "summary": {
+        "figure": {}, "swept": ["wave_generator.w", "contact.friction"], "title": "t", "failed": 0, "points": 200}})()
+    saved = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "_save", lambda figure, _: saved.append(figure))
+        figures.plot_study(result)
+    assert not saved[0].legends and "friction" in [a.get_ylabel() for a in saved[0].axes]
+
+
+def test_tornado_in_words(folder):
+    """A tornado chart names its inputs in words and engineering units."""
+    from hdengine.figures.sensitivity import plot_tornado
+
+    figure = plot_tornado(1e6, {"wave_generator.w": (0.9e6, 1.1e6)}, {"wave_generator.w": (0.195e-3, 0.215e-3)})
+    texts = [t.get_text() for t in figure.axes[0].texts]
+    assert texts == ["0.195", "0.215"] and figure.axes[0].get_yticklabels()[0].get_text() == "radial deformation w / mm"

@@ -2,6 +2,8 @@
 """A stopped run goes on as if it had never stopped, with its own scene only."""
 import csv
 import json
+import random
+import shutil
 
 import pytest
 
@@ -45,6 +47,37 @@ def test_resumed_equals_uninterrupted(exe, tmp_path, steps, keys):
     assert not (tmp_path / "cut/checkpoint.bin").exists()
 
 
+AWAY = {  # every group of keys away from its default
+    "geometry.cup_length": 22e-3, "material.ring_e": 205e9, "material.yield_strength": 900e6, "mesh.wall_elements": 3,
+    "mesh.edge_length": 4e-4, "wave_generator.w": 0.21e-3, "wave_generator.eccentricity": 4e-6, "contact.friction": 0.12,
+    "contact.torque_friction": 0.3, "contact.law": "joint", "contact.zero_pressure": 2e3, "contact.slave": "cup",
+    "load.torque": 4.0, "load.torque_load": "teeth", "load.assembly_steps": 2, "load.torque_steps": 3, "solver.tolerance": 1e-9,
+    "solver.start": "rest", "joint.fractal_dimension": 2.52, "joint.gamma": 1.4, "output.vtu": "none"}
+
+
+def numbers(value, place=""):
+    """Every value of a summary by its path, without clocks, dates, memory and how the run came to its end."""
+    if isinstance(value, dict):
+        skipped = ("timers_s", "provenance", "predicted", "peak_memory_mb", "resumed", "mesh_and_factors", "inner_iterations")
+        return {k: v for name, part in value.items() if name not in skipped for k, v in numbers(part, f"{place}.{name}").items()}
+    return {place: value}
+
+
+def test_a_resumed_run_with_every_group_away_from_its_default_has_the_same_summary(exe, tmp_path):
+    """Friction of the torque, joint, supports, cells: left after the assembly and after a torque step, every number is the same."""
+    words = WORDS + [f"{k}={v}" for k, v in AWAY.items()]
+    assert call(exe, CD14, *words, "--out", tmp_path / "whole").returncode == 0
+    whole = numbers(json.loads((tmp_path / "whole/summary.json").read_text()))
+    for steps in (2, 4):
+        stopped_run(tmp_path / f"cut{steps}", steps, **{k.replace(".", "__"): v for k, v in AWAY.items()})
+        done = call(exe, CD14, *words, "--out", tmp_path / f"cut{steps}", "--resume")
+        assert done.returncode == 0, done.stderr
+        assert numbers(json.loads((tmp_path / f"cut{steps}/summary.json").read_text())) == whole
+    assert whole[".results.friction"] == 0.3
+    capacity = 0.3 * whole[".results.normal_force_n"] * whole[".scene.geometry.bore_radius"]
+    assert whole[".results.friction_capacity_nm"] == pytest.approx(capacity, rel=1e-12)
+
+
 def test_only_the_same_scene_goes_on(exe, tmp_path):
     """Another torque is an error that names both values, and the folder stays as it was; a longer time limit is taken."""
     stopped_run(tmp_path / "r", 2)
@@ -75,3 +108,77 @@ def test_broken_checkpoint_or_table_is_named(exe, tmp_path):
     assert done.returncode == 0, done.stderr
     done = call(exe, CD14, *WORDS, "--force", "--resume")
     assert done.returncode == 2 and "--force" in done.stderr
+
+
+def mutations(data, count, seed):
+    """Copies of a file with bits, bytes or blocks changed, cut, put in, put twice or exchanged."""
+    draw = random.Random(seed)
+    for _ in range(count):
+        new, i, j = bytearray(data), draw.randrange(len(data)), draw.randrange(len(data))
+        i, j = min(i, j), max(i, j) + 1
+        kind = draw.choice(["bit", "byte", "zero", "cut", "middle", "insert", "twice", "swap", "tail", "head"])
+        if kind == "bit":
+            new[i] ^= 1 << draw.randrange(8)
+        elif kind == "byte":
+            new[i] = (new[i] + draw.randrange(1, 256)) % 256
+        elif kind == "zero":
+            new[i:j] = bytes(j - i)
+        elif kind == "cut":
+            new = new[:i]
+        elif kind == "middle":
+            del new[i:j]
+        elif kind == "insert":
+            new[i:i] = draw.randbytes(draw.randrange(1, 100))
+        elif kind == "twice":
+            new[j:j] = new[i:j]
+        elif kind == "swap":
+            new[:j - i], new[i:j] = new[i:j], new[:j - i]
+        elif kind == "tail":
+            new += draw.randbytes(draw.randrange(1, 100))
+        else:
+            k = draw.randrange(200)  # magic, version, length, marks
+            new[k] ^= draw.randrange(1, 256)
+        if bytes(new) != data:
+            yield bytes(new)
+
+
+def test_mutated_checkpoints_and_tables_are_refused(tmp_path):
+    """No changed checkpoint and no changed table is taken up: each is an error of code 3, and the right ones still go on."""
+    stopped_run(tmp_path / "r", 2)
+    whole = {name: (tmp_path / "r" / name).read_bytes() for name in ("checkpoint.bin", "steps.csv", "history.csv", "contact.csv")}
+    for seed, (name, data) in enumerate(whole.items()):
+        for new in mutations(data, 24 if seed == 0 else 6, seed):
+            if name != "checkpoint.bin" and new.startswith(data):
+                continue  # rows behind the checkpoint are cut off
+            (tmp_path / "r" / name).write_bytes(new)
+            with pytest.raises(hdengine.FileError, match=name):
+                hdengine.Run(CD14, tmp_path / "r", resume=True, **SMALL)
+            for other, right in whole.items():
+                (tmp_path / "r" / other).write_bytes(right)
+    with hdengine.Run(CD14, tmp_path / "r", resume=True, **SMALL) as run:
+        assert len(list(run)) > 0
+
+
+def test_a_checkpoint_of_another_run_is_refused(tmp_path):
+    """A checkpoint of the same mesh but another scene, and one of another version, are told as such."""
+    stopped_run(tmp_path / "a", 2)
+    stopped_run(tmp_path / "b", 2, load__torque=4.0)
+    right = (tmp_path / "a/checkpoint.bin").read_bytes()
+    shutil.copy(tmp_path / "b/checkpoint.bin", tmp_path / "a/checkpoint.bin")
+    with pytest.raises(hdengine.FileError, match="of another scene"):
+        hdengine.Run(CD14, tmp_path / "a", resume=True, **SMALL)
+    (tmp_path / "a/checkpoint.bin").write_bytes(right.replace(b"checkpoint 5", b"checkpoint 3"))
+    with pytest.raises(hdengine.FileError, match="no checkpoint of this version"):
+        hdengine.Run(CD14, tmp_path / "a", resume=True, **SMALL)
+
+
+def test_a_mutated_plan_is_refused(exe, tmp_path):
+    """A changed row of plan.csv ends a resumed plan with code 3 that names the row."""
+    words = ["run.tolerance=0.2", "--out", tmp_path / "p"]
+    assert call(exe, CD14, *words).returncode == 0
+    (tmp_path / "p/summary.json").unlink()
+    text = (tmp_path / "p/plan.csv").read_text()
+    for old, new in ((text.splitlines()[2][-30:], text.splitlines()[2][-30:].replace("E", "F", 1)), (",", ";")):
+        (tmp_path / "p/plan.csv").write_text(text.replace(old, new))
+        done = call(exe, CD14, *words, "--resume")
+        assert done.returncode == 3 and "plan.csv' is not as the plan left it" in done.stderr

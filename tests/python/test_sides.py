@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+
 from conftest import ROOT, call
 
 MESH = ["mesh.divisions=40", "load.torque_steps=2", "output.vtu=none"]

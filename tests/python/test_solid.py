@@ -5,9 +5,9 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT
 
 import hdengine
+from conftest import ROOT
 from hdengine import mesh, solid
 
 

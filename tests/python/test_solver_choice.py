@@ -7,9 +7,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import ROOT, SMALL, call
 
 import hdengine
+from conftest import ROOT, SMALL, call
 
 CD14 = ROOT / "data/cd14.nml"
 LARGE = ["solver.kinematics=nonlinear"]
@@ -17,8 +17,9 @@ FORMED = ["wave_generator.shape=as_formed", "wave_generator.interference=5e-6"]
 
 
 def solve(exe, folder, *keys):
-    """A small scene solved to 3e-11."""
-    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", "solver.tolerance=3e-11", "--out", folder, "-q")
+    """A small scene solved to 3e-11; with large displacements to 1e-9, as below that GMRES meets rounding and gives way to exact factors."""
+    tolerance = "solver.tolerance=1e-9" if LARGE[0] in keys else "solver.tolerance=3e-11"
+    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", tolerance, "--out", folder, "-q")
     assert done.returncode == 0, done.stderr
     return hdengine.load(folder)
 
@@ -116,7 +117,7 @@ def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
 
 
 def test_a_limit_of_the_shell_counts_as_the_machines(exe, tmp_path):
-    """ulimit -v, as batch systems set it: a mesh beyond four fifths of what libraries leave of it is refused before it is tried, one within
+    """Ulimit -v, as batch systems set it: a mesh beyond four fifths of what libraries leave of it is refused before it is tried, one within
     runs; a limit that libraries use up is refused too (OpenBLAS would wait for ever)."""
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 

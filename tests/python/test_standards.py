@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT, call
 
+from conftest import ROOT, call
 from hdengine import mesh, solid
 
 sys.path.insert(0, str(ROOT / "bench"))

@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies: points, failing points, resuming, workers, figures."""
 import json
+import os
 import shutil
+import signal
+import threading
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, call
 
 import hdengine
-from hdengine import namelist, workers
+from conftest import ROOT, call
+from hdengine import _engine
 from hdengine.cli import main
-from hdengine.plot import plt
-from hdengine.plot_study import axes_of, draw, plot_study
-from hdengine.study import Study, StudyResult
+from hdengine.figures.study import axes_of, draw, plot_study
+from hdengine.figures.style import new_axes
+from hdengine.studies import namelist, workers
+from hdengine.studies.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
-STUDIES = [p for p in sorted((ROOT / "data").glob("*.nml")) if "&study" in p.read_text()]
+STUDIES = sorted((ROOT / "data").glob("*.toml"))
 
 
 def small(**other):
@@ -24,7 +30,7 @@ def small(**other):
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
 def test_studies_of_the_paper_are_valid(path):
-    """Every study namelist in data/ is read, and the engine accepts the scene of its first forty points."""
+    """Every study in data/ is read, and the engine accepts the scene of its first forty points."""
     study = Study.read(path)
     for point in study.points[:40]:
         hdengine.read_scene(study.scene, **{**study.fixed, **point})
@@ -35,7 +41,7 @@ def test_torques_are_drawn_at_their_last_step(tmp_path):
     result = small(grid={"load.torque": [2.0, 3.0, 4.0]}).run(tmp_path / "t", show=False)
     x, ys, lines = axes_of(result)
     assert (x, lines) == ("load.torque", None)
-    axis = plt.subplots()[1]
+    axis = new_axes()[1]
     draw(axis, result, x, ys[0], lines)
     assert [line.get_xdata().tolist() for line in axis.lines] == [[2.0, 3.0, 4.0]]
     assert axis.lines[0].get_ydata()[-1] == pytest.approx(1e-6 * result.select(torque_nm=4.0)[0]["k_ts_nm_per_rad"])
@@ -63,7 +69,8 @@ def test_a_failing_point_stops_nothing(tmp_path):
     assert "gross slip" in reasons[0] and "out of range" in reasons[1] and "out of range" in reasons[3]
     assert [r["point"] for r in result.rows if r["status"] == "done" and r["torque_nm"] == 1.0] == [2]
     slipped = result.failures[0]
-    assert slipped["friction_torque_nm"] == pytest.approx(-slipped["friction_capacity_nm"], rel=0.01)
+    # a part of the friction stays axial, as the assembly left it: less than the capacity, never more
+    assert 0.98 < -slipped["friction_torque_nm"] / slipped["friction_capacity_nm"] < 1
     assert "failed" in repr(result)
 
 
@@ -98,13 +105,67 @@ def test_another_study_is_not_overwritten(tmp_path):
     assert len(other.run(tmp_path / "c", force=True, show=False).rows) == 2
 
 
+def kill_worker_at_work():
+    """Kill the worker of this process that computes longest."""
+    for _ in range(600):
+        time.sleep(0.1)
+        children = [int(pid) for task in Path("/proc/self/task").iterdir() for pid in (task / "children").read_text().split()]
+        used = {pid: sum(map(int, Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13])) for pid in children}
+        if used and max(used.values()) > 100:
+            os.kill(max(used, key=used.get), signal.SIGKILL)
+            return
+
+
 def test_workers_give_the_same_table_and_may_die(tmp_path):
     """Two processes give the table of one; a worker that dies marks its point as failed and is replaced."""
     one, two = small().run(tmp_path / "one", show=False), small().run(tmp_path / "two", jobs=2, show=False)
     np.testing.assert_array_equal(one.column("k_ts_nm_per_rad"), two.column("k_ts_nm_per_rad"))
     path = str(ROOT / "data/cd14.nml")
-    results = dict(workers.solve_all([(0, path, None, "last"), (1, path, SMALL, "last")], jobs=2))
-    assert "died" in results[0][0]["reason"] and results[1][0]["status"] == "done"
+    long = SMALL | {"mesh.divisions": 160, "mesh.band_facets": 24, "load.assembly_steps": 40, "load.torque_steps": 40}
+    killer = threading.Thread(target=kill_worker_at_work)
+    killer.start()
+    results = dict(workers.solve_all([(0, path, long, "last"), (1, path, SMALL, "last")], jobs=2))
+    killer.join()
+    assert "died (signal SIGKILL" in results[0][0]["reason"] and results[1][0]["status"] == "done"
+
+
+def test_mutated_studies_are_refused(tmp_path):
+    """A row lost, cut or changed in study.csv, and a changed or cut study.json, are errors of code 3 for who reads and who goes on;
+    a study that was killed between the two files goes on."""
+    study, folder = small(), tmp_path / "s"
+    study.run(folder, show=False)
+    whole = {name: (folder / name).read_bytes() for name in ("study.csv", "study.json")}
+    lines = whole["study.csv"].splitlines(keepends=True)
+    changed = [("study.csv", new) for new in (b"".join(lines[:-1]), whole["study.csv"][:-20], b"".join(lines[:2] + lines[1:]),
+               whole["study.csv"].replace(b"0.00019", b"0.00018", 1), b"", lines[0], whole["study.csv"] + b"\xff")]
+    changed += [("study.json", new) for new in (whole["study.json"][:100], b"[]", b"", b"\xff", whole["study.json"].replace(
+        b'"done": 2', b'"done": 1'), whole["study.json"].replace(b'"checksum": "', b'"checksum": "0'))]
+    for name, new in changed:
+        (folder / name).write_bytes(new)
+        for read in (StudyResult, lambda f: study.run(f, show=False)):
+            with pytest.raises(hdengine.FileError, match=name.replace("study.json", "study.")):
+                read(folder)
+        for other, right in whole.items():
+            (folder / other).write_bytes(right)
+    summary = json.loads(whole["study.json"])
+    os.replace(folder / "study.json", folder / "study.json.part")
+    Study.run(small(grid={"wave_generator.w": [0.19e-3]}), tmp_path / "t", show=False)
+    shutil.copy(tmp_path / "t/study.json", folder / "study.json")  # as an earlier state would be
+    assert StudyResult(folder).summary == summary
+    assert len(study.run(folder, show=False).rows) == len(lines) - 1
+
+
+def test_rows_of_another_version_are_kept_only_if_asked(tmp_path, monkeypatch):
+    """Rows of another version of the engine are refused with both versions named, taken if told, replaced with force."""
+    half = small()
+    half.run(tmp_path / "v", show=False)
+    monkeypatch.setattr(_engine, "version", lambda: "9.9.9")
+    with pytest.raises(hdengine.FileError, match="9.9.9.*--other-version"):
+        half.run(tmp_path / "v", show=False)
+    monkeypatch.setattr(workers, "solve", lambda *task: pytest.fail("solved again"))
+    assert half.run(tmp_path / "v", show=False, other_version=True).summary["versions"] == [hdengine.__version__, "9.9.9"]
+    with pytest.raises(pytest.fail.Exception):
+        half.run(tmp_path / "v", show=False, force=True)
 
 
 def test_lines_of_a_figure():
@@ -120,11 +181,9 @@ def test_lines_of_a_figure():
             return [r for r in self.rows if r["status"] == "failed"]
 
     def lines(rows, *names):
-        axis = plt.figure().subplots()
+        axis = new_axes()[1]
         draw(axis, Table(rows), *names)
-        found = [len(line.get_xdata()) for line in axis.lines]
-        plt.close(axis.figure)
-        return found
+        return [len(line.get_xdata()) for line in axis.lines]
 
     assert lines([{"a": i, "b": 10 * i} for i in range(3)], "a", "k", "c") == [3]
     grid = [{"a": a, "b": b, "c": c, "d": d} for a in range(2) for b in range(2) for c in range(3) for d in range(2)]
@@ -142,7 +201,7 @@ def test_axes():
 
 def test_namelist_values_and_faults(tmp_path):
     """Numbers, repeats, texts with quotes and comments are read; mistakes name file and line."""
-    path = tmp_path / "s.nml"
+    path = tmp_path / "s.nml"  # the earlier form
     path.write_text("&grid\n a.b = 1, 2.5d-3, 2*7 ! note\n c.d = 'it''s ! here', x\n/\n&study title = 'none' /\n")
     assert namelist.read(path) == {"grid": {"a.b": [1, 2.5e-3, 7, 7], "c.d": ["it's ! here", "x"]}, "study": {"title": ["none"]}}
     for text, what in (("&grid\n a = 1\n a = 2 /", "s.nml:3"), ("a = 1", "outside"), ("&grid a = 1", "missing"),
@@ -151,7 +210,38 @@ def test_namelist_values_and_faults(tmp_path):
         with pytest.raises(hdengine.InputError, match=what):
             namelist.read(path)
     path.write_text("&study scen = 'a' /")
-    with pytest.raises(hdengine.InputError, match="valid: rows, scene, title"):
+    with pytest.warns(DeprecationWarning, match="TOML"), pytest.raises(hdengine.InputError, match="valid: rows, scene, title"):
+        Study.read(path)
+    path.write_text("&grid load.torque = 1, 2*3 / &fixed mesh.divisions = 16 /")
+    with pytest.warns(DeprecationWarning, match="TOML"):
+        study = Study.read(path)
+    assert study.grid == {"load.torque": [1, 3, 3]} and study.fixed == {"mesh.divisions": 16}
+
+
+@pytest.mark.parametrize("text, what", [
+    ("[grid]\nload.torque = [1, 2\n", "s.toml:2"), ("[grids]\n", "unknown group grids.*s.toml:1"), ("[study]\n\nscen = 'a'\n", "s.toml:3"),
+    ("title = 'a'\n", "outside of a table.*s.toml:1"), ("[grid]\nload.torque = true\n", "holds True.*s.toml:2"),
+    ("[grid]\nload.torque = []\n", "has no value"), ("[grid]\nload.torque = 1\nload.torque = 2\n", "s.toml:3"),
+    ("[grid]\nload.torque = [1979-05-27]\n", "valid: numbers and texts"),
+])
+def test_faults_of_study_files(tmp_path, text, what):
+    """A study that is no valid TOML, or holds what a study has not, is refused with its file and line."""
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(hdengine.InputError, match=f"(?s){what}"):
+        Study.read(tmp_path / "s.toml")
+
+
+def test_study_files(tmp_path):
+    """Numbers, texts and lists of a TOML study arrive as they stand, dotted keys and tables alike; what is not UTF-8 is no study."""
+    path = tmp_path / "s.toml"
+    path.write_text("[grid]\nload.torque = [1, 2.5e-3]\n\"load.support\" = ['hub', \"bearing\"]\n[fixed]\noutput.positions = [0, 1e-3, 2e-3]\n"
+                    "mesh = {divisions = 16}\n[study]\nrows = 'last'\n[figure]\ny = ['a', 'b']\nx = 'c'\n")
+    study = Study.read(path)
+    assert study.grid == {"load.torque": [1, 2.5e-3], "load.support": ["hub", "bearing"]} and list(study.grid)[0] == "load.torque"
+    assert study.fixed == {"output.positions": [0, 1e-3, 2e-3], "mesh.divisions": 16} and study.rows == "last"
+    assert study.figure == {"y": ["a", "b"], "x": "c"} and study.title == "s"
+    path.write_bytes(b"[study]\ntitle = '\xff'\n")
+    with pytest.raises(hdengine.FileError, match="s.toml"):
         Study.read(path)
 
 
@@ -159,24 +249,27 @@ def test_command(tmp_path, monkeypatch, capsys):
     """`hdengine study` writes table and figure, a wrong key ends with code 2 before anything is solved."""
     monkeypatch.chdir(tmp_path)
     keys = "\n".join(f"{k} = {v}" for k, v in SMALL.items())
-    (tmp_path / "s.nml").write_text(f"&fixed\n{keys}\n/\n&grid wave_generator.interference = 0, 5e-6 /\n")
-    assert main(["study", "s.nml"]) == 0
+    (tmp_path / "s.toml").write_text(f"[fixed]\n{keys}\n[grid]\nwave_generator.interference = [0, 5e-6]\n")
+    assert main(["study", "s.toml"]) == 0
     assert json.loads((tmp_path / "s.out/study.json").read_text())["status"] == "complete"
     assert (tmp_path / "s.out/study.png").exists() and "2 of 2 points" in capsys.readouterr().out
-    (tmp_path / "t.nml").write_text("&grid wave_generator.interferenz = 0, 5e-6 /\n")
-    assert main(["study", "t.nml"]) == 2 and "did you mean 'interference'" in capsys.readouterr().err
+    (tmp_path / "t.toml").write_text("[grid]\nwave_generator.interferenz = [0, 5e-6]\n")
+    assert main(["study", "t.toml"]) == 2 and "did you mean 'interference'" in capsys.readouterr().err
+    (tmp_path / "t.nml").write_text("&grid wave_generator.interference = 0, 5e-6 /\n")
+    assert main(["study", "t.nml", "--check"]) == 0 and capsys.readouterr().err.startswith("warning: 't.nml' is a study in the form")
     assert main(["plot", str(tmp_path)]) == 3
 
 
 def test_the_program_hands_a_study_to_the_command(exe, tmp_path):
     """`hdengine.x` runs a study by the command beside it; options pass, assignments are refused, and so is a lone program."""
-    path = tmp_path / "two.nml"
-    path.write_text("&fixed mesh.divisions = 16, mesh.band_facets = 3, load.torque_steps = 1 /\n&grid load.torque = 1.0, 2.0 /\n")
-    assert "2 points" in call(exe, path, "--check").stdout
+    path, old = tmp_path / "two.toml", tmp_path / "two.nml"
+    path.write_text("[fixed]\nmesh = {divisions = 16, band_facets = 3}\nload.torque_steps = 1\n[grid]\nload.torque = [1.0, 2.0]\n")
+    old.write_text("&grid load.torque = 1.0, 2.0 /\n")
+    assert "2 points" in call(exe, path, "--check").stdout and "2 points" in call(exe, old, "--check").stdout
     done = call(exe, path, "-q", "--out", tmp_path / "o")
     assert done.returncode == 0 and len(StudyResult(tmp_path / "o").rows) > 1 and not done.stderr
     done = call(exe, path, "load.torque=3", "--out", tmp_path / "p")
-    assert done.returncode == 2 and "&fixed" in done.stderr and not (tmp_path / "p").exists()
+    assert done.returncode == 2 and "[fixed]" in done.stderr and not (tmp_path / "p").exists()
     lone = shutil.copy(exe, tmp_path / "lone.x")
     done = call(lone, path, "--out", tmp_path / "p", env={"PATH": ""})
     assert done.returncode == 2 and done.stderr.count("error: ") == 1 and "hdengine study" in done.stderr

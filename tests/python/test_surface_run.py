@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from conftest import ROOT, call
 
 import hdengine
+from conftest import ROOT, call
 from hdengine import roughness, specimen, surface
 from hdengine.cli import main
 
@@ -112,9 +112,10 @@ def test_formats_agree(exe, tmp_path):
 
 
 def test_profile_is_fitted(tmp_path):
-    """A single line of .npy is fitted by the profile model."""
+    """A single line of .npy is fitted by the profile model where that is asked for."""
     np.save(tmp_path / "line.npy", surface.profile(2000, 1e-6, 2.4, 1e-7, 1.5, 2e-3, 1e-6))
-    fit = hdengine.run_surface(out=tmp_path / "a.out", fit__first_file=str(tmp_path / "line.npy"), fit__dx=1e-6).fits["first"]
+    keys = {"fit__first_file": str(tmp_path / "line.npy"), "fit__dx": 1e-6}
+    fit = hdengine.run_surface(out=tmp_path / "a.out", fit__model="profile", **keys).fits["first"]
     assert fit.model == "profile" and abs(fit.fractal_dimension - 2.4) < 3 * fit.fractal_dimension_error
 
 

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import hdengine
+from conftest import ROOT
 from hdengine import torsion
 
 
@@ -40,6 +42,20 @@ def test_paper_form_is_another_quantity():
     """Eq. 45 as printed weighs the long axis with zero and gives newtons."""
     assert torsion.torsional_stiffness_paper(1.0, 1.0, np.array([0.0]), 17.5e-3, 0.2e-3) == 0
     assert torsion.torsional_stiffness_paper(0.0, 1.0, np.array([np.pi / 2]), 17.5e-3, 0.2e-3) > 0
+
+
+@pytest.mark.parametrize("keys", [{}, {"contact.torque_friction": 0.3, "contact.law": "joint"}, {"joint.closure": "paper"},
+                                  {"wave_generator.cone_angle_deg": 1.0, "wave_generator.shape": "as_formed"}])
+def test_engine_and_python_give_one_k_ts(tmp_path, keys):
+    """Eq. 45 in both readings: steps.csv, summary.json and Step.sums of a run hold what `torsion` gives from its facets, to 1e-12."""
+    words = {"mesh.divisions": 20, "mesh.band_facets": 4, "load.torque_steps": 1, **keys}
+    result = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", **words)
+    for ours, name in zip(result.torsional_stiffness(), ("k_ts_nm_per_rad", "k_ts_paper_n")):
+        np.testing.assert_allclose(result.steps[name], ours, rtol=1e-12)
+        assert result.summary["results"][name] == pytest.approx(ours[-1], rel=1e-12)
+    with hdengine.Run(ROOT / "data/cd14.nml", **words) as run:
+        steps = list(run)
+    assert [s.sums["k_ts_nm_per_rad"] for s in steps] == pytest.approx(result.torsional_stiffness()[0], rel=1e-12)
 
 
 def test_springs_in_series():

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrong arguments end with the package's errors: never with a raw error from inside, never with the end of the process."""
+import importlib.util
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import hdengine
+from conftest import ROOT
+from hdengine import mesh, solid, surface
+
+hypothesis = pytest.importorskip("hypothesis")
+st = hypothesis.strategies
+
+
+def script(name):
+    """A script of bench/ as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"bench/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+TARGETS = {name: (function, arguments) for name, function, arguments in script("attack_api").targets()}
+numbers = st.one_of(st.floats(), st.integers(-(2**70), 2**70), st.booleans(), st.sampled_from([0, 1, -1, 1e-300, 1e300, 1j]))
+words = st.one_of(st.text(max_size=5), st.binary(max_size=3), st.none())
+shaped = st.tuples(st.lists(st.integers(0, 4), max_size=3), st.floats(), st.sampled_from(["f8", "i4", "U1", "O", "?"])).map(
+    lambda t: np.full(t[0], t[1] if t[2] in ("f8", "O") else 1).astype(t[2]))
+anything = st.one_of(numbers, words, shaped, st.recursive(st.one_of(numbers, words), lambda s: st.one_of(
+    st.lists(s, max_size=4), st.tuples(s, s), st.dictionaries(st.text(max_size=3), s, max_size=2)), max_leaves=8))
+
+
+@hypothesis.settings(max_examples=600, deadline=None, derandomize=True, database=None,
+                     suppress_health_check=list(hypothesis.HealthCheck))
+@hypothesis.given(st.sampled_from(sorted(TARGETS)), st.randoms(use_true_random=False), anything)
+def test_any_argument_ends_well(tmp_path_factory, name, random, value):
+    """Every public function that gets a random object for one argument answers, or raises an error of the package."""
+    function, arguments = TARGETS[name]
+    arguments = dict(arguments)
+    key = random.choice(sorted(arguments))
+    if key in ("count", "draws", "path") and not isinstance(value, (type(None), str)):
+        value = None  # an honest long loop, or a number that is a file descriptor
+    if key == "*":
+        arguments["*"] = (*arguments["*"][:-1], value)
+    else:
+        arguments[key] = value
+    with warnings.catch_warnings(), np.errstate(all="ignore"), pytest.MonkeyPatch.context() as patch:
+        warnings.simplefilter("ignore")
+        patch.chdir(tmp_path_factory.getbasetemp())
+        try:
+            function(*arguments.pop("*", ()), **arguments)
+        except hdengine.InternalError:
+            raise
+        except hdengine.HdengineError as error:
+            assert len(str(error)) > 5
+
+
+def test_waves_without_digits_are_refused():
+    """A wave number of 1e304 per metre ends with an error that names it: its phase on the grid has no digits."""
+    with pytest.raises(hdengine.InputError, match="fx"):
+        surface.sum_waves([1e304, 2e4, 3e4], [1e4, 2e4, 3e4], [1e-7] * 3, [.1, .2, .3], (16, 16), 1e-6, tolerance=1e-6, method="nufft")
+    with pytest.raises(hdengine.InputError, match="fx"):
+        surface.sum_waves([1e304], [1.0], [1e-7], [.1], (16, 16), 1e-6, origin=(1, 1e9), tolerance=1e-6, method="nufft")
+
+
+def test_lags_beyond_the_map_take_no_memory():
+    """A window of 1e9 lags on a small map is refused before anything of its size is taken."""
+    with pytest.raises(hdengine.InputError, match="lags"):
+        hdengine.roughness.fit(np.random.default_rng(1).normal(size=(20, 30)), 1e-6, lags=(1, 10**9))
+
+
+@pytest.mark.parametrize("node, says", [(-1, "node -1"), (1000000, "node 1000000"), (1, "twice")])
+def test_cells_that_name_wrong_nodes_are_refused(node, says):
+    """A cell with a node that does not exist, or with one node twice, is refused before anything is read past its arrays."""
+    part = mesh.block([0, 1, 2], [0, 1], [0, 1])
+    cells = part.cells.copy()
+    cells[0, 0] = cells[0, 1] if node == 1 else node
+    with pytest.raises(hdengine.InputError, match=says):
+        solid.static([solid.Body(mesh.Mesh(part.points, cells), 1.0, 0.3)], np.ones((12, 3), bool))
+
+
+def test_facets_out_of_range_are_refused():
+    """A contact facet that names a node outside of the chart is refused with its number."""
+    with pytest.raises(hdengine.InputError, match="node 99"):
+        solid.Face(np.array([[0, 1, 2, 99]]), np.zeros((4, 2)))
+
+
+def test_specimens_hold_what_is_checked():
+    """Shapes that do not fit, holes where none may be, and words for numbers name the argument."""
+    for call, says in ((lambda: hdengine.Joint(friction="dry"), "friction = 'dry'"),
+                       (lambda: hdengine.Joint().stiffness([1e6, np.nan]), r"pressure\[1\] = nan"),
+                       (lambda: hdengine.Joint().stiffness([1e6] * 3, [1.0] * 2), r"pressure \(3,\), shear \(2,\)"),
+                       (lambda: hdengine.specimen.Specimen(np.ones((3, 3)), "um"), "spacing = 'um'"),
+                       (lambda: hdengine.read_scene("", load={"torque": object()}), "a key takes"),
+                       (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
+        with pytest.raises(hdengine.InputError, match=says):
+            call()
+
+
+def test_letters_beyond_ascii(tmp_path):
+    """Paths and titles with letters beyond ASCII reach the engine and come back."""
+    (tmp_path / "Wälzlager.nml").write_text("&run title = 'Prüfstand µ' /\n", encoding="utf-8")
+    assert hdengine.read_scene(tmp_path / "Wälzlager.nml")["run.title"] == "Prüfstand µ"
+    with pytest.raises(hdengine.FileError, match="Getriebe_ü"):
+        hdengine.read_scene(tmp_path / "Getriebe_ü.nml")

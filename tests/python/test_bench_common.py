@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the benchmark scripts share."""
+import sys
+import time
+
+import pytest
+
+import hdengine
+from conftest import ROOT
+from hdengine.studies.planner import mesh_of_level
+
+sys.path.insert(0, str(ROOT / "bench"))
+import common  # noqa: E402
+
+
+def test_series_is_the_engines():
+    """The mesh of a level is that of the planner: rows and divisions of level 4 of CD-14-100, finer with every level, 13 of them."""
+    meshes = [mesh_of_level(level) for level in range(1, 14)]
+    assert meshes[3] == {"mesh.band_facets": 12, "mesh.divisions": 72}
+    for before, after in zip(meshes, meshes[1:]):
+        assert after["mesh.band_facets"] > before["mesh.band_facets"] and after["mesh.divisions"] > before["mesh.divisions"]
+    with pytest.raises(hdengine.InputError, match="valid are 1 to 13"):
+        mesh_of_level(14)
+
+
+def test_calls_take_turns():
+    """Timed calls alternate, and a ratio has its median between its smallest and its largest."""
+    order = []
+    timings, results = common.take_turns({"a": lambda: (order.append("a"), time.sleep(2e-3)), "b": lambda: order.append("b")}, turns=3)
+    assert order == ["a", "b"] * 3 and set(results) == {"a", "b"}
+    middle, low, high = timings["a"].over(timings["b"])
+    assert 1 < low <= middle <= high
+
+
+def test_records_say_where_they_come_from(tmp_path, monkeypatch):
+    """A record holds commit, machine, versions and seed beside its facts, and reads back as the facts alone."""
+    monkeypatch.setattr(common, "RESULTS", tmp_path)
+    path = common.write_record("some", [{"x": 1}], seed=3)
+    text = path.read_text()
+    assert all(f'"{word}"' in text for word in ("commit", "machine", "versions", "seed")) and common.read_record("some") == [{"x": 1}]
+    assert [p.name for p in tmp_path.iterdir()] == ["some.json"]
+    common.add_row("lines", {"scene": 1, "y": 2})
+    common.add_row("lines", {"scene": 1, "y": 3})
+    assert common.read_rows("lines", "scene")[1]["y"] == 3
+
+
+def test_commands_are_measured():
+    """A command's exit code, CPU seconds, memory and output are its own; one that hits its limit has no code."""
+    done = common.measured([sys.executable, "-c", "print(sum(range(10**6))); raise SystemExit(3)"])
+    assert done.code == 3 and 0 < done.cpu_s < 30 and done.memory_mb > 1 and done.text.strip() == "499999500000"
+    assert common.measured([sys.executable, "-c", "while True: pass"], limit=1).code is None

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole drive in one scene: balls, ring, cup, friction, teeth, and the loop (docs/explain/drive.md)."""
+import json
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from conftest import ROOT, call
+from hdengine import load
+from hdengine.figures.run import plot_run
+from hdengine.results import read_csv
+
+MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",
+        "load.torque_steps=4"]
+
+
+def solve(exe, folder, *keys, code=0):
+    """Results of a small drive: summary, loop, balls, teeth."""
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
+    assert done.returncode == code, done.stderr
+    results = json.loads((folder / "summary.json").read_text())["results"]
+    return results, *((folder / name).exists() and read_csv(folder / name) for name in ("loop.csv", "balls.csv", "teeth.csv"))
+
+
+@pytest.fixture(scope="module")
+def drive(exe, tmp_path_factory):
+    return solve(exe, tmp_path_factory.mktemp("drive") / "a")
+
+
+def test_summary_states_what_a_bench_measures(drive):
+    """K1 to K3, hysteresis, lost motion, forces of balls and teeth and the torque on the wave generator are there and positive."""
+    for key in ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "wave_generator_torque_nm",
+                "k_ts_tangent_nm_per_rad", "ball_force_max_n", "tooth_force_max_n", "von_mises_max_pa", "goodman_safety_min"):
+        assert drive[0][key] > 0, key
+
+
+def test_chords_are_those_of_the_first_rise(drive):
+    """K1, K2, K3 are the chords of loop.csv up to T1 = 2, T2 = 6.9 and 14 N m."""
+    results, loop, _, _ = drive
+    torque, angle = (loop[k][loop["phase"] == "torque"][:4] for k in ("torque_nm", "angle_rad"))
+    at = np.interp([0, 2, 6.9, 14], np.r_[0, torque], np.r_[0, angle])
+    chords = np.diff([0, 2, 6.9, 14]) / np.diff(at)
+    np.testing.assert_allclose([results[f"k{i}_nm_per_rad"] for i in (1, 2, 3)], chords, rtol=1e-9)
+
+
+def test_energy_balances(exe, tmp_path):
+    """Work of the torque = friction's heat + change of the stored energy, to 1 % over the loop; steps are finer about no torque."""
+    _, loop, _, _ = solve(exe, tmp_path / "e", "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10")
+    assert loop["dissipated_j"][-1] > 0 and np.all(np.diff(loop["dissipated_j"]) > -1e-12)
+    left = loop["work_j"] - loop["stored_j"] - loop["dissipated_j"]
+    assert abs(left[-1]) < 0.01 * loop["dissipated_j"][-1]
+
+
+def test_torque_balances(exe, tmp_path):
+    """The flanks' forces times cos(25 deg) times the rim's outer radius are the torque; all moments balance."""
+    _, loop, _, teeth = solve(exe, tmp_path / "t", "load.torque_steps=2", "solver.tolerance=1e-10")
+    torque = (teeth["force_n"] * teeth["flank"]).reshape(-1, 12).sum(axis=1) * np.cos(np.radians(25)) * 17.927e-3
+    np.testing.assert_allclose(torque, loop["torque_nm"][-8:], rtol=1e-7, atol=1e-7)
+    assert np.all(abs(read_csv(tmp_path / "t/steps.csv")["torque_balance_nm"]) < 1e-6)
+
+
+def test_assembly_is_symmetric(drive):
+    """Twelve balls on a symmetric cam carry alike in all four quadrants while no torque acts."""
+    _, loop, balls, _ = drive
+    force = balls["force_n"].reshape(-1, 12)[loop["phase"] == "assembly"][-1]
+    np.testing.assert_allclose(force, np.roll(force, 6), rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(force[1:], force[:0:-1], rtol=1e-7, atol=1e-7)
+
+
+def test_senses_of_torque_are_alike(exe, tmp_path):
+    """The torque the other way round first turns the bottom by as much the other way."""
+    _, plus, _, _ = solve(exe, tmp_path / "p", "loop.torques=8", "load.torque_steps=3")
+    _, minus, _, _ = solve(exe, tmp_path / "m", "loop.torques=-8", "load.torque_steps=3")
+    np.testing.assert_allclose(minus["angle_rad"], -plus["angle_rad"], rtol=1e-6)
+    np.testing.assert_allclose(minus["ball_force_max_n"], plus["ball_force_max_n"], rtol=1e-6)
+
+
+def race_rate(diameter, race, conformity, modulus):
+    """Force over approach^1.5 of a ball on a race by scipy's elliptic integrals [N/m^1.5]."""
+    along, across = 2 / diameter + 1 / race, 2 / diameter - 1 / (conformity * diameter)
+    total = along + across
+
+    def difference(kappa):
+        k, e = ellipk(1 - kappa**-2), ellipe(1 - kappa**-2)
+        return ((kappa**2 + 1) * e - 2 * k) / ((kappa**2 - 1) * e) - abs(along - across) / total
+
+    kappa = brentq(difference, 1.001, 1e3, xtol=1e-13)
+    k, e = ellipk(1 - kappa**-2), ellipe(1 - kappa**-2)
+    approach = 2 * k / np.pi * (np.pi / (2 * kappa**2 * e)) ** (1 / 3)
+    return 2 / 3 * total * modulus * (2 / (approach * total)) ** 1.5
+
+
+def test_balls_follow_hertz(drive):
+    """Every ball carries K closing^1.5, K of both races in series by scipy's elliptic integrals; none pulls."""
+    balls = drive[2]
+    modulus = 1 / ((1 - 0.3**2) / 208e9 + (1 - 0.3**2) / 219e9)
+    rates = [race_rate(3.2e-3, 13.3e-3, 0.52, modulus), race_rate(3.2e-3, -16.5e-3, 0.52, modulus)]
+    rate = sum(k ** (-2 / 3) for k in rates) ** -1.5
+    np.testing.assert_allclose(balls["force_n"], rate * np.maximum(balls["closing_m"], 0) ** 1.5, rtol=1e-8, atol=1e-9)
+    assert np.any(balls["force_n"] == 0) and np.any(balls["force_n"] > 50)
+
+
+def test_flanks_follow_their_law(drive):
+    """Every flank carries its stiffness times its closing where that is positive; within a pair at most one pushes."""
+    teeth = drive[3]
+    np.testing.assert_allclose(teeth["force_n"], 1.25e8 * np.maximum(teeth["closing_m"], 0), rtol=1e-7, atol=1e-7)
+
+
+def test_matrix_gives_the_same_numbers(exe, tmp_path):
+    """Newton's whole matrix and condensation agree to 1e-8 in angle, balls, teeth, energy and the torque on the wave generator."""
+    keys = ["loop.torques=8,-3", "load.torque_steps=3", "solver.tolerance=1e-11", "wave_generator.eccentricity=5e-6"]
+    ours = solve(exe, tmp_path / "c", *keys, "bearing.balls=11")
+    other = solve(exe, tmp_path / "n", *keys, "bearing.balls=11", "solver.method=newton")
+    assert [json.loads((tmp_path / f / "summary.json").read_text())["model"]["solver"][:6] for f in "cn"] == ["conden", "Newton"]
+    for table, columns in ((1, ("angle_rad", "stored_j", "wave_generator_torque_nm", "k_ts_nm_per_rad")), (2, ("force_n",)),
+                           (3, ("force_n", "closing_m"))):
+        for column in columns:
+            a, b = ours[table][column], other[table][column]
+            np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * abs(a).max(), err_msg=column)
+
+
+def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):
+    """Without balls, bonded and with closed teeth the bottom turns as in the scene of K_FTS, to 1e-7."""
+    keys = ["bearing.balls=0", "contact.mode=bonded", "load.tooth_clearance=0", "load.torque=5", "loop.torques=5",
+            "wave_generator.ring_tangent=free"]
+    _, loop, _, teeth = solve(exe, tmp_path / "d", *keys)
+    folder = tmp_path / "k"
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "load.support=teeth", "--out", folder, "-q")
+    assert done.returncode == 0, done.stderr
+    steps = read_csv(folder / "steps.csv")
+    np.testing.assert_allclose(loop["angle_rad"][-1], steps["rotation_rad"][-1], rtol=1e-7)
+    np.testing.assert_allclose(teeth["force_n"][-12:], read_csv(folder / "teeth.csv")["force_n"][-12:], rtol=1e-6)
+
+
+def test_many_balls_become_an_even_spring(exe, tmp_path):
+    """With the sum of all rates kept, the turn settles to 1e-3 as the balls grow in number; few differ several times as much."""
+    angle = [solve(exe, tmp_path / f"b{n}", f"bearing.balls={n}", f"bearing.ball_rate={2e11 / n}", "bearing.ball_diameter=0.5e-3",
+                   "loop.torques=6", "load.torque_steps=1")[1]["angle_rad"][-1] for n in (12, 17, 24, 48, 96, 150)]
+    apart = abs(np.array(angle[:-1]) / angle[-1] - 1)
+    assert apart[3:].max() < 1e-3 and apart[3:].max() < 0.3 * apart[:3].max()
+
+
+def test_every_size_runs_and_is_drawn(exe, tmp_path):
+    """Sizes 11 to 25 run; hdengine plot draws loop, loads and life of one; stiffness grows with the size."""
+    k = []
+    for size in (11, 14, 17, 20, 25):
+        folder = tmp_path / str(size)
+        done = call(exe, ROOT / f"data/drive{size}.nml", *MESH, "load.torque_steps=2", "--out", folder, "-q")
+        assert done.returncode == 0, done.stderr
+        k.append(json.loads((folder / "summary.json").read_text())["results"]["k2_nm_per_rad"])
+    assert np.all(np.diff(k) > 0)
+    names = {p.name for p in plot_run(load(folder))}
+    assert {"loop.png", "loads.png", "fatigue.png"} <= names
+
+
+def test_fatigue_is_goodmans_line(exe, tmp_path):
+    """Safety = 1 / (notch amplitude / limit + max(0, mean) / strength) along the meridian; the least is in the summary."""
+    results, *_ = solve(exe, tmp_path / "f", "loop.torques=14", "load.torque_steps=1", "fatigue.notch_factor=1.4")
+    table = read_csv(tmp_path / "f/fatigue.csv")
+    safety = 1 / (1.4 * table["amplitude_pa"] / 490e6 + np.maximum(table["mean_pa"], 0) / 980e6)
+    np.testing.assert_allclose(table["safety"], safety, rtol=1e-9)
+    assert results["goodman_safety_min"] == pytest.approx(safety.min())
+
+
+def test_balls_that_carry_nothing_are_said(exe, tmp_path):
+    """A clearance beyond the cam's way leaves every ball unloaded: the run says so."""
+    solve(exe, tmp_path / "w", "bearing.clearance=1e-3", "loop.torques=1", "load.torque_steps=1")
+    warnings = json.loads((tmp_path / "w/summary.json").read_text())["warnings"]
+    assert any("no ball carries the ring" in line for line in warnings)

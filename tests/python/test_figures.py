@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Figures leave the user's session as it was."""
+import subprocess
+import sys
+
+CODE = """
+import matplotlib
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+import numpy as np
+before = dict(matplotlib.rcParams)
+import hdengine, hdengine.cli
+from hdengine.figures import cup, record, run, sensitivity, study, surface
+figure = hdengine.Joint(asperity_radius=1e-6, s_min=1e-14).plot().figure
+figure.savefig("joint.png")
+matplotlib.rcParams["font.size"] = 30.0
+figure.savefig("again.png")
+matplotlib.rcParams["font.size"] = before["font.size"]
+changed = [key for key, value in before.items() if matplotlib.rcParams[key] != value]
+assert not changed, changed
+assert plt.get_backend().lower() == "svg" and not plt.get_fignums()
+assert open("joint.png", "rb").read() == open("again.png", "rb").read()
+"""
+
+
+def test_the_session_stays_as_it_was(tmp_path):
+    """Importing the package and drawing choose no backend, change no setting of matplotlib, open no figure of pyplot, and take
+    no setting of the session for what the style names."""
+    done = subprocess.run([sys.executable, "-c", CODE], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

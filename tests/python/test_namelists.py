@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reader of namelists under attack, and beside a reader that was not written here (f90nml)."""
+import random
+import subprocess
+import time
+
+import f90nml
+import pytest
+
+import hdengine
+from conftest import ROOT, call
+
+SCENES = [p for p in sorted((ROOT / "data").glob("*.nml")) if "&study" not in p.read_text()]
+PIECES = ["&load", "&mesh", "&", "&end", "/", "=", ",", "!", "torque", "divisions", "positions", "support", "title", "&output", "&run",
+          "2147483647*1", "99999999999*1", "3*7", "0*1", "*", "1*", "1e400", "-1e-400", "1d3", "nan", "1+5", "'", "\"", "'hub'",
+          "\t", "\r", "\n", "\0", "\x1b[31m", "\xff", "\xc3\xa9", "x" * 5000, " " * 5000, "7" * 300, ".5.", "e", "'it''s'", "0x10"]
+
+
+@pytest.mark.parametrize("text, what", [
+    ("&load torque = 2147483647*1, 2147483647*1, 3*7 /", "takes 1 value(s), 4294967297 found"),
+    ("&output positions = 999999999*1, 999999999*1 /", "takes 3 value(s), 1999999998 found"),
+    ("&load torque = 99999999999999999999*1 /", "is not a number"),
+    ("&load torque = +1*1 /", "is not a number"),
+    ("&load" + 4090 * " " + "torque = 100000 /\n&load torqe = 1 /", "unknown key 'torqe'"),
+    ("&run title = '\xff\xfe' /", "not UTF-8"),
+    ("&load torque = " + 100000 * "7" + " /", "is not a number"),
+    ("&load /" * 5000, "more mistakes"),
+])
+def test_crafted_namelists_are_told(exe, tmp_path, text, what):
+    """Repeat counts of any size, long lines, strange bytes and endless mistakes end with code 2 and a message of bearable length."""
+    path = tmp_path / "a.nml"
+    path.write_bytes(text.encode("latin-1"))
+    done = subprocess.run([exe, path, "--check"], capture_output=True, timeout=60)
+    assert done.returncode == 2 and what in done.stderr.decode() and len(done.stderr) < 200000
+    with pytest.raises(hdengine.InputError):
+        hdengine.read_scene(path)
+
+
+def test_quotes_in_texts_survive_the_echo(exe, tmp_path):
+    """A doubled quote is one quote, in the scene, in the echo that is read back, and in the summary."""
+    (tmp_path / "a.nml").write_text("&run title = 'it''s \"so\"' /\n&mesh divisions = 16, band_facets = 3 /\n")
+    assert call(exe, tmp_path / "a.nml", "load.assembly_steps=1", "load.torque_steps=1", "--out", tmp_path / "o").returncode == 0
+    assert hdengine.read_scene(tmp_path / "a.nml")["run.title"] == 'it\'s "so"'
+    assert hdengine.read_scene(tmp_path / "o/echo.nml")["run.title"] == 'it\'s "so"'
+    assert hdengine.load(tmp_path / "o").summary["title"] == 'it\'s "so"'
+
+
+def test_nothing_hides_behind_a_column(tmp_path):
+    """A value that crosses column 4096 is read whole."""
+    path = tmp_path / "a.nml"
+    for start in range(4076, 4100, 3):
+        path.write_text("&load" + (start - 5) * " " + "torque = 100.5 /\n")
+        assert hdengine.read_scene(path)["load.torque"] == 100.5
+
+
+@pytest.mark.parametrize("body", ["\n" * 1_000_000, "!" + 10_000_000 * "x" + "\n", "! " + 200_000 * "&load torque = 1 /\n! " + "\n"])
+def test_large_files_take_linear_time(tmp_path, body):
+    """A million blank lines or a comment of ten megabytes are read in seconds."""
+    path = tmp_path / "a.nml"
+    path.write_text(body + "&load torque = 3 /\n")
+    start = time.monotonic()
+    assert hdengine.read_scene(path)["load.torque"] == 3
+    assert time.monotonic() - start < 5
+
+
+def test_random_namelists_end_in_order(exe, tmp_path):
+    """Files put together at random are valid or refused with code 2 in UTF-8; none ends by a signal or silently."""
+    draw, path = random.Random(31), tmp_path / "a.nml"
+    for _ in range(40):
+        text = " ".join(draw.choice(PIECES) for _ in range(draw.randrange(1, 30)))
+        path.write_bytes(text.encode("latin-1"))
+        done = subprocess.run([exe, path, "--check"], capture_output=True, timeout=60)
+        assert done.returncode in (0, 2) and (done.returncode == 0) == (not done.stderr), text
+        done.stderr.decode()
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_scenes_are_namelists_to_others(path):
+    """f90nml reads every scene of data/ and finds the values that the engine finds."""
+    scene = hdengine.read_scene(path)
+    found = {f"{group}.{key}": value for group, keys in f90nml.read(path).items() for key, value in keys.items()}
+    assert found and all(scene[key] == value for key, value in found.items())
+
+
+def test_the_echo_is_a_namelist_to_others(small_run):
+    """f90nml reads the echo of a run, every key of it, with the values of the run."""
+    scene = hdengine.read_scene(small_run / "echo.nml")
+    found = {f"{group}.{key}": value for group, keys in f90nml.read(small_run / "echo.nml").items() for key, value in keys.items()}
+    lists = {key: [value] if isinstance(scene[key], list) and not isinstance(value, list) else value for key, value in found.items()}
+    assert len(found) > 70 and {key: scene[key] for key in found} == lists
+
+
+def test_an_input_is_a_file(exe):
+    """What cannot be read twice is no input: code 3 names it."""
+    done = call(exe, "/dev/null", "--check")
+    assert done.returncode == 3 and "/dev/null" in done.stderr

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Processes around the engine: forks, threads, workers, locks of folders, signals."""
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+import hdengine
+from conftest import ROOT, call
+from hdengine.studies.study import Study, StudyResult
+
+CD14 = ROOT / "data/cd14.nml"
+SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
+FREE = {k: v for k, v in os.environ.items() if k not in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_WAIT_POLICY")}
+LONG = ["mesh.divisions=160", "mesh.band_facets=24", "load.assembly_steps=40", "load.torque_steps=40"]  # minutes
+
+
+def python(code, cwd, **options):
+    """Run a script as a user would, with the threads that the machine gives."""
+    (cwd / "script.py").write_text(code)
+    return subprocess.run([sys.executable, "script.py"], cwd=cwd, capture_output=True, text=True, timeout=120, env=FREE, **options)
+
+
+def begun(exe, folder, *words, env=None):
+    """hdengine.x at work on a long run, past its first load step."""
+    process = subprocess.Popen([exe, CD14, *LONG, *words, "--out", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               env=env)
+    table = folder / "checkpoint.bin"
+    for _ in range(600):
+        if table.exists() or process.poll() is not None:
+            break
+        time.sleep(0.05)
+    assert process.poll() is None, process.stderr.read()
+    return process
+
+
+def test_a_fork_after_a_run_computes(tmp_path):
+    """A child forked after a run with threads solves the same scene to the same bits; a run of the parent is not its to step."""
+    done = python("""
+import multiprocessing, hdengine
+keys = {"mesh.divisions": 64, "mesh.band_facets": 8, "load.torque_steps": 1}
+def solve(_=0):
+    with hdengine.Run(**keys) as run:
+        return [step.k_ts_nm_per_rad for step in run][-1]
+def steal(_):
+    try:
+        open_run.advance()
+    except hdengine.InputError as error:
+        return str(error)
+first, open_run = solve(), hdengine.Run(out="parent.out", **keys)
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    print(len({first, *pool.map_async(solve, range(2)).get(60)}))
+    print(pool.map_async(steal, [0]).get(60)[0])
+open_run.close()
+""", tmp_path)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0] == "1" and "fork" in lines[1]
+    assert json.loads((tmp_path / "parent.out/summary.json").read_text())["status"] == "stopped_at_limit"
+
+
+def test_waiting_threads_sleep(exe, tmp_path):
+    """Program and package tell OpenMP to wait passively and leave an environment that says otherwise alone; Python's stays clean."""
+    def spins(*words, **variables):
+        env = FREE | {"OMP_DISPLAY_ENV": "verbose"} | variables
+        done = subprocess.run(words, capture_output=True, text=True, env=env, cwd=tmp_path)
+        return int([line for line in done.stderr.splitlines() if "GOMP_SPINCOUNT" in line][-1].split("=")[1].strip(" '"))
+    python_words = sys.executable, "-c", "import os, hdengine; assert os.environ.get('OMP_WAIT_POLICY') in (None, 'active')"
+    for words in ((exe, "--version"), python_words):
+        assert spins(*words) == 0
+        assert spins(*words, OMP_WAIT_POLICY="active") > 1_000_000 and spins(*words, GOMP_SPINCOUNT="77") == 77
+
+
+def test_a_script_needs_no_main_guard(tmp_path):
+    """Workers solve a study of a script without a main guard, each with one thread, also where the script stands on stdin."""
+    code = f"""
+import hdengine
+study = hdengine.Study(grid={{"load.torque": [1.0, 2.0]}}, fixed={SMALL!r})
+print(study.run("s.out", jobs=2, force=True, show=False).summary["status"])
+"""
+    assert python(code, tmp_path).stdout == "complete\n"
+    assert subprocess.run([sys.executable], input=code, cwd=tmp_path, capture_output=True, text=True, timeout=120).stdout == "complete\n"
+
+
+def test_workers_that_cannot_start_are_one_error(tmp_path):
+    """Where the workers' Python cannot load the package the study ends with one error that names the exit code."""
+    done = python(f"""
+import sys, hdengine
+sys.path[:] = []
+hdengine.Study(grid={{"load.torque": [1.0, 2.0]}}, fixed={SMALL!r}).run("s.out", jobs=2, show=False)
+""".replace("sys.path[:] = []", "sys.executable = '/bin/false'"), tmp_path)
+    assert done.returncode == 1 and done.stderr.count("Traceback") == 1
+    assert "InternalError: a worker process ended before it could begin (exit code 1)" in done.stderr
+
+
+def test_one_folder_one_run(exe, tmp_path):
+    """While a run is at work in a folder others are refused with code 3 and its process, run or study; when it is dead, not."""
+    folder = tmp_path / "r"
+    first = begun(exe, folder)
+    try:
+        for words in (["--resume"], ["--force"], []):
+            done = call(exe, CD14, *LONG, *words, "--out", folder)
+            assert done.returncode == 3 and f"process {first.pid} " in done.stderr and done.stderr.count("\n") == 2
+        with pytest.raises(hdengine.FileError, match=f"process {first.pid} "):
+            hdengine.Run(CD14, folder, resume=True)
+        with pytest.raises(hdengine.FileError, match=f"process {first.pid} "):
+            Study(fixed=SMALL).run(folder, show=False)
+    finally:
+        first.kill()
+        first.communicate()
+    assert (folder / "hdengine.lock").exists()
+    done = call(exe, CD14, *SMALL_WORDS, "--force", "--out", folder)
+    assert done.returncode == 0 and not (folder / "hdengine.lock").exists()
+
+
+SMALL_WORDS = [f"{k}={v}" for k, v in SMALL.items()]
+
+
+def test_runs_of_one_process_share_no_folder(tmp_path):
+    """Two runs of one Python process in a folder: the second is refused; closed, or refused for its input, a run leaves no lock."""
+    with hdengine.Run(CD14, tmp_path / "r", **SMALL), pytest.raises(hdengine.FileError, match=f"process {os.getpid()} "):
+        hdengine.Run(CD14, tmp_path / "r", force=True, **SMALL)
+    with pytest.raises(hdengine.FileError, match="earlier run"):
+        hdengine.Run(CD14, tmp_path / "r", **SMALL)
+    assert not (tmp_path / "r/hdengine.lock").exists()
+    with pytest.raises(hdengine.InputError):
+        hdengine.Run(CD14, tmp_path / "none", **SMALL, **{"load.torque": "x"})
+    assert not (tmp_path / "none").exists()
+
+
+def test_pairs_of_runs_leave_whole_tables(exe, tmp_path):
+    """Of two runs started into one folder at once one is complete with all its rows, the other is refused."""
+    for i in range(4):
+        folder = tmp_path / str(i)
+        pair = [subprocess.Popen([exe, CD14, *SMALL_WORDS, "load.torque_steps=6", "--out", folder], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.PIPE, text=True) for _ in range(2)]
+        errors = [p.communicate()[1] for p in pair]
+        assert sorted(p.returncode for p in pair) == [0, 3], errors
+        rows = list(csv.DictReader((folder / "steps.csv").read_text().splitlines()))
+        assert [int(row["step"]) for row in rows] == list(range(1, 8))
+
+
+@pytest.mark.parametrize("name, code", [("SIGHUP", 7), ("SIGQUIT", 7), ("SIGINT", 7), ("SIGTERM", 7)])
+def test_signals_end_a_run_within_a_step(exe, tmp_path, name, code):
+    """A signal ends hdengine.x within two seconds, in the middle of a load step, with a summary that says so and no backtrace."""
+    process = begun(exe, tmp_path / "r")
+    start = time.monotonic()
+    process.send_signal(getattr(signal, name))
+    error = process.communicate(timeout=30)[1]
+    assert process.returncode == code and time.monotonic() - start < 2
+    assert error.startswith("error: interrupted after ") and error.count("\n") == 1
+    assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "interrupted"
+    assert not (tmp_path / "r/hdengine.lock").exists()
+
+
+def test_an_ignored_signal_stays_ignored(exe, tmp_path):
+    """Under nohup a closed terminal does not end the run."""
+    process = subprocess.Popen(["nohup", exe, CD14, *SMALL_WORDS, "mesh.divisions=80", "mesh.band_facets=12", "--out", tmp_path / "r"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    while not (tmp_path / "r/echo.nml").exists():
+        time.sleep(0.01)
+    process.send_signal(signal.SIGHUP)
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("keys", ["", ", **{'run.tolerance': 0.01}"], ids=["step", "plan"])
+def test_interrupts_in_python_act_at_once(tmp_path, keys):
+    """SIGINT raises KeyboardInterrupt within two seconds inside of a load step or a plan; the engine then computes as ever."""
+    words = {w.split("=")[0]: int(w.split("=")[1]) for w in LONG}
+    done = python(f"""
+import os, signal, threading, time, hdengine
+small = {SMALL!r}
+def solve():
+    with hdengine.Run(**small) as run:
+        return [step.k_ts_nm_per_rad for step in run]
+before = solve()
+threading.Timer(2.5, lambda: (globals().update(sent=time.monotonic()), os.kill(os.getpid(), signal.SIGINT))).start()
+try:
+    hdengine.run({str(CD14)!r}, "r.out", **{words!r}{keys})
+except KeyboardInterrupt:
+    print(time.monotonic() - sent)
+hdengine.forget()
+print(solve() == before)
+""", tmp_path)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.split()
+    assert float(lines[0]) < 2 and lines[1] == "True"
+    if not keys:
+        assert json.loads((tmp_path / "r.out/summary.json").read_text())["status"] == "interrupted"
+
+
+def test_the_log_is_told_while_it_grows(caplog):
+    """Lines of the log reach the logger `hdengine` at level INFO, those of the plan too, and none at the level above."""
+    with caplog.at_level("INFO", logger="hdengine"), hdengine.Run(CD14, **SMALL) as run:
+        steps = len(list(run))
+    lines = [r.getMessage() for r in caplog.records if r.name == "hdengine"]
+    assert sum("assembly" in line or "torque  " in line for line in lines) == steps and any("solver" in line for line in lines)
+    caplog.clear()
+    with hdengine.Run(CD14, **SMALL) as run:
+        list(run)
+    assert not caplog.records
+
+
+def test_a_bar_follows_a_run(tmp_path, capsys):
+    """`show` draws a bar that counts the load steps."""
+    hdengine.run(CD14, tmp_path / "r", show=True, **SMALL)
+    assert "2 [" in capsys.readouterr().err.split("\r")[-1]
+
+
+def test_a_time_limit_that_is_too_short_is_told(exe, tmp_path):
+    """A limit within which no load step fits is told with the first run and with those that resume it."""
+    for words in ([], ["--resume"]):
+        done = call(exe, CD14, *SMALL_WORDS, "solver.time_limit_s=1e-4", "--out", tmp_path / "r", *words)
+        assert done.returncode == 7 and "longer solver.time_limit_s" in done.stderr
+
+
+def test_two_studies_share_no_folder(tmp_path):
+    """The second of two studies in one folder is refused; the first ends complete."""
+    study, errors = Study(grid={"load.torque": [1.0, 2.0, 3.0]}, fixed=SMALL), []
+
+    def run():
+        try:
+            study.run(tmp_path / "s", show=False)
+        except hdengine.FileError as error:
+            errors.append(str(error))
+    threads = [threading.Thread(target=run) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(errors) == 1 and f"process {os.getpid()} " in errors[0]
+    assert StudyResult(tmp_path / "s").summary["status"] == "complete"

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes at the lower end: little torque, no contact, nothing that holds; and first steps that take long."""
+import pytest
+
+import hdengine
+from conftest import ROOT, SMALL, call
+
+CD14 = ROOT / "data/cd14.nml"
+
+
+def solve(exe, folder, *keys):
+    done = call(exe, CD14, *SMALL, *keys, "output.vtu=none", "--out", folder, "-q")
+    return done, hdengine.load(folder) if done.returncode == 0 else None
+
+
+@pytest.mark.parametrize("torque", [1e-4, 1e-3, 0.156])
+def test_small_torques_under_large_displacements(exe, tmp_path, torque):
+    """Pairs are found to rounding, so that moments balance to a thousandth of any torque; the rotation is in proportion to it."""
+    done, r = solve(exe, tmp_path / "t", "solver.kinematics=nonlinear", "wave_generator.ring_tangent=follow", f"load.torque={torque}")
+    assert done.returncode == 0, done.stderr
+    assert abs(r.steps["torque_balance_nm"][-1]) < 1e-3 * torque
+    assert r.steps["rotation_rad"][-1] / torque == pytest.approx(1.13e-6, rel=0.05)
+
+
+@pytest.mark.parametrize("kinematics", ["linear", "nonlinear"])
+def test_bodies_that_do_not_touch(exe, tmp_path, kinematics):
+    """A ring with clearance, moved as a whole, has no forces but rounding: it converges, without contact, and the cup alone takes the torque."""
+    done, r = solve(exe, tmp_path / "n", "wave_generator.w=0", "wave_generator.eccentricity=5e-6", "wave_generator.interference=-10e-6",
+                    f"solver.kinematics={kinematics}")
+    assert done.returncode == 0, done.stderr
+    assert r.steps["normal_force_n"].max() == 0 and r.steps["rotation_rad"][-1] > 1e-5
+
+
+def test_nothing_holds_the_cup(exe, tmp_path):
+    """Without interference nothing takes the torque of a bearing support: said at once, not after hundreds of iterations."""
+    done, _ = solve(exe, tmp_path / "h", "wave_generator.w=0", "wave_generator.interference=0", "load.support=bearing")
+    assert done.returncode == 4 and "not held" in done.stderr
+    assert len((tmp_path / "h/history.csv").read_text().splitlines()) < 20
+
+
+def test_ring_without_inner_nodes_by_schur(exe, tmp_path):
+    """All dofs of a ring of one layer that may lift off are on its faces: the Schur complement has nothing to eliminate there, and gives what
+    the harmonics give."""
+    keys = ["wave_generator.ring_contact=unilateral"]
+    (a, schur), (b, harmonics) = (solve(exe, tmp_path / m, *keys, f"solver.method={m}") for m in ("schur", "condensed"))
+    assert a.returncode == b.returncode == 0, a.stderr + b.stderr
+    assert schur.steps["normal_force_n"][-1] == pytest.approx(harmonics.steps["normal_force_n"][-1], rel=1e-7)
+
+
+def test_first_step_is_not_halved(exe, tmp_path):
+    """From rest a linear scene is as hard at any share of the load: it gets more iterations and no halves."""
+    done, r = solve(exe, tmp_path / "p", "solver.max_iterations=3", "load.torque_steps=0")
+    assert done.returncode == 0, done.stderr
+    assert r.steps["iterations"][0] > 3 and len(set(r.history["attempt"][r.history["step"] == 1])) == 1

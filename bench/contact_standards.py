@@ -4,10 +4,8 @@
 
 Writes bench/results/contact_standards.json and docs/figures/contact_standards.png, prints Markdown. Takes some five minutes.
 """
-import json
 import sys
 import time
-from pathlib import Path
 
 import matplotlib
 import matplotlib.ticker
@@ -16,13 +14,11 @@ import numpy as np
 import hdengine
 
 matplotlib.use("Agg")
+import contact_cases as cc  # noqa: E402
 from matplotlib import pyplot as plt  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parent))
-import contact_cases as cc  # noqa: E402
-from peer_hub import machine  # noqa: E402
+from common import ROOT, write_record
 
-ROOT = Path(__file__).resolve().parents[1]
 FRICTION = 0.3
 PATH = (0.5, 1.1, 0.5, 0.0, -0.5, -1.1)
 
@@ -178,7 +174,7 @@ def show(record):
 
 def main():
     start = time.time()
-    record = {"machine": machine(), "hdengine": hdengine.__version__}
+    record = {"hdengine": hdengine.__version__}
     fig, axes = plt.subplots(2, 3, figsize=(14, 8.5), layout="constrained")
     ax = axes.flat
     for part in (hertz, cattaneo, rod, persson, press_fit):
@@ -199,7 +195,7 @@ def main():
     ax[5].xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     ax[5].legend(fontsize=9)
     fig.savefig(ROOT / "docs/figures/contact_standards.png", dpi=100)
-    (ROOT / "bench/results/contact_standards.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("contact_standards", record)
     show(record)
 
 

@@ -11,15 +11,13 @@ import argparse
 import json
 import os
 import resource
-import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from peer_hub import ROOT, machine
+from common import ROOT, program, write_record
 
 MESHES = [(80, 6), (120, 9), (160, 12), (240, 18), (360, 27), (584, 36), (640, 42), (870, 56)]
 METHODS = {"condensed": "harmonics", "exact": "exact factors", "single": "symmetric single factors", "schur": "Schur complement"}
@@ -88,7 +86,7 @@ def main():
     parser.add_argument("--limit", type=float, default=100, help="CPU seconds of one run")
     parser.add_argument("--most", type=float, default=2.1e6, help="largest number of dof")
     args = parser.parse_args()
-    exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
+    exe = program("hdengine.x")
     rows = []
     for method in METHODS:
         for divisions, facets in MESHES:
@@ -104,9 +102,9 @@ def main():
             print(method, row["dof"], f"{row['cpu_s']:.1f} s {row['memory_mb']:.0f} MB, {row['iterations']} iterations", flush=True)
     fits = {m: {key: fit([r for r in rows if r["method"] == m], key) for key in ("cpu_s", "memory_mb")} for m in METHODS}
     largest = {m: (16 * 1024 / f["memory_mb"][1])**(1 / f["memory_mb"][0]) for m, f in fits.items() if f["memory_mb"]}
-    record = {"machine": machine(), "threads": 1, "limit_s": args.limit, "rows": rows, "exponent_and_factor": fits,
+    record = {"threads": 1, "limit_s": args.limit, "rows": rows, "exponent_and_factor": fits,
               "largest_dof_in_16_gib": largest}
-    (ROOT / "bench/results/cost_over_size.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("cost_over_size", record)
     draw(rows, ROOT / "docs/figures/cost_over_size.png")
     for m, f in fits.items():
         print(METHODS[m], f, f"largest in 16 GiB (extrapolated): {largest.get(m, float('nan')):.3g} dof")

@@ -6,12 +6,9 @@ Needs the Debian package calculix-ccx. Writes bench/results/elements.json and do
 Usage: bench/elements.py [--quick]
 """
 import argparse
-import json
-import os
 import re
-import shutil
+import resource
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -28,10 +25,8 @@ from hdengine import solid
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parent))
-from peer_hub import machine  # noqa: E402
+from common import ROOT, program, write_record
 
-ROOT = Path(__file__).resolve().parents[1]
 OURS = ("hex8", "hex8i", "hex20r")
 PEERS = ("C3D8", "C3D8R", "C3D8I", "C3D20", "C3D20R")
 
@@ -304,10 +299,10 @@ def calculix(case, element, folder):
     lines += [f"{i + 1},{d + 1},{case.force[i, d]:.12g}" for i, d in np.argwhere((case.force != 0) & ~case.fixed)]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
     (folder / "case.inp").write_text("\n".join(lines) + "\n")
-    before = os.times()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(["ccx", "-i", "case"], cwd=folder, capture_output=True, check=True)
-    after = os.times()
-    seconds = after.children_user + after.children_system - before.children_user - before.children_system
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     u = np.zeros(case.mesh.points.shape)
     for n, *v in re.findall(r"^\s+(\d+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", (folder / "case.dat").read_text(), re.M):
         u[int(n) - 1] = [float(x) for x in v]
@@ -374,7 +369,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="small meshes; writes nothing")
     args = parser.parse_args()
-    ccx = shutil.which("ccx") or sys.exit("ccx not found: apt-get install calculix-ccx")
+    ccx = program("ccx", "apt-get install calculix-ccx")
     rows = []
     for make in all_cases(args.quick):
         pair = {q: make(q) for q in (False, True)}
@@ -394,8 +389,8 @@ def main():
     if args.quick:
         return
     version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
-    record = {"machine": machine(), "hdengine": hdengine.__version__, "calculix": version, "patch_test_error": patches, "rows": rows}
-    (ROOT / "bench/results/elements.json").write_text(json.dumps(record, indent=1) + "\n")
+    record = {"hdengine": hdengine.__version__, "calculix": version, "patch_test_error": patches, "rows": rows}
+    write_record("elements", record)
     figure(rows)
 
 

@@ -75,7 +75,7 @@ def percent(share):
 
 
 def line(r):
-    """A row as it stands in docs/verification.md."""
+    """A row as it stands in docs/evidence/verification.md."""
     return (f"| {r['d']} | {r['ridges']} | {r['noise']} | {r['estimator']} | {r['bias_d']:+.4f} | {r['std_d']:.4f} | "
             f"{r['error_d']:.4f} | {r['bias_ln_g']:+.3f} | {r['std_ln_g']:.3f} | "
             f"{percent(r['coverage_sampling_d'])} / {percent(r['coverage_sampling_ln_g'])} | "

@@ -5,17 +5,12 @@
 Every scene is an assembly and a torque ramp; the assembly is solved once for the torques that share it. Usage: bench/forty_scenes.py; writes bench/results/forty_scenes.json.
 """
 import itertools
-import json
 import resource
 import sys
 import time
-from pathlib import Path
-
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "bench"))
 
 import hdengine  # noqa: E402
-from peer_hub import machine  # noqa: E402
+from common import ROOT, write_record
 
 TORQUES, ECCENTRICITIES = (1.0, 2.0, 3.0, 4.0, 5.0), (0.0, 5e-6, 10e-6)
 DEFORMATIONS = (0.195e-3, 0.200e-3, 0.205e-3, 0.210e-3, 0.215e-3)
@@ -36,10 +31,10 @@ def main():
             dof, facets = run.dof, run.facets
         rows.append({"torque_nm": torque, "eccentricity_m": eccentricity, "w_m": w, "k_ts_nm_per_rad": step.k_ts_nm_per_rad,
                      "rotation_rad": step.sums["rotation_rad"], "seconds": time.time() - before})
-    record = {"machine": machine(), "scenes": len(rows), "dof": dof, "facets": facets, "wall_s": time.time() - start,
+    record = {"scenes": len(rows), "dof": dof, "facets": facets, "wall_s": time.time() - start,
               "cpu_s": time.process_time() - cpu, "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
               "rows": rows}
-    (ROOT / "bench/results/forty_scenes.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("forty_scenes", record)
     print(f"{len(rows)} scenes of {dof} dof, {facets} facets: {record['wall_s']:.1f} s wall, {record['cpu_s']:.1f} s CPU, "
           f"{record['peak_memory_mb']:.0f} MB; slowest {max(r['seconds'] for r in rows):.2f} s")
 

@@ -12,7 +12,6 @@ import argparse
 import json
 import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import matplotlib
 
@@ -21,9 +20,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hdengine
+from common import ROOT
 from hdengine import Joint, surface
 
-ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "data/joint_calibration.json"
 LENGTH, CUT_OFFS = 0.5e-3, (8e-6, 4e-6)
 PRESSURE = np.array([2e6, 5e6, 10e6, 20e6, 50e6, 100e6, 200e6, 500e6])

@@ -4,14 +4,12 @@
 
 Usage: bench/kinematics_map.py; writes bench/results/kinematics_map.json and docs/figures/kinematics_map.png.
 """
-import json
-from pathlib import Path
 
 import numpy as np
 
 import hdengine
+from common import ROOT, write_record
 
-ROOT = Path(__file__).resolve().parents[1]
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
 NAMES = ("K_TS", "normal force", "mid-band pressure")
 
@@ -58,7 +56,7 @@ def main():
                 rows.append({"w_m": w, "wall_m": wall, "torque_nm": torque, "error": list(a / b - 1)})
             print(f"w {1e3 * w:.2f} mm, wall {1e3 * wall:.2f} mm: " + ", ".join(
                 f"{t:g} N m " + "/".join(f"{100 * x:+.1f}" for x in r["error"]) for t, r in zip(TORQUES, rows[-3:])), flush=True)
-    (ROOT / "bench/results/kinematics_map.json").write_text(json.dumps(rows, indent=1) + "\n")
+    write_record("kinematics_map", rows)
     draw(rows, ROOT / "docs/figures/kinematics_map.png")
 
 

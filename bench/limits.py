@@ -6,9 +6,7 @@ Takes some two minutes; reads bench/results of earlier scripts where they hold t
 docs/figures/limits_contact.png.
 """
 import csv
-import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -17,19 +15,20 @@ import matplotlib.ticker
 import numpy as np
 
 matplotlib.use("Agg")
+import elements  # noqa: E402
 from matplotlib import pyplot as plt  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parent))
-import elements  # noqa: E402
+from common import ROOT, program, read_record, write_record
 from hdengine import mesh as hm  # noqa: E402
-from scene_tables import EXE, ROOT  # noqa: E402
+
+EXE = program("hdengine.x")
 
 RECORD = {}
 
 
 def stored(name):
     """Results of an earlier script."""
-    return json.loads((ROOT / f"bench/results/{name}.json").read_text())
+    return read_record(name)
 
 
 def run(*keys):
@@ -194,7 +193,7 @@ def main():
         ax.legend(fontsize=8)
         print(panel.__name__, flush=True)
     fig.savefig(ROOT / "docs/figures/limits_contact.png", dpi=85)
-    (ROOT / "bench/results/limits.json").write_text(json.dumps(RECORD, indent=1) + "\n")
+    write_record("limits", RECORD)
 
 
 if __name__ == "__main__":

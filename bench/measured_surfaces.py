@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fit measured surfaces and write the table of docs/verification.md.
+"""Fit measured surfaces and write the table of docs/evidence/verification.md.
 
 python bench/measured_surfaces.py FOLDER    (a folder with the files named below; each reads or says why not)
 """
-import json
 import sys
 import warnings
 from pathlib import Path
 
 import hdengine
+from common import write_record
 from hdengine import specimen
 
 UNITS = {"nanovea_test2.txt": {"unit": ("mm", "um")}, "npl_edm_x_um_z_um.csv": {"unit": "um"},
@@ -38,8 +38,7 @@ def main(folder):
         for w in row.get("windows", ()):
             print(f"    {w['lags']} D {w['d']:.3f} +- {1.96 * w['d_error']:.3f} G {w['g_m']:.3g} (x/ {1.96 * w['ln_g_error']:.2g} in ln)"
                   f" S_x/S_y {w['anisotropy']:.2f} {w['verdict']} ({w['kind']}): {w['reason']}")
-    out = Path(__file__).parent / "results/measured_surfaces.json"
-    out.write_text(json.dumps(rows, indent=1) + "\n")
+    write_record("measured_surfaces", rows)
     table = ["| file | points | Sq / µm | lags | D ± 95 % | G / m | S_x/S_y | verdict |", "|---|---|---|---|---|---|---|---|"]
     for row in rows:
         for w in row.get("windows", ()):

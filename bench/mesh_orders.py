@@ -4,10 +4,8 @@
 
 Writes bench/results/mesh_orders.json and docs/figures/mesh_orders.png, prints Markdown.
 """
-import json
 import math
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -17,10 +15,10 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parent))
-from scene_tables import EXE, ROOT  # noqa: E402
-
 import hdengine  # noqa: E402
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
 
 QUANTITIES = {"normal_force_n": "normal force", "rotation_rad": "rotation", "contact_area_m2": "contact area",
               "pressure_mid_mean_pa": "mid-band pressure", "profile": "mid-band profile"}
@@ -104,7 +102,7 @@ def main():
             record[name]["fits"][key] = {"limit": np.asarray(limit).tolist(), "order": order, "misfit": misfit, "away": away.tolist()}
             values, end = (", ".join(f"{v:.2%}" for v in away), "") if key == "profile" else (", ".join(f"{v:.5g}" for v in q), f"{limit:.5g}")
             print(f"| {name} | {label} | {values} | {end} | {shown(order)} | {misfit:.2%} |", flush=True)
-    (ROOT / "bench/results/mesh_orders.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("mesh_orders", record)
     draw(record, ROOT / "docs/figures/mesh_orders.png")
 
 

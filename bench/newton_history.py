@@ -6,7 +6,6 @@ where the states are settled.
 Usage: bench/newton_history.py; writes bench/results/newton_history.json and docs/figures/newton_history.png, prints Markdown.
 """
 import csv
-import json
 import subprocess
 import sys
 import tempfile
@@ -18,8 +17,10 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parent))
-from scene_tables import EXE, ROOT  # noqa: E402
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
+
 
 KEYS = ["mesh.divisions=80", "load.assembly_steps=4", "load.torque_steps=4", "solver.tolerance=1e-10", "output.vtu=none"]
 FREE = ["load.support=bearing"]
@@ -42,7 +43,7 @@ def solve(keys, method):
 
 
 def follows(a, b):
-    """b is the next iterate of the same equations; where pairs are made anew the count stands still."""
+    """B is the next iterate of the same equations; where pairs are made anew the count stands still."""
     return a[0] == b[0] and b[1] == a[1] + 1
 
 
@@ -116,7 +117,7 @@ def main():
     ax.hist(np.concatenate([r["orders"] for r in record.values()]), bins=np.arange(0, 3.6, 0.2))
     ax.set(xlabel="order log(r₂/r₁) / log(r₁/r₀)", ylabel="iterates", title="order of settled iterates")
     fig.savefig(ROOT / "docs/figures/newton_history.png", dpi=90)
-    (ROOT / "bench/results/newton_history.json").write_text(json.dumps(record) + "\n")
+    write_record("newton_history", record)
 
 
 if __name__ == "__main__":

@@ -8,19 +8,20 @@ prints Markdown.
 import json
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
-from scene_tables import EXE, ROOT  # noqa: E402
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
+
 
 SCENE = ["mesh.divisions=40", "load.assembly_steps=4", "load.torque_steps=10", "output.vtu=none"]
 KEYS = {"solver.tolerance": (1e-7, 1e-8, 1e-9), "solver.max_iterations": (20, 60, 600), "load.support_stiffness": (10, 100, 1000)}
 STEPS = {"load.torque_steps": (5, 10, 50), "load.assembly_steps": (1, 4, 40)}
 CONSTANTS = {  # name: file, text, value
-    "c of the semi-smooth law": ("fortran/study/hd_drive.f90", "law%scale = sqrt(", "law%scale = {f}*sqrt("),
-    "reach of the turning slip": ("fortran/contact/hd_contact_law.f90", "reach = 10 ", "reach = 10*{f} "),
+    "c of the semi-smooth law": ("fortran/drive/hd_drive.f90", "law%scale = sqrt(", "law%scale = {f}*sqrt("),
+    "reach of the turning slip": ("fortran/interface/hd_contact_law.f90", "reach = 10 ", "reach = 10*{f} "),
     "accuracy of GMRES": ("fortran/contact/hd_newton.f90", "1e-5_dp, search)", "1e-5_dp*{f}, search)"),
     "refinement from": ("fortran/contact/hd_checked_solve.f90", "refine_above = 1e-4_dp", "refine_above = 1e-4_dp*{f}"),
     "iterations before the line search": ("fortran/contact/hd_newton.f90", "full_steps = 12 ", "full_steps = nint(12*{f}) "),
@@ -70,7 +71,7 @@ def main():
                 runs.append(both(copy / "build/fortran/app/hdengine.x"))
             path.write_text(text)
             row(record, name + " (times)", (0.1, 1, 10), runs)
-    (ROOT / "bench/results/numerical_parameters.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("numerical_parameters", record)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compare with the figures that Hu et al. (2023) state, and with catalogues: tables of docs/comparison.md, and its figures.
+"""Compare with the figures that Hu et al. (2023) state, and with catalogues: tables of docs/evidence/comparison.md, and its figures.
 
 Solves the studies of data/ it needs (a quarter of an hour; finished points are kept in --work). `hdengine report WORK` then makes
 one HTML file of the comparison and all its studies.
@@ -15,13 +15,15 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
-from hdengine import paper
+from common import ROOT, put, table, write_record
 from hdengine.catalogue import UNITS
-from hdengine.plot import draw_shares, plt
-from hdengine.plot_study import draw_catalogue, draw_units, plot_study
+from hdengine.figures.run import draw_shares
+from hdengine.figures.study import draw_catalogue, draw_units, plot_study
+from hdengine.figures.style import new_axes, styled
+from hdengine.paper import comparison as paper
 
-ROOT = Path(__file__).resolve().parents[1]
 BALLS, DIAMETER, LOAD = 21, 3.2e-3, 15.0  # estimates, no source for this bearing: [-], [m], [N] radial tooth force of 5 N m a ball
+PAGE = "evidence/comparison"
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 
 
@@ -37,7 +39,7 @@ def ball_stiffness(size=14):
 
 def study(name, work, suffix="", together=None, **fixed):
     """A study of data/, solved or continued."""
-    chosen = hdengine.Study.read(ROOT / f"data/{name}.nml")
+    chosen = hdengine.Study.read(ROOT / f"data/{name}.toml")
     chosen.together |= together or {}
     chosen.fixed.update({k.replace("__", "."): v for k, v in fixed.items()})
     chosen.title += ", Eq. 28 as printed" if fixed.get("joint__closure") == "paper" else ""
@@ -50,13 +52,13 @@ def value(result, column="k_ts_nm_per_rad", **keys):
     return rows[0].get(column, np.nan) if rows else np.nan
 
 
-def trend(name, result, **keys):
+def trend(name, result, column="k_ts_nm_per_rad", **keys):
     """Rise from 1 to 5 N m, change by 10 um of eccentricity, place and height of the maximum over w, slip torque of one scene."""
     varied = "wave_generator.w" in result.summary["swept"]
 
     def k(torque, w=0.2e-3, e=0.0):
         place = {"wave_generator__w": w, "wave_generator__eccentricity": e} if varied else {}
-        found = value(result, torque_nm=torque, **place, **keys) if varied or (w, e) == (0.2e-3, 0.0) else np.nan
+        found = value(result, column, torque_nm=torque, **place, **keys) if varied or (w, e) == (0.2e-3, 0.0) else np.nan
         return found if found > 0 else np.nan
     curve = np.array([[k(t, w=w) for w in W] for t in paper.TORQUES_NM])
     solved = np.all(np.isfinite(curve))
@@ -72,8 +74,8 @@ def trend(name, result, **keys):
             "slip_torque_nm": slip[0]["torque_nm"] if slip else None}
 
 
-def trends(work):
-    """All scenes explored."""
+def trends(work, column="k_ts_nm_per_rad"):
+    """All scenes explored, in one reading of K_TS."""
     for name, shape in (("explore_trends", "pressed"), ("explore_formed", "formed")):
         result = study(name, work)
         keys = [k for k in ("load.support", "load.torque_load", "wave_generator.interference") if k in result.summary["swept"]]
@@ -81,7 +83,24 @@ def trends(work):
             chosen = dict(zip(keys, case))
             place = chosen.get("load.support") or result.summary["scene"]["load.support"]
             label = f"{shape}, {place}, {chosen['load.torque_load']}, {1e6 * chosen['wave_generator.interference']:g} µm"
-            yield trend(label, result, **{k.replace(".", "__"): v for k, v in chosen.items()})
+            yield trend(label, result, column, **{k.replace(".", "__"): v for k, v in chosen.items()})
+
+
+READINGS = {"k_ts_nm_per_rad": "Eq. 45", "k_ts_paper_n": "Eq. 45 as printed", "k_ts_tangent_nm_per_rad": "tangent",
+            "k_ts_secant_nm_per_rad": "secant", "k_fe_secant_nm_per_rad": "torque over rotation"}
+
+
+def reading_line(name, found):
+    """Row of the verdicts on one reading: scenes that give each trend, and the ranges of the figures."""
+    lines = [trend_line(t)[-1].split() for t in found]
+    def spread(values):
+        values = np.array([v for v in values if np.isfinite(v)])
+        return f"{values.min():+.1f} to {values.max():+.1f} %" if len(values) else "-"
+    rise, fall = [t["rise_percent"] for t in found], [v for t in found for v in t["fall_percent"]]
+    gain = [v for t in found if t["top_mm"] for v in t["gain_percent"]]
+    two = sum(line.count("yes") > 1 for line in lines)
+    return [name, *(f"{sum(line[i] == 'yes' for line in lines)} of {len(found)}" for i in range(3)), spread(rise), spread(fall),
+            spread(gain), f"{two} of {len(found)} give two, {sum(line.count('yes') > 2 for line in lines)} all three"]
 
 
 def trend_line(t):
@@ -98,12 +117,13 @@ def trend_line(t):
     return [*t["name"].split(", "), rise, paper.signed(fall), where, paper.signed(t["gain_percent"]), " ".join(verdict)]
 
 
+@styled
 def catalogue_chart(work):
     """K_FTS of five sizes beside the catalogue; returns sizes and stiffness, wave generator rigid, and on balls."""
     sizes = sorted(UNITS)
     rigid = study("teeth_sizes", work)
     balls = study("teeth_sizes", work, "_balls", {"wave_generator.ball_stiffness": [ball_stiffness(s) for s in sizes]})
-    figure, axis = plt.subplots(figsize=(9, 5))
+    figure, axis = new_axes(figsize=(9, 5))
     found = []
     for result, name, colour in ((rigid, "ours", "C0"), (balls, "on balls", "C4")):
         found += draw_catalogue(axis, result, name, colour)
@@ -128,11 +148,12 @@ def teeth_run(work, name, **keys):
     return hdengine.load(folder)
 
 
+@styled
 def tooth_chart(work):
     """Share of each pair of teeth at one end of the long axis; returns K_FTS(T) and the largest and smallest share in per cent."""
     closed = teeth_run(work, "teeth.out")
     loose = teeth_run(work, "teeth_open.out", load__tooth_clearance=10e-6)
-    figure, axis = plt.subplots(figsize=(8, 4.4))
+    figure, axis = new_axes(figsize=(8, 4.4))
     share = {}
     for run, torque, style, label in ((closed, 5.0, "C0o-", "closed at the start, 1 to 5 N m"),
                                       (loose, 1.0, "C1^--", "outermost 10 µm open, 1 N m"),
@@ -152,17 +173,6 @@ def tooth_chart(work):
             "share_percent": share}
 
 
-def table(head, rows):
-    """A table for docs."""
-    return "\n".join("| " + " | ".join(map(str, r)) + " |" for r in (head, ["---"] * len(head), *rows))
-
-
-def put(name, text, page="comparison"):
-    """Replace what stands in a page of docs between <!-- name --> and <!-- end of name -->."""
-    page = ROOT / f"docs/{page}.md"
-    old = page.read_text()
-    start, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
-    page.write_text(old[:old.index(start) + len(start)] + text + "\n" + old[old.index(end):])
 
 
 def comparison(work, explored):
@@ -181,6 +191,16 @@ def comparison(work, explored):
     return rows, {"at_5_nm": at, "series": series.series(), "rows": [dict(zip(paper.Row.HEAD, r.cells())) for r in rows]}
 
 
+def put_readings(every):
+    """Verdict on each reading, and the scenes by the tangent. Formed scenes that slip as a whole (support 'bearing') say nothing here."""
+    every = {column: [t for t in found if not t["name"].startswith("formed, bearing")] for column, found in every.items()}
+    put("readings", table(("reading", "torque: scenes that rise alike", "eccentricity: that fall alike", "w: maximum inside", "1 to 5 N m",
+                           "e = 10 µm", "over w, maximum over minimum", "together"),
+                          [reading_line(name, every[column]) for column, name in READINGS.items()]), PAGE)
+    put("tangents", table(("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm",
+                           "over the minimum", "torque, e, w as in the paper"), map(trend_line, every["k_ts_tangent_nm_per_rad"])), PAGE)
+
+
 def main():
     """Solve and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -193,10 +213,11 @@ def main():
     sizes, found = catalogue_chart(work)
     facts |= {"teeth": teeth, "sizes": dict(zip(map(str, sizes), zip(*found))), "ball_stiffness_n_per_m": ball_stiffness(),
               "trends": explored}
-    text = json.dumps(facts, indent=1)
-    (ROOT / "bench/results/paper_comparison.json").write_text(text + "\n")
-    (work / "comparison.json").write_text(text)
+    write_record("paper_comparison", facts)
+    (work / "comparison.json").write_text(json.dumps(facts, indent=1))
     put("verdicts", paper.markdown(rows))
+    every = {column: explored if column == "k_ts_nm_per_rad" else [*trends(work, column)] for column in READINGS}
+    put_readings(every)
     put("trends", table(("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm",
                          "over the minimum", "torque, e, w as in the paper"), map(trend_line, explored)))
     put("teeth", table(("K_FTS / (kN m/rad)", *(f"{t:g} N m" for t in teeth["torque_nm"]), "largest, smallest share at 5 N m"), [

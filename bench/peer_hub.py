@@ -7,49 +7,25 @@ surface-to-surface contact, the same steps, supports and loads. Usage: bench/pee
 """
 import argparse
 import json
-import os
-import platform
 import re
-import resource
-import shutil
 import subprocess
-import sys
 import tempfile
-import time
 from pathlib import Path
 
 import meshio
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
+from common import ROOT, measured, program, write_record
+
 W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
 BORE, RING, HUB, BAND, RIM = 17.8, 16.8, 8.0, (1.0, 7.0), 7.0
 
 
-def machine():
-    """Name of the processor and number of cores."""
-    names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text()) or [platform.machine()]
-    return f"{names[0]}, {os.cpu_count()} cores"
-
 
 def timed(command, cwd, limit):
     """Wall clock [s], CPU [s], peak memory [MB], output of a command; None if it hits the limit."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    start = time.time()
-    try:
-        done = subprocess.run(["/usr/bin/time", "-f", "PEAK %M", *command], cwd=cwd, capture_output=True, text=True, timeout=limit)
-        text = done.stdout + done.stderr
-    except subprocess.TimeoutExpired as e:
-        text = (e.stdout or b"").decode(errors="replace") + "\nnot done within the limit"
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    peak = re.search(r"PEAK (\d+)", text)
-    return {
-        "wall_s": time.time() - start,
-        "cpu_s": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
-        "memory_mb": int(peak.group(1)) / 1024 if peak else None,
-        "finished": "not done within the limit" not in text,
-        "text": text,
-    }
+    done = measured(command, cwd, limit)
+    return {"wall_s": done.wall_s, "cpu_s": done.cpu_s, "memory_mb": done.memory_mb, "finished": done.code is not None, "text": done.text}
 
 
 def blocks(values, per_line=8):
@@ -136,8 +112,8 @@ def main():
     parser.add_argument("--stick", type=float, nargs="+", default=[2e5], help="stick slopes of CalculiX [N/mm3]")
     parser.add_argument("--limit", type=float, default=1500, help="seconds for CalculiX")
     args = parser.parse_args()
-    exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
-    ccx = shutil.which("ccx") or sys.exit("ccx not found: apt-get install calculix-ccx")
+    exe = program("hdengine.x")
+    ccx = program("ccx", "apt-get install calculix-ccx")
     version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -156,11 +132,9 @@ def main():
             runs[f"CalculiX, s2s, C3D8I, stick slope {stick:.0e} N/mm3"] = calculix(folder, mesh, args.limit, stick)
     for x in runs.values():
         x.pop("text")
-    record = {"machine": machine(), "hdengine": provenance, "calculix": version,
+    record = {"hdengine": provenance, "calculix": version,
               "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "runs": runs, "results": r}
-    out = ROOT / f"bench/results/peer_hub_{args.divisions}{'_slopes' if len(args.stick) > 1 else ''}.json"
-    out.parent.mkdir(exist_ok=True)
-    out.write_text(json.dumps(record, indent=1) + "\n")
+    out = write_record(f"peer_hub_{args.divisions}{'_slopes' if len(args.stick) > 1 else ''}", record)
     print(f"{record['dof']} dof, {record['facets']} facets; {version}")
     print("| code | wall s | CPU s | MB | Newton iterations | rotation by 5 Nm / rad |\n|---|---|---|---|---|---|")
     for label, x in runs.items():

@@ -3,20 +3,18 @@
 """The press-fit scenes HUB, FREE, INT and HUB on meshes that do not match: iterations over 8 increments, cut-backs, results.
 
 FREE is also driven past what friction holds: the slip torque and its bracket. Usage: bench/peer_scenes.py [--divisions 80];
-writes bench/results/peer_scenes.json, prints Markdown. The figures of CalculiX for the same scenes: docs/verification.md.
+writes bench/results/peer_scenes.json, prints Markdown. The figures of CalculiX for the same scenes: docs/evidence/verification.md.
 """
 import argparse
 import json
 import re
-import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-EXE = (shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or shutil.which("hdengine.x")
-       or sys.exit("hdengine.x not found: ./hd setup"))
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
 FREE = ["load.support=bearing", "load.support_stiffness=100"]
 SCENES = {
     "HUB": [],
@@ -52,7 +50,7 @@ def main():
               f"{r['normal_force_n']:.1f} | {r['friction_capacity_nm']:.3f} |", flush=True)
         if found := re.search(r"gross slip at T = (\S+)", s["message"]):
             print(f"slip of {name}: {found.group(1)} N m, last equilibrium {-r['friction_torque_nm']:.4f} N m")
-    (ROOT / "bench/results/peer_scenes.json").write_text(json.dumps(rows, indent=1) + "\n")
+    write_record("peer_scenes", rows)
 
 
 if __name__ == "__main__":

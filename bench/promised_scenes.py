@@ -30,10 +30,10 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
+from common import ROOT, mesh_of_level
 
-ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "bench/results/promised_scenes.jsonl"
-BAND = (4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256)
+BAND = tuple(mesh_of_level(level)["mesh.band_facets"] for level in range(1, 14))
 TOLERANCES = (0.1, 0.03, 0.01)
 NAMES = ("k_ts", "normal_force", "mid_band_pressure")
 LIMITS = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa")
@@ -80,12 +80,8 @@ def solve(keys, folder):
 
 def finer(keys, level, scene, layers=4):
     """Keys of a mesh of the series with cells at the edges three refinements finer than those of a plan."""
-    rows = BAND[level - 1]
-    around = round(np.pi * scene["geometry.bore_radius"] * rows / (3.2 * scene["geometry.band_length"]))
-    while 30**12 % around:  # sizes that FFTW is fast at, as the planner's
-        around += 1
-    around = max(16, 4 * around)
-    return keys | {"mesh.band_facets": rows, "mesh.divisions": around, "mesh.edge_length": scene["mesh.edge_length"] / 2**1.5,
+    mesh = mesh_of_level(level, geometry={k.split(".")[1]: scene[k] for k in ("geometry.bore_radius", "geometry.band_length")})
+    return keys | mesh | {"mesh.edge_length": scene["mesh.edge_length"] / 2**1.5,
                    "mesh.through_wall": layers, "mesh.through_ring": layers, "solver.tolerance": 1e-5,
                    "load.assembly_steps": scene["load.assembly_steps"], "load.torque_steps": scene["load.torque_steps"]}
 

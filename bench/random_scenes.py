@@ -7,19 +7,17 @@ Usage: bench/random_scenes.py [--count 500] [--seed 2023] [--only N]; writes ben
 import argparse
 import csv
 import json
-import shutil
 import statistics
 import subprocess
-import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-EXE = (shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or shutil.which("hdengine.x")
-       or sys.exit("hdengine.x not found: ./hd setup"))
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
 
 OPTIONS = ((0.15, "contact.law", "joint"), (0.1, "wave_generator.shape", "as_formed"), (0.15, "wave_generator.ring_contact", "unilateral"),
            (0.15, "load.torque_load", "teeth"), (0.1, "solver.kinematics", "nonlinear"), (0.2, "contact.slave", "cup"))
@@ -113,9 +111,7 @@ def main():
               "iterations_per_step_max": max(steps), "first_step_median": statistics.median(row["iterations"][0] for row in rows if row.get("iterations")),
               "cut_backs": sum(row.get("cut_backs", 0) for row in rows if row["code"] == 0), "scenes": rows}
     if args.start == 0:
-        lines = ",\n".join(json.dumps(row) for row in rows)
-        head = json.dumps({k: v for k, v in record.items() if k != "scenes"}, indent=1)[:-2]
-        (ROOT / "bench/results/random_scenes.json").write_text(f'{head},\n "scenes": [\n{lines}\n]}}\n')
+        write_record("random_scenes", record, seed=args.seed)
     for k, v in record.items():
         if k != "scenes":
             print(f"| {k} | {v} |")

@@ -10,18 +10,15 @@ edge cells of 30 um. Start values: share of that mesh's facets whose open or clo
 Usage: bench/ring_model.py [--count 6]; writes bench/results/ring_model.json, prints Markdown.
 """
 import argparse
-import json
 import time
-from pathlib import Path
 
 import numpy as np
 from promised_scenes import draw
 
 import hdengine
+from common import ROOT, write_record
 from hdengine.results import row_edges
-from hdengine.uncertainty import scene_joint
 
-ROOT = Path(__file__).resolve().parents[1]
 MESHES = {"engine, 24 x 4": {"divisions": 24, "band_facets": 4, "edge_length": 30e-6},
           "truth": {"divisions": 92, "band_facets": 16, "edge_length": 30e-6}}
 
@@ -96,7 +93,7 @@ def ring_model(s, rows=16, columns=24, harmonics=16):
             break
         closed = new
     p = np.maximum(p, 0).reshape(columns, m)
-    joint = scene_joint(s)
+    joint = hdengine.Joint.of_scene(s)
     _, k_t = joint.stiffness(p.ravel(), (1 - 1e-6) * mu * p.ravel(), area.ravel())
     middle = abs(z[band] - z[band].mean()) <= 0.1 * s["geometry.band_length"]
     return {"k_ts": 4 * r**2 * k_t.sum(), "normal_force": 4 * (p * area).sum(),
@@ -148,7 +145,7 @@ def main():
         rows.append({"keys": keys, "truth_s": truth[2]} | {name: {
             **{f"error_{k}": v / truth[0][k] - 1 for k, v in values.items()}, "wrong_states": wrong(state, truth[1]), "cpu_s": seconds}
             for name, (values, state, seconds) in answers.items()})
-    (ROOT / "bench/results/ring_model.json").write_text(json.dumps(rows, indent=1) + "\n")
+    write_record("ring_model", rows)
     print("| estimate | K_TS: median, largest error | normal force | mid-band pressure | wrong states | CPU time / s |")
     print("|---|---|---|---|---|---|")
     for name in ("ring model", "engine, 24 x 4"):

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of docs/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference,
+"""Tables of docs/evidence/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference,
 load steps, layers, balance of forces.
 
 Usage: bench/scene_tables.py [meshes] [slip] [steps] [layers] [balance]; writes bench/results/*.json and prints Markdown.
 """
 import json
-import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-EXE = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
+from common import ROOT, program, write_record
+
+EXE = program("hdengine.x")
 
 
 def solve(scene, *assignments):
@@ -26,9 +26,7 @@ def solve(scene, *assignments):
 
 
 def save(name, rows):
-    out = ROOT / "bench/results" / f"{name}.json"
-    out.parent.mkdir(exist_ok=True)
-    out.write_text(json.dumps(rows, indent=1) + "\n")
+    write_record(name, rows)
 
 
 def meshes():

@@ -3,22 +3,20 @@
 """Every matrix solver on the same scenes: CPU time, memory, largest difference of a facet's traction, and what was predicted.
 
 One load step of assembly and one of torque, residual 1e-10, one thread. Usage: bench/solver_choice.py [--limit 200];
-writes bench/results/solver_choice.json and prints the table of docs/verification.md. --predict only enters new predictions there.
+writes bench/results/solver_choice.json and prints the table of docs/evidence/verification.md. --predict only enters new predictions there.
 """
 import argparse
 import json
 import os
 import resource
-import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-import hdengine
 import numpy as np
 
-from peer_hub import ROOT, machine
+import hdengine
+from common import ROOT, program, read_record, write_record
 
 SOLVERS = {"condensed": ["solver.method=condensed"], "schur": ["solver.method=schur"],
            **{f: ["solver.method=newton", f"solver.factors={f}"] for f in ("harmonic", "single", "symmetric", "exact")}}
@@ -74,15 +72,15 @@ def applies(scene, solver):
     return {"condensed": round_and_small, "harmonic": not round_and_small, "schur": "large" not in scene}.get(solver, True)
 
 
-def refresh(exe, path):
+def refresh(exe):
     """Predictions of the installed engine for the recorded rows: runs that stop before their first load step."""
-    record = json.loads(path.read_text())
+    record = read_record("solver_choice")
     for row in record["rows"]:
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([exe, ROOT / "data/peer_hub.nml", *SCENES[row["scene"]], *SOLVERS[row["solver"]], "solver.time_limit_s=1e-9",
                             "output.vtu=none", "--out", f"{folder}/o", "-q"], capture_output=True)
             row["predicted"] = json.loads(Path(f"{folder}/o/summary.json").read_text())["predicted"]
-    path.write_text(json.dumps(record, indent=1) + "\n")
+    write_record("solver_choice", record)
 
 
 def main():
@@ -90,9 +88,10 @@ def main():
     parser.add_argument("--limit", type=float, default=200, help="CPU seconds of one run")
     parser.add_argument("--predict", action="store_true", help="enter new predictions into the recorded results")
     args = parser.parse_args()
-    exe = shutil.which("hdengine.x", path=f"{Path(sys.executable).parent}:{ROOT}/.venv/bin") or sys.exit("hdengine.x not found: ./hd setup")
+    exe = program("hdengine.x")
     if args.predict:
-        return refresh(exe, ROOT / "bench/results/solver_choice.json")
+        refresh(exe)
+        return
     rows = []
     print("| scene | dof | solver | CPU s | MB | Newton, inner iterations | difference of tractions |")
     print("|---|---|---|---|---|---|---|")
@@ -111,7 +110,7 @@ def main():
             rows.append(row)
             print(f"| {scene} | {row['dof']} | {solver} | {row['cpu_s']:.1f} | {row['memory_mb']:.0f} | {row['iterations']}, "
                   f"{row['inner_iterations']} | {row.get('difference', float('nan')):.1e} |", flush=True)
-    (ROOT / "bench/results/solver_choice.json").write_text(json.dumps({"machine": machine(), "rows": rows}, indent=1) + "\n")
+    write_record("solver_choice", {"rows": rows})
 
 
 if __name__ == "__main__":

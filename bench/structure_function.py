@@ -3,17 +3,15 @@
 
 python bench/structure_function.py    512 x 512 points, rows; one thread each, processor time, ratios of one run.
 """
-import json
 import os
-import platform
 import time
-from pathlib import Path
 
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
 import numpy as np  # noqa: E402
 import SurfaceTopography  # noqa: E402
 
+from common import write_record  # noqa: E402
 from hdengine import roughness, surface  # noqa: E402
 
 N = 512
@@ -68,8 +66,7 @@ def main():
         row |= {"surfacetopography_sds_ratio": seconds / ours, "surfacetopography_s_over_ours": float(np.median(other / s[few - 1]))}
         rows.append(row)
         print(row)
-    record = {"cpu": platform.machine(), "surfacetopography": SurfaceTopography.__version__, "numpy": np.__version__, "rows": rows}
-    (Path(__file__).parent / "results/structure_function.json").write_text(json.dumps(record, indent=1) + "\n")
+    write_record("structure_function", rows, peers=[SurfaceTopography])
 
 
 main()

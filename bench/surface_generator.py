@@ -20,7 +20,6 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import argparse
 import json
 import platform
-import re
 import subprocess
 import sys
 import tempfile
@@ -31,18 +30,13 @@ import finufft
 import numpy as np
 
 import hdengine
+from common import ROOT
 from hdengine import surface
 
 clock = time.thread_time if THREADS < 2 else time.perf_counter
-ROOT = Path(__file__).resolve().parents[1]
 LENGTH = 0.5e-3
 WAVES = ((4, 4), (10, 16), (40, 16), (100, 16), (400, 16), (1000, 20))  # ridges, n_max + 1
 
-
-def machine():
-    """Name of the processor and number of cores."""
-    names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text()) or [platform.machine()]
-    return f"{names[0]}, {os.cpu_count()} cores"
 
 
 def spectrum(n, ridges, count):
@@ -73,7 +67,7 @@ def by_numpy(w, n, count):
 
 def times(calls, repeats, limit, step):
     """Best time of each call [s], calls in turn, and every step-th height of each in both directions."""
-    best, some = {name: np.inf for name in calls}, {}
+    best, some = dict.fromkeys(calls, np.inf), {}
     start = clock()
     for done in range(repeats):
         for name, call in calls.items():
@@ -189,7 +183,7 @@ def measure(sizes, limit):
 
 
 def tables(result):
-    """Ratios to the best peer as they stand in docs/verification.md."""
+    """Ratios to the best peer as they stand in docs/evidence/verification.md."""
     for key in ("cells", "cells_two_threads"):
         waves = sorted({r["waves"] for r in result[key]})
         print(f"\n{key}\n| tolerance | points | " + " | ".join(f"J = {j}" for j in waves) + " |")
@@ -216,7 +210,7 @@ def main():
             words = ["--sizes", *map(str, a.sizes), "--limit", str(a.limit), "--output", f"{folder}/part.json"]
             subprocess.run([sys.executable, __file__, *words], env=dict(os.environ, HD_THREADS=str(threads)), check=True)
             parts.append(json.loads(Path(folder, "part.json").read_text()))
-    result = {"machine": machine(), "hdengine": hdengine.__version__, "finufft": finufft.__version__, "numpy": np.__version__,
+    result = {"hdengine": hdengine.__version__, "finufft": finufft.__version__, "numpy": np.__version__,
               "python": platform.python_version(), "seconds": round(time.perf_counter() - start), "cells": parts[0]["cells"],
               "cells_two_threads": parts[1]["cells"], "work_precision": parts[0]["work_precision"]}
     Path(a.output).write_text(json.dumps(result, indent=1) + "\n")

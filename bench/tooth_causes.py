@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table and figures of docs/comparison.md,
+"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table and figures of docs/evidence/comparison.md,
 raw figures in bench/results/tooth_causes.json.
 
 Usage: python bench/tooth_causes.py
 """
-import json
 
 import numpy as np
+from paper_comparison import BALLS, ball_stiffness
 
 import hdengine
+from common import ROOT, put, table, write_record
 from hdengine.catalogue import UNITS
-from hdengine.plot import plt
-from paper_comparison import BALLS, ROOT, ball_stiffness, put, table
+from hdengine.figures.style import new_axes, styled
 
 SCENE = str(ROOT / "data/teeth.nml")
 PARTS = (("flexspline rigid", {"material.flexspline_e": 2.09e14}), ("ring rigid", {"material.ring_e": 2.19e14}),
@@ -32,9 +32,10 @@ def solve(**keys):
     return last.sums["torque_nm"] / last.sums["rotation_rad"]
 
 
+@styled
 def draw(base, chain):
     """K_FTS as the causes are added."""
-    figure, axis = plt.subplots(figsize=(10, 4.8))
+    figure, axis = new_axes(figsize=(10, 4.8))
     names = ["scene as it stands", *(f"+ {name}" for name, _ in CAUSES)]
     axis.barh(range(len(names)), np.array([base, *(c[0] for c in chain)]) / 1e3, color=["0.5"] + ["C0"] * len(chain), height=0.6)
     for i, k in enumerate([base, *(c[0] for c in chain)]):
@@ -60,7 +61,7 @@ def main():
         chain.append((solve(**keys), solve(**keys, **{"load.torque": 1.0})))
     facts = {"base_nm_per_rad": base, "k3_nm_per_rad": k3, "ball_stiffness_n_per_m": ball_stiffness(), "alone_nm_per_rad": alone,
              "one_after_the_other_5_nm_1_nm": dict(zip((name for name, _ in CAUSES), chain))}
-    (ROOT / "bench/results/tooth_causes.json").write_text(json.dumps(facts, indent=1) + "\n")
+    write_record("tooth_causes", facts)
 
     def share(k):
         return f"{100 * (base / k - 1):+.0f} %"

@@ -14,12 +14,12 @@ compile() { # gfortran, gcc, program, BLAS, more flags
   fortran=$1 c=$2 out=$3 blas=$4
   shift 4
   $c -O3 "$@" -c "$root/fortran/base/hd_threefry.c" -o "$out.threefry.o"
-  $c -O3 -ffp-contract=off "$@" -c "$root/fortran/surface/hd_exact.c" -o "$out.exact.o"
+  $c -O3 -ffp-contract=off "$@" -c "$root/fortran/waves/hd_exact.c" -o "$out.exact.o"
   $c -O3 "$@" -c "$root/fortran/lib/hd_blas_threads.c" -o "$out.threads.o"
   mkdir -p "$out.mod"
   (cd "$root/fortran" && $fortran -O3 -ffp-contract=off -ffree-line-length-132 "$@" -fopenmp -J"$work/$out.mod" -o "$work/$out" \
-    base/hd_kinds.f90 base/hd_text.f90 base/hd_error.f90 base/hd_random.f90 lib/hd_lapack.f90 surface/hd_exact.f90 \
-    surface/hd_waves.f90 surface/hd_direct.f90 surface/hd_slices.f90 surface/hd_product.f90 ../tools/surface_bits.f90 \
+    base/hd_kinds.f90 base/hd_text.f90 base/hd_error.f90 base/hd_random.f90 lib/hd_lapack.f90 waves/hd_exact.f90 \
+    waves/hd_waves.f90 heights/hd_direct.f90 heights/hd_slices.f90 heights/hd_product.f90 ../tools/surface_bits.f90 \
     "$work/$out.threefry.o" "$work/$out.exact.o" "$work/$out.threads.o" $blas)
 }
 

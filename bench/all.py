@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every benchmark by name: what it measures, with which arguments, and how old its record is. Called by `./hd bench`.
+
+Usage: bench/all.py [--quick] [--list] [--again] [NAME ...]
+Without names all of them run, one after the other; a record that was made of the sources as they are is kept unless `--again` is given, so
+a stopped call goes on where it was. `--quick` takes those that show every method in ten minutes. `--list` only tells.
+"""
+import argparse
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from common import RESULTS, ROOT, put, table
+
+HERE = Path(__file__).parent
+
+
+@dataclass
+class Bench:
+    """One script: arguments of the full and the quick call, the record it writes, roughly how many minutes it takes."""
+
+    script: str
+    what: str
+    minutes: float
+    full: tuple = ()
+    quick: tuple = None    # None: not in the quick set
+    record: str = ""
+
+    @property
+    def name(self):
+        """Its name on the command line."""
+        return Path(self.script).stem
+
+
+BENCHES = (
+    Bench("pareto.py", "error over time of every family of methods", 3, quick=("--quick",)),
+    Bench("stability.py", "right, refused, slow, wrong over hard parameters", 9, quick=("--quick",)),
+    Bench("../court/run.py", "problems with published answers", 0.5, quick=(), record="court"),
+    Bench("elements.py", "elements beside CalculiX", 2, quick=("--quick",)),
+    Bench("contact_standards.py", "contact beside closed solutions", 5),
+    Bench("surface_generator.py", "heights beside FINUFFT and numpy", 8),
+    Bench("structure_function.py", "structure function beside numpy", 1),
+    Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6),
+    Bench("peer_scenes.py", "press-fit scenes: iterations and results", 1),
+    Bench("solver_choice.py", "matrix solvers: time and memory", 6),
+    Bench("cost_over_size.py", "cost over the number of facets", 8),
+    Bench("forty_scenes.py", "forty scenes in one process", 0.5, quick=()),
+    Bench("mesh_orders.py", "order of convergence of a scene", 5),
+    Bench("scene_tables.py", "meshes, slip torque, load steps, layers, balance", 6),
+    Bench("kinematics_map.py", "small against large displacements", 4),
+    Bench("newton_history.py", "residual over Newton iterations", 2),
+    Bench("numerical_parameters.py", "results over numerical parameters", 10),
+    Bench("random_scenes.py", "random scenes: converged or refused", 5, quick=("--count", "60")),
+    Bench("promised_scenes.py", "planned tolerances kept or not", 90, record="promised_scenes"),
+    Bench("limits.py", "breaking points of the contact solver", 2),
+    Bench("coupled_law.py", "Eq. 45 beside the coupled joint", 3),
+    Bench("paper_comparison.py", "the paper's figures and trends", 15),
+    Bench("tooth_causes.py", "K_FTS and the catalogue", 3),
+    Bench("sensitivity.py", "what K_TS depends on", 10),
+)
+
+
+def record_of(bench):
+    """Path of a bench's record, or None."""
+    stem = bench.record or bench.name
+    return next((p for p in (RESULTS / f"{stem}.json", RESULTS / f"{stem}.jsonl") if p.exists()), None)
+
+
+def made_of(path):
+    """Commit that a record names, "" if none."""
+    text = path.read_text()
+    whole = json.loads(text.splitlines()[-1] if path.suffix == ".jsonl" else text)
+    origin = whole.get("provenance", {}) if isinstance(whole, dict) else {}
+    return origin.get("commit", "")
+
+
+def changes_since(commit):
+    """Commits that changed the engine or its package since one; None if it is not known here."""
+    if not commit:
+        return None
+    done = subprocess.run(["git", "-C", ROOT, "rev-list", "--count", f"{commit.rstrip('+')}..HEAD", "--", "fortran", "python"],
+                          capture_output=True, text=True)
+    return int(done.stdout) if done.returncode == 0 else None
+
+
+def age(bench):
+    """Words on the age of a record."""
+    path = record_of(bench)
+    if path is None:
+        return "no record"
+    commit = made_of(path)
+    count = changes_since(commit)
+    if count is None:
+        return "commit not stated"
+    return "of the present sources" if count == 0 and not commit.endswith("+") else f"{count} changes of the sources since {commit[:8]}"
+
+
+def main():
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*")
+    for option in ("quick", "list", "again"):
+        parser.add_argument(f"--{option}", action="store_true")
+    options = parser.parse_args()
+    known = {b.name if b.name != "run" else "court": b for b in BENCHES}
+    for name in options.names:
+        if name not in known:
+            parser.error(f"no benchmark '{name}'; valid: {', '.join(known)}")
+    ages = [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known.items()]
+    if options.list:
+        print(table(("benchmark", "what it measures", "minutes", "record"), ages))
+        return
+    failed = []
+    for name, bench in known.items():
+        if (options.names and name not in options.names) or (options.quick and not options.names and bench.quick is None):
+            continue
+        if not options.names and not options.again and not options.quick and age(bench) == "of the present sources":
+            print(f"{name}: its record is of the present sources")
+            continue
+        words = bench.quick if options.quick and bench.quick is not None else bench.full
+        print(f"{name}: {bench.what}", flush=True)
+        start = time.time()
+        done = subprocess.run([sys.executable, HERE / bench.script, *words], cwd=ROOT, stdout=subprocess.DEVNULL)
+        print(f"{name}: {'done' if done.returncode == 0 else 'FAILED'} in {time.time() - start:.0f} s", flush=True)
+        failed += [name] if done.returncode else []
+    ages = [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known.items()]
+    put("records", table(("benchmark", "what it measures", "minutes", "record"), ages), "evidence/records")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

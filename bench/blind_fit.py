@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bias, spread and coverage of the fit told nothing, and error rates of its verdict, on maps made by numpy alone.
+
+python bench/blind_fit.py [seeds] [points per side]: writes results/blind_fit.json beside this file. One thread: minutes.
+"""
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from blind_generators import LN_G, NOT_FRACTAL, field, line
+
+from hdengine.surfaces import roughness
+
+DX = 1e-6
+MAPS = {
+    "square to Nyquist": {}, "circle to Nyquist": {"top": 0.5}, "circle to half of it": {"top": 0.25},
+    "4 times finer detail": {"finer": 4}, "probe 0.25": {"finer": 4, "probe": 0.25}, "probe 0.5": {"finer": 4, "probe": 0.5},
+    "probe 1": {"finer": 2, "probe": 1.0}, "probe 2": {"probe": 2.0}, "noise 5 %": {"finer": 2, "noise": 0.05},
+    "noise 30 %": {"finer": 2, "noise": 0.3}, "tilt": {"finer": 2, "tilt": 3.0}, "waves of 4 sides": {"longer": 4},
+    "dy = 1.7 dx": {"finer": 2, "aspect": 1.7}, "5 % holes": {"finer": 2}, "7 spikes": {"finer": 2},
+}
+LINES = {"line": {}, "line, finer detail": {"finer": 4}, "line, probe 1": {"probe": 1.0}, "line, noise 5 %": {"noise": 0.05}}
+
+
+def row(make, d, seeds):
+    """Statistics of one kind of map."""
+    fits = [roughness.fit(*make(np.random.default_rng(1000 + s))) for s in range(seeds)]
+    e = np.array([f.fractal_dimension for f in fits]) - d
+    inside = [f.interval[0][0] <= d <= f.interval[0][1] for f in fits]
+    g = [f.interval[1][0] <= np.exp(LN_G) <= f.interval[1][1] for f in fits]
+    return {"bias": e.mean(), "median": np.median(e), "std": e.std(ddof=1), "cover_d": np.mean(inside), "cover_g": np.mean(g),
+            "width": float(np.median([np.ptp(f.interval[0]) for f in fits])), "fractal": np.mean([f.verdict == "fractal" for f in fits]),
+            "left": int(sum(not f.interval[0][0] <= f.fractal_dimension <= f.interval[0][1] for f in fits))}
+
+
+def spoiled(name, z, rng):
+    """Holes or spikes of a map."""
+    if "holes" in name:
+        z.flat[rng.choice(z.size, z.size // 20, replace=False)] = np.nan
+    if "spikes" in name:
+        z.flat[rng.choice(z.size, 7, replace=False)] += 5 * z.std()
+    return z
+
+
+def main(seeds=25, n=128):
+    """All rows, written as they come."""
+    out = {"seeds": seeds, "points": n, "maps": {}, "not_fractal": {}}
+    path = Path(__file__).parent / "results/blind_fit.json"
+
+    def keep(name, d, values):
+        out["maps"][f"{name}, D = {d}"] = {k: round(float(v), 4) for k, v in values.items()}
+        print(name, d, out["maps"][f"{name}, D = {d}"], flush=True)
+        path.write_text(json.dumps(out, indent=1) + "\n")
+
+    for name, make in NOT_FRACTAL.items():
+        kinds = [roughness.fit(make(n, np.random.default_rng(2000 + s)), DX) for s in range(min(seeds, 20))]
+        out["not_fractal"][name] = {"called_fractal": sum(f.verdict == "fractal" for f in kinds), "of": len(kinds),
+                                    "kinds": {k: sum(f.kind == k for f in kinds) for k in sorted({f.kind for f in kinds})}}
+        print(name, out["not_fractal"][name], flush=True)
+    for d in (2.5, 2.1, 2.9):
+        for name, keys in MAPS.items():
+            def make(rng, name=name, keys=keys, d=d):
+                z, spacing = field(n, DX, d, rng, **keys)
+                return spoiled(name, z, rng), spacing
+            keep(name, d, row(make, d, seeds))
+        for name, keys in LINES.items():
+            keep(name, d, row(lambda rng, keys=keys, d=d: (line(4096, DX, d, rng, **keys), DX), d, seeds))
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

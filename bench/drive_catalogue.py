@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
+docs/explain/drive.md, raw figures in bench/results/drive_catalogue.json.
+
+Usage: python bench/drive_catalogue.py
+"""
+import tempfile
+
+import numpy as np
+
+from common import DATA, put, save_figure, solve, table, write_record
+from hdengine import load
+from hdengine.catalogue import UNITS
+from hdengine.figures.style import new_axes, styled
+
+SIZES = (11, 14, 17, 20, 25)
+ARCMIN = np.degrees(1) * 60
+FAST = {"mesh.divisions": 48, "mesh.band_facets": 8}
+RISE = {**FAST, "loop.torques": 14, "load.torque_steps": 7}
+UNKNOWN = (
+    ("19 balls", {"bearing.balls": 19}), ("23 balls", {"bearing.balls": 23}), ("balls 2.8 mm", {"bearing.ball_diameter": 2.8e-3}),
+    ("balls 3.6 mm", {"bearing.ball_diameter": 3.6e-3}), ("outer conformity 0.515", {"bearing.outer_conformity": 0.515}),
+    ("outer conformity 0.60", {"bearing.outer_conformity": 0.60}), ("clearance of the balls 5 µm", {"bearing.clearance": 5e-6}),
+    ("teeth closed", {"load.tooth_clearance": 0}), ("outermost teeth 20 µm open", {"load.tooth_clearance": 20e-6}),
+    ("outermost teeth 40 µm open", {"load.tooth_clearance": 40e-6}), ("pairs half as stiff", {"load.tooth_stiffness": 6.25e7}),
+    ("pressure angle 20°", {"load.pressure_angle_deg": 20}), ("pressure angle 30°", {"load.pressure_angle_deg": 30}),
+    ("ring 0.8 mm thick", {"geometry.ring_thickness": 0.8e-3}), ("ring 1.2 mm thick", {"geometry.ring_thickness": 1.2e-3}),
+    ("ring and band 6 mm wide", {"geometry.band_length": 6e-3}), ("hub radius 6 mm", {"geometry.hub_radius": 6e-3}),
+    ("cup 26.7 mm long", {"geometry.cup_length": 26.7e-3}), ("bottom 0.4 mm", {"geometry.bottom_thickness": 0.4e-3}),
+    ("wall 0.32 mm", {"geometry.wall_thickness": 0.32e-3}), ("rim 0.36 mm", {"geometry.rim_thickness": 0.36e-3}),
+    ("interference 0", {"wave_generator.interference": 0}), ("friction 0.05", {"contact.friction": 0.05}))
+TORQUES = (1, 3, 5)
+CASES = [(0.0, 0.2e-3), (10e-6, 0.2e-3)] + [(0.0, w * 1e-3) for w in (0.195, 0.205, 0.21, 0.215)]
+
+
+def run(scene, keys):
+    """Results and steps of a run."""
+    with tempfile.TemporaryDirectory() as folder:
+        _, command = solve(DATA / scene, *(f"{k}={v}" for k, v in keys.items()), out=f"{folder}/r")
+        if command.code != 0:
+            raise SystemExit(command.text)
+        result = load(f"{folder}/r")
+        return result.summary["results"], result.steps, result.loop
+
+
+def three(results):
+    """K1, K2, K3 [kN m/rad]."""
+    return [results[f"k{i}_nm_per_rad"] / 1e3 for i in (1, 2, 3)]
+
+
+def sizes():
+    """The loop of every size on the paper's mesh."""
+    rows = []
+    for size in SIZES:
+        r, _, loop = run(f"drive{size}.nml", {})
+        unit = UNITS.get(size)
+        rows.append({"size": size, "ours": three(r), "catalogue": [unit.k1_nm_per_rad / 1e3, unit.k2_nm_per_rad / 1e3,
+                     unit.k3_nm_per_rad / 1e3] if unit else None, "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"],
+                     "lost_motion_arcmin": ARCMIN * r["lost_motion_rad"], "ball_force_max_n": r["ball_force_max_n"],
+                     "tooth_force_max_n": r["tooth_force_max_n"], "wave_generator_torque_nm": r["wave_generator_torque_nm"],
+                     "torque_max_nm": float(max(loop["torque_nm"])), "von_mises_max_pa": r["von_mises_max_pa"],
+                     "torque_nm": loop["torque_nm"].tolist(), "angle_rad": loop["angle_rad"].tolist()})
+    return rows
+
+
+def sensitivity():
+    """K1 to K3 of size 14 with one input changed."""
+    base = three(run("drive14.nml", RISE)[0])
+    rows = [{"input": "as it stands", "k": base}]
+    rows += [{"input": name, "k": three(run("drive14.nml", {**RISE, **keys})[0])} for name, keys in UNKNOWN]
+    chain = {}
+    for name in ("hub radius 6 mm", "cup 26.7 mm long", "interference 0", "pressure angle 30°", "outermost teeth 20 µm open"):
+        chain.update(dict(UNKNOWN)[name])
+        rows.append({"input": f"+ {name}", "k": three(run("drive14.nml", {**RISE, **chain})[0])})
+    return rows
+
+
+def trends():
+    """Stiffness at 1, 3 and 5 N m over eccentricity and w: of the drive (torque over angle) and of the contact."""
+    rows = []
+    for e, w in CASES:
+        _, steps, loop = run("drive14.nml", {**FAST, "loop.torques": 5, "load.torque_steps": 5, "wave_generator.eccentricity": e,
+                                             "wave_generator.w": w})
+        at = [int(np.argmin(abs(steps["torque_nm"] - t))) for t in TORQUES]
+        rows.append({"eccentricity_m": e, "w_m": w, "drive": [float(loop["torque_nm"][i] / loop["angle_rad"][i]) for i in at],
+                     "eq45": [float(steps["k_ts_nm_per_rad"][i]) for i in at],
+                     "tangent": [float(steps["k_ts_tangent_nm_per_rad"][i]) for i in at]})
+    return rows
+
+
+@styled
+def draw(rows):
+    """Loop of size 14 beside the catalogue's chords; K over the size."""
+    figure, axes = new_axes(1, 2, figsize=(11, 4.4))
+    row = next(r for r in rows if r["size"] == 14)
+    torque = np.array(row["torque_nm"])
+    axes[0].plot(ARCMIN * np.array(row["angle_rad"]), torque, label="whole drive")
+    line = np.linspace(-14, 14, 200)
+    axes[0].plot(ARCMIN * UNITS[14].angle(line), line, "C3--", label="catalogue, K1 K2 K3")
+    axes[0].set_xlabel("angle / arc minute")
+    axes[0].set_ylabel("torque / N m")
+    axes[0].set_title("size 14, ratio 100", fontsize=12)
+    axes[0].legend()
+    for i, colour in enumerate(("C0", "C1", "C2")):
+        axes[1].loglog([r["size"] for r in rows], [r["ours"][i] for r in rows], "o-", color=colour, label=f"K{i + 1}")
+        known = [r for r in rows if r["catalogue"]]
+        axes[1].loglog([r["size"] for r in known], [r["catalogue"][i] for r in known], "s--", color=colour, mfc="none",
+                       label=f"K{i + 1}, catalogue")
+    axes[1].set_xlabel("size")
+    axes[1].set_ylabel("stiffness / (kN m/rad)")
+    axes[1].set_xticks(SIZES, [str(s) for s in SIZES])
+    axes[1].set_yticks((5, 10, 20, 40, 80), ["5", "10", "20", "40", "80"])
+    axes[1].minorticks_off()
+    axes[1].legend(fontsize=10, ncols=2, loc="lower right")
+    save_figure(figure, "drive_catalogue")
+
+
+def change(rows, name, reference=0):
+    """Changes against a row at the three torques, as text."""
+    return lambda r: " / ".join(f"{100 * (a / b - 1):+.1f}" for a, b in zip(r[name], rows[reference][name]))
+
+
+def main():
+    """Solve, write, draw."""
+    size, inputs, path = sizes(), sensitivity(), trends()
+    write_record("drive_catalogue", {"sizes": size, "sensitivity": inputs, "trends": path}, threads=1)
+    put("drive sizes", table(("size", "K1 / K2 / K3 in kN m/rad", "catalogue", "ours over the catalogue's", "hysteresis",
+                              "lost motion", "largest ball, pair", "wave generator, T over it"), [
+        (r["size"], " / ".join(f"{k:.3g}" for k in r["ours"]), " / ".join(f"{k:.3g}" for k in r["catalogue"] or []) or "not known",
+         " / ".join(f"{a / b:.2f}" for a, b in zip(r["ours"], r["catalogue"] or [])) or "-", f"{r['hysteresis_arcmin']:.2f}'",
+         f"{r['lost_motion_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}, {r['tooth_force_max_n']:.0f} N",
+         f"{r['wave_generator_torque_nm']:.3g} N m, {r['torque_max_nm'] / r['wave_generator_torque_nm']:.0f}") for r in size]),
+        page="explain/drive")
+    base = inputs[0]["k"]
+    put("drive inputs", table(("input", "K1 / K2 / K3 in kN m/rad", "change in %"), [
+        (r["input"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
+        for r in inputs]), page="explain/drive")
+    put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent of the coupled law"), [
+        (f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm",
+         *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) + ("" if i == 0 else f" ({change(path, k)(r)} %)")
+           for k in ("drive", "eq45", "tangent"))) for i, r in enumerate(path)]), page="explain/drive")
+    draw(size)
+
+
+if __name__ == "__main__":
+    main()

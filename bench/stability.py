@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the engine is right, refuses, is slow or is wrong: maps over its hardest parameters, past their breaking points.
+
+Usage: bench/stability.py [--quick] [MAP ...]; writes bench/results/stability.json, docs/figures/stability.png and the table of
+docs/evidence/stability.md. A map that is named is measured anew, the others keep their record.
+
+A scene is right when it is complete, its forces balance, and a second solver (matrix of Newton's method with exact factors, no symmetry, no
+first guesses) gives the same force, peak and rotation to 1e-5. A surface is right when its heights are those of the direct sum, a joint
+when it has a stiffness under load.
+"""
+import argparse
+import json
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+
+from common import FIGURES, RESULTS, ROOT, new_axes, put, solve, table, write_record
+
+RIGHT, REFUSED, SLOW, WRONG = "right", "refused", "slow", "wrong"
+COLOURS = {RIGHT: "#2e7d32", REFUSED: "#f2c14e", SLOW: "#4a78b5", WRONG: "#c62828"}
+PATIENCE = 20.0   # CPU seconds after which a small scene counts as slow
+SMALL = ("mesh.divisions=32", "mesh.band_facets=5", "load.assembly_steps=2", "load.torque_steps=2")
+SECOND = ("solver.method=newton", "solver.factors=exact", "solver.symmetry=full", "solver.start=rest")
+JUDGED = ("normal_force_n", "pressure_max_pa", "rotation_rad")
+
+
+def scene(*keys):
+    """Verdict and words on one scene."""
+    summary, command = solve("cd14.nml", *SMALL, *keys, limit=PATIENCE)
+    if command.code != 0:
+        if command.code is None or command.cpu_s >= PATIENCE:
+            return SLOW, f"more than {PATIENCE:.0f} s"
+        words = next((line for line in command.text.splitlines() if line.strip()), "")
+        return (WRONG if command.code == 1 or not words else REFUSED), f"code {command.code}: {words.strip()[:160]}"
+    results = summary["results"]
+    scale = max(abs(results["normal_force_n"]), 1e-3)
+    if abs(results["normal_force_n"] - results["reaction_force_n"]) > 1e-6 * scale:
+        return WRONG, "forces do not balance"
+    second, other = solve("cd14.nml", *SMALL, *keys, *SECOND, limit=PATIENCE)
+    if other.code != 0:
+        return RIGHT, "balanced; the second solver gave up"
+    for name in JUDGED:
+        a, b = results[name], second["results"][name]
+        if abs(a - b) > 1e-5 * max(abs(a), abs(b)) + 1e-13:
+            return WRONG, f"{name}: {a:.6g}, second solver {b:.6g}"
+    return RIGHT, ""
+
+
+def friction_interference(quick):
+    """Friction and interference."""
+    x = [0, 0.05, 0.15, 0.5, 1, 2][:: 2 if quick else 1]
+    y = [-1, -0.1, -0.01, 0, 0.01, 0.1, 1][:: 2 if quick else 1]
+    return "friction", x, "interference / wall", y, lambda mu, d: scene(
+        f"contact.friction={mu}", *([] if mu else ["contact.mode=frictionless"]), f"wave_generator.interference={d * 0.36e-3:.6g}")
+
+
+def wave_wall(quick):
+    """Deformation w and wall."""
+    x = [0.02e-3, 0.1e-3, 0.36e-3, 1e-3, 5e-3][:: 2 if quick else 1]
+    y = [0, 0.1, 0.5, 1, 3][:: 2 if quick else 1]
+    return "wall and rim / m", x, "w / wall", y, lambda t, w: scene(
+        f"geometry.wall_thickness={t}", f"geometry.rim_thickness={1.2 * t:.6g}", f"geometry.bottom_thickness={max(t, 0.3e-3):.6g}",
+        f"wave_generator.w={w * t:.6g}")
+
+
+def ring_wall(quick):
+    """Ring and wall."""
+    x = [0.02e-3, 0.1e-3, 0.5e-3, 1e-3, 5e-3][:: 2 if quick else 1]
+    y = [0.02e-3, 0.1e-3, 0.36e-3, 1e-3, 5e-3][:: 2 if quick else 1]
+    return "ring / m", x, "wall / m", y, lambda r, t: scene(
+        f"geometry.ring_thickness={r}", f"geometry.wall_thickness={t}", f"geometry.rim_thickness={1.2 * t:.6g}")
+
+
+def eccentric(quick):
+    """Eccentricity and interference."""
+    x = [0, 1e-6, 1e-5, 1e-4, 1e-3][:: 2 if quick else 1]
+    y = [-1e-5, 0, 1e-5, 5e-5][:: 2 if quick else 1]
+    return "eccentricity / m", x, "interference / m", y, lambda e, d: scene(
+        f"wave_generator.eccentricity={e}", f"wave_generator.interference={d}")
+
+
+def torque_steps(quick):
+    """Torque through gross slip, load steps."""
+    x = [0.1, 1, 5, 10, 20, 100][:: 2 if quick else 1]
+    y = [1, 2, 8]
+    return "torque / N m", x, "load steps", y, lambda t, s: scene(
+        "load.support=bearing", f"load.torque={t}", f"load.torque_steps={s}", f"load.assembly_steps={s}")
+
+
+def shapes_of_cells(quick):
+    """Edge cells and meshes that do not match."""
+    x = [1, 10, 100, 1000][:: 2 if quick else 1]
+    y = [0.1, 0.5, 1, 2, 10][:: 2 if quick else 1]
+    return "facet / edge cell", x, "divisions of ring / cup", y, lambda a, ratio: scene(
+        f"mesh.ring_divisions={max(8, round(32 * ratio))}", *([f"mesh.edge_length={2.4e-3 / a:.6g}"] if a > 1 else []))
+
+
+def units(quick):
+    """Units: moduli and lengths."""
+    x = [1e-6, 1e-3, 1, 1e3, 1e6][:: 2 if quick else 1]
+    y = [1e-3, 1, 1e3]
+    lengths = {"bore_radius": 17.5e-3, "wall_thickness": 0.36e-3, "rim_thickness": 0.427e-3, "rim_length": 9e-3, "rim_taper": 1e-3,
+               "cup_length": 20e-3, "bottom_thickness": 0.5e-3, "hub_radius": 8e-3, "ring_thickness": 1e-3, "band_start": 0.5e-3, "band_length": 12e-3}
+
+    def one(stress, length):
+        keys = [f"geometry.{k}={v * length:.9g}" for k, v in lengths.items()]
+        keys += [f"wave_generator.w={0.2e-3 * length:.9g}", f"wave_generator.interference={1e-5 * length:.9g}",
+                 f"material.flexspline_e={209e9 * stress:.9g}", f"material.ring_e={219e9 * stress:.9g}",
+                 f"material.yield_strength={835e6 * stress:.9g}", f"load.torque={5 * stress * length**3:.9g}",
+                 f"output.positions=0,{5e-3 * length:.6g},{10e-3 * length:.6g}"]
+        verdict, words = scene(*keys)
+        if verdict == RIGHT:
+            base, _ = solve("cd14.nml", *SMALL)
+            mine, _ = solve("cd14.nml", *SMALL, *keys)
+            if abs(mine["results"]["rotation_rad"] / base["results"]["rotation_rad"] - 1) > 1e-6:
+                return WRONG, f"rotation {mine['results']['rotation_rad']:.6g} for {base['results']['rotation_rad']:.6g} rad"
+        return verdict, words
+    return "moduli times", x, "lengths times", y, one
+
+
+def heights(quick):
+    """Heights: D and gamma."""
+    from hdengine import HdengineError, surface
+    x = [2.0001, 2.01, 2.1, 2.5, 2.9, 2.99, 2.9999][:: 2 if quick else 1]
+    y = [1.001, 1.01, 1.1, 1.5, 3, 10][:: 2 if quick else 1]
+
+    def one(d, gamma):
+        given = dict(fractal_dimension=d, roughness=2.4248e-7, gamma=gamma, length=0.5e-3, shortest_wavelength=4e-6, ridges=6, seed=2)
+        start = time.process_time()
+        try:
+            exact = surface.generate(32, 0.5e-3 / 32, **given, method="direct")
+            error = max(np.abs(surface.generate(32, 0.5e-3 / 32, **given, tolerance=tol, method=m) - exact).max() / exact.std()
+                        for m, tol in (("product", None), ("nufft", 1e-9)))
+        except HdengineError as trouble:
+            return REFUSED, str(trouble)[:160]
+        if time.process_time() - start > PATIENCE:
+            return SLOW, ""
+        return (RIGHT, "") if error < 1e-7 else (WRONG, f"error {error:.1e}")
+    return "D", x, "gamma", y, one
+
+
+def joint(quick):
+    """Joint of Hu et al.: D and pressure."""
+    sys.path.insert(0, str(ROOT / "tests/python"))
+    import warnings
+
+    from hdengine import HdengineError, Joint
+    warnings.simplefilter("ignore")
+    x = [2.0001, 2.01, 2.2, 2.5, 2.8, 2.99, 2.9999][:: 2 if quick else 1]
+    y = [1e3, 1e5, 1e7, 1e9][:: 2 if quick else 1]
+
+    def one(d, p):
+        try:
+            joint = Joint(fractal_dimension=d)
+            found = joint.stiffness([p, p * 1.001], area=1e-6)
+            k = np.asarray(found.k_n if hasattr(found, "k_n") else found[0], float)
+        except HdengineError as trouble:
+            return REFUSED, str(trouble)[:160]
+        if not np.isfinite(k).all() or (k < 0).any():
+            return WRONG, f"K_N {k[0]:.3g}"
+        if not k[0] > 0:
+            return WRONG, "no stiffness under load, and no error"
+        return RIGHT, f"K_N {k[0]:.3g}"
+    return "D", x, "pressure / Pa", y, one
+
+
+MAPS = (friction_interference, wave_wall, ring_wall, eccentric, torque_steps, shapes_of_cells, units, heights, joint)
+
+
+def measure(make, quick):
+    """Record of one map."""
+    xlabel, x, ylabel, y, judge = make(quick)
+    cells = [[judge(a, b) for a in x] for b in y]
+    return {"name": make.__name__, "title": make.__doc__.strip().rstrip("."), "xlabel": xlabel, "x": x, "ylabel": ylabel, "y": y,
+            "verdict": [[c[0] for c in row] for row in cells], "words": [[c[1] for c in row] for row in cells]}
+
+
+def draw(maps):
+    """All maps in one figure, four colours."""
+    order = list(COLOURS)
+    columns = 3
+    figure, axes = new_axes(-(-len(maps) // columns), columns, figsize=(15, 3.9 * -(-len(maps) // columns)))
+    for ax, m in zip(axes.flat, maps):
+        grid = [[order.index(v) for v in row] for row in m["verdict"]]
+        ax.pcolormesh(np.arange(len(m["x"]) + 1), np.arange(len(m["y"]) + 1), grid, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5,
+                      vmax=3.5, edgecolors="white", linewidth=1.5)
+        ax.set(xlabel=m["xlabel"], ylabel=m["ylabel"], title=m["title"])
+        ax.title.set_fontsize(10)
+        ax.set_xticks(np.arange(len(m["x"])) + 0.5, [f"{v:g}" for v in m["x"]], fontsize=9)
+        ax.set_yticks(np.arange(len(m["y"])) + 0.5, [f"{v:g}" for v in m["y"]], fontsize=9)
+        ax.grid(False)
+    for ax in axes.flat[len(maps):]:
+        ax.remove()
+    figure.legend([figure.axes[0].bar(0, 0, color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
+    figure.savefig(FIGURES / "stability.png", dpi=80)
+
+
+def summary_table(maps):
+    """How many of each verdict, and what a refusal or an error says."""
+    rows = []
+    for m in maps:
+        count = Counter(v for row in m["verdict"] for v in row)
+        said = Counter(w for vs, ws in zip(m["verdict"], m["words"]) for v, w in zip(vs, ws) if v in (REFUSED, WRONG) and w)
+        rows.append((m["title"], *(count[k] for k in COLOURS), said.most_common(1)[0][0].replace("|", "/") if said else ""))
+    return table(("map", *COLOURS, "most frequent message"), rows)
+
+
+def main():
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("maps", nargs="*")
+    parser.add_argument("--quick", action="store_true", help="every second value")
+    options = parser.parse_args()
+    unknown = set(options.maps) - {m.__name__ for m in MAPS}
+    if unknown:
+        parser.error(f"no map {', '.join(sorted(unknown))}; valid: {', '.join(m.__name__ for m in MAPS)}")
+    path = RESULTS / "stability.json"
+    old = {m["name"]: m for m in json.loads(path.read_text())["maps"]} if path.exists() else {}
+    maps = []
+    for make in MAPS:
+        if options.maps and make.__name__ not in options.maps:
+            if make.__name__ in old:
+                maps.append(old[make.__name__])
+            continue
+        start = time.time()
+        maps.append(measure(make, options.quick))
+        print(make.__name__, dict(Counter(v for row in maps[-1]["verdict"] for v in row)), f"{time.time() - start:.0f} s", flush=True)
+    write_record("stability", {"maps": maps})
+    draw(maps)
+    put("maps", summary_table(maps), "evidence/stability")
+
+
+if __name__ == "__main__":
+    main()

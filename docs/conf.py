@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc). Built by `./hd docs`."""
+import runpy
+from pathlib import Path
+
+import hdengine
+
+HERE = Path(__file__).parent
+
+project = "hdengine"
+author = "the hdengine developers"
+version = release = hdengine.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+numpydoc_show_class_members = False
+autosummary_generate = True
+autodoc_typehints = "none"
+templates_path = []
+exclude_patterns = ["_build", "drawings"]
+html_theme = "furo"
+html_title = "hdengine"
+html_static_path = ["_static"]
+html_css_files = ["tables.css"]
+html_theme_options = {"sidebar_hide_name": False, "navigation_with_keys": True}
+html_show_sourcelink = False
+nitpicky = False
+
+
+def setup(app):
+    """Draw the vector figures that the pages show, and list what the tests require."""
+    runpy.run_path(str(HERE.parent / "tools/requirements_page.py"))["write"]()
+    runpy.run_path(str(HERE / "drawings/draw.py"))["draw_all"](HERE / "figures")

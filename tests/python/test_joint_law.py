@@ -62,12 +62,13 @@ def test_a_stiff_joint_is_hard(exe, small_run, tmp_path):
 
 
 def test_quadratic_convergence(exe, tmp_path):
-    """Once the states have settled the residual falls as its square: r_{k+1} < 1e3 r_k^2 in the last iteration of each step."""
+    """Once the states have settled the residual falls as its square: r_{k+1} < 1e4 r_k^2 in the last iteration of each step. The factor is
+    1.1e3 here, and where rounding puts points on the edge of slip it differs between processors; linear convergence by 0.01 fails."""
     r = solve(exe, tmp_path / "q")
     h = r.history
     for step in np.unique(h["step"]):
         res = h["residual"][h["step"] == step]
-        assert res[-1] < max(1e3 * res[-2] ** 2, 1e-11)
+        assert res[-1] < max(1e4 * res[-2] ** 2, 1e-11)
 
 
 @pytest.mark.parametrize("law", ["joint", "joint_elastic"])

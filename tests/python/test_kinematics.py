@@ -27,13 +27,14 @@ def test_small_displacements_are_the_limit(exe, tmp_path):
 
 
 def test_newton_is_quadratic_and_moments_balance(exe, tmp_path):
-    """Consistent tangent: between given pairs the last iterate squares the residual; moments balance to a thousandth of the torque."""
+    """Consistent tangent: between given pairs the last iterate squares the residual (factor as in test_joint_law); moments balance to a
+    thousandth of the torque."""
     r = solve(exe, tmp_path / "q", "solver.kinematics=nonlinear", "solver.factors=exact")
     h = r.history
     rounds = np.cumsum(np.diff(h["iteration"], prepend=0) < 1)
     for k in np.unique(rounds):
         res = h["residual"][rounds == k]
-        assert res[-1] < max(3e3 * res[-2] ** 2, 1e-11)
+        assert res[-1] < max(1e4 * res[-2] ** 2, 1e-11)
     assert abs(r.steps["torque_balance_nm"][-1]) < 1e-3 * 5
     np.testing.assert_allclose(r.steps["normal_force_n"], r.steps["reaction_force_n"], rtol=1e-8)
 

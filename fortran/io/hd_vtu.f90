@@ -8,7 +8,7 @@ module hd_vtu
   use hd_text, only: to_text, exact
   implicit none
   private
-  public :: field_t, write_vtu, write_pvd
+  public :: field_t, write_vtu, write_pvd, read_pvd
 
   !> A named field on points or cells; `value` is (components, points or cells).
   type :: field_t
@@ -20,12 +20,13 @@ module hd_vtu
 contains
 
   !> Write one grid of cells of one type.
-  subroutine write_vtu(path, points, cells, cell_type, fields, error)
+  subroutine write_vtu(path, points, cells, cell_type, fields, of_grid, error)
     character(len=*), intent(in) :: path              !< file
     real(dp), intent(in) :: points(:, :)              !< (3, points) [m]
     integer, intent(in) :: cells(:, :)                !< nodes from 1 (nodes, cells)
     integer, intent(in) :: cell_type                  !< VTK number: 9 quad, 12 hexahedron, 25 quadratic hexahedron
     type(field_t), intent(in) :: fields(:)            !< fields
+    type(field_t), intent(in) :: of_grid(:)           !< numbers of the whole grid: value (1, 1)
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     integer(int64) :: offset
     integer :: unit, status, i
@@ -37,8 +38,13 @@ contains
     end if
     offset = 0
     call put('<?xml version="1.0"?>'//nl//'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '// &
-      'header_type="UInt64">'//nl//'<UnstructuredGrid>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))// &
-      '" NumberOfCells="'//to_text(size(cells, 2))//'">'//nl//'<Points>'//nl)
+      'header_type="UInt64">'//nl//'<UnstructuredGrid>'//nl//'<FieldData>'//nl)
+    do i = 1, size(of_grid)
+      call put('<DataArray type="Float64" Name="'//of_grid(i)%name//'" NumberOfTuples="1" format="ascii">'// &
+        exact(of_grid(i)%value(1, 1))//'</DataArray>'//nl)
+    end do
+    call put('</FieldData>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))//'" NumberOfCells="'// &
+      to_text(size(cells, 2))//'">'//nl//'<Points>'//nl)
     call declare('Points', 'Float64', 3, 8*size(points, kind=int64))
     call put('</Points>'//nl//'<Cells>'//nl)
     call declare('connectivity', 'Int64', 1, 8*size(cells, kind=int64))
@@ -118,4 +124,29 @@ contains
     close (unit)
     call rename_file(path//'.part', path, error)
   end subroutine write_pvd
+
+  !> Files and times of a list that was written here; none where there is no such list.
+  subroutine read_pvd(path, files, times)
+    character(len=*), intent(in) :: path                         !< file
+    character(len=*), allocatable, intent(out) :: files(:)       !< VTU files, relative to the list
+    real(dp), allocatable, intent(out) :: times(:)               !< their times
+    character(len=200) :: line
+    character(len=len(files)) :: name
+    real(dp) :: time
+    integer :: unit, status
+    allocate (files(0), times(0))
+    open (newunit=unit, file=path, action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      if (line(:9) /= '<DataSet ') cycle
+      read (line(index(line, 'timestep="') + 10:), *, iostat=status) time
+      if (status /= 0) exit
+      name = line(index(line, 'file="') + 6:)
+      files = [files, name(:index(name, '"') - 1)//repeat(' ', len(name) - index(name, '"') + 1)]
+      times = [times, time]
+    end do
+    close (unit)
+  end subroutine read_pvd
 end module hd_vtu

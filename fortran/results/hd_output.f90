@@ -17,7 +17,7 @@ module hd_output
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
-  use hd_vtu, only: field_t, write_vtu, write_pvd
+  use hd_vtu, only: field_t, write_vtu, write_pvd, read_pvd
   implicit none
   private
   public :: output_t, step_t, check_folder, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -107,12 +107,14 @@ contains
     integer, intent(in) :: steps                      !< load steps at the checkpoint
     type(output_t), intent(out) :: output             !< open tables
     type(error_t), allocatable, intent(out) :: error  !< files lost, cannot be written
-    integer, allocatable :: numbers(:)
+    logical, allocatable :: kept(:)
     integer :: i
     output%folder = folder
-    numbers = pack([(i, i=1, steps)], [(path_kind(folder//'/'//trim(grid_name(i))) == path_file, i=1, steps)])
-    output%grids = [(grid_name(numbers(i)), i=1, size(numbers))]
-    output%times = real(numbers, dp)
+    call read_pvd(folder//'/bodies.pvd', output%grids, output%times)
+    kept = [(output%grids(i) <= grid_name(steps) .and. path_kind(folder//'/'//trim(output%grids(i))) == path_file, &
+      i=1, size(output%grids))]
+    output%times = pack(output%times, kept)
+    output%grids = pack(output%grids, kept)
     call remove_file(folder//'/summary.json')
     call write_echo(folder//'/echo.nml', scene, error)
     if (.not. allocated(error)) call output%contact%reopen(folder//'/contact.csv', sizes(1), sums(1), error)
@@ -236,8 +238,9 @@ contains
     type(state_t), intent(in) :: state                !< its state
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     character(len=40) :: name
-    type(field_t) :: fields(8)
+    type(field_t) :: fields(8), of_grid(3)
     real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:)
+    real(dp) :: time
     integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
     integer :: b, c, s, m
     associate (problem => drive%problem)
@@ -268,12 +271,17 @@ contains
         fields(4) = field_t('principal_stresses_pa', principal_stresses(stress), .false.)
         fields(5) = field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
       end if
+      ! ParaView's time: the share of the assembly less one, then the share of the torque steps
+      time = step%load_factor - merge(1, 0, step%phase == 'assembly')
+      of_grid(1) = field_t('TimeValue', reshape([time], [1, 1]))
+      of_grid(2) = field_t('torque_nm', reshape([step%torque], [1, 1]))
+      of_grid(3) = field_t('step', reshape([real(step%number, dp)], [1, 1]))
       name = grid_name(step%number)
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
-        fields(:merge(2, 5, allocated(problem%lagrangian))), error)
+        fields(:merge(2, 5, allocated(problem%lagrangian))), of_grid, error)
       if (allocated(error)) return
       output%grids = [output%grids, name]
-      output%times = [output%times, real(step%number, dp)]
+      output%times = [output%times, time]
       allocate (place(problem%n), source=0)
       place(pack(drive%face%nodes(:4, :), .true.)) = 1
       used = pack([(b, b=1, problem%n)], place > 0)
@@ -287,7 +295,7 @@ contains
       fields(7) = field_t('k_n_n_per_m', reshape(facets%k_n, [1, size(facets%gap)]), .true.)
       fields(8) = field_t('k_t_n_per_m', reshape(facets%k_t, [1, size(facets%gap)]), .true.)
       call write_vtu(output%folder//'/contact_'//padded(step%number)//'.vtu', x(:, used), &
-        reshape(place(pack(drive%face%nodes(:4, :), .true.)), [4, size(facets%gap)]), 9, fields, error)
+        reshape(place(pack(drive%face%nodes(:4, :), .true.)), [4, size(facets%gap)]), 9, fields, of_grid, error)
       if (allocated(error)) return
     end associate
     call write_pvd(output%folder//'/bodies.pvd', output%grids, output%times, error)

@@ -124,6 +124,9 @@ class Run:
         state = "closed" if self._handle is None else "solved" if self.done else "open"
         return f"Run: {self.facets} facets, {self.dof} dof, {state}"
 
+    def _repr_html_(self):
+        return preformatted(self)
+
     def __iter__(self) -> Iterator:
         while not self.done:
             yield self.advance()

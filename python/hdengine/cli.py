@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
+import signal
 import sys
+import threading
 import warnings
 from pathlib import Path
 from typing import Any
@@ -283,11 +286,27 @@ def _arguments(argv):
     return args
 
 
+@contextlib.contextmanager
+def _orderly():
+    """SIGTERM (a batch system, `kill`) and SIGHUP (a closed terminal) end the command as Ctrl-C does; an ignored one stays ignored."""
+    taken = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) == signal.SIG_DFL]
+    if threading.current_thread() is not threading.main_thread():
+        taken = []
+    for s in taken:
+        signal.signal(s, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for s in taken:
+            signal.signal(s, signal.SIG_DFL)
+
+
 def main(argv: Any = None) -> Any:
     """Entry of the command; returns the exit code of hdengine.x."""
     args = _arguments(argv)
     try:
-        code = args.action(args)
+        with _orderly():
+            code = args.action(args)
         sys.stdout.flush()
         return code
     except BrokenPipeError:  # who read the output, as head, has gone

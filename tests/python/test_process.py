@@ -27,9 +27,9 @@ def python(code, cwd, **options):
     return subprocess.run([sys.executable, "script.py"], cwd=cwd, capture_output=True, text=True, timeout=120, env=FREE, **options)
 
 
-def begun(exe, folder, *words, env=None):
-    """hdengine.x at work on a long run, past its first load step."""
-    process = subprocess.Popen([exe, CD14, *LONG, *words, "--out", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+def begun(exe, folder, *words, command=(), env=None):
+    """A command (hdengine.x) at work on a long run, past its first load step."""
+    process = subprocess.Popen([*(command or [exe]), CD14, *LONG, *words, "--out", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                env=env)
     table = folder / "checkpoint.bin"
     for _ in range(600):
@@ -157,6 +157,18 @@ def test_signals_end_a_run_within_a_step(exe, tmp_path, name, code):
     assert error.startswith("error: interrupted after ") and error.count("\n") == 1
     assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "interrupted"
     assert not (tmp_path / "r/hdengine.lock").exists()
+
+
+@pytest.mark.parametrize("name", ["SIGHUP", "SIGTERM"])
+def test_signals_end_the_python_command(exe, tmp_path, name):
+    """`hdengine run` ends on a signal as hdengine.x does: code 7 within two seconds, with a summary that says so."""
+    process = begun(exe, tmp_path / "r", command=[sys.executable, "-m", "hdengine", "run"])
+    start = time.monotonic()
+    process.send_signal(getattr(signal, name))
+    error = process.communicate(timeout=30)[1]
+    assert process.returncode == 7 and time.monotonic() - start < 2
+    assert "stopped" in error and "Traceback" not in error
+    assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "interrupted"
 
 
 def test_an_ignored_signal_stays_ignored(exe, tmp_path):

@@ -56,6 +56,8 @@ BENCHES = (
     Bench("numerical_parameters.py", "results over numerical parameters", 10),
     Bench("random_scenes.py", "random scenes: converged or refused", 5, quick=("--count", "60")),
     Bench("promised_scenes.py", "planned tolerances kept or not", 90, record="promised_scenes"),
+    Bench("attack_files.py", "damaged files, pairs of runs, kills", 5),
+    Bench("attack_api.py", "random arguments of the Python functions", 5),
     Bench("limits.py", "breaking points of the contact solver", 2),
     Bench("coupled_law.py", "Eq. 45 beside the coupled joint", 3),
     Bench("paper_comparison.py", "the paper's figures and trends", 15),

@@ -110,6 +110,19 @@ def test_broken_checkpoint_or_table_is_named(exe, tmp_path):
     assert done.returncode == 2 and "--force" in done.stderr
 
 
+def test_killed_between_the_last_checkpoint_and_the_summary(exe, tmp_path):
+    """A run that lost only its summary is ended by --resume without a further load step."""
+    with hdengine.Run(CD14, tmp_path / "r", **SMALL) as run:
+        steps = len(list(run))
+        kept = (tmp_path / "r/checkpoint.bin").read_bytes()
+    whole = (tmp_path / "r/steps.csv").read_text()
+    (tmp_path / "r/checkpoint.bin").write_bytes(kept)
+    (tmp_path / "r/summary.json").unlink()
+    done = call(exe, CD14, *WORDS, "--out", tmp_path / "r", "--resume")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "r/steps.csv").read_text() == whole and len(hdengine.load(tmp_path / "r").steps) == steps
+
+
 def mutations(data, count, seed):
     """Copies of a file with bits, bytes or blocks changed, cut, put in, put twice or exchanged."""
     draw = random.Random(seed)

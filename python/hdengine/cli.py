@@ -288,7 +288,7 @@ def _arguments(argv):
 
 @contextlib.contextmanager
 def _orderly():
-    """SIGTERM (a batch system, `kill`) and SIGHUP (a closed terminal) end the command as Ctrl-C does; an ignored one stays ignored."""
+    """SIGTERM (a batch system, `kill`) and SIGHUP (a closed terminal) end the command as Ctrl-C does; ignored ones stay so."""
     taken = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) == signal.SIG_DFL]
     if threading.current_thread() is not threading.main_thread():
         taken = []

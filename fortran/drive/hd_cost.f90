@@ -12,7 +12,7 @@ module hd_cost
   use hd_text, only: to_text
   implicit none
   private
-  public :: cost_t, predict_costs, cheapest, cost_text, estimate_memory_mb, allowed_memory_mb
+  public :: cost_t, forecast_t, forecast, cost_text, estimate_memory_mb, allowed_memory_mb
 
   !> One solver.
   type :: cost_t
@@ -21,6 +21,13 @@ module hd_cost
     real(dp) :: seconds = 0           !< CPU time of a run with `iterations` Newton iterations
     real(dp) :: memory_mb = 0         !< peak
   end type cost_t
+
+  !> All solvers at the time of the choice, and the choice.
+  type :: forecast_t
+    type(cost_t) :: costs(6)
+    real(dp) :: memory_allowed_mb = 0 !< then; not above 0: unknown
+    integer :: chosen = 0             !< one of `costs`
+  end type forecast_t
 
   real(dp), parameter :: iterations = 20        !< Newton iterations
   real(dp), parameter :: entries_1 = 7.1e6_dp, flops_1 = 2.0e9_dp, dof_1 = 19680   !< E and F of LU at this size
@@ -33,6 +40,16 @@ module hd_cost
   real(dp), parameter :: face_time = 2.3e-10_dp !< per cube of the face dofs of both bodies, inversion
 
 contains
+
+  !> What every solver will cost, and the one to take: the fastest that fits.
+  type(forecast_t) function forecast(s, round)
+    type(scene_t), intent(in) :: s    !< scene
+    logical, intent(in) :: round      !< its bodies have harmonics; where not, only a scene that asks for them gets them
+    forecast%costs = predict_costs(s)
+    if (s%method == 'auto' .and. .not. round) forecast%costs([1, 3])%applies = .false.
+    forecast%memory_allowed_mb = allowed_memory_mb(s)
+    forecast%chosen = cheapest(forecast%costs, forecast%memory_allowed_mb)
+  end function forecast
 
   !> All solvers, those that do not apply too.
   function predict_costs(s) result(list)
@@ -161,9 +178,9 @@ contains
   !> Memory that a run of the scene will need with the solver that is chosen [MB].
   real(dp) function estimate_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
-    type(cost_t) :: list(6)
-    list = predict_costs(s)
-    mb = list(cheapest(list, allowed_memory_mb(s)))%memory_mb
+    type(forecast_t) :: f
+    f = forecast(s, .true.)
+    mb = f%costs(f%chosen)%memory_mb
   end function estimate_memory_mb
 
   !> Memory that a run may take: as the scene says, else four fifths of what is free [MB]; not above 0 where nobody knows.

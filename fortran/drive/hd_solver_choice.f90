@@ -4,7 +4,7 @@ module hd_solver_choice
   use hd_circulant, only: circulant_t, new_circulant, has_circulant
   use hd_compliance, only: compliance_t
   use hd_condensed, only: condensed_t, new_condensed
-  use hd_cost, only: cost_t, predict_costs, cheapest, cost_text, allowed_memory_mb
+  use hd_cost, only: forecast_t, forecast, cost_text
   use hd_drive, only: drive_t, new_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
@@ -22,27 +22,24 @@ module hd_solver_choice
 contains
 
   !> Choose, say why, and make.
-  subroutine choose_solver(scene, drive, solver, error)
+  subroutine choose_solver(scene, drive, solver, choice, error)
     type(scene_t), intent(in) :: scene                            !< scene
     type(drive_t), intent(inout) :: drive                         !< its problem
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
+    type(forecast_t), intent(out) :: choice                       !< what was predicted, and the solver that was made
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
-    type(cost_t) :: list(6)
-    integer :: best
-    list = predict_costs(scene)
-    if (scene%method == 'auto' .and. scene%shape == 'pressed' .and. .not. has_circulant(drive%problem)) then
-      list([1, 3])%applies = .false.
-    end if
-    best = cheapest(list, allowed_memory_mb(scene))
-    if (count(list%applies) > 1) call say('solver    predicted: '//cost_text(list))
-    select case (list(best)%name)
-    case ('condensed', 'schur')
-      call make_condensed(drive%problem, list(best)%name == 'condensed', solver, error)
-    case ('exact')
-      call make_exact(drive%problem, solver, error)
-    case default
-      call make_krylov(scene, list(best)%name, drive, solver, error)
-    end select
+    choice = forecast(scene, scene%shape /= 'pressed' .or. has_circulant(drive%problem))
+    if (count(choice%costs%applies) > 1) call say('solver    predicted: '//cost_text(choice%costs))
+    associate (name => choice%costs(choice%chosen)%name)
+      select case (name)
+      case ('condensed', 'schur')
+        call make_condensed(drive%problem, name == 'condensed', solver, error)
+      case ('exact')
+        call make_exact(drive%problem, solver, error)
+      case default
+        call make_krylov(scene, name, drive, solver, error)
+      end select
+    end associate
     if (.not. allocated(error)) call renew_solver(scene, solver)
   end subroutine choose_solver
 

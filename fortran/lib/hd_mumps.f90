@@ -10,16 +10,18 @@ module hd_mumps
   use hd_text, only: to_text
   implicit none
   private
-  public :: mumps_t, unsymmetric, positive_definite, symmetric, check_mumps, count_entries
+  public :: mumps_t, unsymmetric, positive_definite, symmetric, check_mumps, count_entries, ordering_name, ordering_given
 
   integer, parameter :: unsymmetric = 0        !< MUMPS SYM
   integer, parameter :: positive_definite = 1  !< MUMPS SYM
   integer, parameter :: symmetric = 2          !< MUMPS SYM
 
+  character(len=15), parameter :: ordering_given = 'METIS (PERM_IN)'  !< what callers hand in
+
   type :: mumps_t
     private
     type(struc_t), pointer :: id => null()
-    integer, public :: ordering_used = -1      !< INFOG(7): 1 is the ordering handed in
+    character(len=:), allocatable, public :: ordering_used   !< MUMPS's own answer
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
     real(dp), public :: memory_mb = 0          !< memory of the factorisation, MUMPS's own count [MB]
@@ -61,7 +63,7 @@ contains
       call run_mumps(id)
       call check_mumps(id%infog(:16), id%n, error)
       if (allocated(error)) return
-      self%ordering_used = id%infog(7)
+      self%ordering_used = ordering_name(id%infog(7), id%infog(32))
     end associate
   end subroutine analyse
 
@@ -77,6 +79,23 @@ contains
     self%flops = self%id%rinfog(3)
     self%memory_mb = self%id%infog(22)
   end subroutine factorise
+
+  !> The ordering that MUMPS says it used.
+  pure function ordering_name(ordering, analysis) result(name)
+    integer, intent(in) :: ordering   !< INFOG(7)
+    integer, intent(in) :: analysis   !< INFOG(32): 2 is a parallel analysis, which takes orderings of its own
+    character(len=:), allocatable :: name
+    character(len=*), parameter :: names(0:6) = [character(len=15) :: 'AMD', ordering_given, 'AMF', 'SCOTCH', 'PORD', 'METIS', &
+      'QAMD']
+    if (analysis == 2) then
+      name = merge('ParMETIS ', 'PT-SCOTCH', ordering == 2)
+    else if (ordering >= 0 .and. ordering <= 6) then
+      name = names(ordering)
+    else
+      name = 'INFOG(7) = '//to_text(ordering)
+    end if
+    name = trim(name)
+  end function ordering_name
 
   !> MUMPS gives large counts as negative millions.
   pure integer(i8) function count_entries(info)

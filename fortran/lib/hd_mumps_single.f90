@@ -4,7 +4,7 @@ module hd_mumps_single
   use hd_kinds, only: dp, sp, i8
   use hd_system, only: check_stop
   use hd_error, only: error_t
-  use hd_mumps, only: check_mumps, count_entries
+  use hd_mumps, only: check_mumps, count_entries, ordering_name
   use hd_mumps_struc, only: struc_t => smumps_struc, run_mumps => smumps
   implicit none
   private
@@ -13,7 +13,7 @@ module hd_mumps_single
   type :: mumps_single_t
     private
     type(struc_t), pointer :: id => null()
-    integer, public :: ordering_used = -1      !< INFOG(7): 1 is the ordering handed in
+    character(len=:), allocatable, public :: ordering_used   !< MUMPS's own answer
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
     character(len=16), public :: version = ''  !< of the library
@@ -41,7 +41,7 @@ contains
     self%id%job = 1
     call run_mumps(self%id)
     call check_mumps(self%id%infog(:16), self%id%n, error)
-    if (.not. allocated(error)) self%ordering_used = self%id%infog(7)
+    if (.not. allocated(error)) self%ordering_used = ordering_name(self%id%infog(7), self%id%infog(32))
   end subroutine analyse
 
   !> Factorise values, rounded.

@@ -30,7 +30,7 @@ module hd_output
     real(dp) :: load_factor = 0      !< share of the phase, 0 to 1
     real(dp) :: torque = 0           !< [N m]
     integer :: iterations = 0
-    real(dp) :: seconds = 0
+    real(dp) :: seconds = 0          !< wall clock it took
   end type step_t
 
   type :: output_t

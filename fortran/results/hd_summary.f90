@@ -4,7 +4,7 @@ module hd_summary
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use hd_kinds, only: dp
   use hd_clock, only: timestamp
-  use hd_cost, only: cost_t, predict_costs, cheapest, allowed_memory_mb
+  use hd_cost, only: forecast_t
   use hd_drive, only: drive_t
   use hd_error, only: error_t, code_done, code_stopped
   use hd_facets, only: sums_t, sum_names, sum_values
@@ -36,6 +36,7 @@ module hd_summary
     logical :: interrupted = .false.   !< by a signal
     logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
     logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
+    type(forecast_t) :: choice         !< of the matrix solver, with what was predicted then
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
     character(len=:), allocatable :: start  !< mesh that gave the first guesses
     type(timers_t) :: timers
@@ -104,7 +105,7 @@ contains
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
-    call add_predictions(json, scene)
+    call add_predictions(json, record%choice)
     call json%begin('timers_s')
     call json%add('setup', record%timers%setup)
     call json%add('coarser', record%timers%coarser)
@@ -145,19 +146,19 @@ contains
   end subroutine write_summary
 
   !> Time and memory that the choice of the matrix solver rests on.
-  subroutine add_predictions(json, scene)
-    type(json_t), intent(inout) :: json    !< document
-    type(scene_t), intent(in) :: scene     !< scene
-    type(cost_t) :: list(6)
+  subroutine add_predictions(json, choice)
+    type(json_t), intent(inout) :: json        !< document
+    type(forecast_t), intent(in) :: choice     !< as it was made
     integer :: i
-    list = predict_costs(scene)
     call json%begin('predicted')
-    call json%add('solver', trim(list(cheapest(list, allowed_memory_mb(scene)))%name))
-    call json%add('memory_allowed_mb', allowed_memory_mb(scene))
-    do i = 1, size(list)
-      if (.not. list(i)%applies) cycle
-      call json%add(trim(list(i)%name)//'_s', list(i)%seconds)
-      call json%add(trim(list(i)%name)//'_mb', list(i)%memory_mb)
+    call json%add('solver', trim(choice%costs(choice%chosen)%name))
+    call json%add('memory_allowed_mb', choice%memory_allowed_mb)
+    do i = 1, size(choice%costs)
+      associate (c => choice%costs(i))
+        if (.not. c%applies) cycle
+        call json%add(trim(c%name)//'_s', c%seconds)
+        call json%add(trim(c%name)//'_mb', c%memory_mb)
+      end associate
     end do
     call json%finish()
   end subroutine add_predictions

@@ -45,7 +45,7 @@ contains
     attempt = 0
     slip_torque = 0
     run%step%iterations = 0
-    run%step%seconds = wall_seconds()
+    run%step_clock = wall_seconds()
     do while (run%position < target - 1e-12_dp)
       if (stop_requested()) then
         call interrupt(run, error)

@@ -2,6 +2,7 @@
 !> The model of the last run: mesh, coupling and factors, kept for the next run of this process if that differs in nothing
 !> they depend on. A study over torque, eccentricity, w, interference, friction or joint parameters so pays for them once.
 module hd_model_cache
+  use hd_cost, only: forecast_t
   use hd_drive, only: drive_t, new_drive, renew_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
@@ -28,16 +29,18 @@ module hd_model_cache
   type(drive_t), allocatable, save :: kept_drive
   class(linear_solver_t), allocatable, save :: kept_solver
   type(assembly_t), save :: kept_assembly
+  type(forecast_t), save :: kept_choice
 
 contains
 
   !> Model of a scene: the kept one, or a new one.
-  subroutine take_model(scene, drive, solver, assembly, kept, error)
+  subroutine take_model(scene, drive, solver, assembly, kept, choice, error)
     type(scene_t), intent(in) :: scene                            !< scene
     type(drive_t), allocatable, intent(out) :: drive              !< its problem and loads
     class(linear_solver_t), allocatable, intent(out) :: solver    !< its linear solver
     type(assembly_t), intent(out) :: assembly                     !< states of the same assembly, if there are any
     logical, intent(out) :: kept                                  !< mesh and factors are those of an earlier run
+    type(forecast_t), intent(out) :: choice                       !< what was predicted when the solver was chosen
     type(error_t), allocatable, intent(out) :: error              !< mesh, memory
     kept = .false.
     if (allocated(kept_drive)) kept = same_model(scene, kept_scene, .false., .false.)
@@ -45,6 +48,7 @@ contains
       if (same_model(scene, kept_scene, .true., allocated(kept_drive%problem%law%joint))) assembly = kept_assembly
       call move_alloc(kept_drive, drive)
       call move_alloc(kept_solver, solver)
+      choice = kept_choice
       call renew_drive(scene, drive, error)
       call renew_solver(scene, solver)
     else
@@ -52,16 +56,17 @@ contains
       allocate (drive)
       call new_drive(scene, drive, error)
       if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call use_lagrangian(drive%problem, error)
-      if (.not. allocated(error)) call choose_solver(scene, drive, solver, error)
+      if (.not. allocated(error)) call choose_solver(scene, drive, solver, choice, error)
     end if
   end subroutine take_model
 
   !> Keep the model of a run that is over; one with large displacements is given back, its stiffness has changed.
-  subroutine keep_model(scene, drive, solver, assembly)
+  subroutine keep_model(scene, drive, solver, assembly, choice)
     type(scene_t), intent(in) :: scene                              !< its scene
     type(drive_t), allocatable, intent(inout) :: drive              !< moved away
     class(linear_solver_t), allocatable, intent(inout) :: solver    !< moved away
     type(assembly_t), intent(in) :: assembly                        !< states of its assembly
+    type(forecast_t), intent(in) :: choice                          !< of its solver
     call forget_model()
     if (.not. allocated(solver)) return
     if (allocated(drive%problem%lagrangian)) then
@@ -70,6 +75,7 @@ contains
     end if
     kept_scene = scene
     kept_assembly = assembly
+    kept_choice = choice
     call move_alloc(drive, kept_drive)
     call move_alloc(solver, kept_solver)
   end subroutine keep_model

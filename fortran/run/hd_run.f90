@@ -64,7 +64,8 @@ module hd_run
     type(record_t) :: record
     type(error_t), allocatable :: failure   !< what ended the run early
     real(dp) :: rotation_assembled = 0      !< rotation at the end of the assembly [rad]
-    real(dp) :: clock = 0
+    real(dp) :: clock = 0                   !< when the run began [s]
+    real(dp) :: step_clock = 0              !< when the present load step began [s]
   end type run_t
 
 contains
@@ -151,7 +152,7 @@ contains
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, error)
+    call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, run%record%choice, error)
     if (.not. allocated(error)) then
       if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
       if (run%scene%contact_law /= 'hard') then
@@ -193,7 +194,7 @@ contains
     start = wall_seconds()
     run%record%steps = run%record%steps + 1
     run%step%number = run%record%steps
-    run%step%seconds = start - run%step%seconds
+    run%step%seconds = start - run%step_clock
     call measure(run)
     if (run%position <= 1 + 1e-12_dp) then
       run%rotation_assembled = run%sums%rotation
@@ -353,7 +354,7 @@ contains
       run%writes = .false.
     end if
     if (.not. run%unsettled) then
-      call keep_model(run%scene, run%drive, run%solver, run%assembly)
+      call keep_model(run%scene, run%drive, run%solver, run%assembly, run%record%choice)
     else if (allocated(run%solver)) then
       call run%solver%release()
     end if

@@ -12,7 +12,7 @@ module hd_newton_matrix
   use hd_mortar, only: coupling_block
   use hd_problem, only: problem_t, assemble_stiffness
   use hd_metis, only: nested_dissection
-  use hd_mumps, only: mumps_t, unsymmetric
+  use hd_mumps, only: mumps_t, unsymmetric, ordering_given
   implicit none
   private
   public :: newton_matrix_t, new_newton_matrix, lay_out_newton_matrix, coupled_graph
@@ -75,8 +75,8 @@ contains
     if (allocated(error)) return
     call matrix%mumps%analyse(unsymmetric, matrix%unknowns, matrix%row, matrix%col, matrix%val, position, error)
     matrix%name = 'Newton matrix, MUMPS'
-    matrix%ordering_asked = 'METIS (PERM_IN)'
-    matrix%ordering_used = merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)
+    matrix%ordering_asked = ordering_given
+    if (.not. allocated(error)) matrix%ordering_used = matrix%mumps%ordering_used
     matrix%library = matrix%mumps%version
   end subroutine lay_out_newton_matrix
 

@@ -7,7 +7,7 @@ module hd_schur
   use hd_error, only: error_t
   use hd_lapack, only: invert_symmetric, multiply_symmetric
   use hd_metis, only: nested_dissection
-  use hd_mumps, only: mumps_t, positive_definite
+  use hd_mumps, only: mumps_t, positive_definite, ordering_given
   use hd_problem, only: problem_t, assemble_stiffness
   use hd_symmetry, only: symmetry_t
   implicit none
@@ -53,8 +53,7 @@ contains
     call assemble_stiffness(problem, error)
     if (allocated(error)) return
     schur%name = 'condensed by Schur complement'
-    schur%ordering_asked = 'METIS (PERM_IN)'
-    schur%ordering_used = 'METIS (PERM_IN)'
+    schur%ordering_asked = ordering_given
     allocate (schur%sides(size(problem%bodies)))
     do b = 1, size(problem%bodies)
       associate (side => schur%sides(b), mortar => problem%mortar)
@@ -120,6 +119,11 @@ contains
         call invert_symmetric(side%c, error)
         if (allocated(error)) return
         self%library = side%mumps%version
+        if (self%ordering_used == 'none') then
+          self%ordering_used = side%mumps%ordering_used
+        else if (self%ordering_used /= side%mumps%ordering_used) then
+          self%ordering_used = trim(self%ordering_used)//', '//side%mumps%ordering_used
+        end if
         self%factor_entries = self%factor_entries + side%mumps%factor_entries
       end associate
     end do

@@ -12,7 +12,7 @@ module hd_symmetric_matrix
   use hd_linear_solver, only: linear_solver_t
   use hd_metis, only: nested_dissection
   use hd_mortar, only: add_nodal_forces, coupling_block
-  use hd_mumps, only: mumps_t, symmetric
+  use hd_mumps, only: mumps_t, symmetric, ordering_given
   use hd_mumps_single, only: mumps_single_t
   use hd_newton_matrix, only: coupled_graph
   use hd_problem, only: problem_t, load_t, state_t, assemble_stiffness
@@ -98,14 +98,14 @@ contains
     if (matrix%single) then
       call matrix%mumps_single%analyse(symmetric, matrix%unknowns, matrix%row, matrix%col, position, error)
       matrix%library = matrix%mumps_single%version
-      matrix%ordering_used = merge('METIS (PERM_IN)', 'other          ', matrix%mumps_single%ordering_used == 1)
+      if (.not. allocated(error)) matrix%ordering_used = matrix%mumps_single%ordering_used
     else
       allocate (matrix%val(size(matrix%row)))
       call matrix%mumps%analyse(symmetric, matrix%unknowns, matrix%row, matrix%col, matrix%val, position, error)
       matrix%library = matrix%mumps%version
-      matrix%ordering_used = merge('METIS (PERM_IN)', 'other          ', matrix%mumps%ordering_used == 1)
+      if (.not. allocated(error)) matrix%ordering_used = matrix%mumps%ordering_used
     end if
-    matrix%ordering_asked = 'METIS (PERM_IN)'
+    matrix%ordering_asked = ordering_given
     matrix%analysed = .not. allocated(error)
   end subroutine analyse
 

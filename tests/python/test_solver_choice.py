@@ -87,6 +87,33 @@ def test_choice_is_told(exe, tmp_path, keys, name):
     assert ("predicted: " in done.stdout) == (len(predicted) > 4)
 
 
+NAMES = {"condensed": "condensed by harmonics", "schur": "condensed by Schur complement", "harmonic": "GMRES, condensed by harmonics",
+         "single": "GMRES, symmetric factors in single precision", "symmetric": "GMRES, symmetric factors", "exact": "Newton matrix, MUMPS"}
+
+
+@pytest.mark.parametrize("keys", [["wave_generator.ring_contact=unilateral", "contact.slave=cup"], ["solver.method=schur"], ["solver.factors=exact"],
+                                  ["solver.factors=single"], ["solver.method=newton"]], ids=str)
+def test_the_solver_predicted_is_the_one_that_ran(exe, tmp_path, keys):
+    """`predicted.solver` names the solver that ran, and MUMPS says which ordering it used: the one handed in."""
+    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "r")
+    assert done.returncode == 0, done.stderr
+    s = json.loads((tmp_path / "r/summary.json").read_text())
+    assert s["model"]["solver"] == NAMES[s["predicted"]["solver"]]
+    if "harmonics" not in s["model"]["solver"]:
+        assert s["model"]["ordering_used"] == s["model"]["ordering_asked"] == "METIS (PERM_IN)"
+
+
+def test_predictions_are_those_of_the_choice(tmp_path):
+    """A run that takes over mesh and factors reports what was predicted when its solver was chosen, bit by bit, not what is free now."""
+    found = []
+    hdengine.forget()
+    for torque in (1, 2):
+        keys = dict(mesh__divisions=24, mesh__band_facets=4, load__assembly_steps=1, load__torque=torque, load__torque_steps=1)
+        found.append(hdengine.run(CD14, out=tmp_path / str(torque), **keys).summary)
+    assert [s["model"]["mesh_and_factors"] for s in found] == ["new", "kept"]
+    assert found[0]["predicted"] == found[1]["predicted"]
+
+
 def test_predicted_order_is_the_measured_one():
     """Of every two solvers whose measured time or memory differs by more than a factor of two, the prediction names the cheaper one."""
     scenes = {}

@@ -17,6 +17,7 @@ import numpy as np
 from . import _engine, completion
 from ._engine import EngineMemoryError, FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .contact import Run, doubts, read_scene
+from .files import check_folder
 from .prediction import command as joint_command
 from .results import Result, read_csv, read_summary
 from .studies import planner
@@ -187,6 +188,8 @@ def _record(args):
     from .catalogue import UNITS
     from .record import ARCSEC, Record
 
+    out = args.out or _folder(args.input)
+    check_folder(out, Record.FILES, args.force)
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
     numbers = record.numbers(UNITS[args.size], args.rated_torque)
@@ -198,7 +201,7 @@ def _record(args):
             continue
         short = name.removesuffix("_nm_per_rad").removesuffix("_rad")
         print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
-    for path in record.write(args.out or _folder(args.input), numbers, args.input, args.size):
+    for path in record.write(out, numbers, args.input, args.size, args.force):
         print(f"written: {path}")
     return 0
 
@@ -262,6 +265,7 @@ def make_parser() -> Any:
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")
+    record.add_argument("--force", action="store_true", help="replace earlier results")
     add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
                          "surface data/specimen_flexspline.sdf data/specimen_bearing.sdf --pair"))
     joint_command.add_options(_command(commands, "joint", joint_command.run_joint,

@@ -2,7 +2,6 @@
 """Torque-angle records of a test bench: stiffness by a fit that is differentiated, hysteresis, lost motion, K1 to K3."""
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._check import array, checked, integer, kind, number, word
-from ._engine import FileError, InputError
+from ._engine import InputError
 from .catalogue import UNITS, Unit, stages
+from .files import check_folder, csv_text, write_folder
 from .results import read_csv
 from .spline import Spline
 
@@ -209,20 +209,24 @@ class Record:
         names = ("hysteresis_rad", "lost_motion_rad", "k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad")
         return {n: (float(v), float(a), float(b)) for n, v, a, b in zip(names, evaluate(self._fits), low, high)}
 
-    def write(self, folder: str | os.PathLike, numbers: dict, source: str | os.PathLike, size: int) -> list:
+    FILES = ("record.json", "curve.csv", "record.png", "scene.nml")  #: that `write` leaves in a folder
+
+    def write(self, folder: str | os.PathLike, numbers: dict, source: str | os.PathLike, size: int, force: bool = False) -> list:
         """Write what the record gives into a folder.
 
         Parameters
         ----------
         folder : str or Path
-            record.json (figures with their bands), curve.csv (angle and stiffness over torque), record.png and scene.nml (the
-            lines of a scene under the record's highest torque).
+            curve.csv (angle and stiffness over torque), record.png, scene.nml (the lines of a scene under the record's highest
+            torque), and last of all record.json (figures with their bands), without which the others are not whole.
         numbers : dict
             Of `numbers`.
         source : str or Path
             File of the readings.
         size : int
             Size whose T1 and T2 were used.
+        force : bool
+            Replace these files where the folder holds them.
 
         Returns
         -------
@@ -231,30 +235,19 @@ class Record:
         Raises
         ------
         FileError
-            The folder holds a run or a study, or cannot be written.
+            The folder holds these files, or a run or a study, or cannot be written.
         """
-        folder = Path(folder)
-        if any((folder / name).exists() for name in ("summary.json", "study.json", "echo.nml")):
-            raise FileError(f"'{folder}' holds a run or a study: choose another folder with --out")
+        check_folder(folder, self.FILES, force)
         found = {"kind": "record", "source": str(source), "size": size, "readings": len(self.torque_nm),
                  "torque_min_nm": float(self.torque_nm.min()), "torque_max_nm": float(self.torque_nm.max()),
                  "torque_error_nm": self.torque_error_nm, "angle_error_rad": self.angle_error_rad,
-                 "scatter_rad": float(self._fits[1].residual), "band_share": 0.95,
-                 "value_low_high": {k: [v if np.isfinite(v) else None for v in row] for k, row in numbers.items()}}
+                 "scatter_rad": float(self._fits[1].residual), "band_share": 0.95, "value_low_high": numbers}
         curve = self.curve()
         columns = ("torque_nm", "angle_rad", "stiffness_nm_per_rad", "low_nm_per_rad", "high_nm_per_rad")
-        rows = [",".join(columns), *(",".join(f"{v:.10g}" for v in row) for row in zip(*(getattr(curve, c) for c in columns)))]
         scene = (f"! for a scene under the highest torque of {Path(source).name}\n&load\n  torque = {self.torque_nm.max():.6g}\n"
                  "  torque_steps = 5\n/\n")
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "record.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-            (folder / "curve.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
-            (folder / "scene.nml").write_text(scene, encoding="utf-8")
-            self.plot().savefig(folder / "record.png")
-        except OSError as e:
-            raise FileError(f"'{folder}' cannot be written: {e.strerror or e}") from None
-        return [folder / name for name in ("record.json", "curve.csv", "record.png", "scene.nml")]
+        return write_folder(folder, "record.json", found, {
+            "curve.csv": csv_text({c: getattr(curve, c) for c in columns}), "record.png": self.plot(), "scene.nml": scene}, force)
 
     def __repr__(self) -> str:
         return (f"Record: {len(self.torque_nm)} readings, {len(self.branches)} branches, {self.torque_nm.min():.3g} to "

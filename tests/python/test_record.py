@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Records of the test bench: the stiffness put in comes out, within a band that covers it as often as it says."""
+import json
 import sys
 
 import numpy as np
@@ -82,6 +83,10 @@ def test_spline_reproduces_cubics():
 
 
 def test_command(tmp_path, capsys):
-    """`hdengine record` prints K1 with its band and writes the figure."""
-    assert main(["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "r.png")]) == 0
-    assert "k1" in capsys.readouterr().out and (tmp_path / "r.png").exists()
+    """`hdengine record` prints K1 with its band and writes a whole folder, which it replaces with --force alone."""
+    words = ["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "r")]
+    assert main(words) == 0 and "k1" in capsys.readouterr().out
+    found = json.loads((tmp_path / "r/record.json").read_text())
+    assert found["status"] == "complete" and {p.name for p in (tmp_path / "r").iterdir()} == {"record.json", *found["files"]}
+    assert main(words) == 3 and "--force" in capsys.readouterr().err
+    assert main([*words, "--force"]) == 0

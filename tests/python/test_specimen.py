@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading specimens, the two of data/, the command `hdengine surface`."""
+import json
 import re
 import shutil
 import struct
@@ -14,6 +15,9 @@ import hdengine
 from conftest import ROOT
 from hdengine import roughness, specimen
 from hdengine.cli import main
+from hdengine.files import write_folder
+from hdengine.results import read_csv
+from hdengine.surfaces import folder
 
 SURFACES = ROOT.parent / "shared/surfaces"
 KNOWN = roughness.Ridges(0.5e-3, 1e-6)
@@ -159,17 +163,79 @@ def test_bad_files_are_named(tmp_path):
 
 
 def test_command_reads_fits_and_plots(tmp_path, capsys):
-    """`hdengine surface` prints verdict, D and G of both specimens and of their sum and writes three figures; bad calls are one line
-    on stderr and the code of the error."""
+    """`hdengine surface` prints verdict, D and G of both specimens and of their sum and writes a folder; bad calls are one line
+    on stderr and the code of the error, and leave the folder as it is."""
     files = [str(ROOT / f"data/specimen_{n}.sdf") for n in ("flexspline", "bearing")]
-    assert main(["surface", *files, "--pair", "--ridges", "5e-4,1e-6,10,1.5", "--out", str(tmp_path)]) == 0
+    assert main(["surface", *files, "--pair", "--ridges", "5e-4,1e-6,10,1.5", "--out", str(tmp_path / "o")]) == 0
     text = capsys.readouterr().out
     assert text.count("verdict   fractal") == 3 and "D         2.53" in text
-    assert {p.name for p in Path(tmp_path).iterdir()} == {"joint_surface.png", "specimen_flexspline.png", "specimen_bearing.png"}
+    figures = {"joint_surface.png", "specimen_flexspline.png", "specimen_bearing.png"}
+    assert {p.name for p in (tmp_path / "o").iterdir()} == {"surface.json", "structure.csv", "spectrum.csv", "scene.nml", *figures}
+    found = json.loads((tmp_path / "o/surface.json").read_text())
+    assert found["status"] == "complete" and set(found["surfaces"]) == {"specimen_flexspline", "specimen_bearing", "equivalent"}
+    rows = read_csv(tmp_path / "o/structure.csv")
+    assert set(rows["surface"]) == set(found["surfaces"]) and np.all(abs(np.log(rows["s_m2"] / rows["model_m2"])) < 0.1)
+    scene = hdengine.read_scene(tmp_path / "o/scene.nml")
+    joint = found["surfaces"]["equivalent"]
+    assert scene["joint.fractal_dimension"] == pytest.approx(joint["fractal_dimension"], abs=1e-5)
+    assert scene["joint.roughness"] == pytest.approx(joint["roughness_m"], rel=1e-4) and scene["joint.sample_length"] == 5e-4
+    before = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "o").iterdir()}
+    assert main(["surface", files[0], "--out", str(tmp_path / "o")]) == 3 and "--force" in capsys.readouterr().err
     for words, code in ((["--pair", files[0]], 2), (["none.vk4"], 3), ([files[0], "--lags", "1", "400"], 2)):
-        assert main(["surface", *words, "--out", str(tmp_path)]) == code
+        assert main(["surface", *words, "--out", str(tmp_path / "o"), "--force"]) == code
         stderr = capsys.readouterr().err
         assert stderr.startswith("error: ") and stderr.count("\n") == 1
+    assert before == {p.name: p.stat().st_mtime_ns for p in (tmp_path / "o").iterdir()}
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A map with dx unlike dy and one of white noise, with their fits."""
+    rng = np.random.default_rng(1)
+    f = np.hypot(np.fft.fftfreq(48, 2.0)[:, None], np.fft.rfftfreq(64)[None])
+    f[0, 0] = np.inf
+    z = 1e-7 * np.fft.irfft2(f**-1.5 * np.fft.rfft2(rng.standard_normal((48, 64))), s=(48, 64))
+    maps = [specimen.Specimen(z, (2e-6, 1e-6), "same"), specimen.Specimen(1e-7 * rng.standard_normal((48, 64)), (1e-6, 1e-6), "same")]
+    return maps, [m.fit() for m in maps]
+
+
+def test_folder_of_two_files_of_one_stem(small, tmp_path):
+    """Maps of one name keep a figure each, directions of unlike spacing are named, and what is not fractal gets no D and G to paste."""
+    folder.write(tmp_path / "o", *small)
+    assert {"same.png", "same_2.png"} < {p.name for p in (tmp_path / "o").iterdir()}
+    rows = read_csv(tmp_path / "o/structure.csv")
+    assert set(rows["direction"][rows["surface"] == "same"]) == {"rows", "columns"}
+    text = (tmp_path / "o/scene.nml").read_text()
+    assert "same_2: " in text and "white noise" in text and "fractal_dimension" not in text.split("same_2")[1]
+    json.loads((tmp_path / "o/surface.json").read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+def test_unlike_spacing_is_drawn_as_two_lines(small):
+    """S along rows and along columns of a map with dx unlike dy are two rising lines of points, and two of the model."""
+    lines = small[1][0].plot().get_lines()
+    assert len(lines) == 4 and all(np.all(np.diff(line.get_xdata()) > 0) for line in lines)
+
+
+def test_a_broken_folder_is_never_whole(tmp_path):
+    """A write that fails midway over an earlier folder leaves no record, no cut file, and one error; the next one is whole, without
+    the files of the first; a folder of another command is never written to."""
+    class Broken:
+        def savefig(self, path):
+            Path(path).write_text("half")
+            raise OSError(28, "no space left")
+
+    write_folder(tmp_path, "surface.json", {}, {"a.csv": "1", "old.csv": "2"})
+    with pytest.raises(hdengine.FileError, match="--force"):
+        write_folder(tmp_path, "surface.json", {}, {"a.csv": "3"})
+    with pytest.raises(hdengine.FileError, match="no space left"):
+        write_folder(tmp_path, "surface.json", {}, {"a.csv": "3", "b.png": Broken()}, force=True)
+    assert {p.name for p in tmp_path.iterdir()} == {"a.csv"}
+    write_folder(tmp_path, "surface.json", {"x": float("nan")}, {"a.csv": "4"}, force=True)
+    found = json.loads((tmp_path / "surface.json").read_text())
+    assert found["x"] is None and found["files"] == ["a.csv"] and (tmp_path / "a.csv").read_text() == "4"
+    (tmp_path / "surface.json").rename(tmp_path / "summary.json")
+    with pytest.raises(hdengine.FileError, match="another command"):
+        write_folder(tmp_path, "surface.json", {}, {"a.csv": "5"}, force=True)
 
 
 def test_the_specimens_of_data_are_what_their_script_makes(tmp_path):

@@ -28,14 +28,17 @@ def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = 
     """
     if axis is None:
         axis = new_axes(figsize=(7, 5))[1]
-    order = np.argsort(fit.tau_m)
-    tau = fit.tau_m[order] * 1e6
-    axis.loglog(tau, fit.s_m2[order] * 1e12, "o", ms=5, mfc="none", color=colour, label=label)
-    if np.isfinite(fit.fractal_dimension):
-        low, high = fit.band
-        text = f"D = {fit.fractal_dimension:.4f}, G = {fit.roughness_m:.4g} m"
-        axis.loglog(tau, fit.curve_m2[order] * 1e12, "-", color=colour, label=text)
-        axis.fill_between(tau, low[order] * 1e12, high[order] * 1e12, color=colour, alpha=0.2, lw=0)
+    fitted = np.isfinite(fit.fractal_dimension)
+    low, high = fit.band
+    for i, (way, part) in enumerate(fit.directions()):
+        tau = fit.tau_m[part] * 1e6
+        name = label if i == 0 and len(fit.directions()) == 1 else f"{label}, {way}"
+        axis.loglog(tau, fit.s_m2[part] * 1e12, "os"[i], ms=5, mfc="none", color=colour, label=name)
+        if fitted:
+            g = f", G = {fit.roughness_m:.4g} m" if fit.interval[0][0] >= 2.005 else ", G not determined"
+            text = f"D = {fit.fractal_dimension:.4f}{g}" if i == 0 else None
+            axis.loglog(tau, fit.curve_m2[part] * 1e12, ("-", "--")[i], color=colour, label=text)
+            axis.fill_between(tau, low[part] * 1e12, high[part] * 1e12, color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
     axis.set_xlabel("lag τ / µm")
     axis.set_ylabel("S(τ) / µm²")
     axis.legend(fontsize=10)
@@ -47,11 +50,11 @@ def plot_residual(fit: Any, axis: Any, colour: str = "C0") -> None:
     """What S is off the model by, in percent, with the 95 % band."""
     if not np.isfinite(fit.fractal_dimension):
         return
-    order = np.argsort(fit.tau_m)
-    tau = fit.tau_m[order] * 1e6
-    low, high = (100 * (b / fit.curve_m2 - 1)[order] for b in fit.band)
-    axis.semilogx(tau, 100 * (fit.s_m2 / fit.curve_m2 - 1)[order], "o", ms=5, mfc="none", color=colour)
-    axis.fill_between(tau, low, high, color=colour, alpha=0.2, lw=0)
+    low, high = (100 * (b / fit.curve_m2 - 1) for b in fit.band)
+    for i, (_, part) in enumerate(fit.directions()):
+        tau = fit.tau_m[part] * 1e6
+        axis.semilogx(tau, 100 * (fit.s_m2 / fit.curve_m2 - 1)[part], "os"[i], ms=5, mfc="none", color=colour)
+        axis.fill_between(tau, low[part], high[part], color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
     axis.axhline(0, color="k", lw=0.8)
     axis.set_xlabel("lag τ / µm")
     axis.set_ylabel("S / model - 1 / %")

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from .._engine import InputError
-from . import roughness, specimen
+from ..files import check_folder
+from . import folder, roughness, specimen
 
 
 def add_options(parser: Any) -> None:
@@ -19,13 +20,13 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
     parser.add_argument("--model", choices=("isotropic", "profile", "ridges", "paper"), help="default: by what is known")
     parser.add_argument("--ridges", metavar="L,L_s,M,gamma", help="the surfaces are sums of Eq. 1 with these numbers")
-    parser.add_argument("--out", default=".", help="folder for the figures")
+    parser.add_argument("--out", help="folder for surface.json, structure.csv, spectrum.csv, scene.nml and figures (default: the "
+                        "first file's stem.out)")
+    parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
 def run_surface(args: Any) -> Any:
-    """Read, fit, judge, plot; returns 0."""
-    from ..figures.surface import plot_specimen
-
+    """Read, fit, judge, write; returns 0."""
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     known = None
     if args.ridges:
@@ -39,23 +40,20 @@ def run_surface(args: Any) -> Any:
     except ValueError:
         raise InputError(f"--noise {args.noise}: rms in m, or fit") from None
     options = {"lags": tuple(args.lags), "noise": noise, "model": args.model, "surface": known}
+    if args.pair and len(args.files) != 2:
+        raise InputError(f"--pair takes two files, got {len(args.files)}")
+    out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
+    check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
-    out = Path(args.out)
-    out.mkdir(parents=True, exist_ok=True)
-    figures = {}
     fits = [s.fit(**options) for s in specimens]
     for s, fit in zip(specimens, fits):
         numbers = ", ".join(f"{k} {v:.4g}" for k, v in s.parameters().items() if k != "bandwidth_m")
         print(f"{s.name}: {' x '.join(map(str, s.heights.shape))} points, {' x '.join(f'{1e3 * x:.4g}' for x in s.size)} mm")
         print("".join(f"  {note}\n" for note in s.notes) + f"roughness {numbers}\n{fit}\n")
-        figures[f"{s.name}.png"] = plot_specimen(s, fit)
+    joint = None
     if args.pair:
-        if len(specimens) != 2:
-            raise InputError(f"--pair takes two files, got {len(specimens)}")
         joint = specimen.equivalent(*specimens, **options)
         print(f"equivalent surface of both\n{joint.equivalent}\n")
-        figures["joint_surface.png"] = joint.plot()
-    for name, figure in figures.items():
-        figure.savefig(out / name)
-        print(f"written: {out / name}")
+    for path in folder.write(out, specimens, fits, joint, args.files, args.force):
+        print(f"written: {path}")
     return 0

@@ -100,6 +100,14 @@ class Fit:
         w = np.exp(1.959964 * self.sample_error)
         return self.curve_m2 / w, self.curve_m2 * w
 
+    def directions(self) -> list:
+        """Directions that S was measured along, with the places of their lags in the arrays: [(name, indices), ..]."""
+        n, count = len(self.tau_m), self.lags[1] - self.lags[0] + 1
+        if n <= count:
+            return [("rows" if np.isnan(self.anisotropy) else "rows and columns", np.arange(n))]
+        names = ("rows", "columns") if n == 2 * count else ("rows and columns", "diagonals")
+        return [(names[0], np.arange(count)), (names[1], np.arange(count, n))]
+
     def __str__(self) -> str:
         lines = [f"verdict   {self.verdict}" + (f" ({self.kind})" if self.kind != self.verdict else "") + f": {self.reason}"]
         if np.isfinite(self.fractal_dimension):

@@ -130,6 +130,7 @@ def main():
         print(f"{name}: {'done' if done.returncode == 0 else 'FAILED'} in {time.time() - start:.0f} s", flush=True)
         failed += [name] if done.returncode else []
     ages = [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known.items()]
+    subprocess.run([sys.executable, HERE / "evidence_tables.py"], cwd=ROOT)
     put("records", table(("benchmark", "what it measures", "minutes", "record"), ages), "evidence/records")
     sys.exit(1 if failed else 0)
 

@@ -108,7 +108,7 @@ def load_steps(ax):
 
 def half_width(ax):
     rows = [r for r in stored("contact_standards")["hertz_line"]["rows"] if r["element"] == "hex8i"]
-    lines(ax, "half-width", [r["elements"] for r in rows], {k: [100 * r[k] for r in rows] for k in ("half_width", "peak", "field")},
+    lines(ax, "half-width", [r["elements"] for r in rows], {k.replace("_", "-"): [100 * r[k] for r in rows] for k in ("half_width", "peak", "field")},
           "cells in the half-width", "|error| / %", "Hertz, line: cells", "xy")
     mark(ax, "10 cells: 1 %", x=10)
 
@@ -171,7 +171,7 @@ def schur(ax):
         mine = [r for r in rows if r["method"] == method and r.get("memory_mb") and r.get("iterations")]
         RECORD[f"memory {label}"] = {"x": [r["dof"] for r in mine], "mb": [r["memory_mb"] for r in mine]}
         ax.loglog([r["dof"] for r in mine], [r["memory_mb"] for r in mine], "o-", ms=4, label=label)
-    ax.set(xlabel="dof", ylabel="memory / MB", title="memory")
+    ax.set(xlabel="dof", ylabel="memory / MB", title="memory", ylim=(0.3, None))
     ax.grid(alpha=0.3)
     mark(ax, "refused beyond 80 % of the machine\n(16 GiB shown): code 6", y=0.8 * 16 * 1024)
 

@@ -28,7 +28,7 @@ SCENES = {"HUB": [], "FREE": FREE, "INT": [*FREE, "wave_generator.interference=1
           "HUB, e = 20 µm": ["wave_generator.eccentricity=20e-6"], "HUB, rough joint": ["contact.law=joint"],
           "HUB, large rotations": ["solver.kinematics=nonlinear", "solver.tolerance=1e-9"],
           "FREE to 9 N m (slips at 9.3)": [*FREE, "load.torque=9"]}
-FLOOR = 1e-11  # rounding of the residual
+FLOOR, FLOOR_OF_ROTATIONS = 1e-11, 5e-11  # rounding of the residual
 
 
 def solve(keys, method):
@@ -47,18 +47,18 @@ def follows(a, b):
     return a[0] == b[0] and b[1] == a[1] + 1
 
 
-def orders(rows):
+def orders(rows, floor):
     """log(r2/r1) / log(r1/r0) of successive iterates with settled states, where r1 shows the asymptote and r2 is not rounding."""
     found = []
     for a, b, c in zip(rows, rows[1:], rows[2:]):
-        if follows(a, b) and follows(b, c) and b[3] == c[3] == 0 and b[1] > 0 and b[2] < 1e-2 and b[2] < 0.3 * a[2] and c[2] > FLOOR:
+        if follows(a, b) and follows(b, c) and b[3] == c[3] == 0 and b[1] > 0 and b[2] < 1e-2 and b[2] < 0.3 * a[2] and c[2] > floor:
             found.append(float(np.log(c[2] / b[2]) / np.log(b[2] / a[2])))
     return found
 
 
-def constants(rows):
+def constants(rows, floor):
     """r1 / r0^2 of the same pairs."""
-    return [b[2] / a[2] ** 2 for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-3 and b[2] > FLOOR]
+    return [b[2] / a[2] ** 2 for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-3 and b[2] > floor]
 
 
 def draw(ax, rows, name):
@@ -87,9 +87,11 @@ def main():
         draw(ax, rows, name)
         count = sum(max(r[1] for r in rows if r[0] == step) for step in {r[0] for r in rows})
         most = max(r[1] for r in rows)
-        found, rate = orders(rows), constants(rows)
-        condensed = "" if "rotations" in name else solve(keys, "condensed")
-        record[name] = {"history": rows, "orders": found, "iterations": count,
+        large = "rotations" in name
+        found, rate = (f(rows, FLOOR_OF_ROTATIONS if large else FLOOR) for f in (orders, constants))
+        condensed = "" if large else solve(keys, "condensed")
+        record[name] = {"history": rows, "orders": found, "largest_factor": max(rate, default=None), "most_in_a_step": most,
+                        "iterations": count,
                         "iterations_condensed": len(condensed) - len({r[0] for r in condensed}) if condensed else None}
         pairs += [(a[2], b[2]) for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-2]
         print(f"| {name} | {count} | {max(r[0] for r in rows)} | {most} | {np.median(found) if found else np.nan:.2f} ({len(found)}) | "

@@ -3,7 +3,7 @@
 """The press-fit scenes HUB, FREE, INT and HUB on meshes that do not match: iterations over 8 increments, cut-backs, results.
 
 FREE is also driven past what friction holds: the slip torque and its bracket. Usage: bench/peer_scenes.py [--divisions 80];
-writes bench/results/peer_scenes.json, prints Markdown. The figures of CalculiX for the same scenes: docs/evidence/verification.md.
+writes bench/results/peer_scenes.json, prints Markdown. The figures of CalculiX for the same scenes: docs/evidence/contact_scene.md.
 """
 import argparse
 import json

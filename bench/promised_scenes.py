@@ -16,7 +16,7 @@ costly: such promises stay unjudged. One reference serves all tolerances of a sc
 
 Usage: bench/promised_scenes.py [--count 200] [--first 0] [--every 1] [--seconds 540] [--tolerances 0.1 0.03 0.01] [--finest 10];
 what bench/results/promised_scenes.jsonl holds is not run again; several may run at once on different scenes (the last row of a scene counts).
-Figure and Markdown at the end.
+--record NAME writes another record, as of a sample by another engine. Figure (of the whole record) and Markdown at the end.
 """
 import argparse
 import json
@@ -30,9 +30,8 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
-from common import ROOT, mesh_of_level
+from common import ROOT, add_row, mesh_of_level, read_rows
 
-OUT = ROOT / "bench/results/promised_scenes.jsonl"
 BAND = tuple(mesh_of_level(level)["mesh.band_facets"] for level in range(1, 14))
 TOLERANCES = (0.1, 0.03, 0.01)
 NAMES = ("k_ts", "normal_force", "mid_band_pressure")
@@ -231,15 +230,15 @@ def main():
     parser.add_argument("--seconds", type=float, default=540, help="no new scene is begun after so long")
     parser.add_argument("--tolerances", type=float, nargs="+", default=TOLERANCES)
     parser.add_argument("--finest", type=int, default=FINEST, help="level of the finest reference; 0: plans only")
+    parser.add_argument("--record", default="promised_scenes", help="name of the record")
     args = parser.parse_args()
     os.nice(10)
 
     def known():
-        """Rows of the file; the last of a scene counts."""
-        rows = [json.loads(line) for line in OUT.read_text().splitlines()] if OUT.exists() else []
-        return sorted({row["scene"]: row for row in rows}.values(), key=lambda row: row["scene"])
+        """Rows of the record by scene; the last of a scene counts."""
+        return [row for _, row in sorted(read_rows(args.record, "scene").items())]
 
-    rows = {row["scene"]: row for row in known()}
+    rows = {row["scene"]: {k: v for k, v in row.items() if k != "provenance"} for row in known()}
     start = time.time()
     folder = tempfile.mkdtemp()
     for i in range(args.first, args.count, args.every):
@@ -253,11 +252,11 @@ def main():
                 row["runs"] = sorted([*others, planned(row["keys"], tolerance, folder)], key=lambda run: -run["tolerance"])
         after = json.dumps(judge(row, folder, args.finest))
         if after != before:
-            with OUT.open("a") as f:
-                f.write(after + "\n")
+            add_row(args.record, row)
     shutil.rmtree(folder)
     report(known())
-    figure(known())
+    if args.record == "promised_scenes":
+        figure(known())
     print(f"{len(known())} of {args.count} scenes; {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of docs/evidence/verification.md that need no peer: mesh convergence of the scene HUB, slip torque over interference,
-load steps, layers, balance of forces.
+"""Studies of single scenes that need no peer: meshes of the scene HUB, slip torque over interference, load steps, layers, balance of
+forces, section behind the rim, rows at the edges of the band, the default scene.
 
-Usage: bench/scene_tables.py [meshes] [slip] [steps] [layers] [balance]; writes bench/results/*.json and prints Markdown.
+Usage: bench/scene_tables.py [NAME ...]; writes bench/results/*_study.json and prints Markdown. The tables of the pages are made of the
+records by bench/evidence_tables.py.
 """
 import json
 import subprocess
@@ -116,6 +117,60 @@ def balance():
               f"{abs(r['torque_balance_nm']):.0e} | {r['iterations']} | {r['cut_backs']} | {1e6 * r['rotation_rad']:.3f} |")
 
 
+def rim():
+    """Where the rim ends and how fast it thins: normal force and force of a lobe of HUB, 80 divisions."""
+    rows = []
+    for until, taper in ((7e-3, 1e-3), (7.5e-3, 0.5e-3), (7.5e-3, 1e-3), (8e-3, 1e-3)):
+        s, code = solve("peer_hub.nml", "mesh.divisions=80", f"geometry.rim_length={until}", f"geometry.rim_taper={taper}")
+        rows.append({"rim_length_m": until, "rim_taper_m": taper, "code": code, "results": s["results"]})
+        r = rows[-1]["results"]
+        print(f"rim to {1e3 * until:g} mm, taper {1e3 * taper:g} mm: {r['normal_force_n']:.0f} N, lobe {r['lobe_force_x_n']:.0f} N", flush=True)
+    save("rim_study", rows)
+
+
+def edges():
+    """CD-14-100 in one step each of assembly and torque: equal rows, and rows that shorten to 30 um at the edges of the band."""
+    rows = []
+    for divisions, facets, *keys in ((44, 8), (68, 12), (124, 22), (264, 46), (48, 8, EDGE), (72, 12, EDGE), (128, 22, EDGE), (288, 46, EDGE),
+                                     (48, 8, EDGE, "contact.law=joint"), (44, 8, "contact.law=joint"), (124, 22, "contact.law=joint")):
+        s, code = solve("cd14.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}", "load.assembly_steps=1", "load.torque_steps=1",
+                        *keys)
+        rows.append({"divisions": divisions, "band_facets": facets, "rows": s["model"]["facets"] // divisions, "keys": keys, "code": code,
+                     "dof": s["model"]["dof"], "results": s["results"]})
+        r = rows[-1]["results"]
+        print(f"{divisions} x {rows[-1]['rows']} {keys}: Eq. 45 {1e-6 * r['k_ts_nm_per_rad']:.3f}, tangent {1e-6 * r['k_ts_tangent_nm_per_rad']:.3f} "
+              f"MN m/rad, {r['normal_force_n']:.0f} N, {r['iterations']} iterations", flush=True)
+    save("edge_study", rows)
+
+
+def default():
+    """CD-14-100 as it stands, condensed and with exact factors, and with more layers."""
+    rows = []
+    for keys in ([], ["solver.method=newton", "solver.factors=exact"], *([f"mesh.through_ring={n}", f"mesh.through_wall={n}"] for n in (2, 4))):
+        s, code = solve("cd14.nml", *keys)
+        rows.append({"keys": keys, "code": code, "model": s["model"], "results": s["results"], "total_s": s["timers_s"]["total"],
+                     "peak_memory_mb": s["peak_memory_mb"]})
+        r = rows[-1]["results"]
+        print(f"{keys}: {r['iterations']} iterations, {r['normal_force_n']:.0f} N, {1e6 * r['rotation_rad']:.3f} urad, "
+              f"{rows[-1]['total_s']:.1f} s, {rows[-1]['peak_memory_mb']:.0f} MB", flush=True)
+    save("default_study", rows)
+
+
+def teeth():
+    """The cup against the teeth: K_FTS over the stiffness of a pair, over clearance and torque."""
+    rows = []
+    for stiffness, clearance, torque in ((1e7, 0, 5), (1.25e8, 0, 5), (1.25e8, 0, 1), (1e13, 0, 5), (1.25e8, 10e-6, 1), (1.25e8, 10e-6, 5)):
+        s, code = solve("teeth.nml", f"load.tooth_stiffness={stiffness}", f"load.tooth_clearance={clearance}", f"load.torque={torque}")
+        r = s["results"]
+        rows.append({"tooth_stiffness_n_per_m": stiffness, "tooth_clearance_m": clearance, "torque_nm": torque, "code": code,
+                     "k_fts_nm_per_rad": torque / r["rotation_rad"], "results": r})
+        print(f"{stiffness:g} N/m, {1e6 * clearance:g} um, {torque} N m: {rows[-1]['k_fts_nm_per_rad']:.5g} N m/rad", flush=True)
+    save("teeth_study", rows)
+
+
+EDGE = "mesh.edge_length=30e-6"
+STUDIES = {f.__name__: f for f in (meshes, slip, steps, layers, balance, rim, edges, default, teeth)}
+
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["meshes", "slip", "steps", "layers", "balance"]:
-        {"meshes": meshes, "slip": slip, "steps": steps, "layers": layers, "balance": balance}[name]()
+    for name in sys.argv[1:] or STUDIES:
+        STUDIES[name]()

@@ -3,7 +3,7 @@
 """Every matrix solver on the same scenes: CPU time, memory, largest difference of a facet's traction, and what was predicted.
 
 One load step of assembly and one of torque, residual 1e-10, one thread. Usage: bench/solver_choice.py [--limit 200];
-writes bench/results/solver_choice.json and prints the table of docs/evidence/verification.md. --predict only enters new predictions there.
+writes bench/results/solver_choice.json and prints Markdown. --predict only enters new predictions there.
 """
 import argparse
 import json

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pages of evidence show what the records of the benches hold."""
+import sys
+
+import pytest
+
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "bench"))
+from evidence_tables import TABLES, text_of  # noqa: E402
+
+
+@pytest.mark.parametrize("marker", TABLES)
+def test_tables_are_those_of_the_records(marker):
+    """Every table of a page of evidence is made of the record that it names, to the last character."""
+    text = (ROOT / f"docs/evidence/{TABLES[marker][0]}.md").read_text()
+    shown = text.split(f"<!-- {marker} -->\n")[1].split(f"\n<!-- end of {marker} -->")[0]
+    assert shown == text_of(marker), "run bench/evidence_tables.py"
+
+
+@pytest.mark.parametrize("page", sorted({page for page, *_ in TABLES.values()}))
+def test_pages_are_short(page):
+    """A page of evidence has at most 900 words, its tables included, and opens with what it shows."""
+    text = (ROOT / f"docs/evidence/{page}.md").read_text()
+    assert sum(any(map(str.isalnum, word)) for word in text.split()) <= 900
+    assert text.split("\n\n")[1].startswith("This page shows")

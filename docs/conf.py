@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc). Built by `./hd docs`."""
+import logging
 import runpy
 from pathlib import Path
 
@@ -10,14 +11,20 @@ HERE = Path(__file__).parent
 project = "hdengine"
 author = "the hdengine developers"
 version = release = hdengine.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx.ext.mathjax",
+              "sphinx_gallery.gen_gallery"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autosummary_generate = True
 autodoc_typehints = "none"
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples", "gallery_dirs": "gallery", "filename_pattern": r"\.py$", "abort_on_example_error": True,
+    "within_subsection_order": "ExampleTitleSortKey", "remove_config_comments": True, "min_reported_time": 1e9, "show_memory": False,
+    "download_all_examples": False, "image_scrapers": ("matplotlib",), "default_thumb_file": None, "matplotlib_animations": False,
+    "capture_repr": (), "write_computation_times": False, "show_signature": False, "nested_sections": False}
 templates_path = []
-exclude_patterns = ["_build", "drawings"]
+exclude_patterns = ["_build", "drawings", "gallery/*.ipynb", "gallery/*.py", "gallery/*.json"]
 html_theme = "furo"
 html_title = "hdengine"
 html_static_path = ["_static"]
@@ -28,6 +35,7 @@ nitpicky = False
 
 
 def setup(app):
-    """Draw the vector figures that the pages show, and list what the tests require."""
+    """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, and list what the tests require."""
+    logging.getLogger("hdengine").setLevel(logging.WARNING)
     runpy.run_path(str(HERE.parent / "tools/requirements_page.py"))["write"]()
     runpy.run_path(str(HERE / "drawings/draw.py"))["draw_all"](HERE / "figures")

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The charts of bench/pareto.py: for each family of methods one problem, and the error, time and memory of each method on it."""
+import shutil
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from common import solve, take_turns
+
+
+@dataclass
+class Point:
+    """One run of a method: relative error, CPU seconds, peak memory [MB] where it was measured."""
+
+    method: str
+    setting: str
+    error: float
+    seconds: float
+    memory_mb: float = float("nan")
+    default: bool = False
+    peer: bool = False
+
+
+@dataclass
+class Chart:
+    """A family of methods on one problem."""
+
+    name: str
+    title: str
+    decides: str
+    points: list
+
+
+def relative(value, truth):
+    """Relative error, not below rounding."""
+    return float(max(abs(value / truth - 1), 1e-16))
+
+
+def heights(_):
+    """Eq. 1 on 512 x 512 points, 160 waves."""
+    from surface_generator import LENGTH, by_finufft, spectrum
+
+    from hdengine import surface
+    n = 512
+    s = spectrum(n, 10, 16)
+    h, step = LENGTH / n, n // 64
+    exact = surface.generate(64, h * step, **s, method="direct")
+    w = surface.waves(**s)
+    calls = {("direct sum", "", False): lambda: surface.generate(n, h, **s, method="direct"),
+             ("matrix product", "bit-exact", False): lambda: surface.generate(n, h, **s, method="product")}
+    for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
+        calls["matrix product", f"{tolerance:g}", False] = lambda t=tolerance: surface.generate(n, h, **s, tolerance=t, method="product")
+        calls["NUFFT", f"{tolerance:g}", False] = lambda t=tolerance: surface.generate(n, h, **s, tolerance=t, method="nufft")
+        try:
+            import finufft  # noqa: F401
+            calls["FINUFFT", f"{tolerance:g}", True] = lambda t=tolerance: by_finufft(w, n, t, complex) + w["offset_m"]
+        except ImportError:
+            pass
+    timing, found = take_turns(calls, turns=5, limit=20, clock=time.process_time)
+    points = [Point(name, setting, float(max(np.sqrt(np.mean((found[key][::step, ::step] - exact) ** 2)) / exact.std(), 1e-16)),
+                    timing[key].median, default=setting == "bit-exact", peer=peer) for key in calls for name, setting, peer in [key]]
+    return Chart("heights", f"Heights of Eq. 1, {n} x {n} points, 160 waves",
+                 "Without a tolerance heights are bit-exact products; with one, the engine takes the cheaper of product and NUFFT.", points)
+
+
+def elements(quick):
+    """A thin ring under cos 2 theta, one cell through 0.3 mm (Michell's solution)."""
+    import elements as cases
+    kinds = (("hex8", False, "C3D8"), ("hex8i", False, "C3D8I"), ("hex20r", True, "C3D20R"))
+    points = []
+    for kind, quadratic, peer in kinds:
+        for divisions in (40, 80, 160) if quick else (20, 40, 80, 160, 320):
+            case = cases.ring_harmonic(quadratic, 0.3, divisions)
+            best = min((cases.engine(case, kind) for _ in range(3)), key=lambda r: r[1])
+            points.append(Point(kind, str(divisions), relative((case.probe * best[0]).sum(), case.exact), best[1],
+                                default=kind == "hex8i" and divisions == 80))
+            if shutil.which("ccx") and divisions <= 160:
+                with tempfile.TemporaryDirectory() as folder:
+                    u, seconds = cases.calculix(case, peer, Path(folder))
+                points.append(Point(f"CalculiX {peer}", str(divisions), relative((case.probe * u).sum(), case.exact), seconds, peer=True))
+    return Chart("elements", "Ring of 0.3 mm under cos 2θ, one cell through the wall",
+                 "hex8i is the default: hex20r is more accurate for one body, but costs more in contact and allows fewer options.", points)
+
+
+def line_contact(quick):
+    """Hertz's line contact: error of the pressure field."""
+    import contact_cases as cc
+    points = []
+    for element, sizes in (("hex8i", (5, 10, 20) if quick else (5, 10, 20, 40)), ("hex20r", (5, 10) if quick else (5, 10, 20))):
+        for m in sizes:
+            start = time.process_time()
+            found = cc.hertz_line(cc.cylinder(m, element))
+            points.append(Point(element, f"{m} cells in a", float(found["field"]), time.process_time() - start,
+                                default=element == "hex8i" and m == 10))
+    return Chart("line_contact", "Hertz line contact, pressure field", "Contact needs five to ten cells in the half-width, whatever the element.", points)
+
+
+def scene_runs(settings, truth_keys, quantities, base, method_of, default=None, scene="cd14.nml"):
+    """Points of runs of data/cd14.nml against a reference run: the largest relative error of some results."""
+    def values(summary):
+        return np.array([summary["results"][q] for q in quantities])
+
+    reference, _ = solve(scene, *base, *truth_keys)
+    truth, points = values(reference), []
+    for setting, keys in settings.items():
+        summary, command = solve(scene, *base, *keys)
+        if summary is None or summary["status"] != "complete":
+            continue
+        error = float(max(np.abs(values(summary) / truth - 1).max(), 1e-16))
+        points.append(Point(method_of(setting), setting, error, command.cpu_s, summary["peak_memory_mb"], default=setting == default))
+    return points
+
+
+def solvers(quick):
+    """Every linear solver on one scene, against the default to a residual of 1e-12."""
+    base = ["mesh.divisions=64", "mesh.band_facets=10", "load.assembly_steps=2", "load.torque_steps=2", "solver.tolerance=1e-10"]
+    settings = {"condensed by harmonics": [], "Schur complement": ["solver.method=schur"],
+                "Newton matrix, exact factors": ["solver.method=newton", "solver.factors=exact"],
+                "Newton matrix, symmetric": ["solver.method=newton", "solver.factors=symmetric"],
+                "Newton matrix, single": ["solver.method=newton", "solver.factors=single"],
+                "Newton matrix, harmonics and GMRES": ["solver.method=newton", "solver.factors=harmonic"]}
+    points = scene_runs(settings, ["solver.tolerance=1e-12"], ["rotation_rad", "normal_force_n", "pressure_max_pa"], base[:-1],
+                        lambda s: s, "condensed by harmonics")
+    return Chart("solvers", "Linear solvers, 64 x 10 facets of CD-14-100, same residual",
+                 "All solve one problem: the condensation is the default because it is the fastest and the smallest.", points)
+
+
+def meshes(quick):
+    """Normal force and K_TS over the rows of facets, with and without short cells at the edges."""
+    rows = (6, 10, 16, 24) if quick else (6, 10, 16, 24, 36)
+    base = ["load.assembly_steps=1", "load.torque_steps=1", "mesh.through_ring=2", "mesh.through_wall=2"]
+    settings = {}
+    for r in rows:
+        settings[f"{r} equal rows"] = [f"mesh.band_facets={r}", f"mesh.divisions={4 * round(5.75 * r / 4)}"]
+        settings[f"{r} rows, edge cells"] = [*settings[f"{r} equal rows"], f"mesh.edge_length={0.36e-3 / r:.3g}"]
+    finest = ["mesh.band_facets=64", "mesh.divisions=368", "mesh.edge_length=4e-6"]
+    points = scene_runs(settings, finest, ["normal_force_n", "k_ts_nm_per_rad"], base,
+                        lambda s: "edge cells" if "edge" in s else "equal rows", "16 equal rows")
+    return Chart("meshes", "Mesh of the band: worst of force and K_TS (Eq. 45)",
+                 "Equal rows err by some ten per cent in K_TS at any affordable size; cells shortened towards the edges pay at once.", points)
+
+
+def planner(quick):
+    """Tolerance asked, error reached and time of planned runs of CD-14-100."""
+    finest, _ = solve("cd14.nml", "load.assembly_steps=2", "load.torque_steps=2", "mesh.through_ring=8", "mesh.through_wall=8",
+                      "mesh.band_facets=64", "mesh.divisions=368", "mesh.edge_length=4e-6")
+    points = []
+    for tolerance in (0.1, 0.03) if quick else (0.1, 0.03, 0.01):
+        summary, command = solve("cd14.nml", f"run.tolerance={tolerance}", "solver.kinematics=linear")
+        plan = summary.get("plan", summary.get("planned", {}))
+        errors = [relative(plan[key], finest["results"][key]) for key in ("k_ts_nm_per_rad", "normal_force_n") if key in plan]
+        if errors:
+            points.append(Point("planned run", f"asked {tolerance:g}", max(errors), command.cpu_s, summary["peak_memory_mb"], default=True))
+            points.append(Point("tolerance asked", f"{tolerance:g}", tolerance, command.cpu_s, peer=True))
+    return Chart("planner", "Planned runs: error of the promised limits", "The tolerance decides: the plan keeps it with the smallest mesh it can.", points)
+
+
+def load_steps(quick):
+    """Rotation over the number of load steps, against many."""
+    base = ["mesh.divisions=64", "mesh.band_facets=10"]
+    steps = (1, 2, 4, 8) if quick else (1, 2, 4, 8, 16)
+    settings = {f"{s} + {s}": [f"load.assembly_steps={s}", f"load.torque_steps={s}"] for s in steps}
+    settings["3 + 5"] = []
+    points = scene_runs(settings, ["load.assembly_steps=64", "load.torque_steps=64"], ["rotation_rad", "k_ts_nm_per_rad", "friction_torque_nm"],
+                        base, lambda s: "load steps", "3 + 5")
+    return Chart("load_steps", "Load steps (assembly + torque)", "Three and five steps are the default; the planner halves them where that changes little.", points)
+
+
+def symmetry(quick):
+    """The same scene with and without its symmetry."""
+    base = ["mesh.divisions=96", "mesh.band_facets=16", "load.assembly_steps=2", "load.torque_steps=2"]
+    settings = {"found (auto)": [], "not used": ["solver.symmetry=full"]}
+    points = scene_runs(settings, ["solver.tolerance=1e-12"], ["rotation_rad", "normal_force_n"], base, lambda s: s, "found (auto)")
+    return Chart("symmetry", "Symmetry, 96 x 16 facets", "Symmetry costs no accuracy and is used wherever a scene has it.", points)
+
+
+def kinematics(quick):
+    """Small against large displacements, on one mesh."""
+    base = ["mesh.divisions=40", "mesh.band_facets=6", "load.assembly_steps=2", "load.torque_steps=2"]
+    settings = {"linear": ["solver.kinematics=linear"], "nonlinear": ["solver.kinematics=nonlinear"]}
+    points = scene_runs(settings, ["solver.kinematics=nonlinear", "load.assembly_steps=8", "load.torque_steps=8"],
+                        ["rotation_rad", "normal_force_n"], base, lambda s: s, "linear")
+    return Chart("kinematics", "Kinematics at w = 0.2 mm", "Linear is the default; a tolerance below the difference makes the planner choose nonlinear.", points)
+
+
+def structure_function(_):
+    """The structure function of a map at 255 lags, against sums in long double."""
+    from hdengine import surface
+    from hdengine.surfaces import roughness
+    n, lags = 512, np.arange(1, 256)
+    z = surface.generate(n, 1e-6, 2.53, 2.4e-7, 1.5, 0.5e-3, 1e-6, 10, 1)
+    some = lags[::25]
+    wide = z.astype(np.longdouble)
+    exact = np.array([np.mean((wide[:, k:] - wide[:, :-k]) ** 2) for k in some])
+    calls = {("Fourier transforms (engine)", False): lambda: roughness.structure_function(z, 1e-6, lags)[1],
+             ("numpy, one lag at a time", True): lambda: np.array([np.mean((z[:, k:] - z[:, :-k]) ** 2) for k in lags])}
+    timing, found = take_turns(calls, turns=3, limit=40, clock=time.process_time)
+    points = [Point(name, "255 lags", float(max(np.abs(found[name, peer][::25] / exact - 1).max(), 1e-16)), timing[name, peer].median,
+                    default=not peer, peer=peer) for name, peer in calls]
+    return Chart("structure_function", f"Structure function, {n} x {n} points, 255 lags",
+                 "All lags cost the same by Fourier transforms, so that every lag of a map is used by default.", points)
+
+
+def fit(quick):
+    """D of maps made by another generator, told nothing about them: root mean square error over seeds."""
+    from blind_generators import field
+
+    from hdengine.surfaces import roughness
+    points, kinds = [], {"spectrum": None, "isotropic": "isotropic", "profile": "profile", "paper": "paper"}
+    for n in (64, 128) if quick else (64, 128, 256):
+        maps = [(field(n, 1e-6, d, np.random.default_rng(50 + s), finer=2, probe=0.5), d) for d in (2.2, 2.5, 2.8) for s in range(4)]
+        for name, model in kinds.items():
+            errors, start = [], time.process_time()
+            for given, d in maps:
+                try:
+                    found = roughness.fit(*given, model=model)
+                    errors.append(found.fractal_dimension - d)
+                except Exception:  # noqa: BLE001  (a method that refuses a map has no error on it)
+                    errors.append(0.5)
+            points.append(Point(name, f"{n} x {n}", float(np.sqrt(np.mean(np.square(errors)))), (time.process_time() - start) / len(maps),
+                                default=model is None))
+    return Chart("fit", "Fit of D, optics of half a spacing, generator not ours",
+                 "Only the fit of the whole spectrum knows of the optics; fits of the structure function read them as a lower D.", points)
+
+
+def joint(quick):
+    """k_N of a rough joint at 3 % of contact: boundary elements over their grid, theory, and the model of Hu et al."""
+    import joint_law as law
+
+    from hdengine.elastic import stiffness_from_spectrum
+    from hdengine.prediction.half_space import HalfSpace
+    pixels, longest, points = 64, 64 / 6, []   # of the coarsest grid; roll-off a sixth of the map
+    z0 = 1e-7 * law.rough(pixels, 0.7, longest, 4, 901)
+
+    def finer(factor):
+        """The same periodic map on a finer grid."""
+        n = pixels * factor
+        h, wide = np.fft.fftshift(np.fft.fft2(z0)), np.zeros((n, n), complex)
+        lo = (n - pixels) // 2
+        wide[lo:lo + pixels, lo:lo + pixels] = h
+        return np.fft.ifft2(np.fft.ifftshift(wide)).real * factor**2
+
+    spectrum = law._scaled(law.lattice(z0))
+    pressure = law.pressures(spectrum.slope_rms, (0.03,))[0]
+
+    def elements_of(factor):
+        space = HalfSpace(finer(factor), (1e-6 / factor,) * 2, law.E_STAR, law.RATIO)
+        start = time.process_time()
+        k = space.normal_stiffness(space.press(pressure) > 0)
+        return k, time.process_time() - start
+
+    finest = 8 if quick else 16
+    truth, _ = elements_of(finest)
+    for factor in [f for f in (1, 2, 4, 8) if f < finest]:
+        k, seconds = elements_of(factor)
+        points.append(Point("boundary elements (tamaas)", f"{pixels * factor} x {pixels * factor}", relative(k, truth), seconds,
+                            default=factor == 1))
+    start = time.process_time()
+    for _ in range(100):
+        k, _area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, [pressure], law.E_STAR)
+    points.append(Point("spectrum (theory)", "-", relative(float(k[0]), truth), (time.process_time() - start) / 100, default=True))
+    return Chart("joint", "Normal stiffness of a rough joint, 3 % of contact",
+                 "The theory costs no time and errs by some per cent; boundary elements need a grid of several points a shortest wave.", points)
+
+
+def press_fit(quick):
+    """Lame's press fit of two rings whose meshes do not match: worst pressure at a point."""
+    import contact_cases as cc
+    points = []
+    for element in ("hex8i", "hex20r"):
+        for n in (24, 48) if quick else (24, 48, 96):
+            start = time.process_time()
+            found = cc.lame(n, round(1.5 * n), element, layers=n // 8)
+            points.append(Point(f"mortar, {element}", f"{n} / {round(1.5 * n)} divisions", float(found["pressure_worst"]),
+                                time.process_time() - start, default=element == "hex8i" and n == 48))
+    return Chart("press_fit", "Press fit of two rings, meshes 1 : 1.5, worst pressure",
+                 "Mortar contact keeps the order of the elements on meshes that do not match, pressures included.", points)
+
+
+def loop(quick):
+    """Loop of the whole drive, size 14: error by quantity, over mesh and load steps."""
+    sizes = ((44, 6, 5), (86, 10, 5)) if quick else ((44, 6, 5), (86, 10, 5), (86, 15, 10), (128, 15, 10))
+    finest = (128, 15, 5) if quick else (172, 24, 10)
+    shown = {"K2": "k2_nm_per_rad", "K_TS, tangent": "k_ts_tangent_nm_per_rad", "largest ball force": "ball_force_max_n",
+             "largest tooth force": "tooth_force_max_n"}
+
+    def run(divisions, facets, steps):
+        return solve("drive14.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}", f"load.torque_steps={steps}")
+
+    truth, points = run(*finest)[0]["results"], []
+    for size in sizes:
+        summary, command = run(*size)
+        points += [Point(name, f"{size[0]} x {size[1]}, {size[2]} steps a leg", relative(summary["results"][key], truth[key]), command.cpu_s,
+                         summary["peak_memory_mb"], default=size == (86, 15, 10)) for name, key in shown.items()]
+    return Chart("loop", "Whole drive, loop of size 14",
+                 "86 divisions give K2 and ball forces; the force of a single tooth needs more of them, since teeth do not sit on nodes.", points)
+
+
+CHARTS = (heights, structure_function, fit, joint, elements, line_contact, press_fit, solvers, meshes, planner, load_steps, symmetry, kinematics,
+          loop)

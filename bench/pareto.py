@@ -8,6 +8,7 @@ FINUFFT (PyPI) and CalculiX (Debian package calculix-ccx) are drawn where they a
 """
 import argparse
 import json
+import re
 import time
 from dataclasses import asdict
 
@@ -16,6 +17,17 @@ from matplotlib.ticker import NullFormatter
 from pareto_charts import CHARTS
 
 from common import FIGURES, RESULTS, new_axes, put, table, write_record
+from hdengine import _engine, read_scene
+
+
+def charted():
+    """Keys whose default a chart chose, with its heading."""
+    found = {}
+    for key in read_scene():
+        told = re.search(r'chosen by the chart "(.*)" of', _engine.call_text("explain_text", key))
+        if told:
+            found[key] = told[1]
+    return found
 
 
 def draw(charts):
@@ -24,7 +36,7 @@ def draw(charts):
     figure, axes = new_axes(-(-len(charts) // columns), columns, figsize=(16, 4.6 * -(-len(charts) // columns)))
     for ax, chart in zip(axes.flat, charts):
         for method in dict.fromkeys(p["method"] for p in chart["points"]):
-            mine = sorted((p for p in chart["points"] if p["method"] == method), key=lambda p: p["seconds"])
+            mine = [p for p in chart["points"] if p["method"] == method]
             peer = mine[0]["peer"]
             line, = ax.plot([p["seconds"] for p in mine], [p["error"] for p in mine], "o--" if peer else "o-", ms=6,
                             mfc="white" if peer else None, lw=1.2, label=method)
@@ -76,7 +88,8 @@ def main():
     for c in charts:
         for p in c["points"]:
             p["memory_mb"] = None if p["memory_mb"] is None or np.isnan(p["memory_mb"]) else p["memory_mb"]
-    write_record("pareto", {"charts": charts})
+    scene = {key: value for key, value in read_scene().items() if key in charted()}
+    write_record("pareto", {"charts": charts, "defaults": scene})
     for c in charts:
         for p in c["points"]:
             p["memory_mb"] = np.nan if p["memory_mb"] is None else p["memory_mb"]

@@ -76,7 +76,7 @@ contains
     real(dp), intent(out) :: elastic  !< share between the boundaries
     real(dp), intent(out) :: by_p     !< its derivative by the pressure [1/Pa]
     real(dp), intent(out) :: yielding !< share at the upper one
-    real(dp) :: s, fall
+    real(dp) :: s, fall, sine
     integer :: n
     s = sqrt(2*max(v, tiny(v)))
     if (v < narrow*h**2) then
@@ -90,9 +90,15 @@ contains
     yielding = p/h
     do n = 1, terms
       fall = exp(-(n*pi/h)**2*v/2)
-      if (mod(n, 2) == 1) elastic = elastic + 4/(n*pi)*sin(n*pi*p/h)*fall
-      if (mod(n, 2) == 1) by_p = by_p + 4/h*cos(n*pi*p/h)*fall
-      yielding = yielding + (-1)**n*2/(n*pi)*sin(n*pi*p/h)*fall
+      if (fall < 1e-18_dp) exit
+      sine = 2/(n*pi)*sin(n*pi*p/h)*fall
+      if (mod(n, 2) == 1) then
+        elastic = elastic + 2*sine
+        by_p = by_p + 4/h*cos(n*pi*p/h)*fall
+        yielding = yielding - sine
+      else
+        yielding = yielding + sine
+      end if
     end do
     elastic = max(elastic, 0._dp)
   end subroutine touching

@@ -4,6 +4,7 @@ module hd_input
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_file
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_default_charts, only: chart_of
   use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
   use hd_system, only: path_kind, path_file
@@ -363,6 +364,8 @@ contains
           answer = answer//'&'//p%group//' '//p%key//' = '//p%default
           if (len(p%unit) > 0) answer = answer//' ['//p%unit//']'
           answer = answer//nl//'    '//p%meaning//choices(p)//nl
+          if (len(chart_of(p%group, p%key)) > 0) answer = answer//'    the default was chosen by the chart "'// &
+            chart_of(p%group, p%key)//'" of docs/evidence/speed_accuracy.md'//nl
         end if
       end associate
     end do

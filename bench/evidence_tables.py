@@ -26,9 +26,12 @@ def origin(name):
             f"Record: `{path.relative_to(ROOT)}`, engine of {EARLIER[name]}.")
 
 
+NARROW = "\u202f"  # a space that does not break
+
+
 def rounded(value, digits=0):
     """A number without a minus before zero."""
-    text = f"{value:,.{digits}f}".replace(",", " ")
+    text = f"{value:,.{digits}f}".replace(",", NARROW)
     return text.lstrip("-") if not text.strip("-0.") else text
 
 

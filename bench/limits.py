@@ -75,6 +75,7 @@ def locking(ax):
     lines(ax, "locking", x, {e: [error(elements.ring_harmonic(e == "hex20r", t, 80), e) for t in x] for e in ("hex8", "hex8i", "hex20r")},
           "wall / mm", "|error| / %", "ring, 80 divisions: hex8 locks", "xy")
     mark(ax, "1 %; answer: hex8i is the default", y=1)
+    ax.set_ylim(bottom=1e-4)
 
 
 def divisions(ax):
@@ -82,6 +83,7 @@ def divisions(ax):
     lines(ax, "divisions", x, {e: [error(elements.cup(e == "hex20r", d, d // 5), e) for d in x] for e in ("hex8i", "hex20r")},
           "divisions", "|error| / %", "cup, 0.3 mm: divisions", "xy")
     mark(ax, "1 %; none: hex20r, or more divisions", y=1)
+    ax.set_ylim(bottom=1e-2)
 
 
 def trapezoids(ax):
@@ -171,7 +173,7 @@ def schur(ax):
         mine = [r for r in rows if r["method"] == method and r.get("memory_mb") and r.get("iterations")]
         RECORD[f"memory {label}"] = {"x": [r["dof"] for r in mine], "mb": [r["memory_mb"] for r in mine]}
         ax.loglog([r["dof"] for r in mine], [r["memory_mb"] for r in mine], "o-", ms=4, label=label)
-    ax.set(xlabel="dof", ylabel="memory / MB", title="memory", ylim=(0.3, None))
+    ax.set(xlabel="dof", ylabel="memory / MB", title="memory", ylim=(0.3, 5e4))
     ax.grid(alpha=0.3)
     mark(ax, "refused beyond 80 % of the machine\n(16 GiB shown): code 6", y=0.8 * 16 * 1024)
 

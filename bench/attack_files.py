@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Damaged and crafted files, pairs of runs in one folder, and kills: how does the engine end?
 
-Usage: bench/attack_files.py [--quick]
+Usage: bench/attack_files.py [--quick | --table]
 Changes checkpoints and tables of a stopped run (resumed in a child process each), feeds namelists put together at random, starts pairs of
 runs into one folder, and kills runs that are then resumed. What may not happen: a wrong result called complete, a signal, a hang, output
 that is no UTF-8. Record: attack_files.json, table into docs/evidence/robustness.md.
@@ -24,7 +24,7 @@ from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-from common import ROOT, put, table, write_record  # noqa: E402
+from common import ROOT, put, read_record, table, write_record  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "tests/python"))
 EXE = Path(sys.executable).with_name("hdengine.x")
@@ -142,7 +142,12 @@ def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a tenth of the counts; no record")
-    part = 10 if parser.parse_args().quick else 1
+    parser.add_argument("--table", action="store_true", help="only write the table of the record")
+    options = parser.parse_args()
+    part = 10 if options.quick else 1
+    if options.table:
+        tell(read_record("attack_files"))
+        return
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         found = {"mutated": mutated_files(400 // part, work), "namelists": crafted_namelists(200 // part, work),
@@ -151,6 +156,11 @@ def main():
     if part > 1:
         return
     write_record("attack_files", found)
+    tell(found)
+
+
+def tell(found):
+    """The table of the page."""
     rows = [[f"changed `{k}`, then `--resume`", sum(v.values()), told(v)] for k, v in found["mutated"].items()]
     rows += [["namelists put together at random, `--check`", 200, told(found["namelists"])],
              ["two runs started into one folder", 20, told(found["pairs"])],

@@ -1,22 +1,23 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-! Flat entries for Python: the joint model. `p` holds e1, nu1, e2, nu2, nu_soft, hardness, D, G, gamma, r_m, mu, s_min, A_0
-! 1 for the closure of the paper, and 1 for plastic spots that unload elastically.
+! Flat entries for Python: the joint model. `p` holds the parameters in the order of joint_names (hd_named_values).
 
 !> Stiffness of facets; `derivatives` holds dK_N/dP, dK_T/dP, dK_T/dtau.
-subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
+subroutine joint_facets(p, np, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_flat_joint, only: flat_joint
   use hd_joint, only: joint_t, response_t, evaluate_joint
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(15)
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np)
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: pressure(n), shear(n), area(n)
   real(c_double), intent(out) :: k_n(n), k_t(n), s_l(n), derivatives(3, n)
   integer(c_int), intent(out) :: iterations(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   !f2py integer(c_int), intent(hide), depend(pressure) :: n = len(pressure)
   !f2py threadsafe
   type(joint_t) :: joint
@@ -42,18 +43,20 @@ subroutine joint_facets(p, n, pressure, shear, area, k_n, k_t, s_l, derivatives,
   call tell(error, status, message)
 end subroutine joint_facets
 
-!> The joint of a scene as the engine makes it, in the order of `p`. `assignments` holds lines 'group.key=value'.
-subroutine joint_of_scene(path, assignments, p, status, message)
+!> The joint of a scene as the engine makes it. `assignments` holds lines 'group.key=value'.
+subroutine joint_of_scene(path, assignments, np, p, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_input, only: read_scene
   use hd_joint, only: joint_t
+  use hd_named_values, only: joint_names, set_value
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint
   use hd_status, only: tell, lines_of
   implicit none
   character(len=*), intent(in) :: path, assignments
-  real(c_double), intent(out) :: p(15)
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(out) :: p(np)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py threadsafe
@@ -64,25 +67,47 @@ subroutine joint_of_scene(path, assignments, p, status, message)
   allocate (s)
   call read_scene(path, lines_of(assignments), s, error)
   if (.not. allocated(error)) call scene_joint(s, joint, error)
-  if (.not. allocated(error)) p = [s%flexspline_e, s%flexspline_nu, s%ring_e, s%ring_nu, s%flexspline_nu, &
-    joint%asperity%hardness, joint%d, s%roughness, s%gamma, joint%r_m, joint%mu, joint%s_min, joint%reference_area, &
-    merge(1._c_double, 0._c_double, [joint%paper, joint%plastic])]
+  if (.not. allocated(error)) then
+    call enter('e1', s%flexspline_e)
+    call enter('nu1', s%flexspline_nu)
+    call enter('e2', s%ring_e)
+    call enter('nu2', s%ring_nu)
+    call enter('nu_soft', s%flexspline_nu)
+    call enter('hardness', joint%asperity%hardness)
+    call enter('fractal_dimension', joint%d)
+    call enter('roughness', s%roughness)
+    call enter('gamma', s%gamma)
+    call enter('asperity_radius', joint%r_m)
+    call enter('friction', joint%mu)
+    call enter('s_min', joint%s_min)
+    call enter('reference_area', joint%reference_area)
+    call enter('paper', merge(1._c_double, 0._c_double, joint%paper))
+    call enter('plastic', merge(1._c_double, 0._c_double, joint%plastic))
+  end if
   call tell(error, status, message)
+contains
+  subroutine enter(name, x)
+    character(len=*), intent(in) :: name
+    real(c_double), intent(in) :: x
+    call set_value(joint_names, p, name, x)
+  end subroutine enter
 end subroutine joint_of_scene
 
 !> Integrals of one surface at a given largest spot, by regime: load, normal and tangential stiffness; then psi, S_r.
-subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
+subroutine joint_parts(p, np, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_flat_joint, only: flat_joint
   use hd_joint, only: joint_t, spots_at, joint_load, normal_stiffness, tangential_stiffness, real_area
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(15), s_l, tau
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np), s_l, tau
   real(c_double), intent(out) :: load(4), k_n(4), k_t(4), psi, s_r
   real(c_double) :: by_tau, by_spot
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   type(joint_t) :: joint
   type(error_t), allocatable :: error
   load = 0
@@ -101,24 +126,27 @@ subroutine joint_parts(p, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   call tell(error, status, message)
 end subroutine joint_parts
 
-!> One asperity: properties (E, G', H, k, eta, R, eps_ec, s_ec, f_ec), by depth (s, f, k; smooth /= 0: blended) and by area
+!> One asperity: properties in the order of asperity_names, by depth (s, f, k; smooth /= 0: blended) and by area
 !> (f, k, k_t).
-subroutine asperity(p, eps, s, tau, smooth, properties, by_depth, by_area)
+subroutine asperity(p, np, eps, s, tau, smooth, properties, by_depth, by_area)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_asperity, only: asperity_t, new_asperity, asperity_by_depth, asperity_by_area
+  use hd_asperity, only: asperity_t, asperity_by_depth, asperity_by_area
+  use hd_flat_joint, only: flat_asperity, joint_value
   implicit none
-  real(c_double), intent(in) :: p(15), eps, s, tau
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np), eps, s, tau
   integer(c_int), intent(in) :: smooth
   real(c_double), intent(out) :: properties(9), by_depth(3), by_area(3)
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   type(asperity_t) :: a
-  a = new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10))
+  a = flat_asperity(p)
   properties = [a%e_star, a%g_prime, a%hardness, a%hardness_factor, a%amplitude, a%radius, a%eps_ec, a%s_ec, a%f_ec]
   call asperity_by_depth(a, eps, smooth /= 0, by_depth(1), by_depth(2), by_depth(3))
-  call asperity_by_area(a, s, tau, p(11), by_area(1), by_area(2), by_area(3))
+  call asperity_by_area(a, s, tau, joint_value(p, 'friction'), by_area(1), by_area(2), by_area(3))
 end subroutine asperity
 
 !> Warnings of the joint model under the largest pressure, one per line.
-subroutine joint_warnings(p, pressure, lines, status, message)
+subroutine joint_warnings(p, np, pressure, lines, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_flat_joint, only: flat_joint
@@ -127,10 +155,12 @@ subroutine joint_warnings(p, pressure, lines, status, message)
   use hd_status, only: tell, hand_over
   use hd_text, only: string_t, join
   implicit none
-  real(c_double), intent(in) :: p(15), pressure
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np), pressure
   character(len=8192), intent(out) :: lines
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   type(joint_t) :: joint
   type(string_t), allocatable :: list(:)
   type(error_t), allocatable :: error
@@ -144,7 +174,7 @@ subroutine joint_warnings(p, pressure, lines, status, message)
 end subroutine joint_warnings
 
 !> Interface law: closure and k_N over pressure (inverse = 0), pressure and k_N over closure (inverse = 1).
-subroutine joint_normal_law(p, zero_pressure, inverse, n, x, y, k, status, message)
+subroutine joint_normal_law(p, np, zero_pressure, inverse, n, x, y, k, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_flat_joint, only: flat_joint
@@ -152,12 +182,14 @@ subroutine joint_normal_law(p, zero_pressure, inverse, n, x, y, k, status, messa
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(15), zero_pressure
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np), zero_pressure
   integer(c_int), intent(in) :: inverse, n
   real(c_double), intent(in) :: x(n)
   real(c_double), intent(out) :: y(n), k(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   !f2py integer(c_int), intent(hide), depend(x) :: n = len(x)
   !f2py threadsafe
   type(joint_t) :: joint
@@ -175,7 +207,7 @@ subroutine joint_normal_law(p, zero_pressure, inverse, n, x, y, k, status, messa
 end subroutine joint_normal_law
 
 !> Interface law: shear, k_T and slip (1 or 0) over pressure and tangential displacement.
-subroutine joint_tangential_law(p, n, pressure, displacement, shear, k, slipping, status, message)
+subroutine joint_tangential_law(p, np, n, pressure, displacement, shear, k, slipping, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_flat_joint, only: flat_joint
@@ -183,13 +215,15 @@ subroutine joint_tangential_law(p, n, pressure, displacement, shear, k, slipping
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none
-  real(c_double), intent(in) :: p(15)
+  integer(c_int), intent(in) :: np
+  real(c_double), intent(in) :: p(np)
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: pressure(n), displacement(n)
   real(c_double), intent(out) :: shear(n), k(n)
   integer(c_int), intent(out) :: slipping(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   !f2py integer(c_int), intent(hide), depend(pressure) :: n = len(pressure)
   !f2py threadsafe
   type(joint_t) :: joint

@@ -1,6 +1,24 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: the process around the runs. Locks of folders, signals, the log, forks.
 
+!> Names of the places of a list of numbers, parted by commas.
+subroutine value_names(list, text, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t, raise, code_internal
+  use hd_named_values, only: names_of
+  use hd_status, only: tell, hand_over
+  implicit none
+  character(len=*), intent(in) :: list
+  character(len=8192), intent(out) :: text
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  text = ''
+  if (len(names_of(list)) == 0) call raise(error, code_internal, "no list of names '"//list//"'")
+  if (.not. allocated(error)) call hand_over(names_of(list), text)
+  call tell(error, status, message)
+end subroutine value_names
+
 !> Lock a folder for one writer.
 subroutine folder_lock(folder, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int

@@ -129,80 +129,41 @@ subroutine surface_spectrum(z, nx, ny, dx, dy, radial, n, frequency, density, st
   call tell(error, status, message)
 end subroutine surface_spectrum
 
-!> Fit of one map (`other` of one point) or of the sum of two. Whole numbers: first lag, last lag, level, model, weighted, known,
-!> fit_noise, M, n_max, band told. Reals: f_lo, f_hi, gamma, L, noise. Numbers out: D, ln G, noise variance, covariance (9), rms,
-!> rms expected, misfit, chi2, freedom, tilt (2), verdict, size, intervals (8), spectrum fitted (0, 1),
-!> spikes, holes, lines (0, 1); of the spectrum: probe, fold, f_lo, f_hi, accepted, scatter, tail, excess, shares of spikes and
-!> holes, D and window of a second range, deviance; power on both axes over that of rings. Rings: f, power, modes, model.
-!> Curves out, one column each: lag [m], S, S of the model, its standard error and that of a sample (of ln S), S_x, S_y.
-subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, whole, reals, columns, rows, numbers, curves, rings, name, reason, &
+!> Fit of one map (`other` of one point) or of the sum of two. Options, numbers, and the columns of curves over the lag and over the
+!> rings of frequency have their names in hd_named_values; what was not found is NaN. `text`: the kind of surface, a line end, the
+!> reason of the verdict.
+subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, options, no, n, columns, rows, numbers, curves, nc, rings, nr, text, &
     status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_error, only: error_t
-  use hd_expectation, only: band_spectrum_t
-  use hd_measurement, only: measure, measurement_t
-  use hd_surface_fit, only: fit_options_t
-  use hd_wave_sum, only: ridges_t
-  use hd_status, only: tell
+  use hd_flat_fit, only: measure_flat, fit_numbers, fit_curves, fit_rings
+  use hd_measurement, only: measurement_t
+  use hd_status, only: tell, hand_over
   implicit none
-  integer(c_int), intent(in) :: nx, ny, mx, my, columns, rows
+  integer(c_int), intent(in) :: nx, ny, mx, my, no, n, columns, nc, rows, nr
   real(c_double), intent(in) :: z(nx, ny), other(mx, my)
-  real(c_double), intent(in) :: dx, dy, reals(5)
-  integer(c_int), intent(in) :: whole(10)
-  real(c_double), intent(out) :: numbers(52), curves(columns, 7), rings(rows, 4)
-  character(len=32), intent(out) :: name
-  character(len=512), intent(out) :: reason
+  real(c_double), intent(in) :: dx, dy, options(no)
+  real(c_double), intent(out) :: numbers(n), curves(columns, nc), rings(rows, nr)
+  character(len=8192), intent(out) :: text
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
   !f2py integer(c_int), intent(hide), depend(other) :: mx = shape(other, 0), my = shape(other, 1)
+  !f2py integer(c_int), intent(hide), depend(options) :: no = len(options)
   !f2py threadsafe
   type(error_t), allocatable :: error
   type(measurement_t) :: m
-  integer :: n, k
   numbers = ieee_value(dx, ieee_quiet_nan)
-  curves = ieee_value(dx, ieee_quiet_nan)
-  rings = ieee_value(dx, ieee_quiet_nan)
-  numbers([21, 30]) = 0
-  name = ''
-  reason = ''
-  call measure(z, other, dx, dy, whole(1), whole(2), whole(3) > 0, &
-    band_spectrum_t(whole(4), reals(1), reals(2), ridges_t(reals(3), whole(8), whole(9), reals(4))), &
-    fit_options_t(whole(5) > 0, whole(6) > 0, whole(7) > 0, reals(5), whole(10) > 0), m, error)
+  curves = numbers(1)
+  rings = numbers(1)
+  text = ''
+  call measure_flat(z, other, dx, dy, options, m, error)
   if (.not. allocated(error)) then
-    n = min(size(m%o%s), columns)
-    numbers(18:21) = [m%tilt, real(m%verdict%kind, c_double), real(n, c_double)]
-    associate (b => m%blind, f => m%blind%fit)
-      if (allocated(b%rings%f)) then
-        numbers(31:33) = [real(c_double) :: b%spikes, b%holes, merge(1, 0, m%of_lines)]
-        numbers(48:49) = b%rings%axis
-        k = min(rows, size(b%rings%f))
-        rings(:k, 1) = b%rings%f(:k)
-        rings(:k, 2) = b%rings%p(:k)
-        rings(:k, 3) = b%rings%m(:k)
-        if (f%last > 0 .and. .not. m%of_lines) then
-          numbers(30) = 1
-          numbers(34:47) = [real(c_double) :: f%probe, f%fold, f%f_lo, f%f_hi, merge(1, 0, f%accepted), f%scatter, b%tail, &
-            b%excess, b%spike_share, b%hole_share, b%above%d, b%above%f_lo, b%above%f_hi, f%deviance]
-          rings(f%first:min(k, f%last), 4) = f%model(:min(k, f%last) - f%first + 1)
-        end if
-      end if
-    end associate
-    curves(:n, 1) = m%o%tau(:n)
-    curves(:n, 2) = m%o%s(:n)
-    curves(:size(m%o%s_x), 6) = m%o%s_x
-    curves(:size(m%o%s_y), 7) = m%o%s_y
-    if (allocated(m%fit%curve)) then
-      numbers(:12) = [m%fit%d, m%fit%ln_g, m%fit%noise_variance, reshape(m%fit%cov, [9])]
-      numbers(13:17) = [m%fit%rms, m%fit%rms_expected, m%fit%misfit, m%fit%chi2, real(m%fit%freedom, c_double)]
-      numbers(22:29) = [m%fit%interval, m%fit%interval_sampling]
-      curves(:n, 3) = m%fit%curve(:n)
-      curves(:n, 4) = m%fit%sd_curve(:n)
-      curves(:n, 5) = m%fit%sd_sample(:n)
-    end if
-    name = m%verdict%name
-    reason = m%verdict%reason
+    call fit_numbers(m, columns, numbers)
+    call fit_curves(m, curves)
+    call fit_rings(m, rings)
+    call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
   end if
   call tell(error, status, message)
 end subroutine surface_fit

@@ -82,15 +82,7 @@ subroutine run_advance(handle, done, status, message)
   call tell(error, status, message)
 end subroutine run_advance
 
-!> Names of the sums that every run gives, in their order, parted by commas.
-subroutine run_sum_names(text)
-  use hd_facets, only: sum_names
-  implicit none
-  character(len=2048), intent(out) :: text
-  text = sum_names
-end subroutine run_sum_names
-
-!> Sums of the last converged step: number, 1 under torque, load factor, torque, those of run_sum_names, iterations, seconds.
+!> Sums of the last converged step, in the order of step_names (hd_named_values).
 subroutine run_sums(handle, n, sums, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
@@ -116,15 +108,7 @@ subroutine run_sums(handle, n, sums, status, message)
   call tell(error, status, message)
 end subroutine run_sums
 
-!> Names of the fields of a facet, in their order, parted by commas.
-subroutine run_facet_names(text)
-  use hd_facets, only: facet_names
-  implicit none
-  character(len=2048), intent(out) :: text
-  text = facet_names
-end subroutine run_facet_names
-
-!> Facet fields of the last converged step, one column for each of run_facet_names.
+!> Facet fields of the last converged step, one column for each of facet_names.
 subroutine run_facets(handle, n, columns, fields, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t

@@ -1,78 +1,110 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-! Flat entries for Python: elastic bodies of the caller's own meshes, alone or in contact. Node numbers start at 1; body b
-! owns nodes node_end(b-1)+1 to node_end(b) and cells cell_end(b-1)+1 to cell_end(b).
+! Flat entries for Python: elastic bodies of the caller's own meshes, alone or in contact, held by handle. Fields have names
+! (hd_solid_fields) and cross as plain lists of numbers, first index fastest.
 
-!> Linear statics.
-subroutine solid_static(element, nb, nn, m, n, node_end, cell_end, material, x, angle, cells, fixed, displacement, force, &
-  u, status, message)
-  use, intrinsic :: iso_c_binding, only: c_int, c_double
+!> Open a problem; an empty mode: linear statics.
+subroutine solid_open(element, mode, handle, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_problem, only: problem_t
-  use hd_solid, only: new_solid
-  use hd_static, only: solve_static
-  use hd_status, only: tell
-  implicit none
-  character(len=*), intent(in) :: element
-  integer(c_int), intent(in) :: nb, nn, m, n
-  integer(c_int), intent(in) :: node_end(nb), cell_end(nb), cells(nn, m), fixed(3, n)
-  real(c_double), intent(in) :: material(2, nb), x(3, n), angle(n), displacement(3, n), force(3, n)
-  real(c_double), intent(out) :: u(3, n)
-  integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
-  !f2py threadsafe
-  type(problem_t) :: problem
-  type(error_t), allocatable :: error
-  u = 0
-  call new_solid(element, node_end, cell_end, material, x, angle, cells, problem, error)
-  if (.not. allocated(error)) then
-    problem%fixed = fixed /= 0
-    call solve_static(problem, displacement, force, u, error)
-  end if
-  call tell(error, status, message)
-end subroutine solid_static
-
-!> Contact of two faces through a sequence of load steps. Fields of multipliers stand at their slave nodes, zero elsewhere.
-!> `interface_data` holds friction, scale c [Pa/m], tolerance; history rows are step, iteration, residual, changes, open,
-!> stick, slip.
-subroutine solid_contact(element, nb, nn, m, n, node_end, cell_end, material, x, angle, cells, fixed, ns, nf, slave, &
-  slave_chart, nm, master, master_chart, period, mode, interface_data, limit, steps, displacement, force, gap, rows, u, reaction, &
-  traction, slip, opening, contact, area, history, used, status, message)
-  use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_error, only: error_t
-  use hd_face, only: face_t
-  use hd_problem, only: problem_t
-  use hd_solid, only: new_solid, new_interface, solid_steps
+  use hd_solid_fields, only: put_solid
   use hd_status, only: tell
   implicit none
   character(len=*), intent(in) :: element, mode
-  integer(c_int), intent(in) :: nb, nn, m, n, ns, nf, nm, limit, steps, rows
-  integer(c_int), intent(in) :: node_end(nb), cell_end(nb), cells(nn, m), fixed(3, n), slave(ns, nf), master(ns, nm)
-  real(c_double), intent(in) :: material(2, nb), x(3, n), angle(n), slave_chart(2, 4, nf), master_chart(2, 4, nm), period
-  real(c_double), intent(in) :: interface_data(3), displacement(3, n, steps), force(3, n, steps), gap(n, steps)
-  real(c_double), intent(out) :: u(3, n, steps), reaction(3, n, steps), traction(3, n, steps), slip(2, n, steps)
-  real(c_double), intent(out) :: opening(n, steps), area(n), history(7, rows)
-  integer(c_int), intent(out) :: contact(n, steps), used, status
+  integer(c_int), intent(out) :: handle, status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  call put_solid(trim(element), trim(mode), handle, error)
+  call tell(error, status, message)
+end subroutine solid_open
+
+!> Enter a field.
+subroutine solid_put(handle, name, values, n, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_solid_fields, only: solid_t, find_solid
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle, n
+  character(len=*), intent(in) :: name
+  real(c_double), intent(in) :: values(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(values) :: n = len(values)
+  type(solid_t), pointer :: solid
+  type(error_t), allocatable :: error
+  call find_solid(handle, solid, error)
+  if (.not. allocated(error)) call solid%put(name, values, error)
+  call tell(error, status, message)
+end subroutine solid_put
+
+!> Solve.
+subroutine solid_solve(handle, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_solid_fields, only: solid_t, find_solid
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle
+  integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py threadsafe
-  type(problem_t) :: problem
+  type(solid_t), pointer :: solid
   type(error_t), allocatable :: error
-  u = 0
-  reaction = 0
-  traction = 0
-  slip = 0
-  opening = 0
-  contact = 0
-  area = 0
-  history = 0
-  used = 0
-  call new_solid(element, node_end, cell_end, material, x, angle, cells, problem, error)
-  if (.not. allocated(error)) call new_interface(problem, face_t(slave, slave_chart, period), &
-    face_t(master, master_chart, period), mode, interface_data(:2), error)
-  if (.not. allocated(error)) then
-    problem%fixed = fixed /= 0
-    area(problem%mortar%node) = problem%mortar%area
-    call solid_steps(problem, displacement, force, gap, interface_data(3), limit, u, reaction, traction, slip, opening, contact, &
-      history, used, error)
-  end if
+  call find_solid(handle, solid, error)
+  if (.not. allocated(error)) call solid%solve(error)
   call tell(error, status, message)
-end subroutine solid_contact
+end subroutine solid_solve
+
+!> How many numbers a field has, 0: none of that name.
+subroutine solid_size(handle, name, n, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_solid_fields, only: solid_t, find_solid
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle
+  character(len=*), intent(in) :: name
+  integer(c_int), intent(out) :: n, status
+  character(len=8192), intent(out) :: message
+  type(solid_t), pointer :: solid
+  type(error_t), allocatable :: error
+  n = 0
+  call find_solid(handle, solid, error)
+  if (.not. allocated(error)) n = size(solid%field(name))
+  call tell(error, status, message)
+end subroutine solid_size
+
+!> The numbers of a field; `n` is its size.
+subroutine solid_get(handle, name, n, values, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_solid_fields, only: solid_t, find_solid
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle, n
+  character(len=*), intent(in) :: name
+  real(c_double), intent(out) :: values(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(solid_t), pointer :: solid
+  type(error_t), allocatable :: error
+  values = 0
+  call find_solid(handle, solid, error)
+  if (.not. allocated(error)) values = solid%field(name)
+  call tell(error, status, message)
+end subroutine solid_get
+
+!> Forget a problem.
+subroutine solid_close(handle, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_error, only: error_t
+  use hd_solid_fields, only: drop_solid
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  call drop_solid(handle)
+  call tell(error, status, message)
+end subroutine solid_close

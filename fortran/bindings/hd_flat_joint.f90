@@ -1,23 +1,39 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> A joint from the flat list of its parameters, as Python hands it over.
+!> A joint and an asperity from the named list of their parameters, as Python hands it over, and back.
 module hd_flat_joint
   use, intrinsic :: iso_c_binding, only: c_double
-  use hd_asperity, only: new_asperity
+  use hd_asperity, only: asperity_t, new_asperity
   use hd_error, only: error_t
   use hd_joint, only: joint_t, new_joint
+  use hd_named_values, only: joint_names, value_of
   implicit none
   private
-  public :: flat_joint
+  public :: flat_joint, flat_asperity, joint_value
 
 contains
 
-  !> Joint from e1, nu1, e2, nu2, nu_soft, hardness, D, G, gamma, r_m, mu, s_min, A_0, 1 for the closure of the paper,
-  !> 1 for plastic spots that unload elastically.
+  !> Joint from its parameters.
   subroutine flat_joint(p, joint, error)
-    real(c_double), intent(in) :: p(15)               !< parameters
+    real(c_double), intent(in) :: p(:)                !< in the order of joint_names
     type(joint_t), intent(out) :: joint               !< joint
     type(error_t), allocatable, intent(out) :: error  !< parameter out of range
-    call new_joint(new_asperity(p(1), p(2), p(3), p(4), p(5), p(6), p(7), p(8), p(9), p(10)), p(7), p(11), p(12), p(13), &
-      p(10), p(14) > 0, p(15) > 0, joint, error)
+    call new_joint(flat_asperity(p), joint_value(p, 'fractal_dimension'), joint_value(p, 'friction'), joint_value(p, 's_min'), &
+      joint_value(p, 'reference_area'), joint_value(p, 'asperity_radius'), joint_value(p, 'paper') > 0, &
+      joint_value(p, 'plastic') > 0, joint, error)
   end subroutine flat_joint
+
+  !> One asperity of it.
+  pure type(asperity_t) function flat_asperity(p) result(a)
+    real(c_double), intent(in) :: p(:)                !< in the order of joint_names
+    a = new_asperity(joint_value(p, 'e1'), joint_value(p, 'nu1'), joint_value(p, 'e2'), joint_value(p, 'nu2'), &
+      joint_value(p, 'nu_soft'), joint_value(p, 'hardness'), joint_value(p, 'fractal_dimension'), joint_value(p, 'roughness'), &
+      joint_value(p, 'gamma'), joint_value(p, 'asperity_radius'))
+  end function flat_asperity
+
+  !> One parameter.
+  pure real(c_double) function joint_value(p, name)
+    real(c_double), intent(in) :: p(:)                !< in the order of joint_names
+    character(len=*), intent(in) :: name              !< wanted
+    joint_value = value_of(joint_names, p, name)
+  end function joint_value
 end module hd_flat_joint

@@ -2,11 +2,14 @@
 """The one door to the Fortran engine: a process-wide lock, errors as exceptions, interrupts, the log, forks."""
 from __future__ import annotations
 
+import functools
 import logging
 import os
 import threading
 import time
 from typing import Any
+
+import numpy as np
 
 
 def _load() -> Any:
@@ -98,6 +101,24 @@ def _whole(begin):
     while parts[-1].strip():
         parts.append(_hdengine.rest_of_text(sum(map(len, parts)) + 1))
     return b"".join(parts).decode(errors="replace")
+
+
+def call_with_text(name: Any, *args: Any) -> tuple:
+    """Call an entry of the extension whose last result is a text of any length.
+
+    Returns
+    -------
+    tuple
+        The other results, then the text.
+
+    Raises
+    ------
+    HdengineError
+        As `call`.
+    """
+    with _lock:
+        *results, begin = call(name, *args)
+        return *results, _whole(begin).strip()
 
 
 def call_text(name: Any, *args: Any) -> str:
@@ -222,14 +243,15 @@ def joint_moduli(*args: float) -> tuple[float, float]:
     return _hdengine.joint_moduli(*args)
 
 
-def sum_names() -> Any:
-    """Names of the sums that every load step gives, in the engine's order."""
-    return _hdengine.run_sum_names().decode().strip().split(",")
+@functools.cache
+def names(values: str) -> tuple[str, ...]:
+    """Names of the places of a list of numbers that crosses to the engine and back (hd_named_values)."""
+    return tuple(call_text("value_names", values).split(","))
 
 
-def facet_names() -> list:
-    """Names of the fields of a facet, in the engine's order."""
-    return _hdengine.run_facet_names().decode().strip().split(",")
+def named(values: str, **given: Any) -> np.ndarray:
+    """A list of numbers for the engine, from its values by name."""
+    return np.array([float(given.pop(name)) for name in names(values)])
 
 
 def version() -> Any:

@@ -20,8 +20,8 @@ from ._check import checked, flag
 from ._check import path as a_path
 from .results import Result, preformatted
 
-_SUMS = ("step", "in_torque", "load_factor", "torque_nm", *_engine.sum_names(), "iterations", "seconds")
-_FIELDS = _engine.facet_names()
+_SUMS = _engine.names("step")
+_FIELDS = _engine.names("facet")
 
 
 @dataclass

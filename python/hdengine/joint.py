@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from math import pi
 from typing import Any
 
@@ -94,9 +94,9 @@ class Joint:
         if friction is not None:
             keys["contact.friction"] = friction
         lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
-        *numbers, paper, plastic = _engine.call("joint_of_scene", " ", lines or " ")
-        keys = dict(zip((f.name for f in fields(cls)), map(float, numbers)))
-        return cls(**keys, paper=bool(paper > 0), plastic=bool(plastic > 0))
+        names = _engine.names("joint")
+        found = dict(zip(names, _engine.call("joint_of_scene", " ", lines or " ", len(names)).tolist()))
+        return cls(**found | {flag: found[flag] > 0 for flag in ("paper", "plastic")})
 
     def __str__(self) -> str:
         p = self.asperity()[0]
@@ -109,7 +109,7 @@ class Joint:
                 f"yields at {p['s_ec_m2']:.3g} m^2; s_min {self.s_min:.3g} m^2")
 
     def _parameters(self):
-        return np.array(astuple(self), dtype=float)
+        return _engine.named("joint", **vars(self))
 
     @checked(pressure=array(empty=True), shear=array(empty=True), area=array(above=0, optional=True, empty=True))
     def stiffness(self, pressure: ArrayLike, shear: ArrayLike = 0.0, area: ArrayLike | None = None) -> tuple:
@@ -390,7 +390,5 @@ class Joint:
         by_area : ndarray (3,)
             Load [N], normal and tangential stiffness [N/m].
         """
-        keys = ("e_star_pa", "g_prime_pa", "hardness_pa", "hardness_factor", "amplitude_m", "radius_m", "eps_ec_m", "s_ec_m2",
-                "f_ec_n")
         properties, by_depth, by_area = _engine.asperity(self._parameters(), depth, area, tau, int(smooth))
-        return dict(zip(keys, properties)), by_depth, by_area
+        return dict(zip(_engine.names("asperity"), properties)), by_depth, by_area

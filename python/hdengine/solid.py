@@ -136,20 +136,47 @@ def _fitting(n, **arrays):
             raise _engine.InputError(f"{name} has shape {shape}: must be {one}, or that for every load step")
 
 
+class _Problem:
+    """A problem of the engine, held by its handle: fields enter by name, results are asked for by name."""
+
+    def __init__(self, element, mode=" ", **given):
+        self._handle = _engine.call("solid_open", element, mode)
+        for name, values in given.items():
+            self.put(name, values)
+
+    def put(self, name, values):
+        """Enter a field, first index fastest."""
+        _engine.call("solid_put", self._handle, name, np.ravel(np.asarray(values, float), order="F"))
+
+    def solve(self):
+        """Solve with the fields that were entered."""
+        _engine.call("solid_solve", self._handle)
+
+    def get(self, name, *shape):
+        """A field in Fortran's shape, the last length open; axes turned round, as Python has them."""
+        flat = _engine.call("solid_get", self._handle, name, _engine.call("solid_size", self._handle, name))
+        return flat.reshape((*shape, -1), order="F").T
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exc):
+        _engine.call("solid_close", self._handle)
+
+
 def _common(bodies, element):
-    """Arguments that describe the bodies."""
+    """Fields that describe the bodies."""
     nodes = np.cumsum([len(b.mesh.points) for b in bodies])
     cells = np.cumsum([len(b.mesh.cells) for b in bodies])
     first = np.concatenate([[0], nodes[:-1]])
-    x = np.asfortranarray(np.vstack([b.mesh.points for b in bodies]).T)
     angle = np.concatenate([np.broadcast_to(np.asarray(b.angle, float), len(b.mesh.points)) for b in bodies])
-    connect = np.asfortranarray(np.vstack([b.mesh.cells + o for b, o in zip(bodies, first)]).T + 1, np.int32)
+    connect = np.vstack([b.mesh.cells + o for b, o in zip(bodies, first)]).T + 1
     if len(np.unique(connect)) != nodes[-1]:
         raise _engine.InputError("some nodes belong to no cell")
     if connect.shape[0] != (20 if element == "hex20r" else 8):
         raise _engine.InputError(f"element '{element}' does not fit cells of {connect.shape[0]} nodes")
-    material = np.asfortranarray([[b.young for b in bodies], [b.poisson for b in bodies]], float)
-    return element, nodes.astype(np.int32), cells.astype(np.int32), material, x, angle, connect
+    return {"node_end": nodes, "cell_end": cells, "material": [[b.young for b in bodies], [b.poisson for b in bodies]],
+            "x": np.vstack([b.mesh.points for b in bodies]).T, "angle": angle, "cells": connect}
 
 
 def _refuse_far_slip(slip, limit, *faces):
@@ -204,14 +231,15 @@ def static(bodies: Any, fixed: np.ndarray, displacement: np.ndarray | None = Non
         A body is not held.
     """
     common = _common(bodies, element)
-    n = common[4].shape[1]
+    n = common["x"].shape[1]
     _fitting(n, fixed=(fixed, 3), displacement=(displacement, 3), force=(force, 3))
     for name, field in (("displacement", displacement), ("force", force)):
         if field is not None and field.ndim > 2:
             raise _engine.InputError(f"{name} has shape {field.shape}: there is one load step, give {(n, 3)}")
-    held = np.asfortranarray(np.asarray(fixed).T, np.int32)
-    return _engine.call("solid_static", *common, held, _columns(displacement, n, 1, 3)[..., 0],
-                        _columns(force, n, 1, 3)[..., 0]).T
+    with _Problem(element, **common, fixed=np.asarray(fixed).T, displacement=_columns(displacement, n, 1, 3),
+                  force=_columns(force, n, 1, 3)) as problem:
+        problem.solve()
+        return problem.get("u", 3)
 
 
 @checked(bodies=_bodies, slave=kind(Face), master=kind(Face), fixed=_held, displacement=array(optional=True),
@@ -260,7 +288,7 @@ def contact(bodies: Any, slave: Any, master: Any, fixed: Any, displacement: np.n
         follow.
     """
     common = _common(bodies, element)
-    x = common[4]
+    x = common["x"]
     n = x.shape[1]
     _fitting(n, fixed=(fixed, 3), displacement=(displacement, 3), force=(force, 3), gap=(gap, 1))
     nodes = 8 if element == "hex20r" else 4
@@ -273,12 +301,18 @@ def contact(bodies: Any, slave: Any, master: Any, fixed: Any, displacement: np.n
     if len(counts) > 1:
         raise _engine.InputError(f"displacement, force and gap have different numbers of load steps: {sorted(counts)}")
     steps = counts.pop()
-    held = np.asfortranarray(np.asarray(fixed).T, np.int32)
     if scale is None:
         scale = min(b.young for b in bodies) / np.ptp(x, axis=1).max()
-    u, reaction, traction, slip, opening, state, area, history, used = _engine.call(
-        "solid_contact", *common, held, *slave.arrays(period), *master.arrays(period), float(period), mode,
-        np.array([friction, scale, tolerance]), max_iterations, _columns(displacement, n, steps, 3),
-        _columns(force, n, steps, 3), _columns(gap, n, steps, 1)[0], (max_iterations + 1) * steps)
-    _refuse_far_slip(slip, max_slip, slave, master)
-    return Solution(u.T, reaction.T, traction.T, slip.T, opening.T, state.T, area, history.T[:used])
+    with _Problem(element, mode, **common, fixed=np.asarray(fixed).T, period=[period], friction=[friction], scale=[scale],
+                  tolerance=[tolerance], max_iterations=[max_iterations], displacement=_columns(displacement, n, steps, 3),
+                  force=_columns(force, n, steps, 3), gap=_columns(gap, n, steps, 1)) as problem:
+        for name, face in (("slave", slave), ("master", master)):
+            facets, chart = face.arrays(period)
+            problem.put(name, facets)
+            problem.put(name + "_chart", chart)
+        problem.solve()
+        slip = problem.get("slip", 2, n)
+        _refuse_far_slip(slip.T, max_slip, slave, master)
+        return Solution(problem.get("u", 3, n), problem.get("reaction", 3, n), problem.get("traction", 3, n), slip,
+                        problem.get("opening", n), problem.get("contact", n).astype(np.int32), problem.get("area"),
+                        problem.get("history", 7))

@@ -287,55 +287,62 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
     waves = surface if known else Ridges(1.0, 0.5)
     if known and waves.ridges * (waves.n_max + 1) > 4000:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
-    whole = [lags[0], lags[1], bool(level), _MODELS[model], weighted, known, free, waves.ridges, waves.n_max, told]
-    reals = [1 / band[1], 1 / band[0] if band[0] > 0 else inf, waves.gamma, waves.length, 0.0 if free else noise]
+    options = _engine.named(
+        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted, known=known,
+        fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, f_lo=1 / band[1],
+        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=0.0 if free else noise)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
-    numbers, curves, rings, name, reason = _engine.call(
-        "surface_fit", z, other, dx, dy, np.array(whole, np.int32), np.array(reals), columns, _RINGS)
-    if numbers[29] > 0:
-        band = (1 / numbers[36], 1 / numbers[35])
+    found = [_engine.names(values) for values in ("fit", "fit_curves", "fit_rings")]
+    sizes = [len(found[0]), columns, _RINGS]
+    *lists, text = _engine.call_with_text("surface_fit", z, other, dx, dy, options, *sizes, *map(len, found[1:]))
+    v, curves, rings = (dict(zip(names, values.T)) for names, values in zip(found, lists))
+    if v["of_spectrum"] > 0:
+        band = (1 / v["f_hi"], 1 / v["f_lo"])
     elif model == "spectrum":
         model = "profile" if profile else "isotropic"
-    found = _result(numbers, curves, name, reason, model, weighted, surface, lags, band, level, profile, dx, dy)
-    return found if np.isnan(rings[0, 0]) else replace(found, **_spectrum(numbers, rings))
+    result = _result(v, curves, text, model, weighted, surface, lags, band, level, profile, dx, dy)
+    return result if np.isnan(rings["frequency"][0]) else replace(result, **_spectrum(v, rings))
 
 
 _RINGS = 300  # more than any map has
 
 
-def _spectrum(numbers, rings):
+def _spectrum(v, rings):
     """What the fit of a spectrum adds."""
-    n = int(np.sum(np.isfinite(rings[:, 0])))
-    out = {"spikes": int(numbers[30]), "holes": int(numbers[31]), "axis_excess": tuple(numbers[47:49].tolist()),
-           "frequency": rings[:n, 0], "density": rings[:n, 1], "density_model": rings[:n, 3]}
-    if numbers[29] > 0:
-        out |= {"probe_m": float(numbers[33]), "finer_detail": float(numbers[34])}
-    if numbers[43] > 0:
-        out["second_range"] = (float(numbers[43]), 1 / float(numbers[45]), 1 / float(numbers[44]))
+    n = int(np.sum(np.isfinite(rings["frequency"])))
+    out = {"spikes": int(v["spikes"]), "holes": int(v["holes"]), "axis_excess": (float(v["axis_x"]), float(v["axis_y"])),
+           "frequency": rings["frequency"][:n], "density": rings["power"][:n], "density_model": rings["model"][:n]}
+    if v["of_spectrum"] > 0:
+        out |= {"probe_m": float(v["probe"]), "finer_detail": float(v["fold"])}
+    if v["second_d"] > 0:
+        out["second_range"] = (float(v["second_d"]), 1 / float(v["second_f_hi"]), 1 / float(v["second_f_lo"]))
     return out
 
 
-def _interval(v):
-    """((D_low, D_high), (G_low, G_high)) of bounds of D and ln G."""
-    return tuple(v[:2].tolist()), tuple(np.exp(np.clip(v[2:], -600, 600)).tolist())
+def _interval(v, kind=""):
+    """((D_low, D_high), (G_low, G_high)) of the bounds of D and ln G."""
+    d, ln_g = ([float(v[f"{name}_{side}{kind}"]) for side in ("low", "high")] for name in ("d", "ln_g"))
+    return tuple(d), tuple(np.exp(np.clip(ln_g, -600, 600)).tolist())
 
 
-def _result(numbers, curves, name, reason, model, weighted, ridges, lags, band, levelled, profile, dx, dy):
+def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, profile, dx, dy):
     """Pack what the engine returns."""
-    text = [t.decode() if isinstance(t, bytes) else str(t) for t in (name, reason)]
-    cov = numbers[3:12].reshape(3, 3)
+    name, _, reason = text.partition("\n")
+    cov = np.reshape([v[f"cov_{i}"] for i in range(1, 10)], (3, 3))
     count = lags[1] - lags[0] + 1
     with np.errstate(all="ignore"):
-        anisotropy = float("nan") if profile else float(np.mean(curves[:count, 5] / curves[:count, 6]))
-    tau, s, curve, curve_error, sample_error = curves[: int(numbers[20]), :5].T
+        anisotropy = float("nan") if profile else float(np.mean(curves["s_x"][:count] / curves["s_y"][:count]))
+    tau, s, curve, curve_error, sample_error = (curves[key][:int(v["size"])] for key in
+                                                ("tau", "s", "model", "model_error", "sample_error"))
     return Fit(
-        fractal_dimension=numbers[0], roughness_m=float(np.exp(numbers[1])),
-        fractal_dimension_error=(numbers[22] - numbers[21]) / 3.919928, ln_roughness_error=(numbers[24] - numbers[23]) / 3.919928,
-        covariance=cov, interval=_interval(numbers[21:25]), sampling_interval=_interval(numbers[25:29]),
-        noise_m=float(np.sqrt(numbers[2])), verdict=_VERDICTS[int(numbers[19])], kind=text[0].strip(), reason=text[1].strip(),
+        fractal_dimension=v["d"], roughness_m=float(np.exp(v["ln_g"])),
+        fractal_dimension_error=(v["d_high"] - v["d_low"]) / 3.919928,
+        ln_roughness_error=(v["ln_g_high"] - v["ln_g_low"]) / 3.919928,
+        covariance=cov, interval=_interval(v), sampling_interval=_interval(v, "_sampling"),
+        noise_m=float(np.sqrt(v["noise_variance"])), verdict=_VERDICTS[int(v["verdict"])], kind=name.strip(), reason=reason.strip(),
         model=model, weighted=weighted, ridges=ridges, ensemble="random phases" if ridges else "Gaussian field", lags=tuple(lags),
-        band_m=tuple(band), rms=numbers[12], rms_expected=numbers[13], misfit=numbers[14], chi2=numbers[15],
-        freedom=int(numbers[16]) if np.isfinite(numbers[16]) else 0,
+        band_m=tuple(band), rms=v["rms"], rms_expected=v["rms_expected"], misfit=v["misfit"], chi2=v["chi2"],
+        freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,
         anisotropy=anisotropy,
-        tilt=(numbers[17] / dx, numbers[18] / dy), levelled=bool(levelled), tau_m=tau, s_m2=s, curve_m2=curve,
+        tilt=(v["tilt_x"] / dx, v["tilt_y"] / dy), levelled=bool(levelled), tau_m=tau, s_m2=s, curve_m2=curve,
         curve_error=curve_error, sample_error=sample_error)

@@ -1,0 +1,139 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Fit of a surface from the named list of its options, as Python hands it over, and what it found as named numbers and columns.
+module hd_flat_fit
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_expectation, only: band_spectrum_t
+  use hd_measurement, only: measure, measurement_t
+  use hd_named_values, only: fit_option_names, fit_names, value_of, set_value
+  use hd_surface_fit, only: fit_options_t
+  use hd_wave_sum, only: ridges_t
+  implicit none
+  private
+  public :: measure_flat, fit_numbers, fit_curves, fit_rings
+
+contains
+
+  !> Fit.
+  subroutine measure_flat(z, other, dx, dy, options, m, error)
+    real(dp), intent(in), contiguous :: z(:, :), other(:, :)   !< maps, the second of one point: none [m]
+    real(dp), intent(in) :: dx, dy                             !< spacing [m]
+    real(dp), intent(in) :: options(:)                         !< in the order of fit_option_names
+    type(measurement_t), intent(out) :: m                      !< what was found
+    type(error_t), allocatable, intent(out) :: error           !< bad map, window, model
+    call measure(z, other, dx, dy, whole('first_lag'), whole('last_lag'), yes('level'), &
+      band_spectrum_t(whole('model'), number('f_lo'), number('f_hi'), &
+      ridges_t(number('gamma'), whole('ridges'), whole('n_max'), number('length'))), &
+      fit_options_t(yes('weighted'), yes('known'), yes('fit_noise'), number('noise'), yes('told')), m, error)
+  contains
+    pure real(dp) function number(name)
+      character(len=*), intent(in) :: name
+      number = value_of(fit_option_names, options, name)
+    end function number
+
+    pure integer function whole(name)
+      character(len=*), intent(in) :: name
+      whole = nint(number(name))
+    end function whole
+
+    pure logical function yes(name)
+      character(len=*), intent(in) :: name
+      yes = number(name) > 0
+    end function yes
+  end subroutine measure_flat
+
+  !> Numbers; those that were not found stay as they are.
+  subroutine fit_numbers(m, room, numbers)
+    type(measurement_t), intent(in) :: m          !< what was found
+    integer, intent(in) :: room                   !< rows that there is room for in the curves
+    real(dp), intent(inout) :: numbers(:)         !< in the order of fit_names
+    integer :: i
+    call enter('of_spectrum', 0._dp)
+    call enter('tilt_x', m%tilt(1))
+    call enter('tilt_y', m%tilt(2))
+    call enter('verdict', real(m%verdict%kind, dp))
+    call enter('size', real(min(size(m%o%s), room), dp))
+    call enter_spectrum
+    if (.not. allocated(m%fit%curve)) return
+    associate (f => m%fit)
+      call enter('d', f%d)
+      call enter('ln_g', f%ln_g)
+      call enter('noise_variance', f%noise_variance)
+      do i = 1, 9
+        call enter('cov_'//achar(iachar('0') + i), f%cov(modulo(i - 1, 3) + 1, (i - 1)/3 + 1))
+      end do
+      call enter('rms', f%rms)
+      call enter('rms_expected', f%rms_expected)
+      call enter('misfit', f%misfit)
+      call enter('chi2', f%chi2)
+      call enter('freedom', real(f%freedom, dp))
+      call enter_interval('', f%interval)
+      call enter_interval('_sampling', f%interval_sampling)
+    end associate
+  contains
+    subroutine enter(name, x)
+      character(len=*), intent(in) :: name
+      real(dp), intent(in) :: x
+      call set_value(fit_names, numbers, name, x)
+    end subroutine enter
+
+    subroutine enter_interval(kind, interval)
+      character(len=*), intent(in) :: kind
+      real(dp), intent(in) :: interval(2, 2)
+      call enter('d_low'//kind, interval(1, 1))
+      call enter('d_high'//kind, interval(2, 1))
+      call enter('ln_g_low'//kind, interval(1, 2))
+      call enter('ln_g_high'//kind, interval(2, 2))
+    end subroutine enter_interval
+
+    subroutine enter_spectrum
+      associate (b => m%blind, f => m%blind%fit)
+        if (.not. allocated(b%rings%f)) return
+        call enter('spikes', real(b%spikes, dp))
+        call enter('holes', real(b%holes, dp))
+        call enter('axis_x', b%rings%axis(1))
+        call enter('axis_y', b%rings%axis(2))
+        if (f%last <= 0 .or. m%of_lines) return
+        call enter('of_spectrum', 1._dp)
+        call enter('probe', f%probe)
+        call enter('fold', f%fold)
+        call enter('f_lo', f%f_lo)
+        call enter('f_hi', f%f_hi)
+        call enter('second_d', b%above%d)
+        call enter('second_f_lo', b%above%f_lo)
+        call enter('second_f_hi', b%above%f_hi)
+      end associate
+    end subroutine enter_spectrum
+  end subroutine fit_numbers
+
+  !> Curves over the lag.
+  subroutine fit_curves(m, curves)
+    type(measurement_t), intent(in) :: m          !< what was found
+    real(dp), intent(inout) :: curves(:, :)       !< columns in the order of fit_curve_names
+    integer :: n
+    n = min(size(m%o%s), size(curves, 1))
+    curves(:n, 1) = m%o%tau(:n)
+    curves(:n, 2) = m%o%s(:n)
+    curves(:size(m%o%s_x), 6) = m%o%s_x
+    curves(:size(m%o%s_y), 7) = m%o%s_y
+    if (.not. allocated(m%fit%curve)) return
+    curves(:n, 3) = m%fit%curve(:n)
+    curves(:n, 4) = m%fit%sd_curve(:n)
+    curves(:n, 5) = m%fit%sd_sample(:n)
+  end subroutine fit_curves
+
+  !> Curves over the rings of frequency.
+  subroutine fit_rings(m, rings)
+    type(measurement_t), intent(in) :: m          !< what was found
+    real(dp), intent(inout) :: rings(:, :)        !< columns in the order of fit_ring_names
+    integer :: k
+    associate (b => m%blind, f => m%blind%fit)
+      if (.not. allocated(b%rings%f)) return
+      k = min(size(rings, 1), size(b%rings%f))
+      rings(:k, 1) = b%rings%f(:k)
+      rings(:k, 2) = b%rings%p(:k)
+      rings(:k, 3) = b%rings%m(:k)
+      if (f%last > 0 .and. .not. m%of_lines) rings(f%first:min(k, f%last), 4) = f%model(:min(k, f%last) - f%first + 1)
+    end associate
+  end subroutine fit_rings
+end module hd_flat_fit

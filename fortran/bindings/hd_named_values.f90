@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Lists of numbers whose places have names: the names stand here alone, parted by commas, and Python asks for them.
+module hd_named_values
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use hd_kinds, only: dp
+  use hd_facets, only: sum_names, facet_names
+  implicit none
+  private
+  public :: names_of, value_of, set_value
+
+  !> Material and surface of a joint; flags are 0 or 1. `paper`: closure of Eq. 28; `plastic`: plastic spots unload elastically.
+  character(len=*), parameter, public :: joint_names = 'e1,nu1,e2,nu2,nu_soft,hardness,fractal_dimension,roughness,gamma,'// &
+    'asperity_radius,friction,s_min,reference_area,paper,plastic'
+  !> One asperity.
+  character(len=*), parameter, public :: asperity_names = 'e_star_pa,g_prime_pa,hardness_pa,hardness_factor,amplitude_m,'// &
+    'radius_m,eps_ec_m,s_ec_m2,f_ec_n'
+  !> A load step.
+  character(len=*), parameter, public :: step_names = 'step,in_torque,load_factor,torque_nm,'//sum_names//',iterations,seconds'
+  !> How to fit a surface: window [points], flags, what is known of Eq. 1, band [1/m], noise [m].
+  character(len=*), parameter, public :: fit_option_names = 'first_lag,last_lag,level,model,weighted,known,fit_noise,ridges,'// &
+    'n_max,told,f_lo,f_hi,gamma,length,noise'
+  !> What a fit gives: numbers; curves over the lag; curves over the frequency.
+  character(len=*), parameter, public :: fit_names = 'd,ln_g,noise_variance,cov_1,cov_2,cov_3,cov_4,cov_5,cov_6,cov_7,cov_8,'// &
+    'cov_9,rms,rms_expected,misfit,chi2,freedom,tilt_x,tilt_y,verdict,size,d_low,d_high,ln_g_low,ln_g_high,'// &
+    'd_low_sampling,d_high_sampling,ln_g_low_sampling,ln_g_high_sampling,of_spectrum,spikes,holes,probe,fold,f_lo,f_hi,'// &
+    'axis_x,axis_y,second_d,second_f_lo,second_f_hi'
+  character(len=*), parameter, public :: fit_curve_names = 'tau,s,model,model_error,sample_error,s_x,s_y'
+  character(len=*), parameter, public :: fit_ring_names = 'frequency,power,modes,model'
+
+contains
+
+  !> The names of a list; empty where there is no such list.
+  pure function names_of(list) result(names)
+    character(len=*), intent(in) :: list   !< which
+    character(len=:), allocatable :: names
+    select case (list)
+    case ('joint'); names = joint_names
+    case ('asperity'); names = asperity_names
+    case ('step'); names = step_names
+    case ('facet'); names = facet_names
+    case ('fit_options'); names = fit_option_names
+    case ('fit'); names = fit_names
+    case ('fit_curves'); names = fit_curve_names
+    case ('fit_rings'); names = fit_ring_names
+    case default; names = ''
+    end select
+  end function names_of
+
+  !> Value of a name; NaN where the list does not hold it.
+  pure real(dp) function value_of(names, values, name)
+    character(len=*), intent(in) :: names   !< list
+    real(dp), intent(in) :: values(:)       !< in its order
+    character(len=*), intent(in) :: name    !< wanted
+    integer :: i
+    value_of = ieee_value(1._dp, ieee_quiet_nan)
+    i = place(names, name)
+    if (i > 0 .and. i <= size(values)) value_of = values(i)
+  end function value_of
+
+  !> Set the value of a name.
+  pure subroutine set_value(names, values, name, x)
+    character(len=*), intent(in) :: names   !< list
+    real(dp), intent(inout) :: values(:)    !< in its order
+    character(len=*), intent(in) :: name    !< where
+    real(dp), intent(in) :: x               !< value
+    integer :: i
+    i = place(names, name)
+    if (i > 0 .and. i <= size(values)) values(i) = x
+  end subroutine set_value
+
+  !> Place of a name, 0 if it is not there.
+  pure integer function place(names, name) result(i)
+    character(len=*), intent(in) :: names, name   !< list, one of it
+    integer :: first
+    first = index(','//names//',', ','//name//',')
+    i = 0
+    if (first > 0) i = 1 + count_commas(names(:first - 1))
+  end function place
+
+  !> Commas in a text.
+  pure integer function count_commas(text) result(n)
+    character(len=*), intent(in) :: text   !< text
+    integer :: i
+    n = count([(text(i:i) == ',', i=1, len(text))])
+  end function count_commas
+end module hd_named_values

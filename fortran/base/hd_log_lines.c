@@ -3,7 +3,7 @@
 #include <pthread.h>
 #include <string.h>
 
-enum { n_lines = 256, length = 240 };
+enum { n_lines = 256, length = 2048 };
 static char lines[n_lines][length];
 static unsigned first = 0, count = 0;
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -14,8 +14,10 @@ void hd_keep_line(const char *text, int n)
   char *line = lines[(first + count) % n_lines];
   if (count < n_lines) count++;
   else first = (first + 1) % n_lines;
-  if (n > length - 1) n = length - 1;
+  int whole = n < length;
+  if (!whole) n = length - 1;
   memcpy(line, text, (size_t)n);
+  if (!whole) memcpy(line + n - 4, " ...", 4);
   line[n] = 0;
   pthread_mutex_unlock(&lock);
 }

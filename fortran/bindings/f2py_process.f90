@@ -72,7 +72,7 @@ subroutine log_take(line, found)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_log, only: take_line
   implicit none
-  character(len=240), intent(out) :: line
+  character(len=2048), intent(out) :: line
   integer(c_int), intent(out) :: found
   logical :: there
   call take_line(line, there)

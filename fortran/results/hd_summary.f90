@@ -239,8 +239,9 @@ contains
     type(json_t), intent(inout) :: json      !< document
     character(len=*), intent(in) :: key      !< name
     type(string_t), intent(in) :: list(:)    !< lines
-    character(len=400) :: lines(size(list))
+    character(len=:), allocatable :: lines(:)
     integer :: i
+    allocate (character(len=maxval([(len(list(i)%s), i=1, size(list)), 1])) :: lines(size(list)))
     do i = 1, size(lines)
       lines(i) = list(i)%s
     end do

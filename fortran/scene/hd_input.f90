@@ -38,6 +38,10 @@ contains
       call apply_file(list, table)
     end if
     call apply_assignments(assignments, list%faults, table)
+    if (size(list%faults) == 0 .and. len_trim(scene%joint_from_fit) > 0) then
+      call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
+      if (allocated(error)) return
+    end if
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)
     if (size(list%faults) > 0) then
@@ -181,6 +185,55 @@ contains
       end associate
     end do
   end subroutine apply_assignments
+
+  !> Take the joint's keys from the scene.nml of a fit, here or beside the input; those that are given stay. Where all it can say is
+  !> given, as in an echo, the folder is not needed.
+  subroutine apply_fit(beside, scene, table, error)
+    character(len=*), intent(in) :: beside                !< folder of the input, with its slash
+    type(scene_t), intent(inout) :: scene                 !< names the fit
+    type(parameter_table_t), intent(inout) :: table       !< table of the scene
+    type(error_t), allocatable, intent(out) :: error      !< no such folder, not one joint in it
+    character(len=*), parameter :: keys = 'model fractal_dimension roughness sample_length shortest_wavelength '
+    type(namelist_t) :: list
+    character(len=:), allocatable :: folder, what, hint
+    integer :: i, row
+    logical :: needed
+    needed = .false.
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        if (p%group == 'joint') needed = needed .or. (index(' '//keys, ' '//p%key//' ') > 0 .and. .not. p%given)
+      end associate
+    end do
+    if (.not. needed) return
+    folder = trim(scene%joint_from_fit)
+    if (path_kind(folder//'/scene.nml') /= path_file .and. path_kind(beside//folder//'/scene.nml') == path_file) then
+      folder = beside//folder
+    end if
+    if (path_kind(folder//'/surface.json') /= path_file .or. path_kind(folder//'/scene.nml') /= path_file) then
+      call raise(error, code_file, "error: joint.from_fit = '"//folder//"': no folder with a whole fit (surface.json, "// &
+        'scene.nml)'//nl//"      valid: what 'hdengine surface MAP [MAP --pair] --out DIR' wrote, named from here or the input")
+      return
+    end if
+    allocate (list%faults(0))
+    call read_namelist(folder//'/scene.nml', list, error)
+    if (allocated(error)) return
+    if (size(list%groups) /= 1) then
+      call raise(error, code_input, "error: joint.from_fit = '"//folder//"': its scene.nml has "//to_text(size(list%groups))// &
+        ' joints'//nl//"      valid: one, of a surface that is fractal, or of two by 'hdengine surface MAP MAP --pair'; "// &
+        'the file says why there is none')
+      return
+    end if
+    do i = 1, size(list%assignments)
+      associate (a => list%assignments(i))
+        row = find_parameter(table, 'joint', a%key)
+        if (row == 0) cycle
+        if (table%rows(row)%given) cycle
+        call assign_words(table%rows(row), a%values, what, hint)
+        if (len(what) > 0) call report(list, a%value_line, a%value_column, len(a%values(1)%s), what, hint)
+      end associate
+    end do
+    if (size(list%faults) > 0) call raise(error, code_input, faults_text(list))
+  end subroutine apply_fit
 
   !> Words of a value; only lists of numbers are cut.
   pure function split(s, cut) result(words)

@@ -5,7 +5,8 @@ module hd_parameters
   use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower, unquoted
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice
   use hd_drive_keys, only: add_drive_keys
-  use hd_scene, only: scene_t, surface_t, surface_fit_t
+  use hd_scene, only: scene_t
+  use hd_surface_keys, only: add_surface_keys, add_fit_keys
   implicit none
   private
   public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text, value_count
@@ -19,16 +20,17 @@ contains
     integer :: i
     allocate (table%rows(0))
     call add_shape_keys(scene, table)
+    call add_wave_generator_keys(scene, table)
     call add_load_keys(scene, table)
     call add_solver_keys(scene, table)
-    call add_map_keys(scene%surface, table)
+    call add_surface_keys(scene%surface, table)
     call add_fit_keys(scene%fit, table)
     do i = 1, size(table%rows)
       table%rows(i)%default = value_text(table%rows(i))
     end do
   end subroutine new_table
 
-  !> Geometry, material, mesh and wave generator.
+  !> Geometry, material and mesh.
   subroutine add_shape_keys(s, t)
     type(scene_t), intent(inout), target :: s  !< scene
     type(parameter_table_t), intent(inout) :: t          !< table
@@ -79,6 +81,13 @@ contains
       'hexahedron: plain, with incompatible modes, quadratic reduced')
     call add_real(t, 'mesh', 'memory_limit_mb', 'model limit', s%memory_limit_mb, 'MB', 0._dp, big, &
       'larger meshes are refused before they are tried; 0: 80 % of what machine, batch job and ulimit leave', closed=.true.)
+  end subroutine add_shape_keys
+
+  !> Wave generator.
+  subroutine add_wave_generator_keys(s, t)
+    type(scene_t), intent(inout), target :: s  !< scene
+    type(parameter_table_t), intent(inout) :: t          !< table
+    real(dp), parameter :: big = huge(1._dp)
     call add_real(t, 'wave_generator', 'w', 'cam', s%w, 'm', 0._dp, big, &
       'radial deformation (deformation coefficient)', closed=.true.)
     call add_choice(t, 'wave_generator', 'cam', 'cam', s%cam, 'ellipse cosine arcs table', &
@@ -111,7 +120,7 @@ contains
       'its direction from the long axis', closed=.true.)
     call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', -big, big, &
       'radial interference of ring and flexspline; negative: clearance', closed=.true.)
-  end subroutine add_shape_keys
+  end subroutine add_wave_generator_keys
 
   !> Contact and load.
   subroutine add_load_keys(s, t)
@@ -187,6 +196,8 @@ contains
       'columns pressure_pa, k_n_pa_per_m, and k_t_pa_per_m if known')
     call add_choice(t, 'joint', 'spectrum_file', 'joint', s%joint_spectrum, '', 'CSV of the model spectrum, with columns '// &
       'q_per_m, height_variance_m2 (hdengine joint writes it); empty: D, G, sample_length, shortest_wavelength')
+    call add_choice(t, 'joint', 'from_fit', 'joint', s%joint_from_fit, '', &
+      "folder that 'hdengine surface' wrote: D, G, L, L_s and the model as its scene.nml says, but for keys that are given here")
     call add_real(t, 'joint', 'fractal_dimension', 'joint', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')
     call add_real(t, 'joint', 'roughness', 'joint', s%roughness, 'm', 0._dp, 1e-4_dp, 'fractal roughness G')
     call add_real(t, 'joint', 'gamma', 'joint', s%gamma, '', 1._dp, big, 'frequency ratio of the Weierstrass-Mandelbrot function')
@@ -204,60 +215,6 @@ contains
     call add_reals(t, 'output', 'positions', 'output', s%positions, 'm', 0._dp, big, &
       'Positions I, II, III: distances from the front edge of the contact band')
   end subroutine add_solver_keys
-
-  !> A generated surface.
-  subroutine add_map_keys(s, t)
-    type(surface_t), intent(inout), target :: s    !< surface
-    type(parameter_table_t), intent(inout) :: t          !< table
-    real(dp), parameter :: big = huge(1._dp)
-    call add_integer(t, 'surface', 'nx', 'output', s%nx, 1, 8388608, 'points along x')
-    call add_integer(t, 'surface', 'ny', 'output', s%ny, 1, 8388608, 'points along y')
-    call add_real(t, 'surface', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x')
-    call add_real(t, 'surface', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y')
-    call add_real(t, 'surface', 'x_0', 'output', s%x_0, 'm', -big, big, 'first point')
-    call add_real(t, 'surface', 'y_0', 'output', s%y_0, 'm', -big, big, 'first point')
-    call add_real(t, 'surface', 'fractal_dimension', 'output', s%fractal_dimension, '', 2._dp, 3._dp, 'D of Eq. 1')
-    call add_real(t, 'surface', 'roughness', 'output', s%roughness, 'm', 0._dp, big, 'G of Eq. 1')
-    call add_real(t, 'surface', 'gamma', 'output', s%gamma, '', 1._dp, big, 'frequency ratio')
-    call add_real(t, 'surface', 'length', 'output', s%length, 'm', 0._dp, big, 'L, the longest wavelength')
-    call add_real(t, 'surface', 'shortest_wavelength', 'output', s%shortest_wavelength, 'm', 0._dp, big, 'L_s, not above L')
-    call add_integer(t, 'surface', 'ridges', 'output', s%ridges, 1, 100000000, 'M, directions of waves; 1: Eq. 2')
-    call add_integer(t, 'surface', 'seed', 'output', s%seed, 0, huge(1), 'of the phases')
-    call add_real(t, 'surface', 'tolerance', 'output', s%tolerance, '', 0._dp, 0.1_dp, &
-      'rms error that the heights may have, relative to '// &
-      'the waves, 1e-13 or more; 0: none, the same bits on every processor', closed=.true.)
-    call add_choice(t, 'surface', 'method', 'output', s%method, 'auto direct product nufft', &
-      'evaluator of the sum; auto: the fastest that keeps the tolerance (nufft without one: 1e-12)')
-    call add_choice(t, 'surface', 'precision', 'output', s%precision, 'double single', 'of the heights in the file')
-  end subroutine add_map_keys
-
-  !> Fit of D and G.
-  subroutine add_fit_keys(s, t)
-    type(surface_fit_t), intent(inout), target :: s  !< fit
-    type(parameter_table_t), intent(inout) :: t            !< table
-    real(dp), parameter :: big = huge(1._dp)
-    call add_choice(t, 'fit', 'first_file', 'output', s%first_file, '', 'specimen to fit in place of a generated surface: .sdf '// &
-      '(ISO 25178-71) or .npy (heights in m); looked for from here, then beside the input')
-    call add_choice(t, 'fit', 'second_file', 'output', s%second_file, '', &
-      'second specimen: S of both add up to the equivalent surface')
-    call add_real(t, 'fit', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x of .npy files, which state none', closed=.true.)
-    call add_real(t, 'fit', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y of .npy files; 0: dx', closed=.true.)
-    call add_integer(t, 'fit', 'first_lag', 'output', s%first_lag, 1, 8388608, 'first lag of the window [points]')
-    call add_integer(t, 'fit', 'last_lag', 'output', s%last_lag, 0, 8388608, &
-      'last lag [points]; 0: 20, or half a row if that is less')
-    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum isotropic profile ridges paper none', &
-      'auto: ridges (the sum of Eq. 1 by the '// &
-      'keys of &surface) of a generated surface, spectrum (nothing is known) of files; none: no fit')
-    call add_choice(t, 'fit', 'level', 'output', s%level, 'yes no', 'take the least-squares plane off')
-    call add_real(t, 'fit', 'shortest', 'output', s%shortest, 'm', 0._dp, big, &
-      'shortest wavelength of isotropic and profile; 0: L_s of a '// &
-      'generated surface, one spacing of files', closed=.true.)
-    call add_real(t, 'fit', 'longest', 'output', s%longest, 'm', 0._dp, big, &
-      'longest wavelength; 0: L of a generated surface, the longer '// &
-      'side of files', closed=.true.)
-    call add_real(t, 'fit', 'noise', 'output', s%noise, 'm', 0._dp, big, 'known rms of white instrument noise', closed=.true.)
-    call add_choice(t, 'fit', 'fit_noise', 'output', s%fit_noise, 'no yes', 'fit the noise too')
-  end subroutine add_fit_keys
 
   !> Names of the groups, in order.
   function groups_of(table) result(names)

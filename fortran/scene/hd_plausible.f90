@@ -38,7 +38,7 @@ module hd_plausible
     usual_t('joint.sample_length', 1e-5_dp, 2e-2_dp), usual_t('joint.shortest_wavelength', 1e-9_dp, 1e-4_dp), &
     usual_t('joint.s_min', 1e-18_dp, 1e-8_dp), usual_t('surface.roughness', 1e-16_dp, 1e-6_dp), &
     usual_t('surface.dx', 1e-10_dp, 1e-3_dp), usual_t('surface.dy', 1e-10_dp, 1e-3_dp), &
-    usual_t('surface.length', 1e-7_dp, 0.1_dp)]
+    usual_t('surface.sample_length', 1e-7_dp, 0.1_dp)]
   type(slip_t), parameter :: slips(*) = [slip_t('Pa', 'GPa', 1e9_dp), slip_t('Pa', 'MPa', 1e6_dp), slip_t('m', 'mm', 1e-3_dp), &
     slip_t('m', 'um', 1e-6_dp), slip_t('m', 'nm', 1e-9_dp), slip_t('m^2', 'um^2', 1e-12_dp), &
     slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]

@@ -14,7 +14,7 @@ module hd_scene
   type :: surface_t
     integer :: nx = 512, ny = 512, ridges = 10, seed = 1
     real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp, x_0 = 0, y_0 = 0
-    real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, length = 0.5e-3_dp
+    real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
     real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 0
     character(len=name_length) :: method = 'auto', precision = 'double'
   end type surface_t
@@ -23,7 +23,7 @@ module hd_scene
   type :: surface_fit_t
     character(len=path_length) :: first_file = '', second_file = ''
     integer :: first_lag = 1, last_lag = 0
-    real(dp) :: dx = 0, dy = 0, shortest = 0, longest = 0, noise = 0
+    real(dp) :: dx = 0, dy = 0, shortest_wavelength = 0, longest_wavelength = 0, noise = 0
     character(len=name_length) :: model = 'auto', fit_noise = 'no', level = 'yes'
   end type surface_fit_t
 
@@ -83,7 +83,7 @@ module hd_scene
     real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
     real(dp) :: shortest_wavelength = 1e-6_dp, asperity_radius = 5e-6_dp, s_min = 0, hardness = 0
     character(len=name_length) :: closure = 'nominal', plastic_spots = 'none', joint_model = 'spectrum'
-    character(len=path_length) :: joint_table = '', joint_spectrum = ''
+    character(len=path_length) :: joint_table = '', joint_spectrum = '', joint_from_fit = ''
     ! surface
     type(surface_t) :: surface
     type(surface_fit_t) :: fit

@@ -154,7 +154,7 @@ contains
     type(ridges_t) :: ridges
     integer :: model
     logical :: small, told
-    ridges = ridges_t(map%gamma, map%ridges, n_max, map%length)
+    ridges = ridges_t(map%gamma, map%ridges, n_max, map%sample_length)
     small = (n_max + 1._dp) * map%ridges <= most_waves
     r%model = f%model(:9)
     if (f%model == 'auto') then
@@ -178,10 +178,10 @@ contains
     if (f%last_lag == 0) r%lags(2) = min(20, (size(s%z, 1) - 1) / 2)
     r%band = [s%dx, max((size(s%z, 1) - 1) * s%dx, (size(s%z, 2) - 1) * s%dy)]
     if (size(s%z, 2) > 1) r%band(1) = min(s%dx, s%dy)
-    if (s%name == 'generated' .or. r%weighted) r%band = map%length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
-    if (f%shortest > 0) r%band(1) = f%shortest
-    if (f%longest > 0) r%band(2) = f%longest
-    told = f%shortest > 0 .and. f%longest > 0
+    if (s%name == 'generated' .or. r%weighted) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
+    if (f%shortest_wavelength > 0) r%band(1) = f%shortest_wavelength
+    if (f%longest_wavelength > 0) r%band(2) = f%longest_wavelength
+    told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0
     call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), f%level == 'yes', &
       band_spectrum_t(model, 1 / r%band(2), 1 / r%band(1), ridges), &
       fit_options_t(r%weighted, r%weighted, f%fit_noise == 'yes', f%noise, told), r%m, error)

@@ -173,7 +173,8 @@ contains
   !> Spectrum of a map.
   pure type(spectrum_t) function spectrum_of(m)
     type(surface_t), intent(in) :: m    !< map
-    spectrum_of = spectrum_t(m%fractal_dimension, m%roughness, m%gamma, m%length, m%shortest_wavelength, m%ridges, int(m%seed, i8))
+    spectrum_of = spectrum_t(m%fractal_dimension, m%roughness, m%gamma, m%sample_length, m%shortest_wavelength, m%ridges, &
+      int(m%seed, i8))
   end function spectrum_of
 
   !> Grid of a map.

@@ -153,7 +153,7 @@ def test_bad_files_are_one_error_each(tmp_path, name):
     ({"fit__second_file": "a.sdf"}, "without fit.first_file"),
     ({"surface__ridges": 1000, "fit__model": "ridges"}, "up to 4000 waves"),
     ({"fit__first_lag": 5, "fit__last_lag": 6}, "at least 4 lags"), ({"fit__last_lag": 400}, "half the length of a row"),
-    ({"fit__shortest": 1.0, "fit__longest": 0.5, "fit__model": "isotropic"}, "band"), ({"load__torque": 1.0}, "contact run"),
+    ({"fit__shortest_wavelength": 1.0, "fit__longest_wavelength": 0.5, "fit__model": "isotropic"}, "band"), ({"load__torque": 1.0}, "contact run"),
 ], ids=lambda v: None if isinstance(v, str) else next(iter(v)))
 def test_bad_fits_are_refused(tmp_path, keys, says):
     """Windows, bands and models that make no sense are one InputError each."""

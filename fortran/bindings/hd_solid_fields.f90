@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Solid problems that Python holds by an integer handle: fields enter by name, the problem is solved, results are asked for by name.
+!> Solid problems that Python holds by an integer handle: fields enter by name, the problem is solved, results are asked for.
 !> Node numbers start at 1; body b owns nodes node_end(b-1)+1 to node_end(b) and cells cell_end(b-1)+1 to cell_end(b).
 module hd_solid_fields
   use hd_kinds, only: dp

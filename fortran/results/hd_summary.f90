@@ -67,6 +67,36 @@ contains
     type(error_t), allocatable, intent(out) :: error          !< cannot be written
     type(json_t) :: json
     call json%begin()
+    call add_outcome(json, record, failure)
+    call json%add('kind', 'drive')
+    call json%add('title', scene%title)
+    call json%begin('results')
+    call add_results(json, sums, record, scene%support == 'drive')
+    if (scene%support == 'drive') call add_loop(json, scene, loop)
+    call json%finish()
+    call add_joint(json, scene, joint)
+    if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
+    call add_model(json, drive, solver, record)
+    call add_predictions(json, record%choice)
+    call add_timers(json, record%timers)
+    call json%add('peak_memory_mb', peak_memory_mb())
+    if (record%planned_tolerance > 0) call add_plan(json, record)
+    call json%begin('model_error')
+    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit(3) > 0))
+    call add_lines(json, 'left_out', left_out(scene, sums))
+    call json%finish()
+    call add_lines(json, 'warnings', record%warnings)
+    call add_provenance(json, solver, record)
+    call add_scene(json, scene)
+    call json%finish()
+    call json%write_atomic(folder//'/summary.json', error)
+  end subroutine write_summary
+
+  !> How the run ended.
+  subroutine add_outcome(json, record, failure)
+    type(json_t), intent(inout) :: json                       !< document
+    type(record_t), intent(in) :: record                      !< stopped by a signal
+    type(error_t), allocatable, intent(in) :: failure         !< why it ended early
     if (allocated(failure)) then
       if (record%interrupted) then
         call json%add('status', 'interrupted')
@@ -80,14 +110,14 @@ contains
       call json%add('code', code_done)
       call json%add('message', '')
     end if
-    call json%add('kind', 'drive')
-    call json%add('title', scene%title)
-    call json%begin('results')
-    call add_results(json, sums, record, scene%support == 'drive')
-    if (scene%support == 'drive') call add_loop(json, scene, loop)
-    call json%finish()
-    call add_joint(json, scene, joint)
-    if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
+  end subroutine add_outcome
+
+  !> Sizes, solver, symmetry.
+  subroutine add_model(json, drive, solver, record)
+    type(json_t), intent(inout) :: json                       !< document
+    type(drive_t), intent(in) :: drive                        !< drive
+    class(linear_solver_t), intent(in) :: solver              !< linear solver
+    type(record_t), intent(in) :: record                      !< what was kept
     call json%begin('model')
     call json%add('dof', 3*drive%problem%n)
     call json%add('unknowns', solver%unknowns)
@@ -105,45 +135,44 @@ contains
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
-    call add_predictions(json, record%choice)
+  end subroutine add_model
+
+  !> Where the time went.
+  subroutine add_timers(json, timers)
+    type(json_t), intent(inout) :: json                       !< document
+    type(timers_t), intent(in) :: timers                      !< wall clock
     call json%begin('timers_s')
-    call json%add('setup', record%timers%setup)
-    call json%add('coarser', record%timers%coarser)
-    call json%add('newton', record%timers%newton)
-    call json%add('stiffness', record%timers%stiffness)
-    call json%add('output', record%timers%output)
-    call json%add('total', record%timers%total)
+    call json%add('setup', timers%setup)
+    call json%add('coarser', timers%coarser)
+    call json%add('newton', timers%newton)
+    call json%add('stiffness', timers%stiffness)
+    call json%add('output', timers%output)
+    call json%add('total', timers%total)
     call json%finish()
-    call json%add('peak_memory_mb', peak_memory_mb())
-    if (record%planned_tolerance > 0) then
-      call json%begin('plan')
-      call json%add('tolerance', record%planned_tolerance)
-      if (record%level > 0) then
-        call json%add('k_ts_nm_per_rad', record%limit(1))
-        call json%add('normal_force_n', record%limit(2))
-        if (record%limit(3) > 0) call json%add('pressure_mid_mean_pa', record%limit(3))
-        call json%add('mesh_over_limit_k_ts', 1/record%to_limit(1))
-        call json%add('mesh_over_limit_normal_force', 1/record%to_limit(2))
-        if (record%limit(3) > 0) call json%add('mesh_over_limit_mid_band_pressure', 1/record%to_limit(3))
-        call json%add('estimated_error_k_ts', record%estimate(1))
-        call json%add('estimated_error_normal_force', record%estimate(2))
-        if (record%limit(3) > 0) call json%add('estimated_error_mid_band_pressure', record%estimate(3))
-      end if
-      call json%add('level', record%level)
-      call add_lines(json, 'reasons', record%reasons)
-      call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%planned_tolerance)))
-      call json%finish()
+  end subroutine add_timers
+
+  !> What was promised, and whether it is kept.
+  subroutine add_plan(json, record)
+    type(json_t), intent(inout) :: json                       !< document
+    type(record_t), intent(in) :: record                      !< plan
+    call json%begin('plan')
+    call json%add('tolerance', record%planned_tolerance)
+    if (record%level > 0) then
+      call json%add('k_ts_nm_per_rad', record%limit(1))
+      call json%add('normal_force_n', record%limit(2))
+      if (record%limit(3) > 0) call json%add('pressure_mid_mean_pa', record%limit(3))
+      call json%add('mesh_over_limit_k_ts', 1/record%to_limit(1))
+      call json%add('mesh_over_limit_normal_force', 1/record%to_limit(2))
+      if (record%limit(3) > 0) call json%add('mesh_over_limit_mid_band_pressure', 1/record%to_limit(3))
+      call json%add('estimated_error_k_ts', record%estimate(1))
+      call json%add('estimated_error_normal_force', record%estimate(2))
+      if (record%limit(3) > 0) call json%add('estimated_error_mid_band_pressure', record%estimate(3))
     end if
-    call json%begin('model_error')
-    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit(3) > 0))
-    call add_lines(json, 'left_out', left_out(scene, sums))
+    call json%add('level', record%level)
+    call add_lines(json, 'reasons', record%reasons)
+    call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%planned_tolerance)))
     call json%finish()
-    call add_lines(json, 'warnings', record%warnings)
-    call add_provenance(json, solver, record)
-    call add_scene(json, scene)
-    call json%finish()
-    call json%write_atomic(folder//'/summary.json', error)
-  end subroutine write_summary
+  end subroutine add_plan
 
   !> Time and memory that the choice of the matrix solver rests on.
   subroutine add_predictions(json, choice)

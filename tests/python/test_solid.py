@@ -90,3 +90,19 @@ def test_blocks_join_and_show_their_sides():
     joined = mesh.merge(mesh.block([0, 1], [0, 1], [0, 1], True), mesh.block([1, 2], [0, 1], [0, 1], True))
     assert len(joined.points) == 32
     assert joined.facets(joined.points[:, 1] == 0).shape == (2, 8)
+
+
+def test_a_solid_problem_knows_its_fields():
+    """A field that does not exist, one of the wrong size and a problem that is closed are errors that name what is valid."""
+    from hdengine import _engine
+    from hdengine.solid import _Problem
+
+    with _Problem("hex8", angle=[0.0] * 8) as problem:
+        with pytest.raises(hdengine.InputError, match="no field 'angel'; valid: node_end"):
+            problem.put("angel", [0.0])
+        with pytest.raises(hdengine.InputError, match="'cell_end' of a solid problem has 0 numbers"):
+            problem.solve()
+    with pytest.raises(hdengine.InputError, match="closed"):
+        problem.solve()
+    with pytest.raises(hdengine.InternalError, match="no list of names 'wrong'"):
+        _engine.names("wrong")

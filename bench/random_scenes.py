@@ -58,6 +58,11 @@ def draw(seed, i):
     return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in keys.items()}
 
 
+def on_balls(keys):
+    """The same scene with a ring that slides on the cam wherever the hub is held."""
+    return keys | {"wave_generator.ring_tangent": "auto"}
+
+
 def solve(keys, limit=400):
     """Outcome of a scene."""
     with tempfile.TemporaryDirectory() as folder:
@@ -70,7 +75,7 @@ def solve(keys, limit=400):
             s = json.loads(path.read_text())
             with (out / "steps.csv").open() as f:
                 row["iterations"] = [int(step["iterations"]) for step in csv.DictReader(f)]
-            row |= {k: s["results"][k] for k in ("cut_backs", "rotation_rad", "normal_force_n", "friction_capacity_nm")}
+            row |= {k: s["results"][k] for k in ("cut_backs", "rotation_rad", "normal_force_n", "friction_capacity_nm", "torque_balance_nm")}
             row |= {"total_s": s["timers_s"]["total"], "solver": s["model"]["solver"]}
     return row
 
@@ -90,16 +95,19 @@ def main():
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--seed", type=int, default=2023)
+    parser.add_argument("--ring", choices=("drawn", "auto"), default="drawn", help="auto: every ring with a held hub slides; record random_scenes_auto")
     parser.add_argument("--only", type=int, help="one scene: print its keys and result")
     args = parser.parse_args()
     if args.only is not None:
         keys = draw(args.seed, args.only)
+        keys = on_balls(keys) if args.ring == "auto" else keys
         print(" ".join(f"{k}={v}" for k, v in keys.items()))
         print(json.dumps(solve(keys), indent=1))
         return
     rows = []
     for i in range(args.start, args.start + args.count):
         keys = draw(args.seed, i)
+        keys = on_balls(keys) if args.ring == "auto" else keys
         rows.append({"scene": i, "keys": keys} | solve(keys))
         if outcome(rows[-1]) not in ("converged", "gross slip"):
             print(i, outcome(rows[-1]), rows[-1]["message"][:100], flush=True)
@@ -109,9 +117,10 @@ def main():
     record = {"seed": args.seed, "count": args.count, "outcomes": dict(classes), "outcomes_by_option": by_option, "iterations_per_step_median": statistics.median(steps),
               "iterations_per_step_90": float(np.quantile(steps, 0.9)), "iterations_per_step_95": float(np.quantile(steps, 0.95)),
               "iterations_per_step_max": max(steps), "first_step_median": statistics.median(row["iterations"][0] for row in rows if row.get("iterations")),
+              "worst_torque_balance": max(abs(row["torque_balance_nm"] / row["keys"]["load.torque"]) for row in rows if row["code"] == 0),
               "cut_backs": sum(row.get("cut_backs", 0) for row in rows if row["code"] == 0), "scenes": rows}
     if args.start == 0:
-        write_record("random_scenes", record, seed=args.seed)
+        write_record("random_scenes" + ("_auto" if args.ring == "auto" else ""), record, seed=args.seed)
     for k, v in record.items():
         if k != "scenes":
             print(f"| {k} | {v} |")

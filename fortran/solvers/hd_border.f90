@@ -5,6 +5,7 @@
 !>   u = C (-r_u + B^T t + P x) + R a           C compliance, P unit forces of the struts, R rigid motions
 !>   x / k + P^T u = 0                          linearised strut, k its tangent
 !>   R^T (-r_u + B^T t + P x) = 0               balance of forces and moments
+!> A ring that slides on the wave generator is such a body too: soft springs to the ground against its motions stand in the border.
 !> C may hold a loose body by springs of its own (hold_loose): under forces in balance they carry nothing. Rigid motions are scaled
 !> to unknowns in newtons.
 module hd_border
@@ -30,6 +31,7 @@ module hd_border
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
     real(dp), allocatable :: own(:, :)           !< P^T C P and P^T R (struts, struts + modes) [m/N]
+    real(dp), allocatable :: held(:)             !< of each rigid motion: soft springs to the ground against it [m/N]
   contains
     procedure :: take => take_active
     procedure :: matrix => border_matrix
@@ -47,12 +49,13 @@ contains
     type(border_t), intent(out) :: border                 !< complete but for what pushes
     type(error_t), allocatable, intent(out) :: error      !< memory
     real(dp), allocatable :: f(:, :), u(:, :)
+    real(dp) :: own(3, 3)
     integer :: i, j, n
-    border%struts = size(problem%struts)
+    if (allocated(problem%struts)) border%struts = size(problem%struts)
     n = border%struts
     call list_modes(problem, border)
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
-    allocate (f(3, problem%n), u(3, problem%n))
+    allocate (f(3, problem%n), u(3, problem%n), border%held(border%modes))
     do i = 1, n
       f = 0
       call push(problem%struts(i), 1._dp, f)
@@ -64,12 +67,18 @@ contains
       end do
     end do
     border%own(:, :n) = (border%own(:, :n) + transpose(border%own(:, :n)))/2
-    border%scale = sum([(border%own(i, i), i=1, n)])/n
+    if (n > 0) then
+      border%scale = sum([(border%own(i, i), i=1, n)])/n
+    else
+      own = compliance%own(1)
+      border%scale = (own(1, 1) + own(2, 2) + own(3, 3))/3
+    end if
     do i = 1, border%modes
       u = 0
       call add_rigid_motion(problem, border%body(i), border%kind(i), border%scale, u)
       border%side(:, :, n + i) = relative_displacement(problem%mortar, u)
       border%own(:, n + i) = [(closing_of(problem%struts(j), u), j=1, n)]
+      border%held(i) = sum(problem%spring*u**2)
     end do
     allocate (border%active(0))
   end subroutine new_border
@@ -117,7 +126,7 @@ contains
     class(border_t), intent(inout) :: self    !< gets active
     type(problem_t), intent(in) :: problem    !< with strut_rate
     integer :: i
-    self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
+    if (self%struts > 0) self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
   end subroutine take_active
 
   !> Numbers of the columns of `side` that count: struts that push, then rigid motions.
@@ -142,7 +151,8 @@ contains
       d(i, i) = d(i, i) + 1/problem%strut_rate(self%active(i))
     end do
     do i = 1, self%modes
-      if (self%kind(i) == 3) d(n + i, n + i) = -flat*self%scale
+      d(n + i, n + i) = -self%held(i)
+      if (self%kind(i) == 3) d(n + i, n + i) = -max(self%held(i), flat*self%scale)
     end do
   end function border_matrix
 

@@ -98,7 +98,8 @@ contains
     self%ordering_asked = self%compliance%ordering_asked
     self%ordering_used = self%compliance%ordering_used
     self%library = self%compliance%library
-    if (allocated(error) .or. allocated(self%border) .or. .not. allocated(problem%struts)) return
+    if (allocated(error) .or. allocated(self%border)) return
+    if (.not. (allocated(problem%struts) .or. (allocated(problem%loose) .and. self%compliance%fast))) return
     allocate (self%border)
     call new_border(problem, self%compliance, self%border, error)
   end subroutine begin_condensed
@@ -181,8 +182,13 @@ contains
     system%more = size(system%side, 3)
     system%corner = self%border%matrix(problem)
     system%known = self%border%known(problem, f, v)
-    if (problem%turning .or. .not. allocated(problem%hub)) return
-    associate (last => system%more)  ! the turn of the bottom, which is held
+    if (self%symmetry%half_turn) system%fold = 2
+    if (allocated(problem%hub)) then
+      if (problem%turning) return
+    else if (self%symmetry%mirror == 0) then
+      return
+    end if
+    associate (last => system%more)  ! the turn of the bottom, which is held, or of a ring with a mirror plane
       system%side(:, :, last) = 0
       system%corner(last, :) = 0
       system%corner(:, last) = 0

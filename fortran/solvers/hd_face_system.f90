@@ -37,6 +37,7 @@ module hd_face_system
     integer, allocatable :: first(:)             !< first unknown of that multiplier
     real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
     integer :: more = 0                          !< unknowns of the border
+    real(dp) :: fold = 1                         !< points that each of the list stands for in sums over the face
     real(dp), allocatable :: side(:, :, :)       !< S (3, multipliers, more) [m/N]
     real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
     real(dp), allocatable :: known(:)            !< e (more) [m]
@@ -297,7 +298,7 @@ contains
     do k = 1, self%more
       do l = 1, n
         self%right(l, k) = sum(self%rows(:, l)*self%side(:, self%at(l), k))
-        self%below(l, k) = sum(self%columns(:, l)*self%side(:, self%at(l), k))
+        self%below(l, k) = self%fold*sum(self%columns(:, l)*self%side(:, self%at(l), k))
       end do
     end do
   end subroutine pack_rows

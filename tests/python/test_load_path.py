@@ -34,6 +34,17 @@ def test_springs_of_the_ring_count(exe, tmp_path):
     assert s["ring_spring_torque_nm"][-1] > 0.01 and abs(s["torque_balance_nm"][-1]) < 1e-8
 
 
+@pytest.mark.parametrize("keys", [["contact.mode=bonded"], ["contact.mode=frictionless"], ["load.support_stiffness=1e6"]])
+def test_the_turn_of_a_sliding_ring_is_an_unknown_of_its_own(exe, tmp_path, keys):
+    """A ring that only contact and soft springs hold takes few iterations, bonded, without friction and on stiff springs, and the turn that the
+    condensed solver adds is that of Newton's matrix."""
+    r, _ = solve(exe, tmp_path / "c", "solver.method=condensed", "load.torque_steps=1", *keys)
+    other, _ = solve(exe, tmp_path / "n", "solver.method=newton", "solver.factors=exact", "load.torque_steps=1", *keys)
+    assert r.summary["results"]["iterations"] <= 30
+    for key in ("rotation_rad", "normal_force_n"):
+        assert r.summary["results"][key] == pytest.approx(other.summary["results"][key], rel=1e-7), key
+
+
 @pytest.mark.parametrize("scene, keys, wave_generator", [(CD14, ["wave_generator.ring_tangent=follow"], (4, 5)), ("paper.nml", [], (4.99, 5)),
                                                          (CD14, ["load.support=bearing"], (4.99, 5))])
 def test_a_held_ring_is_warned_of(exe, tmp_path, scene, keys, wave_generator):

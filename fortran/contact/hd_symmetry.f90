@@ -92,7 +92,6 @@ contains
     type(load_t), intent(in) :: load        !< load at the end of the step
     type(state_t), intent(in) :: state      !< state at its beginning
     if (.not. all(problem%bodies%revolved) .or. allocated(problem%struts)) return
-    if (allocated(problem%loose) .and. problem%loose_from < 3) return  ! a loose body's shift has no image
     symmetry%half_turn = holds(problem, load, state, 0)
     if (holds(problem, load, state, 1)) then
       symmetry%mirror = 1

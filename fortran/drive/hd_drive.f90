@@ -180,8 +180,10 @@ contains
         problem%fixed(2, inner) = .true.
       else
         if (scene%contact_mode /= 'bonded') call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
-        problem%loose = [drive%b_ring]
-        if (scene%ring_contact == 'tied') problem%loose_from = 3
+        if (scene%ring_contact == 'tied') then
+          problem%loose = [drive%b_ring]
+          problem%loose_from = 3
+        end if
       end if
       z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
       problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.

@@ -378,8 +378,15 @@ contains
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(error) .or. run%record%level == 0) return
     call say('limit     K_TS '//to_text(run%record%limit(1))//' N m/rad, normal force '//to_text(run%record%limit(2))// &
-      ' N, mid-band pressure '//to_text(run%record%limit(3))//' Pa, known to '//percent(maxval(run%record%estimate)))
+      ' N'//middle_text(run%record%limit(3))//', known to '//percent(maxval(run%record%estimate)))
   end subroutine run_planned
+
+  !> The mid-band pressure of a promise; nothing where the band's middle lies open: a pressure of 0 promises nothing.
+  pure function middle_text(pressure) result(text)
+    real(dp), intent(in) :: pressure  !< its limit [Pa]
+    character(len=:), allocatable :: text
+    text = trim(merge(', mid-band pressure '//to_text(pressure)//' Pa', repeat(' ', 23 + len(to_text(pressure))), pressure > 0))
+  end function middle_text
 
   !> A mesh is within the memory allowed.
   logical function fits(scene)

@@ -121,3 +121,13 @@ def test_line_load_of_the_edge_converges_where_the_peak_does_not():
     coarse, fine = (last(mesh={"divisions": 40, "band_facets": 12, "edge_length": edge})[0].sums for edge in (1e-4, 2.5e-5))
     assert fine["pressure_max_pa"] > 2 * coarse["pressure_max_pa"]
     assert fine["edge_line_load_n_per_m"] == pytest.approx(coarse["edge_line_load_n_per_m"], rel=0.01)
+
+
+@pytest.mark.parametrize("keys", [["mesh.edge_length=1e-4"], ["mesh.edge_length=2.5e-5"], ["mesh.element=hex20r", "mesh.wall_elements=4"]])
+def test_strong_friction_does_not_cycle(exe, tmp_path, keys):
+    """Friction 0.63 with thin edge cells, and quadratic elements: no contact state runs in a cycle, no load step is halved, moments balance."""
+    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=6", "contact.friction=0.63", *keys, "output.vtu=none",
+                "--out", tmp_path / "r")
+    assert done.returncode == 0, done.stderr
+    r = json.loads((tmp_path / "r/summary.json").read_text())["results"]
+    assert r["iterations"] <= 60 and r["cut_backs"] == 0 and abs(r["torque_balance_nm"]) < 1e-8

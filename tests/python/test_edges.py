@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cells at the edges of the band, and what does not depend on the mesh."""
+import json
+
 import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT
+from conftest import ROOT, call
 
 CD14 = ROOT / "data/cd14.nml"
 ONE = {"load__assembly_steps": 1, "load__torque_steps": 1}

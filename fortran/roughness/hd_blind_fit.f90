@@ -178,12 +178,13 @@ contains
       if (b%spike_share > many_spikes) then
         v%name = 'spikes'
         v%reason = percent(b%spike_share)//' of the points stand more than six standard deviations off their neighbours'
-      else if (r%d > 2.99_dp .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
+      else if (r%interval(1, 1) > 2.97_dp .or. (r%d > 2.99_dp .and. f%f_hi < 4 * f%f_lo) &
+        .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
         v%kind = noise_dominated
         v%name = 'noise'
         v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
           ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
-      else if (r%d < 2.01_dp) then
+      else if (r%interval(2, 1) < 2.03_dp) then
         v%name = 'smooth'
         v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
       else if (b%tail > 1 .and. b%excess > 1) then
@@ -193,6 +194,9 @@ contains
       else if (.not. f%accepted .and. f%misfit > 0.1_dp) then
         v%name = 'bent'
         v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
+      else if (f%crossed) then
+        v%name = 'crossover'
+        v%reason = two_laws(b)
       else if (b%above%last > 0 .and. b%above%accepted .and. (b%above%interval(1, 1) > r%interval(2, 1) &
         .or. b%above%interval(2, 1) < r%interval(1, 1))) then
         v%name = 'crossover'
@@ -202,10 +206,21 @@ contains
         v%kind = fractal
         v%reason = 'the spectrum follows the model for wavelengths of '// &
           to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m'
+        if (f%as_well) v%reason = v%reason//'; so does a crossover: '//two_laws(b)
         if (r%interval(1, 1) < 2.005_dp) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
       end if
     end associate
   end subroutine judge_blind
+
+  !> Both laws in words.
+  pure function two_laws(b) result(words)
+    type(blind_t), intent(in) :: b            !< fit
+    character(len=:), allocatable :: words
+    associate (two => b%fit%two)
+      words = 'D = '//to_text(0.5_dp * (6 + b%rings%dim - two%n(1)))//' for wavelengths above '//to_text(1 / two%f)// &
+        ' m and '//to_text(0.5_dp * (6 + b%rings%dim - two%n(2)))//' below'
+    end associate
+  end function two_laws
 
   !> Frequency where the power law and the noise are equal [1/m].
   pure real(dp) function noise_meets(b) result(f)
@@ -230,7 +245,7 @@ contains
     scale = exp(2 * (r%d - 2) * r%ln_g)
     a = 6 - 2 * r%d
     low = 1 / max(o%nx * o%dx, o%ny * o%dy)
-    high = merge(20._dp, 1._dp, b%fit%fold > 0) * b%rings%nyquist
+    high = merge(5._dp, 1._dp, b%fit%fold > 0) * b%rings%nyquist
     allocate (r%curve(size(o%lag)), r%sd_sample(size(o%lag)), r%sd_curve(size(o%lag)))
     r%curve = 2 * r%noise_variance
     do i = 1, n

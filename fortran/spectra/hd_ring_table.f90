@@ -64,7 +64,7 @@ contains
     wy = [1._dp]
     if (t%dim == 2) then
       wy = taper(ny)
-      t%nyquist = min(t%nyquist, 0.5_dp / dy)
+      t%nyquist = max(t%nyquist, 0.5_dp / dy)
       t%df = 1 / minval(t%side)
     end if
     allocate (t%kernel(-reach * per_bin:reach * per_bin, 2), source=1._dp)

@@ -6,6 +6,7 @@ module hd_spectral_fit
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t, raise, code_input
   use hd_ring_table, only: ring_table_t
+  use hd_crossover, only: crossover_t, find_crossover
   use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of
   implicit none
   private
@@ -48,6 +49,9 @@ module hd_spectral_fit
     real(dp) :: scatter = 1                   !< of single modes about their ring; 1 of a Gaussian isotropic field
     real(dp), allocatable :: model(:)         !< expected power of the rings of the window
     integer :: first = 0, last = 0            !< rings of the window
+    type(crossover_t) :: two                  !< two laws over all rings
+    logical :: as_well = .false.              !< they explain all rings at least as well as a single law
+    logical :: crossed = .false.              !< and so much better that chance does it once in twenty
   end type spectral_fit_t
 
 contains
@@ -108,7 +112,29 @@ contains
     best = most_likely(t, m, r, fixed, fine)
     call judge(t, best, r, noise)
     call complete(t, m, best, fixed, r)
+    if (.not. present(from)) call look_for_two(t, m, fixed, r)
   end subroutine fit_spectrum
+
+  !> Whether two power laws are a likelier explanation of all rings than one with probe, noise and finer detail, where it needs
+  !> probe or noise: both have five unknowns.
+  subroutine look_for_two(t, m, fixed, r)
+    type(ring_table_t), intent(in) :: t           !< rings
+    type(spectral_model_t), intent(in) :: m       !< tables
+    type(fixed_t), intent(in) :: fixed            !< what is known
+    type(spectral_fit_t), intent(inout) :: r      !< two, as_well and crossed are set
+    type(spectral_fit_t) :: whole
+    type(point_t) :: b
+    call window(t, t%f(1), t%f(size(t%f)), whole)
+    if (.not. (r%probe > 0 .or. r%noise_variance > 0) .and. r%accepted) return
+    b = most_likely(t, m, whole, fixed, fine)
+    r%two = find_crossover(t, 1, size(t%f))
+    if (b%deviance < r%two%deviance) return
+    r%crossed = b%deviance - r%two%deviance > quantile
+    b%deviance = r%two%deviance
+    call judge(t, b, whole, -1._dp)
+    r%as_well = whole%accepted .or. whole%misfit < 2.5_dp * excused
+    r%crossed = r%crossed .and. r%as_well
+  end subroutine look_for_two
 
   !> The simplest explanation: of all with and without noise, probe and finer detail, the least deviance plus 2 for each that is
   !> there (Akaike). An estimate that leaves them free is off where they are absent, for none can be negative.

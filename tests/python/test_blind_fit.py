@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fit told nothing, on maps made by numpy alone: bands of any end, probes, noise, tilt, holes, spikes, jitter, lines."""
+import re
 import sys
 
 import numpy as np
@@ -30,6 +31,26 @@ def test_what_is_not_told_is_found(case):
         assert abs(f.fractal_dimension - 2.5) < 0.75 * (d_high - d_low) < 0.6 and 2 < d_low <= f.fractal_dimension <= d_high < 3
         assert d_low - 0.05 < 2.5 < d_high + 0.05 and low / 1.5 < np.exp(LN_G) < high * 1.5
         assert f.verdict == "fractal" and f.model == "spectrum"
+
+
+def test_unlike_spacings_use_the_finer_one():
+    """At dy = 1.7 dx and D = 2.9 the mean D of three maps is within 0.06; windows reach beyond Nyquist's frequency along y."""
+    fits = [roughness.fit(*field(128, DX, 2.9, np.random.default_rng(s), finer=2, aspect=1.7)) for s in range(3)]
+    assert abs(np.mean([f.fractal_dimension for f in fits]) - 2.9) < 0.06
+    assert min(f.band_m[0] for f in fits) < 2 * 1.7 * DX and all(f.verdict == "fractal" for f in fits)
+
+
+@pytest.mark.parametrize("name, rises", (("crossover up", True), ("crossover down", False)))
+def test_crossovers_are_told(name, rises):
+    """Of three maps with two slopes at least two are called a crossover or said to be one as well, with D on the right sides."""
+    from blind_generators import NOT_FRACTAL
+
+    fits = [roughness.fit(NOT_FRACTAL[name](128, np.random.default_rng(seed)), DX) for seed in range(3)]
+    told = [f for f in fits if "crossover" in f.kind + f.reason]
+    assert len(told) >= 2
+    for f in told:
+        long, short = (float(x) for x in re.findall(r"(?:D =|m and) (\d(?:\.\d+)?)", f.reason)[-2:])
+        assert (short > long) is rises, f.reason
 
 
 def test_lines_too():

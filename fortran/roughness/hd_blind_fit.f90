@@ -184,7 +184,7 @@ contains
         v%name = 'noise'
         v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
           ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
-      else if (r%interval(2, 1) < 2.03_dp) then
+      else if (r%interval(2, 1) < 2.03_dp .or. (r%d < 2.01_dp .and. f%misfit > 0.1_dp)) then
         v%name = 'smooth'
         v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
       else if (b%tail > 1 .and. b%excess > 1) then

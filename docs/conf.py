@@ -9,7 +9,7 @@ import hdengine
 HERE = Path(__file__).parent
 
 project = "hdengine"
-author = "the hdengine developers"
+author = project_copyright = "the hdengine developers"
 version = release = hdengine.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx.ext.mathjax",
               "sphinx_gallery.gen_gallery"]
@@ -35,7 +35,8 @@ nitpicky = False
 
 
 def setup(app):
-    """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, and list what the tests require."""
+    """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, list what the tests require and what the commands take."""
     logging.getLogger("hdengine").setLevel(logging.WARNING)
     runpy.run_path(str(HERE.parent / "tools/requirements_page.py"))["write"]()
+    runpy.run_path(str(HERE.parent / "tools/command_line_page.py"))["write"]()
     runpy.run_path(str(HERE / "drawings/draw.py"))["draw_all"](HERE / "figures")

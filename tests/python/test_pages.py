@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every command and code block of the README, of docs/start and of docs/howto is run.
+
+A block runs in the order of its page, in a folder that looks like a checkout. `python`: executed. `sh`: executed, must succeed.
+`console`: lines after `$` are commands, the others what they print; `...` leaves lines out, numbers hold within 2 %. A block whose first line is
+`# NAME.toml`, `! NAME.nml` or `# NAME.csv` is written to that file. `<!-- not run: reason -->` before a block leaves it out.
+"""
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT, executable
+
+PAGES = ["README.md", *sorted(str(p.relative_to(ROOT)) for room in ("start", "howto") for p in (ROOT / "docs" / room).glob("*.md"))]
+BLOCK = re.compile(r"(?:<!-- not run: (?P<why>[^\n]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```", re.S | re.M)
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+NOT_RUN_AT_MOST = 8
+
+
+def blocks(page):
+    """Kind, text and reason not to run of each block."""
+    return [(m["kind"], m["text"], m["why"]) for m in BLOCK.finditer((ROOT / page).read_text())]
+
+
+def shell(text, folder):
+    """Output of commands that must succeed; an expected failure ends in `|| test $? = CODE`."""
+    path = f"{Path(executable()).parent}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(["bash", "-e", "-c", text], cwd=folder, capture_output=True, text=True, timeout=60, env={**os.environ, "PATH": path, "HOME": str(folder), "OMP_NUM_THREADS": "1"})
+    assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
+    return done.stdout + done.stderr
+
+
+def alike(shown, printed):
+    """A printed line is the shown one but for spaces and 2 % of each number."""
+    if NUMBER.sub("#", shown).split() != NUMBER.sub("#", printed).split():
+        return False
+    pairs = zip(map(float, NUMBER.findall(shown)), map(float, NUMBER.findall(printed)))
+    return all(a == pytest.approx(b, rel=0.02, abs=1e-12) for a, b in pairs)
+
+
+def check_console(text, folder):
+    """Each command prints the lines that are shown below it, in their order."""
+    for part in re.split(r"^\$ ", text, flags=re.M)[1:]:
+        command, *shown = part.splitlines()
+        printed = iter(shell(command, folder).splitlines())
+        for line in shown:
+            assert line == "..." or any(alike(line, p) for p in printed), f"$ {command}\ndoes not print: {line}"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_blocks_run(page, tmp_path, monkeypatch):
+    """Every block of the page runs as it stands, and prints what the page shows."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("data", "hpc", "docs"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / ".venv").symlink_to(sys.prefix)
+    space = {}
+    for kind, text, why in blocks(page):
+        name = re.match(r"[#!] (\S+\.(?:toml|nml|csv))\n", text)
+        if why:
+            continue
+        if name:
+            (tmp_path / name[1]).write_text(text)
+        elif kind == "python":
+            exec(compile(text, page, "exec"), space)
+        elif kind == "sh":
+            shell(text, tmp_path)
+        elif kind == "console":
+            check_console(text, tmp_path)
+        else:
+            assert kind == "{toctree}", f"{page}: a block of kind '{kind}' is neither run nor marked"
+
+
+def test_few_blocks_are_not_run():
+    """Blocks that only illustrate are few, and each says why."""
+    found = [(page, why) for page in PAGES for _, _, why in blocks(page) if why]
+    assert len(found) <= NOT_RUN_AT_MOST and all(len(why) > 10 for _, why in found), found
+
+
+def test_shown_output_is_compared():
+    """A shown number that is 5 % off, or another word, is found."""
+    assert alike("K_TS 3.06e5 N m/rad", "K_TS   3.07e5 N m/rad")
+    assert not alike("K_TS 3.06e5 N m/rad", "K_TS 3.25e5 N m/rad") and not alike("K_TS 3.06e5 N", "K 3.06e5 N")
+    with pytest.raises(AssertionError):
+        check_console("$ echo one 2\none 3\n", ".")
+
+
+def test_pages_fit_three_screens():
+    """The README has at most 60 lines, a page of start and howto at most 700 words."""
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 60
+    for page in PAGES[1:]:
+        assert len((ROOT / page).read_text().split()) <= 700, page

@@ -117,7 +117,8 @@ contains
     integer(c_int) :: status
     status = c_mkdir(trim(path)//c_null_char)
     if (path_kind(path) /= path_directory) then
-      call raise(error, code_file, "cannot make the folder '"//trim(path)//"': choose another with --out DIR")
+      call raise(error, code_file, "cannot make the folder '"//trim(path)//"': its parent must exist and "// &
+        'be writable; make it, or choose another folder with --out DIR')
     end if
   end subroutine make_directory
 

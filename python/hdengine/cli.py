@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import re
 import signal
 import sys
 import threading
@@ -305,6 +306,14 @@ def _orderly():
             signal.signal(s, signal.SIG_DFL)
 
 
+def _for_the_shell(message):
+    """Advice in Python's words as options: unit="um" becomes --unit um."""
+    message = re.sub(r'unit=\("(\w+)", "(\w+)"\)', r"--unit \1,\2", message)
+    message = re.sub(r'unit=["\']([^"\']+)["\']', r"--unit \1", message)
+    message = message.replace("spacing= in m", "--spacing in m (hdengine joint: --dx)")
+    return message.replace("leave out spacing=", "leave out --spacing")
+
+
 def main(argv: Any = None) -> Any:
     """Entry of the command; returns the exit code of hdengine.x."""
     args = _arguments(argv)
@@ -317,7 +326,7 @@ def main(argv: Any = None) -> Any:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FileError.code
     except HdengineError as error:
-        print(_line(error), file=sys.stderr)
+        print(_for_the_shell(_line(error)), file=sys.stderr)
         return error.code
     except OSError as error:  # a table or figure that cannot be written
         print(f"error: '{error.filename}': {error.strerror}" if error.filename else f"error: {error}", file=sys.stderr)

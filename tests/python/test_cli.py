@@ -209,3 +209,12 @@ def test_grid_of_the_contact_face(small_run):
     for name, column in (("k_n_n_per_m", "k_n_n_per_m"), ("k_t_n_per_m", "k_t_n_per_m"), ("pressure_pa", "pressure_pa"),
                          ("state_0_open_1_stick_2_slip", "state")):
         assert grid.cell_data[name][0].ravel() == pytest.approx(result.contact[column][-1])
+
+
+def test_advice_fits_the_shell(tmp_path, capsys):
+    """A file without unit is answered with the option --unit at the shell, where `unit="um"` would be Python."""
+    pytest.importorskip("SurfaceTopography")
+    (tmp_path / "a.txt").write_text("1 2 3\n4 5 6\n7 8 9\n")
+    assert cli.main(["surface", str(tmp_path / "a.txt"), "--out", str(tmp_path / "o")]) == 2
+    said = capsys.readouterr().err
+    assert "say --unit um (or mm, nm, m), or --unit mm,um for" in said and "unit=" not in said

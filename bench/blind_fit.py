@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bias, spread and coverage of the fit told nothing, and error rates of its verdict, on maps made by numpy alone.
 
-python bench/blind_fit.py [seeds] [points per side]: writes results/blind_fit.json beside this file. One thread: minutes.
+python bench/blind_fit.py [seeds] [points per side]: writes results/blind_fit.json and the tables of docs/evidence/{fit,surfaces}.md.
+One thread: minutes. `--tables` only writes the tables of the record again.
 """
-import json
 import sys
-from pathlib import Path
 
 import numpy as np
 from blind_generators import LN_G, NOT_FRACTAL, field, line
 
+from common import put, read_record, table, write_record
 from hdengine.surfaces import roughness
 
 DX = 1e-6
@@ -43,15 +43,32 @@ def spoiled(name, z, rng):
     return z
 
 
-def main(seeds=25, n=128):
-    """All rows, written as they come."""
+def put_tables(found):
+    """The twelve kinds of maps of known D with the largest bias; kinds that are not fractal."""
+    kinds, rows = {}, []
+    for name, values in found["maps"].items():
+        kind, d = name.split(", D = ")
+        kinds.setdefault(kind, {})[float(d)] = values
+    for kind, at in kinds.items():
+        every = [at[d] for d in sorted(at)]
+        rows.append((max(abs(v["bias"]) for v in every), (
+            kind, *(f"{v['bias']:+.3f}" for v in every), f"{min(v['std'] for v in every):.2f} to {max(v['std'] for v in every):.2f}",
+            " / ".join(f"{100 * v['cover_d']:.0f}" for v in every), " / ".join(f"{100 * v['cover_g']:.0f}" for v in every),
+            f"{found['seeds'] * sum(1 - v['fractal'] for v in every):.0f} of {3 * found['seeds']}")))
+    put("blind", table(("kind of map", "bias, D = 2.1", "2.5", "2.9", "std of D", "D inside, %", "G inside, %", "refused"),
+                       [row for _, row in sorted(rows, key=lambda r: -r[0])[:12]]), "evidence/fit")
+    put("kinds", table(("kind", "called fractal", "named"), [
+        (name, f"{v['called_fractal']} of {v['of']}", ", ".join(f"{kind} {n}" for kind, n in sorted(v["kinds"].items(), key=lambda i: -i[1])))
+        for name, v in found["not_fractal"].items()]), "evidence/surfaces")
+
+
+def main(seeds=20, n=128):
+    """All rows."""
     out = {"seeds": seeds, "points": n, "maps": {}, "not_fractal": {}}
-    path = Path(__file__).parent / "results/blind_fit.json"
 
     def keep(name, d, values):
         out["maps"][f"{name}, D = {d}"] = {k: round(float(v), 4) for k, v in values.items()}
         print(name, d, out["maps"][f"{name}, D = {d}"], flush=True)
-        path.write_text(json.dumps(out, indent=1) + "\n")
 
     for name, make in NOT_FRACTAL.items():
         kinds = [roughness.fit(make(n, np.random.default_rng(2000 + s)), DX) for s in range(min(seeds, 20))]
@@ -66,7 +83,12 @@ def main(seeds=25, n=128):
             keep(name, d, row(make, d, seeds))
         for name, keys in LINES.items():
             keep(name, d, row(lambda rng, keys=keys, d=d: (line(4096, DX, d, rng, **keys), DX), d, seeds))
+    write_record("blind_fit", out, seed=1000)
+    put_tables(out)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    if "--tables" in sys.argv:
+        put_tables(read_record("blind_fit"))
+    else:
+        main(*map(int, sys.argv[1:]))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """K_TS by Eq. 45 and by the joint as contact law, the causes of the difference one after the other: table and figure of
-docs/evidence/comparison.md, raw figures in bench/results/coupled_law.json.
+docs/evidence/causes.md, raw figures in bench/results/coupled_law.json.
 
 All torque goes through the contact (support 'bearing'). The coupled K_TS is the torque over the turn that the joint adds to
 that of hard contact. Slip is parted from elasticity by friction that grows to 10 when the torque sets in.
@@ -163,7 +163,7 @@ def main():
              why.format(*rear)] for name, before, why in zip(CHAIN, (None, *CHAIN), WHY)]
     rows.append(["Eq. 45 as printed / MN", *(f"{v / 1e6:.0f}" for v in s["printed"]), "",
                  "a sum of newtons"])
-    put("coupled", table(("K_TS / (MN m/rad)", *(f"{t:g} N m" for t in s["torque_nm"]), "step at 5 N m", "what changes"), rows))
+    put("coupled", table(("K_TS / (MN m/rad)", *(f"{t:g} N m" for t in s["torque_nm"]), "step at 5 N m", "what changes"), rows), "evidence/causes")
     draw(s)
 
 

@@ -1,27 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bias, spread and coverage of the fit of D and G over many seeds of Eq. 1: bench/results/fit_statistics.json.
+"""Bias, spread and coverage of the fits of D and G over many seeds: table of docs/evidence/fit.md, record bench/results/fit_statistics.json.
 
-python bench/fit_statistics.py [SEEDS[@FIRST] [ESTIMATOR[:NOISE[:RIDGES[:D]]] ...]]    501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m, lags 1-20.
-`fitted`: a tilt of 5 % and white noise of 5 % of the expected sqrt(S(1)) are added, the plane is taken off and the noise is fitted; `known`: the
-noise is given. 0 ridges: no sum of Eq. 1 but a Gaussian isotropic field, 20 000 waves of all directions and frequencies of the band.
-Estimators: exact = two-step GLS on the sum of Eq. 1, told; blind = the default, told nothing but (of a field) the ends of its band;
-isotropic = weighted least squares on the isotropic band with the errors of a Gaussian field and of misfit, what blind does where
-it finds no lines; waves = the same told the sum, with the errors of random phases. Goes on where it stopped; several may run at
-once, each on estimators of its own.
+501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m. A tilt of 5 % and white noise of 5 % of the expected sqrt(S(1))
+are added; the noise is fitted. 0 ridges: no sum of Eq. 1 but a Gaussian isotropic field, 20 000 waves of all directions and frequencies of
+the band. Estimators: default = told nothing; band = `model='isotropic'`, told the ends of the band; sum = told the sum of Eq. 1, all correlations.
+
+Usage: python bench/fit_statistics.py [--seeds N] [--slow N] [--d D ...]    N seeds a row from 2000 on; --slow: of slow rows, 2 s a map
 """
-import json
-import sys
-from pathlib import Path
+import argparse
 
 import numpy as np
 
+from common import put, table, write_record
 from hdengine import roughness, surface
 
-G, L = 2.4248e-7, 0.5e-3
+G, L, FIRST = 2.4248e-7, 0.5e-3, 2000
 BAND = roughness.Ridges(L, 1e-6).band
-OUT = Path(__file__).parent / "results/fit_statistics.json"
 TILT = 0.05 * 1e-6 * np.arange(501) - 0.02 * 1e-6 * np.arange(501)[:, None]
-KEYS = ("d", "ridges", "noise", "estimator", "seeds", "first_seed")
+SURFACES = {10: "Eq. 1, 10 ridges", 40: "Eq. 1, 40 ridges", 0: "continuous field"}
 
 
 def field(d, seed, count=20000):
@@ -34,79 +30,56 @@ def field(d, seed, count=20000):
     return surface.sum_waves(f * np.cos(angle), f * np.sin(angle), amplitude, rng.random(count), 501, 1e-6, tolerance=1e-9)
 
 
-def sample(d, ridges, seed, noise, tilted=True):
-    """A map and the rms noise in it."""
+def sample(d, ridges, seed):
+    """A map with noise and tilt."""
     z = surface.generate(501, 1e-6, d, G, 1.5, L, 1e-6, ridges, seed) if ridges else field(d, seed)
-    if noise == "none":
-        return z, 0.0
     size = 0.05 * np.sqrt(roughness.expected_structure(1e-6, d, G, BAND))
-    return z + size * np.random.default_rng(seed).standard_normal(z.shape) + tilted * TILT, size
+    return z + size * np.random.default_rng(seed).standard_normal(z.shape) + TILT
 
 
-def fit(d, ridges, seed, noise, name, tilted=True):
+def fit(z, ridges, estimator):
     """One fit."""
-    known = roughness.Ridges(L, 1e-6, ridges)
-    keys = {"exact": {"surface": known}, "blind": {} if ridges else {"band": BAND},
-            "isotropic": {"band": BAND, "model": "isotropic"}, "waves": {"surface": known, "model": "isotropic"}}[name]
-    z, size = sample(d, ridges, seed, noise, tilted)
-    return roughness.fit(z, 1e-6, noise="fit" if noise == "fitted" else size, **keys)
+    keys = {"default": {}, "band": {"band": BAND, "model": "isotropic", "noise": "fit"},
+            "sum": {"surface": roughness.Ridges(L, 1e-6, ridges), "noise": "fit"}}[estimator]
+    return roughness.fit(z, 1e-6, **keys)
 
 
-def study(d, ridges, noise, name, seeds, first):
-    """Statistics of one estimator."""
-    fits = [fit(d, ridges, seed, noise, name) for seed in range(first, first + seeds)]
-    row = {"d": d, "ridges": ridges, "noise": noise, "estimator": name, "seeds": seeds, "first_seed": first}
-    if noise == "fitted":
-        row["change_by_tilt_d"] = abs(fit(d, ridges, first, noise, name, False).fractal_dimension - fits[0].fractal_dimension)
+def study(d, ridges, estimator, seeds):
+    """Statistics of one estimator on one kind of map."""
+    fits = [fit(sample(d, ridges, seed), ridges, estimator) for seed in range(FIRST, FIRST + seeds)]
+    row = {"d": d, "ridges": ridges, "estimator": estimator, "seeds": seeds, "first_seed": FIRST}
     for k, (key, found, true, error) in enumerate((
             ("d", [f.fractal_dimension for f in fits], d, [f.fractal_dimension_error for f in fits]),
-            ("ln_g", np.log([f.roughness_m for f in fits]), np.log(G), [f.ln_roughness_error for f in fits]))):
-        off = np.array(found) - true
-        held = [[np.mean([i[k][0] < (d, G)[k] < i[k][1] for i in intervals])] for intervals in
-                ([f.interval for f in fits], [f.sampling_interval for f in fits])]
-        row |= {f"bias_{key}": off.mean(), f"std_{key}": off.std(ddof=1), f"error_{key}": np.sqrt(np.mean(np.square(error))),
-                f"coverage_{key}": held[0][0], f"coverage_sampling_{key}": held[1][0]}
-    return row | {"fractal": np.mean([f.verdict == "fractal" for f in fits]), "recognised": np.mean([f.model == "ridges" for f in fits])}
-
-
-def percent(share):
-    """A share as text; some rows of band without noise have no coverage by sampling, being older than it."""
-    return "-" if share is None else f"{100 * share:.0f}"
+            ("ln_g", [np.log(f.roughness_m) if f.roughness_m > 0 else np.nan for f in fits], np.log(G), [f.ln_roughness_error for f in fits]))):
+        off = np.array(found) - true   # no G where the interval of D reaches 2
+        row |= {f"bias_{key}": np.nanmean(off), f"std_{key}": np.nanstd(off, ddof=1), f"error_{key}": np.sqrt(np.nanmean(np.square(error))),
+                f"coverage_{key}": np.mean([f.interval[k][0] < (d, G)[k] < f.interval[k][1] for f in fits])}
+    return row | {"fractal": np.mean([f.verdict == "fractal" for f in fits]), "models": sorted({f.model for f in fits})}
 
 
 def line(r):
-    """A row as it stands in docs/evidence/verification.md."""
-    return (f"| {r['d']} | {r['ridges']} | {r['noise']} | {r['estimator']} | {r['bias_d']:+.4f} | {r['std_d']:.4f} | "
-            f"{r['error_d']:.4f} | {r['bias_ln_g']:+.3f} | {r['std_ln_g']:.3f} | "
-            f"{percent(r['coverage_sampling_d'])} / {percent(r['coverage_sampling_ln_g'])} | "
-            f"{percent(r['coverage_d'])} / {percent(r['coverage_ln_g'])} | {percent(r['fractal'])} |")
+    """A row of the table."""
+    return (SURFACES[r["ridges"]], r["estimator"], r["d"], f"{r['bias_d']:+.4f}", f"{r['std_d']:.4f}", f"{r['error_d']:.4f}",
+            f"{r['bias_ln_g']:+.3f}", f"{r['std_ln_g']:.3f}", f"{100 * r['coverage_d']:.0f} / {100 * r['coverage_ln_g']:.0f}",
+            f"{100 * r['fractal']:.0f}")
 
 
-def rows_of(names):
-    """All rows wanted, the important first."""
-    for name, noise, several in (("blind", "fitted", (10, 40, 0)), ("exact", "fitted", (10, 40)), ("blind", "none", (10, 40, 0)),
-                                 ("waves", "none", (10, 40)), ("exact", "none", (10, 40)), ("waves", "fitted", (10, 40)),
-                                 ("isotropic", "none", (10, 40)), ("isotropic", "fitted", (10, 40))):
-        for ridges in several:
-            for d in (2.5304, 2.9, 2.1, 2.5, 2.7, 2.3):
-                words = f"{name}:{noise}:{ridges}:{d}:"
-                if not names or any(words.startswith(n + ":") for n in names):
-                    yield d, ridges, noise, name
+def main():
+    """All rows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=60)
+    parser.add_argument("--slow", type=int, default=20)
+    parser.add_argument("--d", type=float, nargs="+", default=[2.1, 2.5304, 2.9])
+    options = parser.parse_args()
+    rows = []
+    for estimator, ridges in (("sum", 10), ("sum", 40), ("band", 0), ("band", 10), ("band", 40), ("default", 10), ("default", 40), ("default", 0)):
+        for d in options.d:
+            rows.append(study(d, ridges, estimator, options.slow if estimator == "default" or not ridges else options.seeds))
+            print(*line(rows[-1]), rows[-1]["models"], flush=True)
+    write_record("fit_statistics", rows, seed=FIRST)
+    put("statistics", table(("surface", "told", "D", "bias of D", "std of D", "stated", "bias of ln G", "std of ln G", "D / ln G inside, %",
+                             "fractal, %"), map(line, rows)), "evidence/fit")
 
 
-def main(seeds, first, names):
-    """All rows not yet in the file; then the table."""
-    for wanted in rows_of(names):
-        rows = json.loads(OUT.read_text()) if OUT.exists() else []
-        if (*wanted, seeds, first) in {tuple(r[k] for k in KEYS) for r in rows}:
-            continue
-        row = study(*wanted, seeds, first)
-        print(line(row), flush=True)
-        rows = json.loads(OUT.read_text()) if OUT.exists() else []
-        OUT.write_text(json.dumps([*rows, row], indent=1) + "\n")
-    print("\nall rows")
-    rows = json.loads(OUT.read_text())
-    print(*map(line, sorted(rows, key=lambda r: tuple(r[k] for k in ("estimator", "noise", "ridges", "d", "first_seed")))), sep="\n")
-
-
-main(*map(int, (sys.argv[1] if len(sys.argv) > 1 else "200@2000").split("@")), sys.argv[2:])
+if __name__ == "__main__":
+    main()

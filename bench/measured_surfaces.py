@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fit measured surfaces and write the table of docs/evidence/verification.md.
+"""Fit measured surfaces, told nothing: table of docs/evidence/surfaces.md, record bench/results/measured_surfaces.json.
 
 python bench/measured_surfaces.py FOLDER    (a folder with the files named below; each reads or says why not)
 """
@@ -8,45 +8,46 @@ import warnings
 from pathlib import Path
 
 import hdengine
-from common import write_record
+from common import put, table, write_record
 from hdengine import specimen
 
-UNITS = {"nanovea_test2.txt": {"unit": ("mm", "um")}, "npl_edm_x_um_z_um.csv": {"unit": "um"},
-         "npl_sine.xml": {"unit": "um", "spacing": 0.5e-6}}
+UNITS = {"nanovea_test2.txt": {"unit": ("mm", "um")}, "npl_edm_x_um_z_um.csv": {"unit": "um"}}
 SKIP = ("LICENSE", "MANIFEST")
 
 
+def measure(path):
+    """Facts of one file."""
+    try:
+        s = specimen.read(path, **UNITS.get(path.name, {}))
+        f = s.fit()
+    except hdengine.HdengineError as e:
+        return {"file": path.name, "error": str(e)}
+    return {"file": path.name, "points": "x".join(map(str, s.heights.shape)), "spacing_m": s.spacing, "sq_m": s.parameters()["sq_m"],
+            "notes": list(s.notes), "model": f.model, "d": f.fractal_dimension, "d_interval": f.interval[0], "g_m": f.roughness_m,
+            "g_interval_m": f.interval[1], "band_m": f.band_m, "probe_m": f.probe_m, "noise_m": f.noise_m, "misfit": f.misfit,
+            "verdict": f.verdict, "kind": f.kind, "reason": f.reason}
+
+
+def line(row):
+    """A row of the table."""
+    if "error" in row:
+        return (row["file"], *["-"] * 6, row["error"])
+    low, high = row["d_interval"]
+    g = f"{row['g_m']:.1e}" if low > 2 and row["g_m"] > 0 else "-"
+    verdict = row["verdict"] + (f" ({row['kind']})" if row["kind"] not in row["verdict"] else "")
+    band = " to ".join(f"{1e6 * v:.3g}" for v in row["band_m"])
+    return row["file"], row["points"], f"{1e6 * row['sq_m']:.2g}", f"{row['d']:.2f}", f"{low:.2f} to {high:.2f}", g, band, verdict
+
+
 def main(folder):
+    """All files."""
     warnings.simplefilter("ignore")
-    rows = []
-    for path in sorted(p for p in Path(folder).iterdir() if not p.name.startswith(SKIP)):
-        row = {"file": path.name}
-        try:
-            s = specimen.read(path, **UNITS.get(path.name, {}))
-            row |= {"points": "x".join(map(str, s.heights.shape)), "spacing_m": s.spacing, "sq_m": s.parameters()["sq_m"],
-                    "notes": list(s.notes), "windows": []}
-            for lags in ((1, 20), (5, 50)):
-                f = s.fit(lags=lags)
-                row["windows"].append({
-                    "lags": lags, "tau_max_m": f.tau_m.max(), "d": f.fractal_dimension, "d_error": f.fractal_dimension_error,
-                    "g_m": f.roughness_m, "ln_g_error": f.ln_roughness_error, "anisotropy": f.anisotropy, "misfit": f.misfit,
-                    "verdict": f.verdict, "kind": f.kind, "reason": f.reason})
-        except hdengine.HdengineError as e:
-            row["error"] = str(e)
-        rows.append(row)
-        print(f"{row['file']:25s}", row.get("error") or f"{row['points']} Sq {row['sq_m']:.3g} {row['notes']}")
-        for w in row.get("windows", ()):
-            print(f"    {w['lags']} D {w['d']:.3f} +- {1.96 * w['d_error']:.3f} G {w['g_m']:.3g} (x/ {1.96 * w['ln_g_error']:.2g} in ln)"
-                  f" S_x/S_y {w['anisotropy']:.2f} {w['verdict']} ({w['kind']}): {w['reason']}")
-    write_record("measured_surfaces", rows)
-    table = ["| file | points | Sq / µm | lags | D ± 95 % | G / m | S_x/S_y | verdict |", "|---|---|---|---|---|---|---|---|"]
+    rows = [measure(path) for path in sorted(p for p in Path(folder).iterdir() if not p.name.startswith(SKIP))]
     for row in rows:
-        for w in row.get("windows", ()):
-            ratio = f"{w['anisotropy']:.2f}" if w["anisotropy"] == w["anisotropy"] else "-"
-            verdict = w["verdict"] + (f" ({w['kind']})" if w["kind"] not in w["verdict"] else "")
-            table.append(f"| {row['file']} | {row['points']} | {1e6 * row['sq_m']:.3g} | {w['lags'][0]}-{w['lags'][1]} | "
-                         f"{w['d']:.2f} ± {1.96 * w['d_error']:.2f} | {w['g_m']:.2g} | {ratio} | {verdict} |")
-    print("\n".join(table))
+        print(*line(row), row.get("reason", ""))
+    write_record("measured_surfaces", rows)
+    put("measured", table(("file", "points", "Sq / µm", "D", "95 %", "G / m", "wavelengths / µm", "verdict"), map(line, rows)), "evidence/surfaces")
 
 
-main(sys.argv[1])
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compare with the figures that Hu et al. (2023) state, and with catalogues: tables of docs/evidence/comparison.md, and its figures.
+"""Compare with the figures that Hu et al. (2023) state, and with catalogues: tables and figures of docs/evidence/{comparison,paper_figures,causes}.md; the
+scenes one by one stand in the notebook.
 
 Solves the studies of data/ it needs (a quarter of an hour; finished points are kept in --work). `hdengine report WORK` then makes
 one HTML file of the comparison and all its studies.
@@ -15,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
-from common import ROOT, put, table, write_record
+from common import ROOT, put, read_record, table, write_record
 from hdengine.catalogue import UNITS
 from hdengine.figures.run import draw_shares
 from hdengine.figures.study import draw_catalogue, draw_units, plot_study
@@ -23,7 +24,9 @@ from hdengine.figures.style import new_axes, styled
 from hdengine.paper import comparison as paper
 
 BALLS, DIAMETER, LOAD = 21, 3.2e-3, 15.0  # estimates, no source for this bearing: [-], [m], [N] radial tooth force of 5 N m a ball
-PAGE = "evidence/comparison"
+PAGE, SCENES = "evidence/comparison", "notebook/2026-11-24-paper-scenes"
+HEAD = ("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm", "over the minimum",
+        "torque, e, w as in the paper")
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 
 
@@ -93,9 +96,6 @@ READINGS = {"k_ts_nm_per_rad": "Eq. 45", "k_ts_paper_n": "Eq. 45 as printed", "k
 def reading_line(name, found):
     """Row of the verdicts on one reading: scenes that give each trend, and the ranges of the figures."""
     lines = [trend_line(t)[-1].split() for t in found]
-    def spread(values):
-        values = np.array([v for v in values if np.isfinite(v)])
-        return f"{values.min():+.1f} to {values.max():+.1f} %" if len(values) else "-"
     rise, fall = [t["rise_percent"] for t in found], [v for t in found for v in t["fall_percent"]]
     gain = [v for t in found if t["top_mm"] for v in t["gain_percent"]]
     two = sum(line.count("yes") > 1 for line in lines)
@@ -174,7 +174,6 @@ def tooth_chart(work):
 
 
 
-
 def comparison(work, explored):
     """Rows of the comparison and the facts behind them."""
     torque, closure = study("fig11_torque", work), study("fig11_torque", work, "_closure", joint__closure="paper")
@@ -187,18 +186,38 @@ def comparison(work, explored):
     rows += paper.w_rows(study("fig13_w", work).select(**hub), explored)
     rows += paper.series_rows(drive["k_ts_nm_per_rad"], drive["k_fts_nm_per_rad"]) + paper.arithmetic_rows()
     at = {s: {c: value(torque, c, torque_nm=5.0, load__support=s) for c in
-              ("k_ts_nm_per_rad", "k_ts_paper_n", "pressure_long_1_pa", "pressure_max_pa")} for s in ("hub", "bearing")}
+              (*READINGS, "pressure_long_1_pa", "pressure_max_pa", "slip_share_force")} for s in ("hub", "bearing")}
     return rows, {"at_5_nm": at, "series": series.series(), "rows": [dict(zip(paper.Row.HEAD, r.cells())) for r in rows]}
 
 
-def put_readings(every):
-    """Verdict on each reading, and the scenes by the tangent. Formed scenes that slip as a whole (support 'bearing') say nothing here."""
-    every = {column: [t for t in found if not t["name"].startswith("formed, bearing")] for column, found in every.items()}
+def spread(values):
+    """The range of changes in per cent."""
+    values = np.array([v for v in values if np.isfinite(v)])
+    return f"{values.min():+.1f} to {values.max():+.1f} %" if len(values) else "-"
+
+
+def group_lines(found, older):
+    """Scenes by shape and support: ranges of this record and, of the torque, of an older one."""
+    for group in dict.fromkeys(tuple(t["name"].split(", ")[:2]) for t in found):
+        here = [t for t in found if tuple(t["name"].split(", ")[:2]) == group]
+        before = [t for t in older if tuple(t["name"].split(", ")[:2]) == group]
+        verdicts = [trend_line(t)[-1].split() for t in here]
+        slip = sum(t["slip_torque_nm"] is not None for t in before)
+        yield (*group, len(here), spread([t["rise_percent"] for t in before]) + (f", {slip} slip" if slip else ""),
+               spread([t["rise_percent"] for t in here]) + (f", {n} slips" if (n := sum(t["slip_torque_nm"] is not None for t in here)) else ""),
+               spread([v for t in here for v in t["fall_percent"]]), spread([v for t in here if t["top_mm"] for v in t["gain_percent"]]),
+               " / ".join(str(sum(v[i] == "yes" for v in verdicts)) for i in range(3)))
+
+
+def put_readings(every, older):
+    """Verdict on each reading, the scenes in groups, and one by one."""
     put("readings", table(("reading", "torque: scenes that rise alike", "eccentricity: that fall alike", "w: maximum inside", "1 to 5 N m",
                            "e = 10 µm", "over w, maximum over minimum", "together"),
                           [reading_line(name, every[column]) for column, name in READINGS.items()]), PAGE)
-    put("tangents", table(("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm",
-                           "over the minimum", "torque, e, w as in the paper"), map(trend_line, every["k_ts_tangent_nm_per_rad"])), PAGE)
+    put("groups", table(("shape", "support", "scenes", "1 to 5 N m, older engine", "1 to 5 N m", "e = 10 µm", "over w", "scenes with each trend"),
+                        group_lines(every["k_ts_nm_per_rad"], older)), PAGE)
+    put("trends", table(HEAD, map(trend_line, every["k_ts_nm_per_rad"])), SCENES)
+    put("tangents", table(HEAD, map(trend_line, every["k_ts_tangent_nm_per_rad"])), SCENES)
 
 
 def main():
@@ -211,20 +230,19 @@ def main():
     rows, facts = comparison(work, explored)
     teeth = tooth_chart(work)
     sizes, found = catalogue_chart(work)
+    every = {column: explored if column == "k_ts_nm_per_rad" else [*trends(work, column)] for column in READINGS}
+    older = read_record("paper_comparison").get("older", {"engine": "c6eee82", "trends": []})
     facts |= {"teeth": teeth, "sizes": dict(zip(map(str, sizes), zip(*found))), "ball_stiffness_n_per_m": ball_stiffness(),
-              "trends": explored}
+              "trends": explored, "trends_by_reading": {READINGS[c]: v for c, v in every.items()}, "older": older}
     write_record("paper_comparison", facts)
     (work / "comparison.json").write_text(json.dumps(facts, indent=1))
-    put("verdicts", paper.markdown(rows))
-    every = {column: explored if column == "k_ts_nm_per_rad" else [*trends(work, column)] for column in READINGS}
-    put_readings(every)
-    put("trends", table(("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm",
-                         "over the minimum", "torque, e, w as in the paper"), map(trend_line, explored)))
-    put("teeth", table(("K_FTS / (kN m/rad)", *(f"{t:g} N m" for t in teeth["torque_nm"]), "largest, smallest share at 5 N m"), [
-        (name, *(f"{k / 1e3:.1f}" for k in teeth[key]), "{:.1f}, {:.1f} %".format(*teeth["share_percent"][label]))
-        for name, key, label in (("closed at the start", "closed", "closed at the start, 1 to 5 N m"),
-                                 ("outermost pairs 10 µm open", "open", "outermost 10 µm open, 5 N m"))]))
-    put("catalogue", catalogue_table(sizes, found))
+    put("verdicts", paper.markdown(rows), "evidence/paper_figures")
+    at, stated = facts["at_5_nm"], paper.STATED["k_ts_5_nm"]
+    put("magnitude", table(("reading", "cup bottom held / (MN m/rad)", "paper's load path / (MN m/rad)", "over the paper's 1820 N m/rad", "verdict"), [
+        (name, *(f"{at[s][c] / 1e6:.3g}" for s in ("hub", "bearing")), *((f"{at['bearing'][c] / stated:.0f}", "does not agree")
+         if c != "k_ts_paper_n" else ("-", "cannot agree: newtons"))) for c, name in READINGS.items()]), PAGE)
+    put_readings(every, older["trends"])
+    put("catalogue", catalogue_table(sizes, found), "evidence/causes")
     print(paper.markdown(rows))
 
 

@@ -183,7 +183,7 @@ def measure(sizes, limit):
 
 
 def tables(result):
-    """Ratios to the best peer as they stand in docs/evidence/verification.md."""
+    """Ratios to the best peer as they stand in docs/evidence/generator.md."""
     for key in ("cells", "cells_two_threads"):
         waves = sorted({r["waves"] for r in result[key]})
         print(f"\n{key}\n| tolerance | points | " + " | ".join(f"J = {j}" for j in waves) + " |")

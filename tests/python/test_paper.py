@@ -49,12 +49,12 @@ def test_arithmetic_of_the_paper():
 
 
 def test_docs_hold_what_was_computed():
-    """The table of docs/evidence/comparison.md is that of bench/results/paper_comparison.json, row by row."""
+    """The table of docs/evidence/paper_figures.md is that of bench/results/paper_comparison.json, row by row."""
     import json
 
     rows = json.loads((ROOT / "bench/results/paper_comparison.json").read_text())["rows"]
     table = paper.markdown([paper.Row(*(r[name] for name in paper.Row.HEAD)) for r in rows])
-    assert table in (ROOT / "docs/evidence/comparison.md").read_text()
+    assert table in (ROOT / "docs/evidence/paper_figures.md").read_text()
 
 
 def test_series_of_a_study(tmp_path):

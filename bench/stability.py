@@ -163,7 +163,8 @@ def joint(quick):
         if not np.isfinite(k).all() or (k < 0).any():
             return WRONG, f"K_N {k[0]:.3g}"
         if not k[0] > 0:
-            return WRONG, "no stiffness under load, and no error"
+            told = [line for line in joint.warnings(p) if "K_N = K_T = 0" in line]
+            return (REFUSED, f"JointWarning: {told[0]}") if told else (WRONG, "no stiffness under load, and no word of it")
         return RIGHT, f"K_N {k[0]:.3g}"
     return "D", x, "pressure / Pa", y, one
 

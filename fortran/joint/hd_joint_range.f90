@@ -55,7 +55,8 @@ contains
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
       to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '//to_text(joint%reference_area)//' m^2')
     if (joint%first == 4 .and. .not. joint%plastic) then
-      call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0')
+      call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0. '// &
+        "Raise s_min, or count plastic spots as elastic (joint.plastic_spots = 'elastic', plastic=True in Python)")
     end if
     power = pressure_power(joint, pressure, (1 - 1e-6_dp)*joint%mu*pressure)
     if (power < 0) call push(lines, 'K_T about to slip falls as the pressure grows, d ln K_T / d ln p = '//to_text(power)// &

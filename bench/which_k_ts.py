@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """K_TS in every reading over torque, eccentricity and friction for three scenes, over the mesh and over the joint's inputs: tables of
-docs/explain/premises.md, raw figures in bench/results/which_k_ts.json.
+docs/evidence/readings.md, raw figures in bench/results/which_k_ts.json.
 
 Usage: python bench/which_k_ts.py [--work DIR] [--old EXE]   (EXE: an older hdengine.x, for the column of its Eq. 45)
 """
@@ -120,13 +120,13 @@ def main():
     names = [f"{v} / (MN m/rad)" for v in READINGS.values()]
     rows, facts = readings(work, options.old)
     put("readings", table(("scene", "", "T / N m", "Eq. 45 before", *names, "printed / MN", "slip of area / force / Eq. 45 / %"), rows),
-        "explain/premises")
+        "evidence/readings")
     mesh_rows, mesh_facts = meshes()
-    put("meshes", table(("facets", "edge cells / µm", *names, "peak / MPa", "line load of the ends / (kN/m)"), mesh_rows), "explain/premises")
+    put("meshes", table(("facets", "edge cells / µm", *names, "peak / MPa", "line load of the ends / (kN/m)"), mesh_rows), "evidence/readings")
     input_rows, input_facts = inputs()
-    put("inputs", table(("joint", *names[:3], "slip of Eq. 45 / %"), input_rows), "explain/premises")
+    put("inputs", table(("joint", *names[:3], "slip of Eq. 45 / %"), input_rows), "evidence/readings")
     law_rows, law_facts = laws()
-    put("laws", table(("support", "contact law", "torque steps", *names[1:]), law_rows), "explain/premises")
+    put("laws", table(("support", "contact law", "torque steps", *names[1:]), law_rows), "evidence/readings")
     write_record("which_k_ts", {"readings": facts, "meshes": mesh_facts, "inputs": input_facts, "laws": law_facts})
 
 

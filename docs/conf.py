@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc). Built by `./hd docs`."""
+import importlib
 import logging
 import runpy
+import sys
 from pathlib import Path
 
 import hdengine
@@ -39,4 +41,6 @@ def setup(app):
     logging.getLogger("hdengine").setLevel(logging.WARNING)
     runpy.run_path(str(HERE.parent / "tools/requirements_page.py"))["write"]()
     runpy.run_path(str(HERE.parent / "tools/command_line_page.py"))["write"]()
-    runpy.run_path(str(HERE / "drawings/draw.py"))["draw_all"](HERE / "figures")
+    sys.path.insert(0, str(HERE / "drawings"))
+    for name in ("draw", "diagrams"):
+        importlib.import_module(name).draw_all(HERE / "figures")

@@ -28,8 +28,8 @@ WHAT = {
 }
 HEAD = """# Equations
 
-Where each equation of the paper (Hu et al. 2023) is computed. What was put right is told in [the joint](../explain/joint.md) and in
-[surfaces](../explain/surfaces.md). `tools/equation_map.py` writes this page from the tags `[Eq. N]` in the source.
+Where each equation of the paper (Hu et al. 2023) is computed. What was put right is told in
+[the paper and what was wrong in print](../explain/paper.md). `tools/equation_map.py` writes this page from the tags `[Eq. N]` in the source.
 
 | equation | what | computed by |
 |---|---|---|

@@ -101,7 +101,7 @@ def cup():
 
 def facet():
     """One facet of the contact with its normal, its lever and its two stiffnesses."""
-    figure, ax = canvas(7, 5.2, (-0.2, 1.75), (-0.33, 1.12))
+    figure, ax = canvas(7, 5.0, (-0.28, 1.75), (-0.33, 1.12))
     th = np.linspace(0, np.pi / 2, 200)
     a, b = 1.15, 0.85
     ax.plot(a * np.cos(th), b * np.sin(th), color=INK, lw=1.4)
@@ -121,9 +121,9 @@ def facet():
     ax.text(*(foot * 0.5 + [-0.1, -0.09]), "lever", color=FORCE, fontsize=11)
     arrow(ax, p, p + 0.33 * n, FORCE, r"$K_N$, along the normal", (0.35, 0.02))
     arrow(ax, p, p + 0.33 * s, "#1f5fa8", r"$K_T$, in the facet", (-0.02, 0.13))
-    ax.text(p[0] + 0.1, p[1] - 0.16, "facet", fontsize=11)
+    ax.text(p[0] + 0.17, p[1] - 0.05, "facet", fontsize=11)
     ax.text(1.3, 0.03, "long axis", fontsize=10)
-    ax.text(-0.18, 0.03, "axis of\nthe drive", fontsize=10)
+    ax.text(-0.03, 0.03, "axis of\nthe drive", fontsize=10, ha="right")
     ax.text(0.98, 0.16, "cam's curve", fontsize=10, ha="right")
     return figure
 

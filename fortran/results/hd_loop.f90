@@ -17,7 +17,7 @@ module hd_loop
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, write_loop, bottom_turn, moments_of_struts
+  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, moments_of_struts
 
   !> Every booked step.
   type :: loop_t
@@ -191,6 +191,22 @@ contains
       r%lost_motion = middle(loop, 0.04_dp*scene%rated_torque) - middle(loop, -0.04_dp*scene%rated_torque)
     end if
   end function read_loop
+
+  !> The readings in a line of the log: those that the torques reach.
+  function loop_text(loop, scene) result(text)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
+    character(len=:), allocatable :: text
+    type(readings_t) :: r
+    integer :: i
+    r = read_loop(loop, scene)
+    text = ''
+    do i = 1, 3
+      if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//to_text(r%k(i))//', '
+    end do
+    if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad; '
+    text = text//'hysteresis '//to_text(r%hysteresis)//', lost motion '//to_text(r%lost_motion)//' rad'
+  end function loop_text
 
   !> Linear interpolation in rising x.
   pure real(dp) function between(x, y, at) result(v)

@@ -19,7 +19,7 @@ module hd_run
   use hd_load_path, only: torque_at
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_t, book, book_stress, drive_warnings, write_loop, bottom_turn, moments_of_struts
+  use hd_loop, only: loop_text, loop_t, book, book_stress, drive_warnings, write_loop, bottom_turn, moments_of_struts
   use hd_model_cache, only: assembly_t, take_model, keep_model
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
     write_grids, close_output
@@ -387,10 +387,15 @@ contains
     call push_stiffness_warnings(run)
     call judge_load_path(run)
     associate (s => run%sums)
-      call say('K_TS      tangent '//to_text(s%k_tangent)//', secant '//to_text(s%k_secant)//' N m/rad, torque over rotation '// &
-        to_text(s%over_rotation))
+      if (s%over_rotation == s%over_rotation) then
+        call say('K_TS      tangent '//to_text(s%k_tangent)//', secant '//to_text(s%k_secant)//' N m/rad, torque over rotation '// &
+          to_text(s%over_rotation))
+      else  ! no torque, as at the end of a loop
+        call say('K_TS      tangent '//to_text(s%k_tangent)//' N m/rad')
+      end if
       call say('          Eq. 45 '//to_text(s%k_ts)//' N m/rad, as printed '//to_text(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
+      if (run%scene%support == 'drive') call say('drive     '//loop_text(run%loop, run%scene))
     end associate
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)

@@ -45,6 +45,13 @@ def test_chords_are_those_of_the_first_rise(drive):
     np.testing.assert_allclose([results[f"k{i}_nm_per_rad"] for i in (1, 2, 3)], chords, rtol=1e-9)
 
 
+def test_log_states_what_a_bench_measures(exe, tmp_path):
+    """The log of a drive ends with K1 to K3, hysteresis and lost motion, and shows no reading that does not exist."""
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, "load.torque_steps=1", "--out", tmp_path / "log")
+    line = next(line for line in done.stdout.splitlines() if line.startswith("drive "))
+    assert "K1 " in line and "K3 " in line and "hysteresis " in line and "NaN" not in done.stdout
+
+
 def test_energy_balances(exe, tmp_path):
     """Work of the torque = friction's heat + change of the stored energy, to 1 % over the loop; steps are finer about no torque."""
     _, loop, _, _ = solve(exe, tmp_path / "e", "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10")

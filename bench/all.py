@@ -58,6 +58,7 @@ BENCHES = (
     Bench("promised_scenes.py", "planned tolerances kept or not", 90, record="promised_scenes"),
     Bench("attack_files.py", "damaged files, pairs of runs, kills", 5),
     Bench("attack_api.py", "random arguments of the Python functions", 5),
+    Bench("worker_threads.py", "threads of a study's workers", 1.5),
     Bench("limits.py", "breaking points of the contact solver", 2),
     Bench("coupled_law.py", "Eq. 45 beside the coupled joint", 3),
     Bench("paper_comparison.py", "the paper's figures and trends", 15),

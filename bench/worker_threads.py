@@ -3,7 +3,7 @@
 """Do the workers of a study share the cores? Wall and CPU seconds of one study with two workers under different settings of the threads.
 
 Usage: bench/worker_threads.py [turns]
-Eight scenes of 160 x 24 facets; the settings take turns. Record: worker_threads.json.
+Eight scenes of 160 x 24 facets; the settings take turns. Record: worker_threads.json, table in docs/evidence/robustness.md.
 """
 import os
 import shutil
@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from statistics import median
 
-from common import program, write_record
+from common import program, put, table, write_record
 
 STUDY = """[study]
 scene = "{root}/data/cd14.nml"
@@ -59,6 +59,8 @@ def main():
     for row in rows:
         print(f"{row['setting']:42} wall {median(row['wall_s']):6.1f} s   CPU {median(row['cpu_s']):6.1f} s")
     write_record("worker_threads", rows, threads="as stated")
+    put("workers", table(("threads", "wall s", "CPU s"), [(f"{r['setting']}", f"{median(r['wall_s']):.1f}", f"{median(r['cpu_s']):.1f}")
+                                                          for r in rows]), "evidence/robustness")
 
 
 if __name__ == "__main__":

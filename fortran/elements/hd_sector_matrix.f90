@@ -7,7 +7,7 @@ module hd_sector_matrix
   use hd_body, only: body_t
   implicit none
   private
-  public :: sector_matrix_t, new_sector_matrix, add_product
+  public :: hd_sector_product, sector_matrix_t, new_sector_matrix, add_product
 
   integer, parameter :: long_loop = 1000000  !< blocks from which two threads are worth waking
 
@@ -21,9 +21,9 @@ module hd_sector_matrix
   end type sector_matrix_t
 
   interface
-    pure subroutine hd_sector_product(n, blocks, a, col, shift, v, s) bind(c)
+    pure subroutine hd_sector_product(most, n, blocks, a, col, shift, v, s) bind(c)
       import :: c_double, c_int
-      integer(c_int), value :: n, blocks
+      integer(c_int), value :: most, n, blocks
       integer(c_int), intent(in) :: col(*), shift(*)
       real(c_double), intent(in) :: a(3, 3, *), v(-1:n, 3, *)
       real(c_double), intent(out) :: s(n, 3)
@@ -110,7 +110,7 @@ contains
     !$omp do schedule(static)
     do i = 1, m
       from = a%ptr(i)
-      call hd_sector_product(filled, a%ptr(i + 1) - from, a%val(:, :, from), a%col(from), a%shift(from), v, s)
+      call hd_sector_product(0, filled, a%ptr(i + 1) - from, a%val(:, :, from), a%col(from), a%shift(from), v, s)
       do j = 1, n
         y(:, i + (j - 1)*m) = y(:, i + (j - 1)*m) + s(j, :)
       end do

@@ -25,23 +25,27 @@ module hd_spread
       complex(c_float_complex), intent(inout) :: out(*)                     !< result
     end subroutine wave_phases_single
     !> Weights of a window at s in [-1, 1] of the fine interval.
-    subroutine window_rows(n, padded, degree, piece, s, weight) bind(c, name='hd_weights')
+    subroutine window_rows(most, n, padded, degree, piece, s, weight) bind(c, name='hd_weights')
       import :: c_int, c_double
+      integer(c_int), value, intent(in) :: most                             !< bytes of a vector register, 0: any
       integer(c_int), value, intent(in) :: n, padded, degree                !< waves, padded width, degree
       real(c_double), intent(in) :: piece(*), s(*)                          !< coefficients (padded, 0:degree), places (n)
       real(c_double), intent(inout) :: weight(*)                            !< weights (padded, n)
     end subroutine window_rows
     !> Weights of a window at s in [-1, 1] of the fine interval.
-    subroutine window_rows_single(n, padded, degree, piece, s, weight) bind(c, name='hd_weights_single')
+    subroutine window_rows_single(most, n, padded, degree, piece, s, weight) bind(c, name='hd_weights_single')
       import :: c_int, c_double, c_float
+      integer(c_int), value, intent(in) :: most                             !< bytes of a vector register, 0: any
       integer(c_int), value, intent(in) :: n, padded, degree                !< waves, padded width, degree
       real(c_float), intent(in) :: piece(*)                                 !< coefficients (padded, 0:degree)
       real(c_double), intent(in) :: s(*)                                    !< places (n)
       real(c_float), intent(inout) :: weight(*)                             !< weights (padded, n)
     end subroutine window_rows_single
     !> Add waves to the fine points.
-    subroutine spread_rows(n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) bind(c, name='hd_spread_rows')
+    subroutine spread_rows(most, n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) &
+      bind(c, name='hd_spread_rows')
       import :: c_int, c_double, c_double_complex
+      integer(c_int), value, intent(in) :: most                             !< bytes of a vector register, 0: any
       integer(c_int), value, intent(in) :: n, padded_x, padded_y, width_y   !< waves, padded and true widths
       integer(c_int), value, intent(in) :: fine_y, height                   !< fine points in y, fine columns
       integer(c_int), intent(in) :: kx(*), ky(*)                            !< first column and row of each wave, from 0
@@ -50,9 +54,10 @@ module hd_spread
       complex(c_double_complex), intent(inout) :: f(*)                      !< fine points (height, fine_y)
     end subroutine spread_rows
     !> Add waves to the fine points.
-    subroutine spread_rows_single(n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) &
+    subroutine spread_rows_single(most, n, padded_x, padded_y, width_y, fine_y, height, kx, ky, c, wx, wy, f) &
       bind(c, name='hd_spread_rows_single')
       import :: c_int, c_float, c_float_complex
+      integer(c_int), value, intent(in) :: most                             !< bytes of a vector register, 0: any
       integer(c_int), value, intent(in) :: n, padded_x, padded_y, width_y   !< waves, padded and true widths
       integer(c_int), value, intent(in) :: fine_y, height                   !< fine points in y, fine columns
       integer(c_int), intent(in) :: kx(*), ky(*)                            !< first column and row of each wave, from 0

@@ -7,7 +7,7 @@ module hd_harmonic_matrix
   use hd_harmonics, only: amplitude
   implicit none
   private
-  public :: harmonic_matrix_t, new_harmonic_matrix
+  public :: hd_symmetric_product, harmonic_matrix_t, new_harmonic_matrix
 
   integer, parameter :: block = 8            !< order of the blocks on the diagonal
   integer, parameter :: long_loop = 200000   !< entries from which two threads are worth waking
@@ -24,9 +24,9 @@ module hd_harmonic_matrix
   end type harmonic_matrix_t
 
   interface
-    subroutine hd_symmetric_product(n, a, x, y) bind(c)
+    subroutine hd_symmetric_product(most, n, a, x, y) bind(c)
       import :: c_double, c_int
-      integer(c_int), value :: n
+      integer(c_int), value :: most, n
       real(c_double), intent(in) :: a(*), x(n, 2)
       real(c_double), intent(out) :: y(n, 2)
     end subroutine hd_symmetric_product
@@ -118,7 +118,7 @@ contains
         x(:n, 1) = real(conjg(factor)*wave(:, k))
         x(:n, 2) = aimag(conjg(factor)*wave(:, k))
         x(n + 1:, :) = 0
-        call hd_symmetric_product(size(x, 1), self%entry(:, stride*k), x, y)
+        call hd_symmetric_product(0, size(x, 1), self%entry(:, stride*k), x, y)
         wave(:, k) = factor*cmplx(y(:n, 1), y(:n, 2), dp)
       end associate
     end do

@@ -14,6 +14,7 @@ program hd_tester
   use test_interface, only: run_interface
   use test_mesh_series, only: run_mesh_series
   use test_pairing, only: run_pairing
+  use test_registers, only: run_registers
   use test_rotation, only: run_rotation
   use test_section, only: run_section
   use test_stress, only: run_stress
@@ -35,6 +36,7 @@ program hd_tester
   call run_contact_edge()
   call run_interface()
   call run_pairing()
+  call run_registers()
   call run_rotation()
   call run_mesh_series()
   call run_section()

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kernel of hd_symmetric_product.c for one width of register. */
+typedef double NAME(lanes) __attribute__((vector_size(BYTES), aligned(8)));
+
+#undef VECTOR
+#undef SUM
+#define VECTOR(p) (*(NAME(lanes) *)(p))
+#define SUM(v) ((((v)[0] + (v)[1]) + ((v)[2] + (v)[3])) + (((v)[4] + (v)[5]) + ((v)[6] + (v)[7])))
+
+TARGET static void NAME(hd_symmetric_product)(int n, const double *restrict a, const double *restrict x, double *restrict y)
+{
+  enum { wide = BYTES / 8, piece = wide < 8 ? 256 : INT_MAX / 2 };
+  const double *x1 = x, *x2 = x + n;
+  double *y1 = y, *y2 = y + n;
+  for (int j = 0; j < n; j += 4) { /* four columns at once */
+    const int last = j / 8 * 8, m = last + 8;
+    const double *p = x1 + j, *q = x2 + j;
+    double sums[8][8] __attribute__((aligned(64))) = {{0}};
+    for (int from = 0; from < last; from += piece) { /* rows that stay in the cache for all parts of eight sums */
+      const int to = last - from > piece ? from + piece : last;
+      for (int part = 0; part < 8; part += wide) {
+        NAME(lanes) s0 = VECTOR(sums[0] + part), s1 = VECTOR(sums[1] + part), s2 = VECTOR(sums[2] + part), s3 = VECTOR(sums[3] + part);
+        NAME(lanes) t0 = VECTOR(sums[4] + part), t1 = VECTOR(sums[5] + part), t2 = VECTOR(sums[6] + part), t3 = VECTOR(sums[7] + part);
+        for (int i = from + part; i < to; i += 8) {
+          const NAME(lanes) b0 = VECTOR(a + i), b1 = VECTOR(a + m + i), b2 = VECTOR(a + 2 * m + i), b3 = VECTOR(a + 3 * m + i);
+          const NAME(lanes) u = VECTOR(x1 + i), v = VECTOR(x2 + i);
+          VECTOR(y1 + i) += b0 * p[0] + b1 * p[1] + b2 * p[2] + b3 * p[3];
+          VECTOR(y2 + i) += b0 * q[0] + b1 * q[1] + b2 * q[2] + b3 * q[3];
+          s0 += b0 * u; s1 += b1 * u; s2 += b2 * u; s3 += b3 * u;
+          t0 += b0 * v; t1 += b1 * v; t2 += b2 * v; t3 += b3 * v;
+        }
+        VECTOR(sums[0] + part) = s0; VECTOR(sums[1] + part) = s1; VECTOR(sums[2] + part) = s2; VECTOR(sums[3] + part) = s3;
+        VECTOR(sums[4] + part) = t0; VECTOR(sums[5] + part) = t1; VECTOR(sums[6] + part) = t2; VECTOR(sums[7] + part) = t3;
+      }
+    }
+    if (j == last)
+      for (int i = 0; i < 8; i++) y1[j + i] = y2[j + i] = 0;
+    for (int part = last; part < m; part += wide) {
+      const NAME(lanes) b0 = VECTOR(a + part), b1 = VECTOR(a + m + part), b2 = VECTOR(a + 2 * m + part), b3 = VECTOR(a + 3 * m + part);
+      VECTOR(y1 + part) += b0 * p[0] + b1 * p[1] + b2 * p[2] + b3 * p[3];
+      VECTOR(y2 + part) += b0 * q[0] + b1 * q[1] + b2 * q[2] + b3 * q[3];
+    }
+    for (int k = 0; k < 4; k++) {
+      y1[j + k] += SUM(sums[k]);
+      y2[j + k] += SUM(sums[4 + k]);
+    }
+    a += 4 * m;
+  }
+}

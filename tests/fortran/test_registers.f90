@@ -113,7 +113,7 @@ contains
       call spread_rows_single(widths(k), waves, width, width, width, fine_y, height, kx, ky, cmplx(c, kind=sp), weight(:, :, k), &
         weight(:, :, k), f(:, :, k))
       call check(maxval(abs(weight(:, :, k) - expected)) < 1e-5_dp .and. &
-        maxval(abs(f(:, :, k) - sums)) < 1e-5_dp*maxval(abs(sums)), &
+        maxval(abs(cmplx(f(:, :, k), kind=dp) - sums)) < 1e-5_dp*maxval(abs(sums)), &
         'single waves spread '//to_text(width)//' wide in registers of '//to_text(widths(k))//' bytes')
     end do
     call check(all(weight(:, :, 1) == weight(:, :, 2)) .and. all(f(:, :, 1) == f(:, :, 2)), &

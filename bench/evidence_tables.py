@@ -338,7 +338,52 @@ def rows_of_promises():
     return ("tolerance", *(f"{n} rows" for n in heights)), [(f"{100 * t:g} %", *(c.get(n, 0) for n in heights)) for t, c in count.items()]
 
 
+# --- the joint law
+
+def joint_shear():
+    """Shear of rough patches: the law against boundary elements, by surface; ranges over three shares of contact."""
+    rows, out = read_record("joint_shear")["patches"], []
+    for surface in dict.fromkeys(r["surface"] for r in rows):
+        some = [r for r in rows if r["surface"] == surface]
+
+        def span(name, some=some, digits=1, factor=100):
+            values = [factor * r[name] for r in some]
+            return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
+
+        out.append((surface, *(span(f"{law}_{part}_error") for law in ("law", "theory") for part in ("curve", "loop")),
+                    span("k_t_over_k_n", digits=3, factor=1)))
+    return ("surface", "k_N of boundary elements: loading / % of µP", "loop", "k_N of the spectrum: loading / % of µP", "loop", "k_T/k_N"), out
+
+
+def joint_spot():
+    """A Hertz spot against Cattaneo and Mindlin."""
+    return (("points a side", "loading / % of µP", "loop / % of µP", "slipping share of the area / %"),
+            [(r["points"], *(f"{100 * r[k]:.2f}" for k in ("curve_error", "loop_error", "slip_area_error"))) for r in read_record("joint_shear")["spot"]])
+
+
+def joint_peers():
+    """Solvers with friction on one Hertz spot."""
+    return (("solver", "mean pressure over asked", "mean shear over asked", "slipping share", "knows the slip so far"),
+            [(f"hdengine `{r['solver']}`" if r["remembers_slip"] else f"tamaas `{r['solver']}`", f"{r['mean_pressure_over_asked']:.3f}",
+              f"{r['mean_shear_over_asked']:.3f}", f"{r['slip_share_of_contact']:.2f}", "yes" if r["remembers_slip"] else "no")
+             for r in read_record("joint_shear")["tamaas"]])
+
+
+def joint_measured():
+    """Measured joints over the law at the ends of their pressures."""
+    out = []
+    for r in read_record("joint_measured")["rows"]:
+        mean, spread = r["geometric_mean_over_law"], r["spread"]
+        out.append((r["joint"], r["source"], len(r["measured"]), f"{r['pressure_pa'][0] / 1e6:.2g} to {r['pressure_pa'][-1] / 1e6:.2g}",
+                    f"{mean[0]:.2f} to {mean[-1]:.2f}", f"{min(spread):.1f} to {max(spread):.1f}"))
+    return ("joint", "of the book", "joints", "pressure / MPa", "measured mean over law, over that range", "largest over smallest measured"), out
+
+
 TABLES = {  # marker: page, record, builder
+    "joint-shear": ("joint_law", "joint_shear", joint_shear),
+    "joint-spot": ("joint_law", "joint_shear", joint_spot),
+    "joint-peers": ("joint_law", "joint_shear", joint_peers),
+    "joint-measured": ("joint_measured", "joint_measured", joint_measured),
     "element-errors": ("elements", "elements", element_errors),
     "element-agreement": ("elements", "elements", element_agreement),
     "closed-solutions": ("contact_standards", "contact_standards", closed_solutions),

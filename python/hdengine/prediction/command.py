@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--nu2", type=float, default=b.nu2, help="its Poisson's ratio")
     parser.add_argument("--hardness", type=float, default=b.hardness, help="of the softer body [Pa]")
     parser.add_argument("--points", type=int, default=256, help="boundary elements: points a side of the map after averaging")
+    parser.add_argument("--seconds", type=float, metavar="S",
+                        help="most that boundary elements may take: fewer points, then the theory (default: 120; no bound with --model "
+                        "boundary_elements)")
     parser.add_argument("--out", default="joint.out", help="folder for joint.csv, spectrum.csv, joint.json, joint.png")
 
 
@@ -73,13 +77,21 @@ def read_map(path: str | Path, unit: Any = None, dx: float | None = None, dy: fl
     return heights * (specimen._factor(height_unit, path) if height_unit else 1.0), spacing
 
 
+def _say(text, replaces):
+    """A line on stderr; one that replaces another is written at a terminal only."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{text}", end="" if replaces else "\n", file=sys.stderr, flush=True)
+    elif not replaces:
+        print(text, file=sys.stderr, flush=True)
+
+
 def run_joint(args: argparse.Namespace) -> int:
     """Read, predict, write, print; returns 0."""
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     if len(args.maps) > 2:
         raise InputError(f"a joint has one or two maps, got {len(args.maps)}")
     pressure = list(PRESSURES)
-    if args.pressure:
+    if args.pressure is not None:
         try:
             pressure = [float(x) for x in args.pressure.split(",")]
         except ValueError:
@@ -88,8 +100,12 @@ def run_joint(args: argparse.Namespace) -> int:
         raise InputError("--e1, --e2 and --hardness must be above 0, --nu1 and --nu2 between -1 and 0.5")
     if not 16 <= args.points <= 4096:
         raise InputError(f"--points {args.points}: valid: 16 to 4096")
+    if not min(x for x in (args.dx, args.dy, args.seconds, args.longest, np.inf) if x is not None) > 0:
+        raise InputError("--dx, --dy, --longest and --seconds must be above 0")
+    seconds = args.seconds or (np.inf if args.model else 120.0)
     maps = [read_map(m, unit, args.dx, args.dy) for m in args.maps]
-    found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points,
+    found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points, seconds=seconds,
+                    say=_say,
                     bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
     print(found)
     for path in found.write(args.out):

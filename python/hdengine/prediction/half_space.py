@@ -2,7 +2,7 @@
 """Boundary elements of a rough half space: the one adapter of tamaas (optional, `pip install 'hdengine[bem]'`)."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -130,6 +130,19 @@ class HalfSpace:
         self._model.solveNeumann()
         return np.array(self._model.displacement)
 
+    @property
+    def softest_shear(self) -> float:
+        """Displacement over traction of the softest wave of shear [m/Pa]."""
+        model = self._shear
+        return float(2 * (1 + model.nu) / model.E * max(model.boundary_system_size) / (2 * np.pi))
+
+    def shear_displacement(self, traction: np.ndarray) -> np.ndarray:
+        """Tangential displacements (n, m, 2) [m] under tangential tractions (n, m, 2) [Pa], of similar materials."""
+        self._shear.traction[..., :2] = traction
+        self._shear.traction[..., 2] = 0
+        self._shear.solveNeumann()
+        return np.array(self._shear.displacement[..., :2])
+
     def approach(self, traction: np.ndarray) -> float:
         """Rigid approach of the half space under pressures from `press`, from where the highest point touches [m]."""
         carrying = (traction > 0) & (traction < self._hardness)
@@ -188,7 +201,8 @@ def mirrored(z: np.ndarray) -> np.ndarray:
 
 
 def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure: Sequence[float], e_star: float, ratio: float,
-                     hardness: float = np.inf, tangential: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+                     hardness: float = np.inf, tangential: bool = True,
+                     tell: Callable[[float], None] | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stiffness per area of a periodic map under pressures.
 
     Parameters
@@ -203,6 +217,8 @@ def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure
         As `HalfSpace`.
     tangential : bool
         Also k_T, about as long again; without it ratio times k_N.
+    tell : callable, optional
+        Takes each pressure that is done.
 
     Returns
     -------
@@ -216,6 +232,8 @@ def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure
         k_n = space.normal_stiffness(touching)
         k_t = space.tangential_stiffness(touching) if tangential else ratio * k_n
         rows.append((k_n, k_t, corrected_area(touching)))
+        if tell:
+            tell(float(p))
     k_n_all, k_t_all, areas = np.array(rows).T
     return k_n_all, k_t_all, areas
 

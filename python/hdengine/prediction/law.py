@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,16 @@ from numpy.typing import ArrayLike
 from .. import _engine
 from .._engine import InputError
 from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
-from . import half_space
-from .spectrum import Spectrum, bands, level, of_map
+from . import half_space, patches
+from .spectrum import Spectrum, bands, of_map
 
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
 FEW = 1e-3          # share of the area below which single spots of a map decide
 FEW_WAVES = 0.03    # the same where a map is no longer than its longest waves
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
+STEEP = 5.0         # E* slope over hardness beyond which nearly all contact yields: boundary elements do not converge
+UNIT = 30.0         # slope beyond which heights are taken for those of another unit
 # standard deviation of ln k_N of single maps about the theory, over the true contact (bench/joint_law.py, generated surfaces)
 SCATTER = ((3e-5, 0.37), (1e-4, 0.23), (3e-4, 0.20), (1e-3, 0.11), (1e-2, 0.08), (1e-1, 0.06), (1.0, 0.04))
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
@@ -128,7 +131,8 @@ def _write_table(path, columns):
 
 
 def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
-            longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1) -> Prediction:
+            longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
+            say: Callable[[str, bool], None] | None = None) -> Prediction:
     """The joint of one or two surfaces.
 
     Parameters
@@ -149,6 +153,10 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         Boundary elements: points a side of the map after averaging (the half space has twice as many).
     seed : int
         Of the draws.
+    seconds : float
+        Most that boundary elements may take: fewer points are taken first; then the theory, or an error where they were asked for [s].
+    say : callable, optional
+        Takes what boundary elements will take and how far they are: a sentence, and whether it replaces the one before.
 
     Returns
     -------
@@ -158,6 +166,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     ------
     InputError
         No map, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+    NotConvergedError, StoppedError
+        Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
     bodies = bodies or Bodies()
     pairs = [(m.heights, m.spacing) if hasattr(m, "heights") else m for m in maps]
@@ -169,38 +179,56 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
                          f"{bodies.hardness:g} Pa")
-    found = [of_map(*m) for m in pairs]
+    found = _facts_of(pairs)
     raw = [s for s, _ in found]
     clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
     spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
-    wanted, reason = choose(facts, p, area)
+    wanted, reason = choose(facts, p, area, bodies.e_star * spectrum.slope_rms / bodies.hardness)
     notes = _notes(facts, spectrum)
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = np.interp(np.log(area), np.log([a for a, _ in SCATTER]), [s for _, s in SCATTER])
+    low, high, area_low, area_high = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed, wanted == "boundary_elements")
     k_t = bodies.ratio * k_n
     if wanted == "boundary_elements":
+        effort = patches.Effort(seconds, say)
+        effort.tell(f"boundary elements: {reason}")
         try:
-            k_n, k_t, area, scatter = _by_elements(pairs, p, bodies, points, longest)
-        except (InputError, _engine.NotConvergedError) as why:
+            k_n, k_t, area, scatter, points = patches.solve(pairs, p, bodies, points, longest, effort)
+            notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly, {effort.spent:.0f} s; band from "
+                      "the four quarters, E*, hardness and the spectrum's ends",)
+            area_low = area_high = 1.96 * scatter
+        except (InputError, _engine.NotConvergedError, _engine.StoppedError) as why:
             if model:
                 raise
             wanted, reason = "spectrum", f"{reason}; but {why}"
-    if wanted == "boundary_elements":
-        notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly; band from the four quarters",)
-        low, high, area_error = np.zeros(len(p)), np.zeros(len(p)), scatter
-    else:
-        low, high, area_error = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed)
+            effort.tell(f"{why}: the theory is taken")
+            low, high, area_low, area_high = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed)
     low, high = (np.exp(s * np.hypot(1.96 * scatter, e)) for s, e in ((-1, low), (1, high)))
     closure = _closure(p, k_n)
     table = {"pressure_pa": p}
     for name, value, (a, b) in (("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
                                 ("closure_m", closure, (1 / high, 1 / low)),
-                                ("contact_area_fraction", area, (np.exp(-1.96 * area_error), np.exp(1.96 * area_error)))):
+                                ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
     return Prediction(table, wanted, reason, spectrum, bodies, notes, tuple(facts))
+
+
+def _facts_of(pairs):
+    """Spectrum and facts of each map; errors name it."""
+    found = []
+    for i, m in enumerate(pairs, 1):
+        try:
+            found.append(of_map(*m))
+        except InputError as why:
+            raise InputError(f"map {i}: {why}") from None
+        slope = found[-1][1]["slope_rms"]
+        if slope > UNIT:
+            raise InputError(f"map {i} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: up to "
+                             f"{UNIT:g}; say --unit or --dx")
+    return found
 
 
 def _closure(p, k_n):
@@ -220,7 +248,7 @@ def _denoise(spectrum, noise, points):
     return Spectrum(spectrum.q, left, spectrum.modes) if noise else spectrum
 
 
-def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray) -> tuple[str, str]:
+def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, steepness: float = 0.0) -> tuple[str, str]:
     """Theory or boundary elements, with the reason.
 
     Parameters
@@ -229,23 +257,29 @@ def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray) -> tuple[s
         Of each map (`of_map`).
     pressure, area : ndarray
         Pressures [Pa] and the true contact that the theory expects.
+    steepness : float
+        E* slope over hardness.
 
     Returns
     -------
     model, reason : str
     """
+    if steepness > STEEP:
+        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements do not "
+                            "converge")
     lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
     if lay < LAY:
         return "boundary_elements", (f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the "
                                      "theory takes the mean of all directions")
     if abs(skew) > SKEW:
         return "boundary_elements", f"skewness {skew:.2f}: not the heights of random waves, which the theory takes"
-    if area[0] < FEW:
-        return "boundary_elements", (f"at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area touches: a few spots of "
-                                     "the map decide")
-    if area[0] < FEW_WAVES and not all(f["rolls_off"] for f in facts):
-        return "boundary_elements", (f"a map has no roll-off, and at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area "
-                                     "touches: its few longest waves decide")
+    rolls_off = all(f["rolls_off"] for f in facts)
+    least = FEW if rolls_off else FEW_WAVES
+    if area[0] < least:
+        enough = pressure[area >= least]
+        hint = f"; from {enough[0] / 1e6:.3g} MPa on the theory would do (--pressure)" if enough.size else ""
+        what = "a few spots of the map decide" if area[0] < FEW else "a map has no roll-off, its few longest waves decide"
+        return "boundary_elements", f"at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area touches: {what}{hint}"
     return "spectrum", f"{100 * area[0]:.2g} to {100 * area[-1]:.2g} % of the area touches, isotropic, no marked skewness"
 
 
@@ -267,63 +301,28 @@ def _notes(facts, spectrum):
     return tuple(notes)
 
 
-def _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed):
-    """Half widths of ln k_N downwards and upwards (95 %), and the standard deviation of ln A."""
+def _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed, whole=False):
+    """Half widths of ln k_N downwards and upwards (95 %), and of ln A; `whole`: of boundary elements, which take
+    the map with its noise, and whose quarters tell its sampling."""
     rng = np.random.default_rng(seed)
     many, areas = [], []
     for _ in range(draws):
         freedom = np.maximum(spectrum.modes, 1)
-        h = spectrum.height_variance * rng.chisquare(freedom) / freedom
+        h = spectrum.height_variance * (1.0 if whole else rng.chisquare(freedom) / freedom)
         e, hard = (np.exp(s * rng.standard_normal()) for s in (MODULUS_ERROR, HARDNESS_ERROR))
         k, a = stiffness_from_spectrum(spectrum.q, h, p, bodies.e_star * e, max(bodies.hardness * hard, 1.01 * p[-1]))
         many.append(np.log(k / k_n))
         areas.append(np.log(a / area))
     low, high = (abs(np.quantile(many, x, axis=0)) for x in (0.025, 0.975))
+    area_low = area_high = 1.96 * np.std(areas, axis=0)
     if noisy is not spectrum:
-        with_noise, _ = stiffness_from_spectrum(noisy.q, noisy.height_variance, p, bodies.e_star, bodies.hardness)
-        low = np.hypot(low, np.maximum(np.log(k_n / with_noise), 0))
+        with_noise, less_area = stiffness_from_spectrum(noisy.q, noisy.height_variance, p, bodies.e_star, bodies.hardness)
+        area_low = np.hypot(area_low, np.maximum(np.log(area / less_area), 0))
+        less = np.maximum(np.log(k_n / with_noise), 0)
+        low, high = (low, np.hypot(high, less)) if whole else (np.hypot(low, less), high)
     if not all(f["rolls_off"] for f in facts):
         longer = bands(np.concatenate([[spectrum.q[0] / 2**0.5], spectrum.q]),
                        np.concatenate([[spectrum.height_variance[spectrum.q < 2 * spectrum.q[0]].sum()], spectrum.height_variance]))
         soft, _ = stiffness_from_spectrum(longer.q, longer.height_variance, p, bodies.e_star, bodies.hardness)
         low = np.hypot(low, np.maximum(np.log(k_n / soft), 0))
-    return low, high, np.std(areas, axis=0)
-
-
-def _averaged(z, spacing, points):
-    """Map averaged over blocks to at most `points` a side."""
-    by = [max(1, -(-n // points)) for n in z.shape]
-    n, m = (s // b * b for s, b in zip(z.shape, by))
-    return z[:n, :m].reshape(n // by[0], by[0], m // by[1], by[1]).mean((1, 3)), tuple(d * b for d, b in zip(spacing, by))
-
-
-def _by_elements(maps, p, bodies, points, longest):
-    """Stiffness and contact by boundary elements on the sum of the maps; standard deviation of ln k_N among its quarters."""
-    z, spacing = level(maps[0][0])[0], maps[0][1]
-    if len(maps) == 2:
-        other = level(maps[1][0])[0]
-        if not np.allclose(spacing, maps[1][1], rtol=1e-3):
-            raise InputError(f"boundary elements on two maps need equal spacing, got {spacing} and {maps[1][1]} m; "
-                             "--model spectrum does not")
-        n, m = (min(a, b) for a, b in zip(z.shape, other.shape))
-        z = level(z[:n, :m] + other[:n, :m])[0]
-    if np.isfinite(longest):
-        z = _shortened(z, spacing, longest)
-    args = (p, bodies.e_star, bodies.ratio, bodies.hardness)
-    whole, step = _averaged(z, spacing, points)
-    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, *args)
-    n, m = (s // 2 for s in z.shape)
-    quarters = []
-    for part in (z[:n, :m], z[n:, :m], z[:n, m:], z[n:, m:]):
-        small, step = _averaged(level(part)[0], spacing, points // 2)
-        quarters.append(np.log(half_space.stiffness_on_map(half_space.mirrored(small), step, *args, tangential=False)[0]))
-    return k_n, k_t, area, np.maximum(np.std(quarters, axis=0, ddof=1) / 2, 0.02)
-
-
-def _shortened(z, spacing, longest):
-    """Map without the waves longer than `longest`."""
-    n, m = z.shape
-    h = np.fft.fft2(half_space.mirrored(z))
-    q = np.hypot(*np.meshgrid(np.fft.fftfreq(2 * n, spacing[0]), np.fft.fftfreq(2 * m, spacing[1]), indexing="ij"))
-    h[q < 1 / longest] = 0
-    return np.fft.ifft2(h).real[:n, :m]
+    return low, high, area_low, area_high

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundary elements on the maps of a joint: the patches that are solved, their foretold time and its bound."""
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .._engine import InputError, StoppedError
+from . import half_space
+from .spectrum import level
+
+FEWEST = 64      # points a side to which the bound of time may take a map
+GROWTH = 4.6     # time of twice the points a side, over that of the points: transforms and iterations
+SHEAR = 2.2      # time with the tangential stiffness, over that without it
+
+
+@dataclass
+class Effort:
+    """Time of boundary elements: how much they may take, what was foretold, and whom to tell.
+
+    Parameters
+    ----------
+    most : float
+        [s]; inf: no bound.
+    say : callable, optional
+        Takes a sentence, and whether it replaces the one before.
+    """
+
+    most: float = np.inf
+    say: Callable[[str, bool], None] | None = None
+    foretold: float = np.nan
+    start: float = field(default_factory=time.monotonic)
+    done: int = 0
+    count: int = 1
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the start."""
+        return time.monotonic() - self.start
+
+    def tell(self, text: str, replaces: bool = False) -> None:
+        """Pass a sentence on."""
+        if self.say:
+            self.say(text, replaces)
+
+    def step(self, patch: str, pressure: float) -> None:
+        """Count one pressure of one patch.
+
+        Raises
+        ------
+        StoppedError
+            Twice the bound is used up: the foretold time was wrong.
+        """
+        self.done += 1
+        self.tell(f"boundary elements: {patch}, {pressure / 1e6:.3g} MPa ({self.done} of {self.count}), {self.spent:.0f} s of about "
+                  f"{self.foretold:.0f} s", True)
+        if self.spent > 2 * self.most:
+            raise StoppedError(f"boundary elements had used {self.spent:.0f} s, twice the {self.most:g} s that --seconds allows, at "
+                              f"{self.done} of {self.count} solutions")
+
+
+def solve(maps: list, pressure: np.ndarray, bodies, points: int, longest: float, effort: Effort) -> tuple:
+    """Stiffness and contact on the sum of the maps, and its scatter among the four quarters.
+
+    Parameters
+    ----------
+    maps : list of (heights, spacing)
+        One or two.
+    pressure : ndarray
+        Rising [Pa].
+    bodies : Bodies
+    points : int
+        A side of the map after averaging; the half space has twice as many.
+    longest : float
+        Longest wavelength that counts [m].
+    effort : Effort
+        Its bound makes the points fewer, to `FEWEST`.
+
+    Returns
+    -------
+    k_n, k_t, area : ndarray
+        [Pa/m], [Pa/m], share.
+    scatter : ndarray
+        Standard deviation of ln k_N of the mean of four quarters.
+    points : int
+        That were taken.
+
+    Raises
+    ------
+    StoppedError
+        Longer than it may.
+    InputError, NotConvergedError
+        Spacings differ, tamaas is missing, a residual was not reached.
+    """
+    z, spacing = _sum(maps, longest)
+    quarters = [level(part)[0] for part in _quarters(z)]
+    args = (pressure, bodies.e_star, bodies.ratio, bodies.hardness)
+    points = min(points, max(z.shape))
+    trial, step = _averaged(quarters[0], spacing, max(16, points // 4))
+    begun = time.monotonic()
+    some = pressure[::4]
+    half_space.stiffness_on_map(half_space.mirrored(trial), step, some, *args[1:], tangential=False)
+    unit = (time.monotonic() - begun) * pressure.size / some.size / GROWTH ** np.log2(max(trial.shape))
+
+    def foretell(n):
+        return unit * GROWTH ** np.log2(n) * (SHEAR + 4 / GROWTH)
+
+    first = foretell(points)
+    while foretell(points) > effort.most and points // 2 >= FEWEST:
+        points //= 2
+    effort.foretold = foretell(points)
+    if effort.foretold > effort.most:
+        raise StoppedError(f"boundary elements would take about {effort.foretold:.0f} s on {points} points a side, and --seconds allows "
+                          f"{effort.most:g}")
+    fewer = f" (more points would take about {first:.0f} s, --seconds allows {effort.most:g})" if first > effort.most else ""
+    effort.tell(f"boundary elements: {pressure.size} pressures on {points} points a side and on four quarters, about "
+                f"{effort.foretold:.0f} s{fewer}")
+    effort.count, effort.start = 5 * pressure.size, time.monotonic()
+    logs = []
+    for i, part in enumerate(quarters):
+        small, step = _averaged(part, spacing, points // 2)
+        k_n = half_space.stiffness_on_map(half_space.mirrored(small), step, *args, tangential=False,
+                                          tell=lambda p, i=i: effort.step(f"quarter {i + 1}", p))[0]
+        logs.append(np.log(k_n))
+    whole, step = _averaged(z, spacing, points)
+    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, *args,
+                                                 tell=lambda p: effort.step("whole map", p))
+    return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), points
+
+
+def _sum(maps, longest):
+    """Levelled heights of the equivalent surface, and their spacing."""
+    z, spacing = level(maps[0][0])[0], maps[0][1]
+    if len(maps) == 2:
+        other = level(maps[1][0])[0]
+        if not np.allclose(spacing, maps[1][1], rtol=1e-3):
+            raise InputError(f"boundary elements on two maps need equal spacing, got {spacing} and {maps[1][1]} m; "
+                             "--model spectrum does not")
+        n, m = (min(a, b) for a, b in zip(z.shape, other.shape))
+        z = level(z[:n, :m] + other[:n, :m])[0]
+    if np.isfinite(longest):
+        z = _shortened(z, spacing, longest)
+    return z, spacing
+
+
+def _quarters(z):
+    n, m = (s // 2 for s in z.shape)
+    return z[:n, :m], z[n:, :m], z[:n, m:], z[n:, m:]
+
+
+def _averaged(z, spacing, points):
+    """Map averaged over blocks to at most `points` a side."""
+    by = [max(1, -(-n // points)) for n in z.shape]
+    n, m = (s // b * b for s, b in zip(z.shape, by))
+    return z[:n, :m].reshape(n // by[0], by[0], m // by[1], by[1]).mean((1, 3)), tuple(d * b for d, b in zip(spacing, by))
+
+
+def _shortened(z, spacing, longest):
+    """Map without the waves longer than `longest`."""
+    n, m = z.shape
+    h = np.fft.fft2(half_space.mirrored(z))
+    q = np.hypot(*np.meshgrid(np.fft.fftfreq(2 * n, spacing[0]), np.fft.fftfreq(2 * m, spacing[1]), indexing="ij"))
+    h[q < 1 / longest] = 0
+    return np.fft.ifft2(h).real[:n, :m]

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `hdengine joint` takes, how long, and what it tells of a map that breaks the theory."""
+import numpy as np
+import pytest
+
+import hdengine
+from hdengine import cli
+from hdengine.prediction import patches
+from hdengine.prediction.law import Bodies, choose, predict
+from hdengine.prediction.spectrum import of_map
+from test_prediction import rough
+
+DX = (1e-6, 1e-6)
+FINE = {"isotropy": 0.9, "skewness": 0.1, "rolls_off": True}
+P = np.array([1e6, 1e7, 1e8])
+
+
+@pytest.mark.parametrize("facts, area, steepness, model, words", [
+    ({}, [0.01, 0.05, 0.3], 0.5, "spectrum", "isotropic"),
+    ({"isotropy": 0.2}, [0.01, 0.05, 0.3], 0.5, "boundary_elements", "lay"),
+    ({"skewness": -1.2}, [0.01, 0.05, 0.3], 0.5, "boundary_elements", "skewness -1.20"),
+    ({}, [5e-4, 0.05, 0.3], 0.5, "boundary_elements", "at 1 MPa 0.05 % of the area touches: a few spots of the map decide; from 10 MPa on"),
+    ({"rolls_off": False}, [0.02, 0.05, 0.3], 0.5, "boundary_elements", "a map has no roll-off, its few longest waves decide; from 10 MPa"),
+    ({"rolls_off": False}, [0.02, 0.021, 0.022], 0.5, "boundary_elements", "its few longest waves decide"),
+    ({"isotropy": 0.2}, [0.01, 0.05, 0.3], 7.0, "spectrum", "E* times slope is 7 hardnesses: nearly all contact yields")])
+def test_choice_and_its_reason(facts, area, steepness, model, words):
+    """The planner takes what holds for the surface and the pressures, and says why and from where the theory would do."""
+    found = choose([{**FINE, **facts}], P, np.array(area), steepness)
+    assert found[0] == model and words in found[1]
+
+
+def test_breaking_points_are_told():
+    """A map with a lay, noise, holes or no roll-off is told so in the prediction's text; a sound one is not."""
+    def text(z, **more):
+        return str(predict((z, DX), pressure=[1e8, 3e8], model="spectrum", draws=10, **more))
+
+    sound = rough(128, 0.8, 32, 8, 3)
+    y, x = np.indices(sound.shape)
+    holes = sound.copy()
+    holes[10:14, 5:40] = np.nan
+    noisy = sound + np.random.default_rng(1).normal(scale=2e-8, size=sound.shape)
+    found = text(sound)
+    for words in ("lay", "noise", "holes", "no roll-off"):
+        assert words not in found
+    assert "map 1 has a lay (isotropy 0.0" in text(sound + 1e-6 * np.sin((x + y) / 3))
+    assert "noise of 20" in text(noisy) and "nm rms: removed, the band counts both" in text(noisy)
+    assert "0.85 % holes: interpolated" in text(holes)
+    assert "no roll-off: waves longer than it would lower k_N" in text(rough(256, 0.9, 256, 8, 3)[:128, :128])
+
+
+def test_noise_and_a_missing_roll_off_widen_the_band():
+    """Without yield the area's band of a noisy map reaches down to that with the noise; k_N's of a map without roll-off to the law with longer waves."""
+    def low(z, name):
+        t = predict((z, DX), pressure=[1e8], model="spectrum", draws=50, bodies=Bodies(hardness=1e12)).table
+        return float(t[f"{name}_low"][0] / t[name][0])
+
+    sound = rough(128, 0.8, 32, 8, 3)
+    noisy = sound + np.random.default_rng(1).normal(scale=5e-8, size=sound.shape)
+    assert low(noisy, "contact_area_fraction") < low(sound, "contact_area_fraction") - 0.1
+    assert low(rough(256, 0.9, 256, 8, 3)[:128, :128], "k_n_pa_per_m") < low(sound, "k_n_pa_per_m") - 0.1
+
+
+def test_roll_off_is_seen():
+    """Maps cut from ones without roll-off are told so, and those with one at a quarter of the map are not: nine of ten at least."""
+    seen = {"none": 0, "quarter": 0}
+    for seed in range(10):
+        seen["none"] += of_map(rough(256, 0.6, 256, 6, seed)[:128, :128], DX)[1]["rolls_off"]
+        seen["quarter"] += of_map(rough(256, 0.6, 32, 6, seed)[:128, :128], DX)[1]["rolls_off"]
+    assert seen["none"] <= 1 and seen["quarter"] >= 9
+
+
+@pytest.mark.parametrize("change, words", [
+    (lambda z: z * 0 + 3.0, "map 1: the map is flat"), (lambda z: z * 0 + np.arange(64) * 1e-7, "map 1: the map is flat"),
+    (lambda z: 1e6 * z, "another unit"), (lambda z: np.where(np.arange(64) < 20, np.nan, z), "map 1: 31 % of the map are holes"),
+    (lambda z: z[:8], "map 1: map of 8 x 64 points"), (lambda z: z[0], "map 1: a joint needs height maps")])
+def test_maps_that_are_none(change, words):
+    """Flat, tilted and flat, in another unit, full of holes, too small or a profile: an error that names the map and what is wrong."""
+    with pytest.raises(hdengine.InputError, match=words):
+        predict((change(rough(64, 0.7, 16, 6, 1)), DX), model="spectrum")
+
+
+@pytest.mark.parametrize("option", [["--dx", "0"], ["--dx", "1e-6", "--seconds", "-1"], ["--dx", "1e-6", "--pressure", ""]])
+def test_values_that_are_none(tmp_path, capsys, option):
+    """A spacing or time of nothing and an empty list of pressures are input errors that name the option."""
+    np.save(tmp_path / "a.npy", rough(32, 0.7, 16, 6, 20))
+    assert cli.main(["joint", str(tmp_path / "a.npy"), *option, "--out", str(tmp_path / "o")]) == 2
+    assert option[-2] in capsys.readouterr().err
+
+
+def test_time_is_foretold_told_and_bound():
+    """Boundary elements say why, how many and how long before they start and tell each step; within the time allowed they take fewer
+    points; with none the theory is taken at once, and the reason names the option; asked for, that is an error of code 7."""
+    pytest.importorskip("tamaas")
+    said = []
+
+    def say(text, replaces):
+        said.append((text, replaces))
+
+    z = rough(128, 0.7, 128, 6, 9)
+    found = predict((z, DX), pressure=[3e6, 3e7], points=64, say=say)
+    lines = [t for t, replaces in said if not replaces]
+    assert "of the area touches" in lines[0] and "2 pressures on 64 points a side and on four quarters, about" in lines[1]
+    assert [t for t, replaces in said if replaces][-1].startswith("boundary elements: whole map, 30 MPa (10 of 10)")
+    assert found.model == "boundary_elements"
+
+    with pytest.raises(hdengine.StoppedError, match="--seconds allows 1e-09"):
+        predict((z, DX), pressure=[3e6, 3e7], model="boundary_elements", seconds=1e-9)
+    assert hdengine.StoppedError.code == 7
+    theory = predict((z, DX), pressure=[3e6, 3e7], seconds=1e-9)
+    assert theory.model == "spectrum" and "--seconds allows" in theory.reason and "touches" in theory.reason
+
+
+def test_fewer_points_where_time_is_short(monkeypatch):
+    """Where the points asked for would take too long, fewer are taken, and both times are said."""
+    pytest.importorskip("tamaas")
+    said, clock = [], [0.0]
+
+    def tick():
+        clock[0] += 0.01    # the trial takes a hundredth of a second of this clock, whatever the machine
+        return clock[0]
+
+    monkeypatch.setattr(patches.time, "monotonic", tick)
+    effort = patches.Effort(most=0.3, say=lambda text, replaces: said.append(text))
+    k_n, _, area, scatter, points = patches.solve([(rough(128, 0.7, 32, 6, 9), DX)], np.array([1e8]), Bodies(), 128, np.inf, effort)
+    assert points == 64 and "more points would take about" in said[0]
+    assert k_n[0] > 0 and 0 < area[0] < 1 and scatter[0] >= 0.02

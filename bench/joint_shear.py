@@ -13,13 +13,13 @@ import math
 import time
 
 import numpy as np
+from joint_law import lattice, pressures, rough
 
 from common import new_axes, read_record, save_figure, styled, write_record
 from hdengine.elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from hdengine.prediction.half_space import HalfSpace, corrected_area, tamaas
 from hdengine.prediction.shear import Slider
 from hdengine.prediction.spectrum import Spectrum
-from joint_law import lattice, pressures, rough
 
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
 FRICTION = 0.15

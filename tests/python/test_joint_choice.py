@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `hdengine joint` takes, how long, and what it tells of a map that breaks the theory."""
+import json
+
 import numpy as np
 import pytest
+from test_prediction import rough
 
 import hdengine
 from hdengine import cli
 from hdengine.prediction import patches
 from hdengine.prediction.law import Bodies, choose, predict
 from hdengine.prediction.spectrum import of_map
-from test_prediction import rough
 
 DX = (1e-6, 1e-6)
 FINE = {"isotropy": 0.9, "skewness": 0.1, "rolls_off": True}
@@ -58,6 +60,22 @@ def test_noise_and_a_missing_roll_off_widen_the_band():
     noisy = sound + np.random.default_rng(1).normal(scale=5e-8, size=sound.shape)
     assert low(noisy, "contact_area_fraction") < low(sound, "contact_area_fraction") - 0.1
     assert low(rough(256, 0.9, 256, 8, 3)[:128, :128], "k_n_pa_per_m") < low(sound, "k_n_pa_per_m") - 0.1
+
+
+def test_band_is_the_sum_of_its_parts(tmp_path):
+    """The band's half width is the root of squares of its named parts; a longest wave that the user sets leaves no longer ones; the parts
+    stand in joint.json and the widest first in the text."""
+    z = rough(256, 0.9, 256, 8, 3)[:128, :128]
+    found = predict((z, DX), pressure=[1e7, 1e8], model="spectrum", draws=30)
+    assert set(found.parts) == {"sampling", "E* and hardness", "law", "longer waves"}
+    total = np.sqrt(sum(low**2 for low, _ in found.parts.values()))
+    assert found.table["k_n_pa_per_m_low"] == pytest.approx(found.table["k_n_pa_per_m"] * np.exp(-total), rel=1e-9)
+    assert "half width of the band at 100 MPa: longer waves" in str(found)
+    cut = predict((z, DX), pressure=[1e7, 1e8], model="spectrum", draws=30, longest=100e-6)
+    assert "longer waves" not in cut.parts and "(--longest) decides" in str(cut)
+    found.write(tmp_path)
+    record = json.loads((tmp_path / "joint.json").read_text())
+    assert record["band_half_widths_ln_k_n"]["law"]["low"] == pytest.approx(found.parts["law"][0].tolist())
 
 
 def test_roll_off_is_seen():

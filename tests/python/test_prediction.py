@@ -227,7 +227,7 @@ def test_without_tamaas(monkeypatch):
     with pytest.raises(hdengine.InputError, match=r"hdengine\[bem\]"):
         predict((z, (1e-6, 1e-6)), model="boundary_elements")
     y, x = np.indices(z.shape)
-    found = predict((z + 1e-6 * np.sin(x), (1e-6, 1e-6)), pressure=[1e7, 1e8])
+    found = predict((z + 1e-7 * np.sin(x), (1e-6, 1e-6)), pressure=[1e7, 1e8])
     assert found.model == "spectrum" and "hdengine[bem]" in found.reason and "lay" in found.reason
 
 

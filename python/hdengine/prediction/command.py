@@ -32,8 +32,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--hardness", type=float, default=b.hardness, help="of the softer body [Pa]")
     parser.add_argument("--points", type=int, default=256, help="boundary elements: points a side of the map after averaging")
     parser.add_argument("--seconds", type=float, metavar="S",
-                        help="most that boundary elements may take: fewer points, then the theory (default: 120; no bound with --model "
-                        "boundary_elements)")
+                        help="most that boundary elements may take: fewer points, then the theory (default: 120; no bound "
+                        "with --model boundary_elements)")
     parser.add_argument("--out", default="joint.out", help="folder for joint.csv, spectrum.csv, joint.json, joint.png")
 
 

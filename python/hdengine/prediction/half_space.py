@@ -200,8 +200,8 @@ def mirrored(z: np.ndarray) -> np.ndarray:
     return np.concatenate([z, z[:, ::-1]], axis=1)
 
 
-def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure: Sequence[float], e_star: float, ratio: float,
-                     hardness: float = np.inf, tangential: bool = True,
+def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure: Sequence[float] | np.ndarray, e_star: float,
+                     ratio: float, hardness: float = np.inf, tangential: bool = True,
                      tell: Callable[[float], None] | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stiffness per area of a periodic map under pressures.
 

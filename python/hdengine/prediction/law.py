@@ -67,6 +67,10 @@ class Prediction:
         Of the equivalent surface.
     notes : tuple of str
         What decides the law and what speaks against it.
+    facts : tuple of dict
+        Of each map.
+    parts : dict
+        What widens the band: name to half widths of ln k_N (95 %) downwards and upwards, over the pressures.
     """
 
     table: dict = field(repr=False)
@@ -76,6 +80,7 @@ class Prediction:
     bodies: Bodies
     notes: tuple = ()
     facts: tuple = field(default=(), repr=False)
+    parts: dict = field(default_factory=dict, repr=False)
 
     def joint(self, friction: float = 0.15) -> ElasticJoint:
         """The law as an `ElasticJoint`."""
@@ -91,6 +96,10 @@ class Prediction:
             lines.append(f"  {p / 1e6:12.4g} {t['k_n_pa_per_m'][i]:12.4g}   {t['k_n_pa_per_m_low'][i]:.3g} to "
                          f"{t['k_n_pa_per_m_high'][i]:.3g}  {t['k_t_pa_per_m'][i]:12.4g} {1e6 * t['closure_m'][i]:10.4g} "
                          f"{100 * t['contact_area_fraction'][i]:10.3g}")
+        middle = len(t["pressure_pa"]) // 2
+        widths = sorted(((max(low[middle], high[middle]), name) for name, (low, high) in self.parts.items()), reverse=True)
+        wide = ", ".join(f"{name} {100 * width:.0f} %" for width, name in widths)
+        lines.append(f"  half width of the band at {t['pressure_pa'][middle] / 1e6:.3g} MPa: {wide}")
         return "\n".join(lines + [f"  {note}" for note in self.notes])
 
     def plot(self) -> Any:
@@ -109,7 +118,9 @@ class Prediction:
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
         record = {"model": self.model, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
-                  "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "hdengine": _engine.version(),
+                  "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms,
+                  "band_half_widths_ln_k_n": {n: {"low": list(low), "high": list(high)} for n, (low, high) in self.parts.items()},
+                  "hdengine": _engine.version(),
                   "tamaas": half_space.tamaas().__version__ if self.model == "boundary_elements" else None}
         paths = [folder / name for name in ("joint.csv", "spectrum.csv", "joint.json", "joint.png")]
         _write_table(paths[0], self.table)
@@ -154,7 +165,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     seed : int
         Of the draws.
     seconds : float
-        Most that boundary elements may take: fewer points are taken first; then the theory, or an error where they were asked for [s].
+        Most that boundary elements may take: fewer points are taken first; then the theory, or an error where they were
+        asked for [s].
     say : callable, optional
         Takes what boundary elements will take and how far they are: a sentence, and whether it replaces the one before.
 
@@ -179,44 +191,49 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
                          f"{bodies.hardness:g} Pa")
-    found = _facts_of(pairs)
+    found = _facts_of(pairs, longest)
     raw = [s for s, _ in found]
     clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
     spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     wanted, reason = choose(facts, p, area, bodies.e_star * spectrum.slope_rms / bodies.hardness)
-    notes = _notes(facts, spectrum)
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = np.interp(np.log(area), np.log([a for a, _ in SCATTER]), [s for _, s in SCATTER])
-    low, high, area_low, area_high = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed, wanted == "boundary_elements")
+    longer = not all(f["rolls_off"] for f in facts) and longest > min(_length(m) for m in pairs)
+    notes = _notes(facts, spectrum, longer)
+    spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None, longer, p, bodies, k_n, area, draws, seed)
+    parts = _spread(*spread, whole=wanted == "boundary_elements")
     k_t = bodies.ratio * k_n
     if wanted == "boundary_elements":
         effort = patches.Effort(seconds, say)
         effort.tell(f"boundary elements: {reason}")
         try:
             k_n, k_t, area, scatter, points = patches.solve(pairs, p, bodies, points, longest, effort)
-            notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly, {effort.spent:.0f} s; band from "
-                      "the four quarters, E*, hardness and the spectrum's ends",)
-            area_low = area_high = 1.96 * scatter
+            notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly, {effort.spent:.0f} s; "
+                      "band from the four quarters, E*, hardness and the spectrum's ends",)
+            parts["four quarters"] = (1.96 * scatter,) * 4
         except (InputError, _engine.NotConvergedError, _engine.StoppedError) as why:
             if model:
                 raise
             wanted, reason = "spectrum", f"{reason}; but {why}"
             effort.tell(f"{why}: the theory is taken")
-            low, high, area_low, area_high = _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed)
-    low, high = (np.exp(s * np.hypot(1.96 * scatter, e)) for s, e in ((-1, low), (1, high)))
+            parts = _spread(*spread)
+    if wanted == "spectrum":
+        parts["law"] = (1.96 * scatter, 1.96 * scatter, *(np.zeros(len(p)),) * 2)
+    low, high, area_low, area_high = (np.sqrt(sum(part[i]**2 for part in parts.values())) for i in range(4))
+    low, high = np.exp(-low), np.exp(high)
     closure = _closure(p, k_n)
     table = {"pressure_pa": p}
     for name, value, (a, b) in (("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
                                 ("closure_m", closure, (1 / high, 1 / low)),
                                 ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
-    return Prediction(table, wanted, reason, spectrum, bodies, notes, tuple(facts))
+    return Prediction(table, wanted, reason, spectrum, bodies, notes, tuple(facts), {n: part[:2] for n, part in parts.items()})
 
 
-def _facts_of(pairs):
+def _facts_of(pairs, longest):
     """Spectrum and facts of each map; errors name it."""
     found = []
     for i, m in enumerate(pairs, 1):
@@ -224,11 +241,17 @@ def _facts_of(pairs):
             found.append(of_map(*m))
         except InputError as why:
             raise InputError(f"map {i}: {why}") from None
+        found[-1][1]["rolls_off"] |= longest < _length(m) / 3
         slope = found[-1][1]["slope_rms"]
         if slope > UNIT:
-            raise InputError(f"map {i} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: up to "
-                             f"{UNIT:g}; say --unit or --dx")
+            raise InputError(f"map {i} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: "
+                             f"up to {UNIT:g}; say --unit or --dx")
     return found
+
+
+def _length(m):
+    """Shorter side of a map [m]."""
+    return min(n * d for n, d in zip(np.shape(m[0]), m[1]))
 
 
 def _closure(p, k_n):
@@ -265,8 +288,8 @@ def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, steepness:
     model, reason : str
     """
     if steepness > STEEP:
-        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements do not "
-                            "converge")
+        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements do "
+                            "not converge")
     lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
     if lay < LAY:
         return "boundary_elements", (f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the "
@@ -283,14 +306,16 @@ def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, steepness:
     return "spectrum", f"{100 * area[0]:.2g} to {100 * area[-1]:.2g} % of the area touches, isotropic, no marked skewness"
 
 
-def _notes(facts, spectrum):
+def _notes(facts, spectrum, longer):
     """Sentences on what decides the law."""
     notes, parts = [], spectrum.height_variance.cumsum() / spectrum.height_variance.sum()
     half = 2e6 * np.pi / spectrum.q[min(int(np.searchsorted(parts, 0.5)), len(parts) - 1)]
     notes.append(f"half of the height variance lies above wavelengths of {half:.3g} um: the longest decide k_N at light load")
     for i, f in enumerate(facts, 1):
         if not f["rolls_off"]:
-            notes.append(f"map {i} has no roll-off: waves longer than it would lower k_N; the band counts one more octave")
+            what = ("waves longer than it would lower k_N; the band counts one more octave" if longer
+                    else "the longest wave that counts (--longest) decides k_N")
+            notes.append(f"map {i} has no roll-off: {what}")
         if f["noise_variance_m2"]:
             notes.append(f"map {i} ends in a flat spectrum: noise of {1e9 * np.sqrt(f['noise_variance_m2']):.3g} nm rms: "
                          "removed, the band counts both")
@@ -301,28 +326,32 @@ def _notes(facts, spectrum):
     return tuple(notes)
 
 
-def _spread(spectrum, noisy, facts, p, bodies, k_n, area, draws, seed, whole=False):
-    """Half widths of ln k_N downwards and upwards (95 %), and of ln A; `whole`: of boundary elements, which take
-    the map with its noise, and whose quarters tell its sampling."""
+def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=False):
+    """What widens the band, by name: half widths (95 %) of ln k_N downwards and upwards, and of ln A. `whole`: of boundary
+    elements, which take the map with its noise, and whose quarters tell its sampling."""
     rng = np.random.default_rng(seed)
-    many, areas = [], []
-    for _ in range(draws):
-        freedom = np.maximum(spectrum.modes, 1)
-        h = spectrum.height_variance * (1.0 if whole else rng.chisquare(freedom) / freedom)
-        e, hard = (np.exp(s * rng.standard_normal()) for s in (MODULUS_ERROR, HARDNESS_ERROR))
-        k, a = stiffness_from_spectrum(spectrum.q, h, p, bodies.e_star * e, max(bodies.hardness * hard, 1.01 * p[-1]))
-        many.append(np.log(k / k_n))
-        areas.append(np.log(a / area))
-    low, high = (abs(np.quantile(many, x, axis=0)) for x in (0.025, 0.975))
-    area_low = area_high = 1.96 * np.std(areas, axis=0)
-    if noisy is not spectrum:
-        with_noise, less_area = stiffness_from_spectrum(noisy.q, noisy.height_variance, p, bodies.e_star, bodies.hardness)
-        area_low = np.hypot(area_low, np.maximum(np.log(area / less_area), 0))
-        less = np.maximum(np.log(k_n / with_noise), 0)
-        low, high = (low, np.hypot(high, less)) if whole else (np.hypot(low, less), high)
-    if not all(f["rolls_off"] for f in facts):
-        longer = bands(np.concatenate([[spectrum.q[0] / 2**0.5], spectrum.q]),
-                       np.concatenate([[spectrum.height_variance[spectrum.q < 2 * spectrum.q[0]].sum()], spectrum.height_variance]))
-        soft, _ = stiffness_from_spectrum(longer.q, longer.height_variance, p, bodies.e_star, bodies.hardness)
-        low = np.hypot(low, np.maximum(np.log(k_n / soft), 0))
-    return low, high, area_low, area_high
+    freedom = np.maximum(spectrum.modes, 1)
+
+    def change(q, h, modulus=1.0, hardness=1.0):
+        hard = max(bodies.hardness * hardness, 1.01 * p[-1])
+        k, a = stiffness_from_spectrum(q, h, p, bodies.e_star * modulus, hard)
+        return np.log(k / k_n), np.log(a / area)
+
+    def quantiles(many):
+        k, a = np.transpose(many, (1, 0, 2))
+        low, high = (abs(np.quantile(k, x, axis=0)) for x in (0.025, 0.975))
+        return low, high, 1.96 * np.std(a, axis=0), 1.96 * np.std(a, axis=0)
+
+    h, parts, none = spectrum.height_variance, {}, np.zeros(len(p))
+    if not whole:
+        parts["sampling"] = quantiles([change(spectrum.q, h * rng.chisquare(freedom) / freedom) for _ in range(draws)])
+    errors = np.exp(rng.standard_normal((draws, 2)) * (MODULUS_ERROR, HARDNESS_ERROR))
+    parts["E* and hardness"] = quantiles([change(spectrum.q, h, *e) for e in errors])
+    if noisy is not None:
+        less, less_area = (np.maximum(-x, 0) for x in change(noisy.q, noisy.height_variance))
+        parts["noise"] = (none, less, none, none) if whole else (less, none, less_area, none)
+    if longer:
+        q, first = spectrum.q, h[spectrum.q < 2 * spectrum.q[0]].sum()
+        more = bands(np.concatenate([[q[0] / 2**0.5], q]), np.concatenate([[first], h]))
+        parts["longer waves"] = (np.maximum(-change(more.q, more.height_variance)[0], 0), none, none, none)
+    return parts

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -55,14 +57,14 @@ class Effort:
             Twice the bound is used up: the foretold time was wrong.
         """
         self.done += 1
-        self.tell(f"boundary elements: {patch}, {pressure / 1e6:.3g} MPa ({self.done} of {self.count}), {self.spent:.0f} s of about "
-                  f"{self.foretold:.0f} s", True)
+        self.tell(f"boundary elements: {patch}, {pressure / 1e6:.3g} MPa ({self.done} of {self.count}), {self.spent:.0f} s of "
+                  f"about {self.foretold:.0f} s", True)
         if self.spent > 2 * self.most:
-            raise StoppedError(f"boundary elements had used {self.spent:.0f} s, twice the {self.most:g} s that --seconds allows, at "
-                              f"{self.done} of {self.count} solutions")
+            raise StoppedError(f"boundary elements had used {self.spent:.0f} s, twice the {self.most:g} s that --seconds allows, "
+                              f"at {self.done} of {self.count} solutions")
 
 
-def solve(maps: list, pressure: np.ndarray, bodies, points: int, longest: float, effort: Effort) -> tuple:
+def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: float, effort: Effort) -> tuple:
     """Stiffness and contact on the sum of the maps, and its scatter among the four quarters.
 
     Parameters
@@ -97,12 +99,12 @@ def solve(maps: list, pressure: np.ndarray, bodies, points: int, longest: float,
     """
     z, spacing = _sum(maps, longest)
     quarters = [level(part)[0] for part in _quarters(z)]
-    args = (pressure, bodies.e_star, bodies.ratio, bodies.hardness)
+    args = (bodies.e_star, bodies.ratio, bodies.hardness)
     points = min(points, max(z.shape))
     trial, step = _averaged(quarters[0], spacing, max(16, points // 4))
     begun = time.monotonic()
     some = pressure[::4]
-    half_space.stiffness_on_map(half_space.mirrored(trial), step, some, *args[1:], tangential=False)
+    half_space.stiffness_on_map(half_space.mirrored(trial), step, some, *args, tangential=False)
     unit = (time.monotonic() - begun) * pressure.size / some.size / GROWTH ** np.log2(max(trial.shape))
 
     def foretell(n):
@@ -113,21 +115,21 @@ def solve(maps: list, pressure: np.ndarray, bodies, points: int, longest: float,
         points //= 2
     effort.foretold = foretell(points)
     if effort.foretold > effort.most:
-        raise StoppedError(f"boundary elements would take about {effort.foretold:.0f} s on {points} points a side, and --seconds allows "
-                          f"{effort.most:g}")
+        raise StoppedError(f"boundary elements would take about {effort.foretold:.0f} s on {points} points a side, and --seconds "
+                          f"allows {effort.most:g}")
     fewer = f" (more points would take about {first:.0f} s, --seconds allows {effort.most:g})" if first > effort.most else ""
     effort.tell(f"boundary elements: {pressure.size} pressures on {points} points a side and on four quarters, about "
                 f"{effort.foretold:.0f} s{fewer}")
     effort.count, effort.start = 5 * pressure.size, time.monotonic()
     logs = []
-    for i, part in enumerate(quarters):
+    for i, part in enumerate(quarters, 1):
         small, step = _averaged(part, spacing, points // 2)
-        k_n = half_space.stiffness_on_map(half_space.mirrored(small), step, *args, tangential=False,
-                                          tell=lambda p, i=i: effort.step(f"quarter {i + 1}", p))[0]
+        k_n = half_space.stiffness_on_map(half_space.mirrored(small), step, pressure, *args, tangential=False,
+                                          tell=partial(effort.step, f"quarter {i}"))[0]
         logs.append(np.log(k_n))
     whole, step = _averaged(z, spacing, points)
-    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, *args,
-                                                 tell=lambda p: effort.step("whole map", p))
+    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, pressure, *args,
+                                                 tell=partial(effort.step, "whole map"))
     return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), points
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tangential contact of a rough half space with Coulomb friction, by boundary elements: stick, slip and their memory.
 
-The operator is tamaas's. The solver is this package's: tamaas 2.9 has four with friction, of which one reaches the load asked for, and
-that one knows no history, so no loop (bench/joint_shear.py tamaas).
+The operator is tamaas's. The solver is this package's: tamaas 2.9 has four with friction, of which one reaches the load asked
+for, and that one knows no history, so no loop (bench/joint_shear.py).
 """
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ _MOST = 20_000    # iterations of a step
 class Slider:
     """A pressed patch that is moved along the second axis of the map, step after step, under constant pressure.
 
-    Similar materials: the shear does not change the pressure. Each step is Coulomb's law for the change of slip, solved as the minimum of
-    the elastic energy over all tractions inside the circles mu p (accelerated projected gradients, restarted where they rise).
+    Similar materials: the shear does not change the pressure. Each step is Coulomb's law for the change of slip, solved as the
+    minimum of the elastic energy over all tractions inside the circles mu p (accelerated projected gradients, restarted where they
+    rise).
 
     Parameters
     ----------

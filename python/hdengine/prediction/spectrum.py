@@ -208,8 +208,8 @@ def _noise(spectrum, points):
 def _rolls_off(spectrum):
     """Whether the power per wave no longer rises towards the longest waves of the map: a roll-off at a third of the map or shorter.
 
-    Waves longer than the map are left out, since levelling takes them. On 16 generated maps each with Hurst exponents from 0.2 to 0.8,
-    94 % of those with a roll-off at a third of the map or less are told, and 87 to 100 % of those without one.
+    Waves longer than the map are left out, since levelling takes them. On 16 generated maps each with Hurst exponents from 0.2 to
+    0.8, 94 % of those with a roll-off at a third of the map or less are told, and 87 to 100 % of those without one.
     """
     first = (spectrum.q > 1.9 * spectrum.q[0]) & (spectrum.q < 8 * spectrum.q[0])
     per_wave = spectrum.height_variance / spectrum.modes

@@ -369,6 +369,45 @@ def joint_peers():
              for r in read_record("joint_shear")["tamaas"]])
 
 
+def joint_ten():
+    """Theory over boundary elements on ten generated surfaces, mean of two maps, by the share that touches."""
+    surfaces, out = read_record("joint_law")["surfaces"], []
+    for name in dict.fromkeys(s["surface"] for s in surfaces if "measured" not in s["surface"]):
+        maps = [s["rows"] for s in surfaces if s["surface"] == name]
+        ratios = [(a["k_n_theory"] * b["k_n_theory"] / a["k_n_boundary_elements"] / b["k_n_boundary_elements"])**0.5 for a, b in zip(*maps)]
+        out.append((name, *(f"{r:.2f}" for r in ratios)))
+    return ("surface", "0.2 %", "0.5 %", "1.5 %", "4 %", "13 %", "36 %"), out
+
+
+def joint_models():
+    """K_TS of CD-14-100 by each model, and what changes it."""
+    rings = {"cd14": "of the paper", "cd14_ground": "ground"}
+    return (("rings", "model", "Eq. 45 at 5 N m / (MN m/rad)", "tangent at 1 N m", "tangent at 5 N m", "tangent, 1 to 5 N m / %",
+             "tangent, w 0.195 to 0.215 mm / %", "tangent, 10 µm eccentric / %"),
+            [(rings[c["scene"]], f"`{c['model']}`", f"{c['eq45_5_nm'] / 1e6:.3f}", f"{c['tangent_1_nm'] / 1e6:.3f}", f"{c['tangent_5_nm'] / 1e6:.3f}",
+              *(f"{c[k]:+.1f}" for k in ("torque_1_to_5_percent", "w_0195_to_0215_percent", "eccentricity_10um_percent")))
+             for c in read_record("joint_models")["conclusions"]])
+
+
+def joint_bands():
+    """95 % bands of both readings by group of causes."""
+    found = read_record("joint_band")["summary"]
+    names = {"maps": "two maps of 1 mm", "joint": "the same, scatter of the law, E*, hardness", "friction": "friction 0.05 to 0.15",
+             "geometry": "geometry and wave generator", "elastic constants": "Young's moduli", "all": "all"}
+    return (("cause", "tangent / %", "Eq. 45 / %"),
+            [(names[g], *("{:+.1f} to {:+.1f}".format(*found[r]["bands_percent"][g]) for r in ("tangent", "eq45"))) for g in names])
+
+
+def joint_shares():
+    """Shares of the variance of the tangent and of Eq. 45, the largest first."""
+    found = {r: read_record("joint_band")["summary"][r]["shares_of_variance"] for r in ("tangent", "eq45")}
+    joint = ("sampling", "law", "E* and hardness", "noise", "longer waves")
+    total = {"joint, all causes": [sum(f.get(k, 0) for k in joint) for f in found.values()]}
+    total |= {f"`{k}`": [f[k] for f in found.values()] for k in found["tangent"] if k not in joint}
+    shown = sorted(total.items(), key=lambda x: -max(x[1]))[:9]
+    return ("input", "tangent / %", "Eq. 45 / %"), [(k, *(rounded(100 * x, 1) for x in v)) for k, v in sorted(shown, key=lambda x: -x[1][0])]
+
+
 def joint_measured():
     """Measured joints over the law at the ends of their pressures."""
     out = []
@@ -383,6 +422,10 @@ TABLES = {  # marker: page, record, builder
     "joint-shear": ("joint_law", "joint_shear", joint_shear),
     "joint-spot": ("joint_law", "joint_shear", joint_spot),
     "joint-peers": ("joint_law", "joint_shear", joint_peers),
+    "joint-ten": ("joint_law", "joint_law", joint_ten),
+    "joint-models": ("joint_k_ts", "joint_models", joint_models),
+    "joint-bands": ("joint_k_ts", "joint_band", joint_bands),
+    "joint-shares": ("joint_k_ts", "joint_band", joint_shares),
     "joint-measured": ("joint_measured", "joint_measured", joint_measured),
     "element-errors": ("elements", "elements", element_errors),
     "element-agreement": ("elements", "elements", element_agreement),

@@ -17,16 +17,16 @@ from pathlib import Path
 
 import numpy as np
 
+from common import new_axes, styled, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
-from hdengine.figures.style import new_axes, styled
-from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored
+from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, tamaas
 from hdengine.prediction.spectrum import Spectrum, level, of_map
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "bench/results"
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
 MEASURED = {"al3d-1.al3d": None, "nanovea_test2.txt": ("mm", "um"), "sflz_test_1.opd": None}
-CONTACT = (0.003, 0.01, 0.03, 0.1, 0.3)
+CONTACT = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
 
 
 def rough(n, hurst, roll_off, shortest, seed):
@@ -88,7 +88,7 @@ def judge(folder):
         for name, roll_off in (("roll-off", 256 / 6), ("no roll-off", 256)):
             for seed in (901, 902):
                 z = 1e-7 * rough(256, 3 - d, roll_off, 6, seed)
-                found.append({"surface": f"D {d}, {name}", "seed": seed, "rows": compare(z, (1e-6, 1e-6), _scaled(lattice(z)), seed == 901)})
+                found.append({"surface": f"D {d}, {name}", "seed": seed, "facts": of_map(z, (1e-6, 1e-6))[1], "rows": compare(z, (1e-6, 1e-6), _scaled(lattice(z)), seed == 901)})
                 print(found[-1]["surface"], [round(r["k_n_theory"] / r["k_n_boundary_elements"], 2) for r in found[-1]["rows"]], flush=True)
     for name, unit in MEASURED.items() if folder else ():
         from hdengine.surfaces import specimen
@@ -98,8 +98,7 @@ def judge(folder):
         spectrum, facts = of_map(z, s.spacing)
         found.append({"surface": f"{name} (measured)", "facts": facts, "rows": compare(mirrored(z), s.spacing, spectrum)})
         print(name, [round(r["k_n_theory"] / r["k_n_boundary_elements"], 2) for r in found[-1]["rows"]], facts, flush=True)
-    (RESULTS / "joint_law.json").write_text(json.dumps({"script": "bench/joint_law.py judge", "e_star_pa": E_STAR, "k_t_over_k_n": RATIO,
-                                                        "surfaces": found}, indent=1) + "\n")
+    write_record("joint_law", {"e_star_pa": E_STAR, "k_t_over_k_n": RATIO, "surfaces": found}, seed=901, peers=(tamaas(),))
     draw(found)
 
 

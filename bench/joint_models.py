@@ -118,8 +118,9 @@ def draw(rows):
     axes[0].set(xlabel="torque / N m", ylabel="tangent K_TS / (MN m/rad)")
     axes[1].set(xlabel="torque / N m", ylabel="K_TS by Eq. 45 / (MN m/rad)", yscale="log")
     axes[2].set(xlabel="w / mm", ylabel="tangent K_TS at 5 N m / (MN m/rad)")
-    axes[0].set_ylim(bottom=0)
-    axes[2].set_ylim(bottom=0)
+    axes[0].set_ylim(0, 0.6)
+    axes[2].set_ylim(0, 0.6)
+    axes[2].set_xticks([0.195, 0.2, 0.205, 0.21, 0.215], ["0.195", "0.200", "0.205", "0.210", "0.215"])
     axes[0].legend(fontsize=9)
     save_figure(figure, "joint_models")
 

@@ -88,7 +88,8 @@ def main():
     for c in charts:
         for p in c["points"]:
             p["memory_mb"] = None if p["memory_mb"] is None or np.isnan(p["memory_mb"]) else p["memory_mb"]
-    scene = {key: value for key, value in read_scene().items() if key in charted()}
+    known = charted()
+    scene = {key: value for key, value in read_scene().items() if key in known}
     write_record("pareto", {"charts": charts, "defaults": scene})
     for c in charts:
         for p in c["points"]:

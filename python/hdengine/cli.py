@@ -180,7 +180,15 @@ def _sensitivity(args):
         print(f"  {key:28s} share of the variance {first:.2f}, with interactions {total:.2f}")
     if "note" in found:
         print(f"  {found['note']}")
-    for name in ("sensitivity.json", "tornado_joint.png", *(["tornado_drive.png"] if "drive" in found else [])):
+    tangent = found.get("tangent")
+    if tangent:
+        print(f"tangent K_TS {tangent['base_nm_per_rad']:.4g} N m/rad")
+        for name, (low, median, high) in tangent["bands_95_nm_per_rad"].items():
+            print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
+        for key, share in tangent["shares_of_variance"].items():
+            print(f"  {key:28s} share of the variance {share:.2f}")
+    for name in ("sensitivity.json", "tornado_joint.png", *(["tornado_drive.png"] if "drive" in found else []),
+                 *(["tornado_tangent.png"] if tangent else [])):
         print(f"written: {Path(args.folder) / name}")
     return 0
 

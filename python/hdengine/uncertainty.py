@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -221,6 +222,97 @@ def bands(field: Any, base: Any = None, ends: Any = None, draws: int = 500, leve
     return found
 
 
+DRIVE_GROUPS = {"joint": ("joint.",), "friction": ("contact.friction",), "geometry": ("geometry.", "wave_generator."),
+                "Young's moduli": ("material.",), "all": ("",)}
+
+
+def table_ranges(scene: dict, folder: str | os.PathLike) -> dict:
+    """Range of a joint's table from its own band: its low and its high columns as two tables in a folder.
+
+    Parameters
+    ----------
+    scene : dict
+        'group.key' to value.
+    folder : path-like
+
+    Returns
+    -------
+    dict
+        joint.table_file: (low, high, why); empty where the joint is no table or has no band.
+    """
+    path = scene.get("joint.table_file", "")
+    if scene.get("joint.model") not in ("table", "boundary_elements") or not Path(path).is_file():
+        return {}
+    table = np.genfromtxt(path, delimiter=",", names=True)
+    names = table.dtype.names or ()
+    if "k_n_pa_per_m_low" not in names:
+        return {}
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    ends = []
+    for side in ("low", "high"):
+        factor = table[f"k_n_pa_per_m_{side}"] / table["k_n_pa_per_m"]
+        k_t = table["k_t_pa_per_m"] if "k_t_pa_per_m" in names else None
+        columns = {"pressure_pa": table["pressure_pa"], "k_n_pa_per_m": table["k_n_pa_per_m"] * factor}
+        columns |= {} if k_t is None else {"k_t_pa_per_m": k_t * factor}
+        end = Path(folder).resolve() / f"joint_{side}.csv"
+        np.savetxt(end, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+        ends.append(str(end))
+    return {"joint.table_file": (*ends, "95 % band of its table")}
+
+
+def drive_factors(base: float, ends: dict, scene: dict, ranges: dict, draws: int = 4000, seed: int = 1) -> dict:
+    """Factors on K_TS of every input of a tornado, drawn over its range.
+
+    A number is drawn evenly over its range and acts as a straight line from its low end over the scene to its high end; the band of
+    a table is drawn as a normal error whose 95 % are its ends.
+
+    Parameters
+    ----------
+    base, ends : float and dict
+        Of `drive_tornado`. Ends that failed count as no change.
+    scene : dict
+    ranges : dict
+        Of the same keys.
+
+    Returns
+    -------
+    dict of ndarray
+    """
+    generator, found = np.random.default_rng(seed), {}
+    for key, (low, high) in ends.items():
+        x, y = (ranges[key][0], scene[key], ranges[key][1]), (low / base, 1.0, high / base)
+        at = generator.random(draws)
+        if isinstance(x[0], str):
+            x, at = (-1.96, 0.0, 1.96), generator.standard_normal(draws)
+        else:
+            at = x[0] + (x[2] - x[0]) * at
+        found[key] = np.maximum(np.interp(at, *_line(x, y)), 1e-9)
+    return found
+
+
+def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, dict]:
+    """Bands of K_TS by group of inputs, and each input's share of the variance of ln K_TS.
+
+    The inputs act as factors, so the shares of first order are the total ones.
+
+    Returns
+    -------
+    bands : dict
+        group: (low, median, high) [N m/rad].
+    shares : dict
+        key: share, the largest first.
+    """
+    bands = {}
+    for name, starts in DRIVE_GROUPS.items():
+        use = [v for key, v in factors.items() if key.startswith(starts)]
+        if use:
+            product = base * np.prod(use, axis=0)
+            bands[name] = tuple(float(v) for v in np.quantile(product, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+    variances = {key: float(np.var(np.log(v))) for key, v in factors.items()}
+    total = sum(variances.values()) or 1.0
+    return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
+
+
 def _line(x, y):
     """Points in rising x, each once, without those that are not finite."""
     kept = {a: b for a, b in zip(x, y) if np.isfinite(b)}
@@ -228,7 +320,8 @@ def _line(x, y):
 
 
 def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
-    """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, tornado_drive.png.
+    """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, and with the
+    drive tornado_drive.png (Eq. 45) and tornado_tangent.png, with bands and shares of the tangent.
 
     Parameters
     ----------
@@ -259,10 +352,18 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     figures = {"tornado_joint.png": plot_tornado(field.k_ts(), joint, JOINT, "Joint, contact field kept")}
     found = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint}
     if drive or (result.folder / "drive.out/study.json").is_file():
-        study = one_at_a_time(result.folder / "echo.nml").run(result.folder / "drive.out", show=show)
-        base, ends = drive_tornado(study)
-        figures["tornado_drive.png"] = plot_tornado(base, ends, DRIVE, "Drive, contact solved anew")
-        found |= {"drive_base_nm_per_rad": base, "drive": ends, "drive_failed": len(study.failures)}
+        ranges = DRIVE | table_ranges(result.scene, result.folder / "tables")
+        study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", show=show)
+        base, every = drive_tornado(study, ranges)
+        ends = {key: two for key, two in every.items() if key in DRIVE}
+        figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
+        found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
+        middle, tangents = drive_tornado(study, ranges, "k_ts_tangent_nm_per_rad")
+        if middle > 0:
+            figures["tornado_tangent.png"] = plot_tornado(middle, tangents, ranges, "Tangent, contact solved anew")
+            bands_of, shares = drive_bands(drive_factors(middle, tangents, result.scene, ranges), middle)
+            found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
+                                "shares_of_variance": shares}
     found["bands_95_nm_per_rad"] = bands(field, base, ends, draws)
     try:
         found["indices"] = joint_indices(field, base=sobol) if sobol else {}

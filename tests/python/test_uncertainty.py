@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT
+from conftest import ROOT, SMALL, call
 from hdengine import uncertainty as u
 
 
@@ -60,3 +60,38 @@ def test_one_at_a_time_changes_one_key():
 
     base, ends = u.drive_tornado(Done(), ranges)
     assert base == 10 and ends["wave_generator.w"] == (11.0, 12.0) and np.isnan(ends["wave_generator.interference"][1])
+
+
+def test_bands_and_shares_of_factors():
+    """Two inputs that act as straight lines of +-20 and +-10 % have shares of 0.8 and 0.2 of the variance, and a band of both within their
+    product; a table's band of +-30 % is drawn as its 95 %; an end that failed counts as no change."""
+    scene = {"contact.friction": 0.1, "geometry.bore_radius": 1.0, "joint.table_file": "k.csv", "material.ring_e": 1.0}
+    ranges = {"contact.friction": (0.05, 0.15), "geometry.bore_radius": (0.9, 1.1), "joint.table_file": ("low", "high"),
+              "material.ring_e": (0.5, 1.5)}
+    ends = {"contact.friction": (8.0, 12.0), "geometry.bore_radius": (11.0, 9.0), "material.ring_e": (float("nan"), float("nan"))}
+    factors = u.drive_factors(10.0, ends, scene, ranges)
+    bands, shares = u.drive_bands(factors, 10.0)
+    assert shares["contact.friction"] == pytest.approx(0.8, abs=0.03) and shares["material.ring_e"] == 0
+    assert 7.2 < bands["all"][0] < bands["friction"][0] < 8.2 and 11.8 < bands["friction"][2] < bands["all"][2] < 13.2
+    joint = u.drive_factors(10.0, {"joint.table_file": (7.0, 13.0)}, scene, ranges)["joint.table_file"]
+    assert np.quantile(joint, [0.025, 0.975]) == pytest.approx([0.7, 1.3], abs=0.03)
+
+
+def test_a_table_with_a_band_widens_the_tangent(exe, tmp_path, monkeypatch):
+    """`analyse` with the drive gives the tangent's ends, bands and shares; the table's own band is one of the inputs, and a softer joint
+    has the smaller tangent."""
+    p = np.array([1e5, 1e6, 1e7, 1e8, 4e8])
+    k = 3e13 * (p / 1e7) ** 0.9
+    names = "pressure_pa,k_n_pa_per_m,k_n_pa_per_m_low,k_n_pa_per_m_high,k_t_pa_per_m"
+    np.savetxt(tmp_path / "k.csv", np.c_[p, k, 0.3 * k, 3 * k, 0.8 * k], delimiter=",", header=names, comments="")
+    done = call(exe, ROOT / "data/cd14.nml", *SMALL, "joint.model=table", f"joint.table_file={tmp_path / 'k.csv'}", "output.vtu=none",
+                "wave_generator.ring_tangent=auto", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 0, done.stderr
+    monkeypatch.setattr(u, "DRIVE", {"contact.friction": u.DRIVE["contact.friction"]})
+    found = u.analyse(tmp_path / "r", drive=True, draws=20, sobol=0, show=False)["tangent"]
+    low, high = found["drive"]["joint.table_file"]
+    assert low < found["base_nm_per_rad"] < high
+    assert found["bands_95_nm_per_rad"]["joint"][0] < found["base_nm_per_rad"] < found["bands_95_nm_per_rad"]["joint"][2]
+    assert sum(found["shares_of_variance"].values()) == pytest.approx(1)
+    assert (tmp_path / "r/tornado_tangent.png").is_file()
+    assert u.table_ranges({"joint.model": "spectrum"}, tmp_path) == {}

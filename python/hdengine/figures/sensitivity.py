@@ -40,8 +40,9 @@ def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Any:
         for change, end, colour, away in zip(changes, ranges[key][:2], ("C0", "C1"), right):
             axis.barh(i, change, color=colour, height=0.7)
             place = max(change, 0) if away else min(change, 0)
-            axis.annotate(f"{factors[key] * end:.4g}", (place, i), xytext=(4 if away else -4, 0), textcoords="offset points",
-                          va="center", ha="left" if away else "right", fontsize=9)
+            text = "band" if isinstance(end, str) else f"{factors[key] * end:.4g}"
+            axis.annotate(text, (place, i), xytext=(4 if away else -4, 0), textcoords="offset points", va="center",
+                          ha="left" if away else "right", fontsize=9)
     axis.set_yticks(range(len(ends)), [
         f"{name} / {unit}" if unit else name for name, unit, _ in reversed(words.values())], fontsize=11)
     axis.axvspan(-1, 1, color="0.5", alpha=0.15, lw=0)

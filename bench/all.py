@@ -64,6 +64,7 @@ BENCHES = (
     Bench("paper_comparison.py", "the paper's figures and trends", 15),
     Bench("tooth_causes.py", "K_FTS and the catalogue", 3),
     Bench("joint_law.py", "the joint law beside boundary elements", 5, full=("judge",)),
+    Bench("joint_second.py", "boundary elements beside ContactMechanics", 0.3),
     Bench("joint_shear.py", "shear with friction beside the law", 15),
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
     Bench("joint_models.py", "K_TS by each model of the joint", 8),

@@ -17,6 +17,14 @@ module hd_vtu
     logical :: on_cells = .false.
   end type field_t
 
+  !> A file being written: what was declared so far follows in the appended data.
+  type :: open_file_t
+    integer :: unit = 0, status = 0
+    integer(int64) :: offset = 0
+  end type open_file_t
+
+  character(len=1), parameter :: nl = new_line('a')
+
 contains
 
   !> Write one grid of cells of one type.
@@ -28,81 +36,92 @@ contains
     type(field_t), intent(in) :: fields(:)            !< fields
     type(field_t), intent(in) :: of_grid(:)           !< numbers of the whole grid: value (1, 1)
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer(int64) :: offset
-    integer :: unit, status, i
-    character(len=1), parameter :: nl = new_line('a')
-    open (newunit=unit, file=path//'.part', access='stream', form='unformatted', status='replace', action='write', iostat=status)
-    if (status /= 0) then
+    type(open_file_t) :: file
+    integer :: i
+    open (newunit=file%unit, file=path//'.part', access='stream', form='unformatted', status='replace', action='write', &
+      iostat=file%status)
+    if (file%status /= 0) then
       call raise(error, code_file, "cannot write '"//path//"'")
       return
     end if
-    offset = 0
-    call put('<?xml version="1.0"?>'//nl//'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '// &
+    call put(file, '<?xml version="1.0"?>'//nl//'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '// &
       'header_type="UInt64">'//nl//'<UnstructuredGrid>'//nl//'<FieldData>'//nl)
     do i = 1, size(of_grid)
-      call put('<DataArray type="Float64" Name="'//of_grid(i)%name//'" NumberOfTuples="1" format="ascii">'// &
+      call put(file, '<DataArray type="Float64" Name="'//of_grid(i)%name//'" NumberOfTuples="1" format="ascii">'// &
         exact(of_grid(i)%value(1, 1))//'</DataArray>'//nl)
     end do
-    call put('</FieldData>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))//'" NumberOfCells="'// &
+    call put(file, '</FieldData>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))//'" NumberOfCells="'// &
       to_text(size(cells, 2))//'">'//nl//'<Points>'//nl)
-    call declare('Points', 'Float64', 3, 8*size(points, kind=int64))
-    call put('</Points>'//nl//'<Cells>'//nl)
-    call declare('connectivity', 'Int64', 1, 8*size(cells, kind=int64))
-    call declare('offsets', 'Int64', 1, 8*size(cells, 2, kind=int64))
-    call declare('types', 'UInt8', 1, size(cells, 2, kind=int64))
-    call put('</Cells>'//nl//'<PointData>'//nl)
-    call declare_fields(.false.)
-    call put('</PointData>'//nl//'<CellData>'//nl)
-    call declare_fields(.true.)
-    call put('</CellData>'//nl//'</Piece>'//nl//'</UnstructuredGrid>'//nl//'<AppendedData encoding="raw">'//nl//'_')
-    if (status == 0) write (unit, iostat=status) 8*size(points, kind=int64), points
-    if (status == 0) write (unit, iostat=status) 8*size(cells, kind=int64), int(cells - 1, int64)
-    if (status == 0) write (unit, iostat=status) 8*size(cells, 2, kind=int64), &
-      [(int(i, int64)*size(cells, 1), i=1, size(cells, 2))]
-    if (status == 0) write (unit, iostat=status) size(cells, 2, kind=int64), &
-      spread(int(cell_type, int8), 1, size(cells, 2))
-    call append_fields(.false.)
-    call append_fields(.true.)
-    call put(nl//'</AppendedData>'//nl//'</VTKFile>'//nl)
-    close (unit, iostat=i)
-    if (status /= 0 .or. i /= 0) then
+    call declare(file, 'Points', 'Float64', 3, 8*size(points, kind=int64))
+    call put(file, '</Points>'//nl//'<Cells>'//nl)
+    call declare(file, 'connectivity', 'Int64', 1, 8*size(cells, kind=int64))
+    call declare(file, 'offsets', 'Int64', 1, 8*size(cells, 2, kind=int64))
+    call declare(file, 'types', 'UInt8', 1, size(cells, 2, kind=int64))
+    call put(file, '</Cells>'//nl//'<PointData>'//nl)
+    call declare_fields(file, fields, .false.)
+    call put(file, '</PointData>'//nl//'<CellData>'//nl)
+    call declare_fields(file, fields, .true.)
+    call put(file, '</CellData>'//nl//'</Piece>'//nl//'</UnstructuredGrid>'//nl//'<AppendedData encoding="raw">'//nl//'_')
+    associate (unit => file%unit, status => file%status)
+      if (status == 0) write (unit, iostat=status) 8*size(points, kind=int64), points
+      if (status == 0) write (unit, iostat=status) 8*size(cells, kind=int64), int(cells - 1, int64)
+      if (status == 0) write (unit, iostat=status) 8*size(cells, 2, kind=int64), &
+        [(int(i, int64)*size(cells, 1), i=1, size(cells, 2))]
+      if (status == 0) write (unit, iostat=status) size(cells, 2, kind=int64), &
+        spread(int(cell_type, int8), 1, size(cells, 2))
+    end associate
+    call append_fields(file, fields, .false.)
+    call append_fields(file, fields, .true.)
+    call put(file, nl//'</AppendedData>'//nl//'</VTKFile>'//nl)
+    close (file%unit, iostat=i)
+    if (file%status /= 0 .or. i /= 0) then
       call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
       return
     end if
     call rename_file(path//'.part', path, error)
-  contains
-    subroutine put(text)
-      character(len=*), intent(in) :: text
-      if (status == 0) write (unit, iostat=status) text
-    end subroutine put
-
-    subroutine declare(name, kind, components, bytes)
-      character(len=*), intent(in) :: name, kind
-      integer, intent(in) :: components
-      integer(int64), intent(in) :: bytes
-      call put('<DataArray type="'//kind//'" Name="'//name//'" NumberOfComponents="'//to_text(components)// &
-        '" format="appended" offset="'//to_text(offset)//'"/>'//nl)
-      offset = offset + bytes + 8
-    end subroutine declare
-
-    subroutine declare_fields(on_cells)
-      logical, intent(in) :: on_cells
-      integer :: f
-      do f = 1, size(fields)
-        if (fields(f)%on_cells .neqv. on_cells) cycle
-        call declare(fields(f)%name, 'Float64', size(fields(f)%value, 1), 8*size(fields(f)%value, kind=int64))
-      end do
-    end subroutine declare_fields
-
-    subroutine append_fields(on_cells)
-      logical, intent(in) :: on_cells
-      integer :: f
-      do f = 1, size(fields)
-        if (fields(f)%on_cells .neqv. on_cells) cycle
-        if (status == 0) write (unit, iostat=status) 8*size(fields(f)%value, kind=int64), fields(f)%value
-      end do
-    end subroutine append_fields
   end subroutine write_vtu
+
+  !> Text as it stands.
+  subroutine put(file, text)
+    type(open_file_t), intent(inout) :: file    !< file
+    character(len=*), intent(in) :: text        !< text
+    if (file%status == 0) write (file%unit, iostat=file%status) text
+  end subroutine put
+
+  !> An array whose numbers follow.
+  subroutine declare(file, name, kind, components, bytes)
+    type(open_file_t), intent(inout) :: file    !< file
+    character(len=*), intent(in) :: name, kind  !< of the array
+    integer, intent(in) :: components           !< of a tuple
+    integer(int64), intent(in) :: bytes         !< of the numbers
+    call put(file, '<DataArray type="'//kind//'" Name="'//name//'" NumberOfComponents="'//to_text(components)// &
+      '" format="appended" offset="'//to_text(file%offset)//'"/>'//nl)
+    file%offset = file%offset + bytes + 8
+  end subroutine declare
+
+  !> All fields on points or on cells.
+  subroutine declare_fields(file, fields, on_cells)
+    type(open_file_t), intent(inout) :: file    !< file
+    type(field_t), intent(in) :: fields(:)      !< fields
+    logical, intent(in) :: on_cells             !< which of them
+    integer :: f
+    do f = 1, size(fields)
+      if (fields(f)%on_cells .neqv. on_cells) cycle
+      call declare(file, fields(f)%name, 'Float64', size(fields(f)%value, 1), 8*size(fields(f)%value, kind=int64))
+    end do
+  end subroutine declare_fields
+
+  !> Their numbers.
+  subroutine append_fields(file, fields, on_cells)
+    type(open_file_t), intent(inout) :: file    !< file
+    type(field_t), intent(in) :: fields(:)      !< fields
+    logical, intent(in) :: on_cells             !< which of them
+    integer :: f
+    do f = 1, size(fields)
+      if (fields(f)%on_cells .neqv. on_cells) cycle
+      if (file%status == 0) write (file%unit, iostat=file%status) 8*size(fields(f)%value, kind=int64), fields(f)%value
+    end do
+  end subroutine append_fields
 
   !> List of time steps for ParaView.
   subroutine write_pvd(path, files, times, error)

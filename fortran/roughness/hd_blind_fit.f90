@@ -46,14 +46,15 @@ contains
     real(dp), intent(in) :: band(2)                           !< window wanted [1/m]; 0: looked for
     type(blind_t), intent(out) :: b                           !< result
     type(error_t), allocatable, intent(out) :: error          !< too small
-    type(ring_table_t) :: second
+    type(ring_table_t) :: first, second
     integer :: n(2), last
     n = shape(z)
     if (size(other) > 1) n = min(n, shape(other))
-    call one(z, b%rings)
+    call take_spectrum(z, n, dx, dy, level, b, first, error)
     if (allocated(error)) return
+    b%rings = first
     if (size(other) > 1) then
-      call one(other, second)
+      call take_spectrum(other, n, dx, dy, level, b, second, error)
       if (allocated(error)) return
       associate (t => b%rings)
         t%m = (t%p + second%p)**2 / (t%p**2 / t%m + second%p**2 / second%m)
@@ -75,53 +76,58 @@ contains
         if (allocated(error)) deallocate (error)
       end if
     end if
-  contains
-    !> Clean one map and take its spectrum.
-    subroutine one(map, t)
-      real(dp), intent(in), contiguous :: map(:, :)   !< heights [m]
-      type(ring_table_t), intent(out) :: t            !< rings
-      type(ring_table_t) :: full, filled
-      real(dp), allocatable :: flat(:, :), mock(:, :)
-      logical, allocatable :: hole(:, :)
-      real(dp) :: tilt(2), slope, axis(2)
-      integer :: spikes, k
-      flat = map((size(map, 1) - n(1)) / 2 + 1:(size(map, 1) - n(1)) / 2 + n(1), &
-        (size(map, 2) - n(2)) / 2 + 1:(size(map, 2) - n(2)) / 2 + n(2))
-      if (level) call level_plane(flat, tilt)
-      call mask_spikes(flat, spikes)
-      hole = .not. abs(flat) <= huge(tilt)
-      call fill_holes(flat, hole)
-      b%spikes = b%spikes + spikes
-      b%holes = b%holes + count(hole)
-      b%spike_share = max(b%spike_share, spikes / real(size(flat), dp))
-      b%hole_share = max(b%hole_share, count(hole) / real(size(flat), dp))
-      if (level) call level_plane(flat, tilt)
-      call heavy_tails(flat, b)
+  end subroutine fit_blind
+
+  !> Clean one map and take its spectrum.
+  subroutine take_spectrum(map, n, dx, dy, level, b, t, error)
+    real(dp), intent(in), contiguous :: map(:, :)     !< heights [m]
+    integer, intent(in) :: n(2)                       !< points of the middle that is kept
+    real(dp), intent(in) :: dx, dy                    !< spacing [m]
+    logical, intent(in) :: level                      !< take the plane off
+    type(blind_t), intent(inout) :: b                 !< spikes, holes and tails are added
+    type(ring_table_t), intent(out) :: t              !< rings
+    type(error_t), allocatable, intent(out) :: error  !< too small
+    type(ring_table_t) :: full, filled
+    real(dp), allocatable :: flat(:, :), mock(:, :)
+    logical, allocatable :: hole(:, :)
+    real(dp) :: tilt(2), slope, axis(2)
+    integer :: spikes, k
+    flat = map((size(map, 1) - n(1)) / 2 + 1:(size(map, 1) - n(1)) / 2 + n(1), &
+      (size(map, 2) - n(2)) / 2 + 1:(size(map, 2) - n(2)) / 2 + n(2))
+    if (level) call level_plane(flat, tilt)
+    call mask_spikes(flat, spikes)
+    hole = .not. abs(flat) <= huge(tilt)
+    call fill_holes(flat, hole)
+    b%spikes = b%spikes + spikes
+    b%holes = b%holes + count(hole)
+    b%spike_share = max(b%spike_share, spikes / real(size(flat), dp))
+    b%hole_share = max(b%hole_share, count(hole) / real(size(flat), dp))
+    if (level) call level_plane(flat, tilt)
+    call heavy_tails(flat, b)
+    call new_ring_table(flat, dx, dy, t, error)
+    if (allocated(error)) return
+    if (any(t%axis > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
+      axis = t%axis
+      if (axis(2) > offsets) flat = flat - spread(sum(flat, 1) / size(flat, 1), 1, size(flat, 1))
+      if (axis(1) > offsets) flat = flat - spread(sum(flat, 2) / size(flat, 2), 2, size(flat, 2))
       call new_ring_table(flat, dx, dy, t, error)
       if (allocated(error)) return
-      if (any(t%axis > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
-        axis = t%axis
-        if (axis(2) > offsets) flat = flat - spread(sum(flat, 1) / size(flat, 1), 1, size(flat, 1))
-        if (axis(1) > offsets) flat = flat - spread(sum(flat, 2) / size(flat, 2), 2, size(flat, 2))
-        call new_ring_table(flat, dx, dy, t, error)
-        if (allocated(error)) return
-        t%axis = axis
-      end if
-      if (.not. any(hole)) return
-      k = max(2, 2 * size(t%f) / 3)                   ! what filling takes from a spectrum like this one
-      if (size(t%f) < k .or. any(t%p <= 0)) return
-      slope = -log(t%p(k) / t%p(1)) / log(t%f(k) / t%f(1))
-      allocate (mock, mold=flat)
-      call synthetic(mock, dx, dy, min(max(slope, t%dim + 0.1_dp), t%dim + 1.9_dp), error)
-      if (allocated(error)) return
-      call new_ring_table(mock, dx, dy, full, error)
-      if (allocated(error)) return
-      call fill_holes(mock, hole)
-      call new_ring_table(mock, dx, dy, filled, error)
-      if (allocated(error)) return
-      t%p = t%p * full%p / filled%p
-    end subroutine one
-  end subroutine fit_blind
+      t%axis = axis
+    end if
+    if (.not. any(hole)) return
+    k = max(2, 2 * size(t%f) / 3)                   ! what filling takes from a spectrum like this one
+    if (size(t%f) < k .or. any(t%p <= 0)) return
+    slope = -log(t%p(k) / t%p(1)) / log(t%f(k) / t%f(1))
+    allocate (mock, mold=flat)
+    call synthetic(mock, dx, dy, min(max(slope, t%dim + 0.1_dp), t%dim + 1.9_dp), error)
+    if (allocated(error)) return
+    call new_ring_table(mock, dx, dy, full, error)
+    if (allocated(error)) return
+    call fill_holes(mock, hole)
+    call new_ring_table(mock, dx, dy, filled, error)
+    if (allocated(error)) return
+    t%p = t%p * full%p / filled%p
+  end subroutine take_spectrum
 
   !> Largest excess kurtosis of second differences over steps of 1 to 16 points, along rows and columns: 0 of a Gaussian field, and
   !> large where few steps, scratches or plateaus make the height. Measured against five standard errors of independent patches.

@@ -115,7 +115,7 @@ contains
     real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
     real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
     real(dp), dimension(size(edge) - 1) :: m, p, p2, l, l2
-    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low, on_axis(2)
+    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low
     real(dp) :: f
     m = 0; p = 0; p2 = 0; l = 0; l2 = 0
     do pass = 1, 2
@@ -127,7 +127,7 @@ contains
           if (kx < axis_width .or. (t%dim == 2 .and. abs(ky) < axis_width)) cycle
           f = hypot(kx / t%side(1), merge(ky / t%side(2), 0._dp, t%dim == 2))
           if (f >= edge(size(edge)) .or. f < edge(1)) cycle
-          r = ring_of(f)
+          r = ring_of(f, edge)
           if (pass == 1) then
             m(r) = m(r) + 1
             p(r) = p(r) + power(i, j)
@@ -158,44 +158,54 @@ contains
       low = nint(sum(t%m, t%f < low_end * t%df))
       allocate (t%kx(low), t%ky(low), t%ring(low))
     end do
-    if (t%dim == 1) return
+    if (t%dim == 2) call weigh_axes(t, power, edge, place)
+  end subroutine collect
+
+  !> Mean of the modes on either axis, each over the power of its ring.
+  subroutine weigh_axes(t, power, edge, place)
+    type(ring_table_t), intent(inout) :: t    !< rings; axis is set
+    real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
+    real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
+    integer, intent(in) :: place(:)           !< of the rings in t, 0 where one was dropped
+    integer :: i, j, on_axis(2)
     t%axis = 0
     on_axis = 0
     do i = 5, size(power, 1)
-      call add_axis(1, (i - 1) / t%side(1), power(i, 1))
+      call add(1, (i - 1) / t%side(1), power(i, 1))
     end do
     do j = 5, size(power, 2) / 2
-      call add_axis(2, (j - 1) / t%side(2), power(1, j))
+      call add(2, (j - 1) / t%side(2), power(1, j))
     end do
     t%axis = t%axis / max(on_axis, 1)
   contains
-    !> Ring of a frequency.
-    pure integer function ring_of(f)
-      real(dp), intent(in) :: f     !< frequency [1/m]
-      integer :: a, b
-      ring_of = 1
-      b = size(edge)
-      do while (b - ring_of > 1)
-        a = (ring_of + b) / 2
-        if (f >= edge(a)) then
-          ring_of = a
-        else
-          b = a
-        end if
-      end do
-    end function ring_of
-
-    !> One mode on an axis beside its ring.
-    subroutine add_axis(k, f, value)
+    !> One mode beside its ring.
+    subroutine add(k, f, value)
       integer, intent(in) :: k            !< axis
       real(dp), intent(in) :: f, value    !< frequency, power
       integer :: q
       if (f < edge(1) .or. f >= edge(size(edge))) return
-      q = place(ring_of(f))
+      q = place(ring_of(f, edge))
       if (q == 0) return
       if (.not. t%p(q) > 0) return
       t%axis(k) = t%axis(k) + value / t%p(q)
       on_axis(k) = on_axis(k) + 1
-    end subroutine add_axis
-  end subroutine collect
+    end subroutine add
+  end subroutine weigh_axes
+
+  !> Ring of a frequency.
+  pure integer function ring_of(f, edge)
+    real(dp), intent(in) :: f           !< frequency [1/m]
+    real(dp), intent(in) :: edge(:)     !< of the rings [1/m]
+    integer :: a, b
+    ring_of = 1
+    b = size(edge)
+    do while (b - ring_of > 1)
+      a = (ring_of + b) / 2
+      if (f >= edge(a)) then
+        ring_of = a
+      else
+        b = a
+      end if
+    end do
+  end function ring_of
 end module hd_ring_table

@@ -122,3 +122,25 @@ def two_bodies(first, second, young, poisson, contact_first, contact_second, ang
     bodies = [solid.Body(m, e, v, a) for m, e, v, a in zip((first, second), young, poisson, angles)]
     chart = points[:, 1:]
     return (bodies, solid.Face(first.facets(contact_first), chart), solid.Face(second.facets(contact_second) + n, chart), points, n)
+
+
+def blocks_in_line_contact(per_half_width, young=200e9, poisson=0.3, far=40 * MM):
+    """Two blocks for a line contact of half-width about 1 mm, their far sides held along x and y.
+
+    Returns
+    -------
+    tuple
+        Bodies, slave face, master face, points, supports, nodes of the lower and of the upper far side.
+    """
+    h = MM / per_half_width
+    side = symmetric_graded(h, 1.4 * MM, far)
+    y = np.concatenate([-side[:0:-1], side])
+    x = mesh.graded(0, far, h, 1.25)
+    lower, upper = mesh.block(-x[::-1], y, [0, h]), mesh.block(x, y, [0, h])
+    bodies, slave, master, points, _ = two_bodies(lower, upper, (young, young), (poisson, poisson), np.abs(lower.points[:, 0]) < 1e-12,
+                                                  np.abs(upper.points[:, 0]) < 1e-12)
+    fixed = np.zeros(points.shape, bool)
+    fixed[:, 2] = True
+    low, high = np.abs(points[:, 0] + far) < 1e-9, np.abs(points[:, 0] - far) < 1e-9
+    fixed[low | high, :2] = True
+    return bodies, slave, master, points, fixed, low, high

@@ -2,26 +2,16 @@
 """Cylinders under a growing load and a growing shear at once, then under shear alone (Mindlin and Deresiewicz 1953; Jaeger 1998)."""
 import numpy as np
 
-from bodies import MM, Row, symmetric_graded, two_bodies
-from hdengine import mesh, solid
+from bodies import MM, Row, blocks_in_line_contact
+from hdengine import solid
 
 SOURCE = "K. L. Johnson, Contact Mechanics, ch. 7; J. Jaeger, Arch. Appl. Mech. 68 (1998) 478: no slip while dQ < mu dP"
 
 
 def solve(per_half_width=12, friction=0.3, growing=12, shearing=4):
     """Errors of the shear field (root mean square over mu times the peak pressure) after oblique loading and after partial slip."""
-    young, poisson, radius, far = 200e9, 0.3, 0.1, 40 * MM
-    h = MM / per_half_width
-    side = symmetric_graded(h, 1.4 * MM, far)
-    y = np.concatenate([-side[:0:-1], side])
-    x = mesh.graded(0, far, h, 1.25)
-    lower, upper = mesh.block(-x[::-1], y, [0, h]), mesh.block(x, y, [0, h])
-    bodies, slave, master, points, n = two_bodies(lower, upper, (young, young), (poisson, poisson), np.abs(lower.points[:, 0]) < 1e-12,
-                                                  np.abs(upper.points[:, 0]) < 1e-12)
-    fixed = np.zeros(points.shape, bool)
-    fixed[:, 2] = True
-    low, high = np.abs(points[:, 0] + far) < 1e-9, np.abs(points[:, 0] - far) < 1e-9
-    fixed[low | high, :2] = True
+    young, poisson, radius, h = 200e9, 0.3, 0.1, MM / per_half_width
+    bodies, slave, master, points, fixed, low, high = blocks_in_line_contact(per_half_width, young, poisson)
     depth = 22e-6
     travel = np.concatenate([np.linspace(1 / growing, 1, growing), np.ones(shearing)])
     # the shear's compliance is about the load's: half of mu while the load grows, towards mu afterwards

@@ -22,6 +22,8 @@ PROBLEMS = {
     "two_spheres": "two spheres",
     "patch_tests": "contact patch tests",
     "oblique_load": "oblique load, then shear",
+    "variable_load": "loop of shear under a load that varies",
+    "punches": "rigid flat punch",
 }
 
 

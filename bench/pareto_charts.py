@@ -3,41 +3,14 @@
 import shutil
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pareto_contact import cattaneo_mindlin, line_contact, pin_in_a_hole, press_fit, press_fit_matching
+from pareto_points import Chart, Point, relative
 
 from common import solve, take_turns
 from hdengine import read_scene
-
-
-@dataclass
-class Point:
-    """One run of a method: relative error, CPU seconds, peak memory [MB] where it was measured."""
-
-    method: str
-    setting: str
-    error: float
-    seconds: float
-    memory_mb: float = float("nan")
-    default: bool = False
-    peer: bool = False
-
-
-@dataclass
-class Chart:
-    """A family of methods on one problem."""
-
-    name: str
-    title: str
-    decides: str
-    points: list
-
-
-def relative(value, truth):
-    """Relative error, not below rounding."""
-    return float(max(abs(value / truth - 1), 1e-16))
 
 
 def heights(_):
@@ -84,19 +57,6 @@ def elements(quick):
                 points.append(Point(f"CalculiX {peer}", str(divisions), relative((case.probe * u).sum(), case.exact), seconds, peer=True))
     return Chart("elements", "Ring of 0.3 mm under cos 2θ, one cell through the wall",
                  "hex8i is the default: hex20r is more accurate for one body, but costs more in contact and allows fewer options.", points)
-
-
-def line_contact(quick):
-    """Hertz's line contact: error of the pressure field."""
-    import contact_cases as cc
-    points = []
-    for element, sizes in (("hex8i", (5, 10, 20) if quick else (5, 10, 20, 40)), ("hex20r", (5, 10) if quick else (5, 10, 20))):
-        for m in sizes:
-            start = time.process_time()
-            found = cc.hertz_line(cc.cylinder(m, element))
-            points.append(Point(element, f"{m} cells in a", float(found["field"]), time.process_time() - start,
-                                default=element == "hex8i" and m == 10))
-    return Chart("line_contact", "Hertz line contact, pressure field", "Contact needs five to ten cells in the half-width, whatever the element.", points)
 
 
 def scene_runs(settings, truth_keys, quantities, base, method_of, default=None, scene="cd14.nml"):
@@ -301,20 +261,6 @@ def joint(quick):
                  "err as much on a map that is averaged to one. The residual hardly matters: k_N asks only which points touch.", points)
 
 
-def press_fit(quick):
-    """Lame's press fit of two rings whose meshes do not match: worst pressure at a point."""
-    import contact_cases as cc
-    points = []
-    for element in ("hex8i", "hex20r"):
-        for n in (24, 48) if quick else (24, 48, 96):
-            start = time.process_time()
-            found = cc.lame(n, round(1.5 * n), element, layers=n // 8)
-            points.append(Point(f"mortar, {element}", f"{n} / {round(1.5 * n)} divisions", float(found["pressure_worst"]),
-                                time.process_time() - start, default=element == "hex8i" and n == 48))
-    return Chart("press_fit", "Press fit of two rings, meshes 1 : 1.5, worst pressure",
-                 "Mortar contact keeps the order of the elements on meshes that do not match, pressures included.", points)
-
-
 def loop(quick):
     """Loop of the whole drive, size 14: error by quantity, over mesh and load steps."""
     sizes = ((44, 6, 5), (86, 15, 10)) if quick else ((44, 6, 5), (86, 10, 5), (86, 15, 10), (128, 15, 10))
@@ -334,5 +280,5 @@ def loop(quick):
                  "86 divisions give K2 and ball forces; the force of a single tooth needs more of them, since teeth do not sit on nodes.", points)
 
 
-CHARTS = (heights, structure_function, fit, joint, elements, line_contact, press_fit, solvers, residual, start, meshes, planner, load_steps,
+CHARTS = (heights, structure_function, fit, joint, elements, line_contact, cattaneo_mindlin, pin_in_a_hole, press_fit_matching, press_fit, solvers, residual, start, meshes, planner, load_steps,
           symmetry, kinematics, loop)

@@ -17,6 +17,8 @@ from collections import Counter
 
 import numpy as np
 from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+from stability_peers import MAPS as PEER_MAPS
 
 from common import FIGURES, RESULTS, ROOT, new_axes, put, solve, table, write_record
 
@@ -170,6 +172,7 @@ def joint(quick):
 
 
 MAPS = (friction_interference, wave_wall, ring_wall, eccentric, torque_steps, shapes_of_cells, units, heights, joint)
+MAPS += tuple(sorted(PEER_MAPS, key=lambda m: "torque" in m.__name__))
 
 
 def measure(make, quick):
@@ -196,7 +199,7 @@ def draw(maps):
         ax.grid(False)
     for ax in axes.flat[len(maps):]:
         ax.remove()
-    figure.legend([figure.axes[0].bar(0, 0, color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
+    figure.legend([Patch(color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
     figure.savefig(FIGURES / "stability.png", dpi=80)
 
 

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two bodies of `hdengine.solid` in contact, solved by CalculiX on the same mesh: node to surface, surface to surface, mortar.
+
+The deck is in mm, N and MPa. The gap of the problem becomes shape: nodes of the slave move along their normal. An even interference can be
+told by *CLEARANCE instead, which surface to surface and mortar contact read.
+"""
+import re
+import resource
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import contact_cases as cc
+import numpy as np
+
+from hdengine import solid
+
+METHODS = {"n2s": "NODE TO SURFACE", "s2s": "SURFACE TO SURFACE", "mortar": "MORTAR"}
+ELEMENTS = {"hex8i": "C3D8I", "hex20r": "C3D20R"}
+SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
+
+
+@dataclass
+class Answer:
+    """What CalculiX said: done or the trouble, CPU seconds, fields of the last increment in m and Pa."""
+
+    done: bool
+    trouble: str
+    seconds: float
+    u: np.ndarray = None
+    traction: np.ndarray = None   # pressure and two shears
+    reaction: np.ndarray = None
+
+
+def lines_of(numbers, per_line=8):
+    """Numbers as lines of a deck."""
+    numbers = [str(n) for n in numbers]
+    return [", ".join(numbers[i:i + per_line]) for i in range(0, len(numbers), per_line)]
+
+
+def sides(cells, facets):
+    """Element and side, both from 1, of facets."""
+    wanted = {frozenset(f[:4]) for f in facets.tolist()}
+    return [(e + 1, s + 1) for e, c in enumerate(cells.tolist()) for s, side in enumerate(SIDES) if frozenset(c[k] for k in side) in wanted]
+
+
+def contact_cards(method, stiffness, friction, stick, clearance):
+    """Cards of the contact pair."""
+    behaviour = ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD"] if method == "mortar" else \
+        ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness:g}" + (", 0.1" if method == "n2s" else "")]
+    cards = ["*SURFACE INTERACTION, NAME=TOUCH", *behaviour]
+    if friction:
+        cards += ["*FRICTION", f"{friction:g}, {stick:g}"]
+    cards += [f"*CONTACT PAIR, INTERACTION=TOUCH, TYPE={METHODS[method]}", "SLAVE, MASTER"]
+    if clearance is not None:
+        cards += [f"*CLEARANCE, SLAVE=SLAVE, MASTER=MASTER, VALUE={1e3 * clearance:.9g}"]
+    return cards
+
+
+def write_deck(path, bodies, slave, master, fixed, steps, *, method, element, points, cylindrical=False, stiffness=1e8, friction=0.0, stick=1e7,
+               clearance=None, increment=1.0):
+    """Write the deck; `steps` are prescribed displacements (n, 3) [m], `stiffness` and `stick` in N/mm3."""
+    lines = ["*NODE, NSET=ALL"] + [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(1e3 * points)]
+    first, cells = 0, []
+    for b, body in enumerate(bodies):
+        lines.append(f"*ELEMENT, TYPE={ELEMENTS[element]}, ELSET=BODY{b}")
+        for c in body.mesh.cells + first:
+            cells.append(c)
+            words = [len(cells), *(c + 1)]
+            lines += [", ".join(map(str, words[:11])) + ("," if len(words) > 11 else "")] + ([", ".join(map(str, words[11:]))] if len(words) > 11 else [])
+        lines += [f"*MATERIAL, NAME=M{b}", "*ELASTIC", f"{body.young / 1e6:.9g}, {body.poisson}", f"*SOLID SECTION, ELSET=BODY{b}, MATERIAL=M{b}"]
+        first += len(body.mesh.points)
+    cells = np.array(cells)
+    lines += ["*NSET, NSET=HELD", *lines_of(np.flatnonzero(fixed[:, :2].any(1)) + 1)]
+    if cylindrical:   # mortar contact takes no transformed slave nodes
+        lines += ["*TRANSFORM, NSET=HELD, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    for name, face in (("SLAVE", slave), ("MASTER", master)):
+        lines += [f"*SURFACE, NAME={name}, TYPE=ELEMENT"] + [f"{e}, S{s}" for e, s in sides(cells, face.facets)]
+    lines += contact_cards(method, stiffness, friction, stick, clearance)
+    lines += ["*BOUNDARY"] + [f"{i + 1}, {d + 1}, {d + 1}" for i, d in np.argwhere(fixed)]
+    for u in steps:
+        lines += ["*STEP, INC=200", "*STATIC", f"{increment}, 1., 1e-4, {increment}"]
+        moved = np.argwhere(fixed & (np.abs(steps).max(0) > 0))
+        lines += ["*BOUNDARY"] + [f"{i + 1}, {d + 1}, {d + 1}, {1e3 * u[i, d]:.12g}" for i, d in moved] if len(moved) else []
+        lines += ["*NODE PRINT, NSET=ALL, FREQUENCY=200, GLOBAL=YES", "U", "*NODE PRINT, NSET=HELD, FREQUENCY=200", "RF", "*CONTACT FILE, FREQUENCY=200", "CSTR", "*END STEP"]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def contact_traction(text, n):
+    """Pressure and two shears [Pa] at the slave's nodes from the last CONTACT block of a .frd file."""
+    traction, on = np.zeros((n, 3)), False
+    for line in text.splitlines():
+        if line.startswith(" -4  "):
+            on = line.split()[1] == "CONTACT"
+            if on:
+                traction[:] = 0
+        elif on and line.startswith(" -1"):
+            traction[int(line[3:13]) - 1] = [1e6 * float(line[k:k + 12]) for k in (49, 61, 73)]
+        elif line.startswith(" -3"):
+            on = False
+    return traction
+
+
+def printed(text, word, n):
+    """The last block of a vector print of a .dat file, (n, 3)."""
+    field = np.zeros((n, 3))
+    for block in re.split(r"\n(?= *(?:displacements|forces) )", "\n" + text):
+        if block.lstrip().startswith(word):
+            for number, *v in re.findall(r"^\s+(\d+)\s+(\S+)\s+(\S+)\s+(\S+)(?:\s+L)?\s*$", block, re.M):
+                field[int(number) - 1] = [float(x) for x in v]
+    return field
+
+
+def limited(limit):
+    """CPU seconds of a child."""
+    return lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 2))
+
+
+def solve(bodies, slave, master, fixed, steps, *, limit=120, **options):
+    """Solve in CalculiX; `options` are those of `write_deck`. A run past `limit` CPU seconds is ended."""
+    n = len(fixed)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_deck(folder / "pair.inp", bodies, slave, master, fixed, np.asarray(steps), **options)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run(["ccx", "-i", "pair"], cwd=folder, capture_output=True, text=True, errors="replace", preexec_fn=limited(limit))
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        finished = "Job finished" in done.stdout
+        told = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line]
+        trouble = "" if finished else told[-1] if told else f"ended by signal {-done.returncode}" if done.returncode < 0 else "stopped without a word"
+        if not finished:
+            return Answer(False, f"over {limit} s" if seconds >= limit else trouble, seconds)
+        text = (folder / "pair.dat").read_text()
+        frd = (folder / "pair.frd").read_text(errors="replace")
+        return Answer(True, "", seconds, 1e-3 * printed(text, "displacements", n), contact_traction(frd, n), printed(text, "forces", n))
+
+
+def press_fit(method, told, inner, outer, element, layers, start, interference=10e-6, **options):
+    """Lame's press fit; the interference as shape of the outer ring, or told by *CLEARANCE. Returns the answer and the error: root mean square of
+    the radial displacement at the interface over Lame's.
+    """
+    bodies, faces, polar, _, fixed = cc.lame_problem(inner, outer, element, layers, start)
+    points, n0 = np.vstack([b.mesh.points for b in bodies]), len(bodies[0].mesh.points)
+    face = np.flatnonzero(np.abs(polar[:, 0] - 20e-3) < 1e-9)
+    if not told:
+        moved = face[face >= n0]
+        points[moved, :2] *= 1 - interference / polar[moved, :1]
+    found = solve(bodies, *faces, fixed, np.zeros((1, *points.shape)), method=method, element=element, points=points, cylindrical=True,
+                  clearance=-interference if told else None, **options)
+    if not found.done:
+        return found, np.nan
+    _, inward, outward = cc.lame_exact(interference)
+    radial = (found.u[face, :2] * np.c_[np.cos(polar[face, 1]), np.sin(polar[face, 1])]).sum(1)
+    return found, float(np.sqrt(np.mean((radial / np.where(face < n0, inward, outward) - 1) ** 2)))
+
+
+def cylinder(method, per_half_width, element, friction=0.0, path=(), **options):
+    """Hertz's line contact, then a tangential path (contact_cases.cylinder): the answer, and the fields of the last step."""
+    bodies, points, slave, master, fixed, u, gap, low = cc.cylinder_problem(per_half_width, element, friction, path)
+    near = np.abs(points[:, 1]) < 2.5e-3
+    parts = [solid.Face(f.facets[near[f.facets].all(1)], f.chart) for f in (slave, master)]
+    shaped = points.copy()
+    lower = (np.arange(len(points)) < len(bodies[0].mesh.points)) & (np.abs(points[:, 0]) < 1e-12)
+    shaped[lower, 0] -= np.minimum(gap, gap[near].max())[lower]
+    found = solve(bodies, *parts, fixed, u, method=method, element=element, points=shaped, friction=friction, **options)
+    if not found.done:
+        return found, None
+    corners = np.zeros(len(points), bool)
+    corners[np.unique(parts[0].facets[:, :4])] = True
+    t = found.traction
+    # the directions of its two shears are its own: their size is compared
+    return found, cc.cylinder_fields(points, corners, t[None, :, 0], np.hypot(t[None, :, 1], t[None, :, 2]), found.reaction[None], low, per_half_width)

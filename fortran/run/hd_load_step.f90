@@ -23,6 +23,9 @@ module hd_load_step
   public :: solve_step
 
   integer, parameter :: stubborn = 5         !< times the iterations of a load step that halving cannot help
+  !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At the
+  !> bound rounding would say which.
+  real(dp), parameter :: below_bound = 1e-6_dp
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
 contains
@@ -212,6 +215,7 @@ contains
     end if
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
+    if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     start = wall_seconds()
     if (allocated(run%coarser) .and. .not. ratio > 0) then
       call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)

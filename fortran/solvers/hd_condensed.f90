@@ -180,6 +180,7 @@ contains
     type(face_system_t), intent(inout) :: system      !< gets more, side, corner, known
     system%side = self%border%side(:, :, self%border%columns())
     system%more = size(system%side, 3)
+    system%struts = size(self%border%active)
     system%corner = self%border%matrix(problem)
     system%known = self%border%known(problem, f, v)
     if (self%symmetry%half_turn) system%fold = 2

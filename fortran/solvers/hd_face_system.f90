@@ -3,7 +3,9 @@
 !> and tractions t = P y + q that already obey those rows of the law that do not see displacements (R P = 1).
 !>
 !> Open points have no y, slipping ones two, sticking ones three. Unknowns are y, here as forces (times area). A border (hd_border)
-!> may add unknowns x: S x joins w, and  S^T f + D x = e  the equations.
+!> may add unknowns x: S x joins w, and  S^T f + D x = e  the equations. GMRES does not meet the struts among them: they are
+!> eliminated before, F gives way to the compliance of bodies that stand on their struts. Left in the border they take it two to three
+!> times the steps, and without their hold the right-hand side is not one of forces in balance.
 module hd_face_system
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t
@@ -37,12 +39,15 @@ module hd_face_system
     integer, allocatable :: first(:)             !< first unknown of that multiplier
     real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
     integer :: more = 0                          !< unknowns of the border
+    integer :: struts = 0                        !< of these the first are struts, which GMRES eliminates
     real(dp) :: fold = 1                         !< points that each of the list stands for in sums over the face
     real(dp), allocatable :: side(:, :, :)       !< S (3, multipliers, more) [m/N]
     real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
     real(dp), allocatable :: known(:)            !< e (more) [m]
     real(dp), allocatable :: x(:)                !< the solution's x (more) [N]
     real(dp), allocatable :: right(:, :), below(:, :)   !< R S and S^T P (unknowns, more)
+    real(dp), allocatable :: strut_right(:, :)   !< R S of struts that are eliminated (unknowns, struts)
+    real(dp), allocatable :: strut_forces(:, :)  !< their forces for each unknown, and last for none (struts, unknowns + rest + 1)
     real(dp), allocatable :: answer(:, :)        !< preconditioned R S (unknowns, more)
     real(dp), allocatable :: factor(:, :)        !< inverse of D less what that leaves (more, more)
   contains
@@ -243,18 +248,47 @@ contains
     integer, intent(out) :: steps                     !< taken
     real(dp), intent(out) :: residual                 !< reached
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: y(:)
-    integer :: n
+    real(dp), allocatable :: b(:), y(:)
     call number(self, list)
-    n = self%start(size(self%start))
-    allocate (y(n + self%more))
     call pack_rows(self)
     call weigh(self)
-    if (self%more > 0) call eliminate_border(self, error)
+    b = right_side(self, w)
+    if (self%struts > 0) call eliminate_struts(self, b, error)
+    if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
     if (allocated(error)) return
-    call solve_gmres(self, right_side(self, w), tolerance, most, y, steps, residual, error)
-    if (.not. allocated(error)) call enter(self, y, traction)
+    allocate (y(size(b)))
+    call solve_gmres(self, b, tolerance, most, y, steps, residual, error)
+    if (allocated(error)) return
+    call enter(self, y, traction)
+    if (self%struts > 0) self%x = [matmul(self%strut_forces, [-y, 1._dp]), self%x]
   end subroutine solve_krylov
+
+  !> Leave the rest of the border, and bodies that stand on their struts.
+  subroutine eliminate_struts(self, b, error)
+    class(face_system_t), intent(inout) :: self       !< packed; gets strut_right, strut_forces
+    real(dp), allocatable, intent(inout) :: b(:)      !< right-hand side, loses the struts
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: own(:, :), cross(:, :)
+    integer :: m, n
+    n = size(self%at)
+    m = self%struts
+    own = self%corner(:m, :m)
+    cross = self%corner(m + 1:, :m)
+    allocate (self%strut_forces(m, size(b) - m + 1))
+    self%strut_forces(:, :n) = transpose(self%below(:, :m))
+    self%strut_forces(:, n + 1:size(b) - m) = self%corner(:m, m + 1:)
+    self%strut_forces(:, size(b) - m + 1) = b(n + 1:n + m)
+    call solve_dense(own, self%strut_forces, error)
+    if (allocated(error)) return
+    associate (forces => self%strut_forces, last => size(b) - m + 1)
+      self%strut_right = self%right(:, :m)
+      b = [b(:n) - matmul(self%strut_right, forces(:, last)), b(n + m + 1:) - matmul(cross, forces(:, last))]
+      self%corner = self%corner(m + 1:, m + 1:) - matmul(cross, forces(:, n + 1:last - 1))
+      self%right = self%right(:, m + 1:) - matmul(self%strut_right, forces(:, n + 1:last - 1))
+      self%below = self%below(:, m + 1:) - transpose(matmul(cross, forces(:, :n)))
+    end associate
+    self%more = self%more - m
+  end subroutine eliminate_struts
 
   !> Shares of compliance and law in the preconditioner: squares of those in the diagonal (a fifth fewer steps than the shares
   !> themselves on meshes with edge cells, a tenth on others).
@@ -338,6 +372,7 @@ contains
         y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
       end do
     end do
+    if (allocated(self%strut_forces)) y(:n) = y(:n) - matmul(self%strut_right, matmul(self%strut_forces(:, :n), x(:n)))
     if (self%more == 0) return
     y(:n) = y(:n) + matmul(self%right, x(n + 1:))
     y(n + 1:) = matmul(x(:n), self%below) + matmul(self%corner, x(n + 1:))

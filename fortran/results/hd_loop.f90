@@ -17,7 +17,8 @@ module hd_loop
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, moments_of_struts
+  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, &
+    moments_of_struts, store_loop, recall_loop
 
   !> Every booked step.
   type :: loop_t
@@ -92,6 +93,46 @@ contains
       if (step%phase /= 'assembly') loop%lift = max(loop%lift, lifted(scene, loop%force(n + 1:), loop%closing(n + 1:)))
     end associate
   end subroutine book
+
+  !> Write what a resumed run goes on from.
+  subroutine store_loop(loop, unit, status)
+    type(loop_t), intent(in) :: loop   !< booked steps
+    integer, intent(in) :: unit        !< unformatted file
+    integer, intent(out) :: status     !< 0: written
+    real(dp), allocatable :: life(:, :)
+    allocate (life(0, 3))
+    if (allocated(loop%fatigue%safety)) life = reshape([loop%fatigue%mean, loop%fatigue%amplitude, loop%fatigue%safety], &
+      [size(loop%fatigue%safety), 3])
+    write (unit, iostat=status) size(loop%torque), size(loop%force), size(life, 1)
+    if (status == 0) write (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
+      loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
+      loop%tooth_force_max, loop%lift, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, loop%fatigue%torque, life
+  end subroutine store_loop
+
+  !> Read it back; the last booked step is that of a state.
+  subroutine recall_loop(loop, unit, state, status)
+    type(loop_t), intent(inout) :: loop  !< booked steps
+    integer, intent(in) :: unit          !< unformatted file
+    type(state_t), intent(in) :: state   !< last converged state
+    integer, intent(out) :: status       !< 0: read
+    real(dp), allocatable :: life(:, :)
+    integer :: steps, struts, nodes
+    read (unit, iostat=status) steps, struts, nodes
+    if (status /= 0) return
+    allocate (loop%torque(steps), loop%angle(steps), loop%force(struts), loop%closing(struts), life(nodes, 3))
+    read (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
+      loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
+      loop%tooth_force_max, loop%lift, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, loop%fatigue%torque, life
+    if (status /= 0) return
+    if (nodes > 0) then
+      loop%fatigue%mean = life(:, 1)
+      loop%fatigue%amplitude = life(:, 2)
+      loop%fatigue%safety = life(:, 3)
+    end if
+    loop%traction = state%traction
+    loop%slip = state%slip
+    loop%contact = state%contact
+  end subroutine recall_loop
 
   !> Largest way out of mesh, towards the axis, of a pair that pushes: the mean of its flanks' closings sees the radial way
   !> alone [m].

@@ -6,6 +6,7 @@ module hd_checkpoint
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_input, only: read_scene
+  use hd_loop, only: loop_t, store_loop, recall_loop
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
@@ -40,7 +41,7 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint 5'
+    character(len=21) :: magic = 'hdengine checkpoint 6'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change
@@ -69,11 +70,12 @@ contains
   end subroutine drop_checkpoint
 
   !> Write a checkpoint; the one before is replaced only when this one is whole.
-  subroutine save_checkpoint(folder, scene, mark, before, state, error)
+  subroutine save_checkpoint(folder, scene, mark, before, state, loop, error)
     character(len=*), intent(in) :: folder            !< of a run
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(in) :: mark                  !< where it stands
     type(state_t), intent(in) :: before, state        !< last two converged states
+    type(loop_t), intent(in) :: loop                  !< steps of a whole drive
     type(error_t), allocatable, intent(out) :: error  !< disk full
     character(len=:), allocatable :: part
     type(head_t) :: head
@@ -89,6 +91,7 @@ contains
     if (status == 0) write (unit, iostat=status) head, mark
     if (status == 0) call write_state(unit, before, status)
     if (status == 0) call write_state(unit, state, status)
+    if (status == 0 .and. scene%support == 'drive') call store_loop(loop, unit, status)
     if (status == 0) then
       inquire (unit=unit, pos=head%bytes)
       head%bytes = head%bytes - 1 + storage_size(sum)/8
@@ -109,11 +112,12 @@ contains
 
   !> Read a checkpoint into states of the right size. What is not, to the last bit, what this version of the engine wrote for
   !> this scene is refused.
-  subroutine load_checkpoint(folder, scene, mark, before, state, error)
+  subroutine load_checkpoint(folder, scene, mark, before, state, loop, error)
     character(len=*), intent(in) :: folder            !< of a run
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(out) :: mark                 !< where it stood
     type(state_t), intent(inout) :: before, state     !< at rest, then the last two converged states
+    type(loop_t), intent(inout) :: loop               !< gets the steps of a whole drive
     type(error_t), allocatable, intent(out) :: error  !< broken, of another version, scene or mesh
     type(head_t) :: head, right
     character(len=:), allocatable :: cause
@@ -146,6 +150,7 @@ contains
       if (status == 0) read (unit, pos=place, iostat=status) mark
       if (status == 0) call read_state(unit, before, status)
       if (status == 0) call read_state(unit, state, status)
+      if (status == 0 .and. scene%support == 'drive') call recall_loop(loop, unit, state, status)
       close (unit)
     end if
     if (status /= 0) call raise(error, code_file, "'"//file_of(folder)//"' is "//cause//new_line('a')// &

@@ -23,8 +23,8 @@ module hd_load_step
   public :: solve_step
 
   integer, parameter :: stubborn = 5         !< times the iterations of a load step that halving cannot help
-  !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At the
-  !> bound rounding would say which.
+  !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At
+  !> the bound rounding would say which.
   real(dp), parameter :: below_bound = 1e-6_dp
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 

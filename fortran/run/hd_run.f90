@@ -101,7 +101,8 @@ contains
     type(mark_t) :: mark
     call prepare(scene, input, run, error)
     if (.not. allocated(error)) call build(run, error)
-    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, run%loop, &
+      error)
     if (.not. allocated(error)) call reopen_output(folder, scene, mark%sizes, mark%sums, &
       mark%steps, run%output, error)
     if (allocated(error)) return
@@ -122,7 +123,7 @@ contains
     run%step%number = mark%steps
     call place_step(run, run%position, run%step)
     call pair_bodies(run%drive%problem, run%state%u)
-    call measure(run)
+    call measure(run, again=.true.)
     call enter_stiffness(run)
     call say('resumed   after load step '//to_text(mark%steps)//', torque '//to_text(run%step%torque)//' N m')
   end subroutine restore_run
@@ -195,7 +196,7 @@ contains
     run%record%steps = run%record%steps + 1
     run%step%number = run%record%steps
     run%step%seconds = start - run%step_clock
-    call measure(run)
+    call measure(run, again=.false.)
     if (run%position <= 1 + 1e-12_dp) then
       run%rotation_assembled = run%sums%rotation
       run%sums%rotation = 0
@@ -222,16 +223,15 @@ contains
         run%position >= final_position(run) - 1e-12_dp))) then
         call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
       end if
-      if (.not. allocated(error) .and. .not. (allocated(run%teeth) .or. run%scene%support == 'drive')) then
-        call save(run, error)
-      end if  ! neither keeps what a resumed run would need
+      if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
     end if
     run%record%timers%output = run%record%timers%output + wall_seconds() - start
   end subroutine accept
 
   !> Facets, forces and rotation of the present state.
-  subroutine measure(run)
+  subroutine measure(run, again)
     type(run_t), intent(inout) :: run  !< gets facets and sums
+    logical, intent(in) :: again       !< its step is booked already
     type(load_t) :: load
     call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
       step_friction(run%scene, run%position), load, run%state%touch)
@@ -241,7 +241,7 @@ contains
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
     if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
     if (run%scene%support == 'drive') then
-      call book(run%loop, run%scene, run%drive, load, run%state, run%step)
+      if (.not. again) call book(run%loop, run%scene, run%drive, load, run%state, run%step)
       run%sums%rotation = bottom_turn(run%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
       run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%loop%force)
@@ -325,7 +325,7 @@ contains
     mark%symmetry = run%record%symmetry
     mark%sizes = table_sizes(run%output)
     mark%sums = table_sums(run%output)
-    call save_checkpoint(run%output%folder, run%scene, mark, run%before, run%state, error)
+    call save_checkpoint(run%output%folder, run%scene, mark, run%before, run%state, run%loop, error)
   end subroutine save
 
   !> Close the run: warnings, last grids of a run that ended early, summary.

@@ -345,6 +345,8 @@ contains
         'so small that all balls have room on their circle: below', 2*acos(-1._dp)*(inner - s%ball_diameter/2)/max(1, s%balls))
       call need(s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
         '0 where bearing.balls stand for it', 0._dp)
+      call need(.not. s%planned_tolerance > 0, 'run.tolerance', s%planned_tolerance, "0 with support 'drive': plans promise "// &
+        'K_TS of one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays', 0._dp)
       call need(s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
     end subroutine check_drive
 

@@ -4,8 +4,8 @@
 !>
 !> Open points have no y, slipping ones two, sticking ones three. Unknowns are y, here as forces (times area). A border (hd_border)
 !> may add unknowns x: S x joins w, and  S^T f + D x = e  the equations. GMRES does not meet the struts among them: they are
-!> eliminated before, F gives way to the compliance of bodies that stand on their struts. Left in the border they take it two to three
-!> times the steps, and without their hold the right-hand side is not one of forces in balance.
+!> eliminated before, F gives way to the compliance of bodies that stand on their struts. Left in the border they take it two to
+!> three times the steps, and without their hold the right-hand side is not one of forces in balance.
 module hd_face_system
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole drive in one scene: balls, ring, cup, friction, teeth, and the loop (docs/explain/drive.md)."""
 import json
+import signal
+import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -137,6 +140,32 @@ def test_gmres_meets_no_struts(exe, tmp_path):
     for table, column in ((1, "angle_rad"), (1, "stored_j"), (2, "force_n"), (3, "force_n")):
         a, b = ours[table][column], other[table][column]
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * abs(a).max(), err_msg=column)
+
+
+@pytest.mark.parametrize("rows", [2, 9, 23])
+def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
+    """Stopped by a signal in assembly, rise or fall: --resume ends with the same tables, to the byte, and the same summary."""
+    keys = [*MESH, "load.torque_steps=10"]
+    folder, whole = tmp_path / "stopped", tmp_path / "whole"
+    process = subprocess.Popen([exe, ROOT / "data/drive14.nml", *keys, "--out", folder, "-q"], stderr=subprocess.DEVNULL)
+    while not (folder / "loop.csv").exists() or (folder / "loop.csv").read_bytes().count(b"\n") < 1 + rows:
+        assert process.poll() is None
+        time.sleep(0.001)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait() == 7
+    for out, more in ((folder, ["--resume"]), (whole, [])):
+        done = call(exe, ROOT / "data/drive14.nml", *keys, "--out", out, "-q", *more)
+        assert done.returncode == 0, done.stderr
+    for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv"):
+        assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
+    ours, other = (json.loads((f / "summary.json").read_text()) for f in (folder, whole))
+    assert ours["results"] == other["results"] and ours["model"]["resumed"] and not other["model"]["resumed"]
+
+
+def test_a_plan_of_a_drive_is_refused(exe, tmp_path):
+    """A plan promises K_TS of one torque: with support 'drive' run.tolerance is refused, and the message says what to do."""
+    done = call(exe, ROOT / "data/drive14.nml", "run.tolerance=0.05", "--out", tmp_path / "p")
+    assert done.returncode == 2 and "run.tolerance = 0.05" in done.stderr and "Refine mesh.divisions" in done.stderr
 
 
 def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):

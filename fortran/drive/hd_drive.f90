@@ -229,10 +229,15 @@ contains
     end associate
   end subroutine touch_teeth
 
-  !> The ring's inner face follows the cam tangentially: by choice, or where nothing else would take the torque.
+  !> The ring's inner face follows the cam tangentially: by choice, or where nothing else holds the ring, which is with support
+  !> 'bearing', and without friction under large displacements.
   pure logical function ring_follows(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. scene%support == 'bearing')
+    logical :: frictionless
+    frictionless = scene%contact_mode == 'frictionless' .or. (scene%contact_mode == 'frictional' .and. &
+      .not. max(scene%friction, scene%torque_friction) > 0)
+    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support == 'bearing' .or. &
+      (frictionless .and. scene%kinematics == 'nonlinear')))
   end function ring_follows
 
   !> Springs of the balls between wave generator and ring, even over the ring's inner face.

@@ -5,7 +5,8 @@
 !> steeply: with K ~ p^a, a < 1, the stiffness of the mean is larger than the mean of the stiffness, and K_TS too high by what
 !> falls as slowly as h. There p ~ (e - z)^(1/2) is taken (a crowned contact's end); the means of the last two cells tell e, and
 !> both get the power mean  (1/l int p^a dz)^(1/a). The exponent a is the joint's own at the pressure of each node: 0.6 for the
-!> default joint about to slip, 0.33 where spots are elastic, below 0 where K_T falls as the pressure grows.
+!> default joint about to slip, 0.33 where spots are elastic, below 0 where K_T falls as the pressure grows. What is open has no
+!> stiffness, which no pressure can tell where a is near 0: the mean is at most the highest pressure of the cell.
 module hd_contact_edge
   use hd_kinds, only: dp
   implicit none
@@ -62,7 +63,7 @@ contains
     end do
     power = max(least, min(most, a))
     where (abs(power) < smallest) power = smallest
-    f = [(mean(e, bound(i), bound(i + 1), power(i))/mean(e, bound(i), bound(i + 1), 1._dp), i=1, 2)]
+    f = [(min(mean(e, bound(i), bound(i + 1), power(i)), sqrt(e - bound(i)))/mean(e, bound(i), bound(i + 1), 1._dp), i=1, 2)]
   end function at_end
 
   !> Power mean of (e - z)^(1/2) over a cell, 0 beyond e.

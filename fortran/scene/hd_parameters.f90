@@ -103,9 +103,10 @@ contains
       'the profile; or perimeter_length')
     call add_real(t, 'wave_generator', 'perimeter_length', 'cam', s%perimeter_length, 'm', 0._dp, big, &
       "length of the ring's inner face on the cam with perimeter 'given'", closed=.true.)
-    call add_choice(t, 'wave_generator', 'ring_tangent', 'model', s%ring_tangent, 'follow free auto', &
-      'inner face of the ring round the axis: held where the cam puts it (the torque goes through friction into the wave '// &
-      "generator, as in the paper and in no drive), or free to slide, as on balls; auto: free, but held with support 'bearing'")
+    call add_choice(t, 'wave_generator', 'ring_tangent', 'model', s%ring_tangent, 'auto free follow', &
+      "inner face of the ring round the axis: auto: free, but held where nothing else holds the ring (support 'bearing'; no "// &
+      'friction and large displacements); free to slide, as on balls; or held where the cam puts it: the torque goes through '// &
+      'friction into the wave generator, as in the paper and in no drive')
     call add_choice(t, 'wave_generator', 'ring_contact', 'model', s%ring_contact, 'tied unilateral', &
       'ring held on the wave generator, or pressed against it without tension and friction (hex8, hex8i)')
     call add_real(t, 'wave_generator', 'ball_stiffness', 'model', s%ball_stiffness, 'N/m', 0._dp, big, &

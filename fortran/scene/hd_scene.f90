@@ -48,7 +48,7 @@ module hd_scene
     real(dp) :: memory_limit_mb = 0
     ! wave generator
     real(dp) :: w = 0.2e-3_dp
-    character(len=name_length) :: cam = 'ellipse', ring_tangent = 'follow', ring_contact = 'tied', shape = 'pressed'
+    character(len=name_length) :: cam = 'ellipse', ring_tangent = 'auto', ring_contact = 'tied', shape = 'pressed'
     real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
     real(dp) :: ball_stiffness = 0, arc_angle_deg = 45, perimeter_length = 0
     integer :: lobes = 2

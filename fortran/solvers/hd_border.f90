@@ -49,7 +49,6 @@ contains
     type(border_t), intent(out) :: border                 !< complete but for what pushes
     type(error_t), allocatable, intent(out) :: error      !< memory
     real(dp), allocatable :: f(:, :), u(:, :)
-    real(dp) :: own(3, 3)
     integer :: i, j, n
     if (allocated(problem%struts)) border%struts = size(problem%struts)
     n = border%struts
@@ -70,8 +69,8 @@ contains
     if (n > 0) then
       border%scale = sum([(border%own(i, i), i=1, n)])/n
     else
-      own = compliance%own(1)
-      border%scale = (own(1, 1) + own(2, 2) + own(3, 3))/3
+      ! of the order of a point's compliance, and the same whatever harmonics are known: a kept model repeats every bit
+      border%scale = 1/(problem%bodies(1)%young*hypot(problem%bodies(1)%x(1, 1), problem%bodies(1)%x(2, 1)))
     end if
     do i = 1, border%modes
       u = 0

@@ -43,12 +43,13 @@ def test_the_solution_is_that_from_rest(tmp_path, mesh, groups):
 
 
 def test_iterations_do_not_grow_with_the_mesh(tmp_path):
-    """From rest they do."""
+    """From rest they grow twice as much or more."""
     def count(start, rows):
         mesh = {"divisions": 6 * rows, "band_facets": rows}
         return solve(tmp_path / "run", start, mesh, solver={"tolerance": 1e-8})[1]["results"]["iterations"]
 
-    assert count("auto", 24) < 1.3 * count("auto", 14) < 0.7 * count("rest", 14)
+    near, rest = ([count(start, rows) for rows in (14, 24)] for start in ("auto", "rest"))
+    assert 2 * (near[1] - near[0]) < rest[1] - rest[0] and near[0] < rest[0] / 2
 
 
 def test_a_coarser_run_that_fails_is_no_failure(tmp_path):

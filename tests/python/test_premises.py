@@ -35,7 +35,7 @@ def test_tangent_is_the_slope_of_the_coupled_run(support):
     for one, two in ((steps[1], steps[2]), (steps[20], steps[21]), (steps[39], steps[40])):
         slope = (two["rotation_rad"] - one["rotation_rad"]) / (two["torque_nm"] - one["torque_nm"])
         assert 2 / (1 / one[TANGENT] + 1 / two[TANGENT]) == pytest.approx(1 / (slope - glued), rel=1e-4)
-    assert steps[-1][SECANT] == pytest.approx(1 / (1 / steps[-1][OVER] - glued), rel=1e-5)
+    assert steps[-1][SECANT] == pytest.approx(1 / (1 / steps[-1][OVER] - glued), rel=1e-4)
 
 
 def test_hard_contact_gives_nearly_the_numbers_of_the_coupled_law():
@@ -47,11 +47,12 @@ def test_hard_contact_gives_nearly_the_numbers_of_the_coupled_law():
 
 def test_less_friction_is_not_stiffer():
     """Tangent and secant fall with the friction, at 20 N m and just before gross slip, where Eq. 45 hardly moves."""
-    for keys, values in (({"load__torque": 20.0}, (0.15, 0.05)),
-                         ({"load__support": "bearing", "load__torque": 5.0}, (0.15, 0.06, 0.045))):
+    for keys, values, fall in (({"load__torque": 20.0}, (0.15, 0.05), 0.8),
+                               ({"load__torque": 20.0, "wave_generator__ring_tangent": "follow"}, (0.15, 0.05), 0.7),
+                               ({"load__support": "bearing", "load__torque": 5.0}, (0.15, 0.06, 0.045), 0.7)):
         found = [sums(contact__friction=mu, **keys)[-1] for mu in values]
         for more, less in zip(found, found[1:]):
-            assert less[TANGENT] < 0.7 * more[TANGENT] and less[SECANT] < 0.7 * more[SECANT]
+            assert less[TANGENT] < fall * more[TANGENT] and less[SECANT] < fall * more[SECANT]
             assert less["k_ts_nm_per_rad"] > 0.97 * more["k_ts_nm_per_rad"]
 
 
@@ -63,17 +64,18 @@ def test_tangent_does_not_depend_on_solver_symmetry_or_sense():
 
 
 def test_where_there_is_no_tangent():
-    """Bonded faces and Eq. 28 as printed have no tangent of the joint; without friction it is the cup alone that holds the torque."""
+    """Bonded faces and Eq. 28 as printed have no tangent of the joint; without friction and with the ring held
+    it is the cup alone that holds the torque."""
     assert np.isnan(sums(contact__mode="bonded")[-1][TANGENT])
     assert np.isnan(sums(joint__closure="paper")[-1][TANGENT])
-    last = sums(contact__mode="frictionless")[-1]
+    last = sums(contact__mode="frictionless", wave_generator__ring_tangent="follow")[-1]
     assert last[TANGENT] == pytest.approx(last[OVER], rel=0.01)
 
 
 def test_tangent_settles_with_the_mesh_faster_than_eq_45():
-    """From 24 x 4 to 64 x 12 facets the tangent moves by less than 4 %, K_TS by Eq. 45 by more."""
-    coarse, fine = (sums(mesh__divisions=n, mesh__band_facets=m)[-1] for n, m in ((24, 4), (64, 12)))
-    assert abs(coarse[TANGENT] / fine[TANGENT] - 1) < 0.04 < abs(coarse["k_ts_nm_per_rad"] / fine["k_ts_nm_per_rad"] - 1)
+    """From 48 x 8 to 96 x 16 facets the tangent moves by less than 2 %, K_TS by Eq. 45 by more."""
+    coarse, fine = (sums(mesh__divisions=n, mesh__band_facets=m)[-1] for n, m in ((48, 8), (96, 16)))
+    assert abs(coarse[TANGENT] / fine[TANGENT] - 1) < 0.02 < abs(coarse["k_ts_nm_per_rad"] / fine["k_ts_nm_per_rad"] - 1)
 
 
 def test_a_joint_without_stiffness_is_refused_with_the_way_out(exe, tmp_path):

@@ -312,6 +312,7 @@ def test_softened_friction_stiffens_as_far_as_needed(exe, tmp_path):
     keys = {"geometry.wall_thickness": 0.753016e-3, "geometry.rim_thickness": 0.910787e-3, "geometry.ring_thickness": 0.669676e-3,
             "geometry.band_length": 9.4901e-3, "wave_generator.w": 0.293256e-3, "wave_generator.interference": 4.69408e-6,
             "wave_generator.eccentricity": 19.6962e-6, "contact.friction": 0.222041, "mesh.divisions": 64, "mesh.band_facets": 12,
-            "mesh.edge_length": 12.356901e-6, "load.assembly_steps": 1, "load.torque_steps": 0, "solver.max_cuts": 0}
+            "mesh.edge_length": 12.356901e-6, "load.assembly_steps": 1, "load.torque_steps": 0, "solver.max_cuts": 0,
+            "wave_generator.ring_tangent": "follow"}
     done = call(exe, CD14, *(f"{key}={value}" for key, value in keys.items()), "--out", tmp_path / "a", "-q")
     assert done.returncode == 0 and summary(tmp_path / "a")["results"]["cycles"] > 0

@@ -45,6 +45,8 @@ BENCHES = (
     Bench("surface_generator.py", "heights beside FINUFFT and numpy", 8),
     Bench("structure_function.py", "structure function beside numpy", 1),
     Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6),
+    Bench("peer_drive.py", "a small whole drive beside CalculiX", 5),
+    Bench("cup_shapes.py", "shapes of the cup in the whole drive", 3),
     Bench("peer_scenes.py", "press-fit scenes: iterations and results", 1),
     Bench("solver_choice.py", "matrix solvers: time and memory", 6),
     Bench("cost_over_size.py", "cost over the number of facets", 8),

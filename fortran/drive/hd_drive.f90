@@ -82,7 +82,8 @@ contains
       call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
-      call strip_face(drive%cup, cup, 1, 1, count(drive%cup%inner(1, :) >= drive%radius), drive%radius, bore)
+      call strip_face(drive%cup, cup, 1, 1, count(abs(drive%cup%inner(1, :) - drive%radius) <= 1e-9_dp*drive%radius), &
+        drive%radius, bore)
       call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
     end associate
     drive%axial_facets = size(drive%ring%inner, 2) - 1
@@ -165,7 +166,7 @@ contains
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
     integer, allocatable :: hub(:), inner(:)
-    real(dp) :: z, corner
+    real(dp) :: z, edge(2)
     associate (problem => drive%problem)
       inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
       problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
@@ -187,10 +188,10 @@ contains
       end if
       z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
       problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
-      corner = scene%cup_length - scene%bottom_thickness
       allocate (drive%sprung(0))
       drive%hub_radius = scene%hub_radius
-      hub = nodes_at(drive, drive%b_cup, scene%hub_radius, corner, scene%cup_length)
+      edge = [drive%cup%inner(2, size(drive%cup%inner, 2)), drive%cup%outer(2, size(drive%cup%inner, 2))]
+      hub = nodes_at(drive, drive%b_cup, scene%hub_radius, minval(edge), maxval(edge))
       problem%fixed(3, hub) = .true.
       drive%hub = hub
       if (scene%support /= 'bearing') then

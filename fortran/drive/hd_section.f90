@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Meridian sections of the drive: the ring, and the cup from its opening over rim, wall and bottom to the hub.
 module hd_section
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, pi
+  use hd_cup_sections, only: has_sections, meridian_of, straight_end, thickness_on_wall
+  use hd_meridian, only: meridian_t
   use hd_revolution, only: strip_t, growth, append_intervals
   use hd_scene, only: scene_t
   implicit none
@@ -32,7 +34,7 @@ contains
     associate (edge => scene%edge_length)
       last = scene%band_start + scene%band_length
       ends = [real(dp) ::]
-      if (edge > 0) ends = scene%rim_length + [0._dp, scene%rim_taper]
+      if (edge > 0) ends = thinning(scene)
       ends = [pack(ends, ends > scene%band_start + 4*edge .and. ends < last - 4*edge), last]
       do i = 1, size(ends)
         times = min(i, 2)
@@ -42,6 +44,20 @@ contains
       end do
     end associate
   end subroutine append_band
+
+  !> Where the wall begins or ends to thin: of the simple cup its rim's end and the taper's, else the points of its straight bore.
+  pure function thinning(scene) result(ends)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), allocatable :: ends(:)
+    type(meridian_t) :: meridian
+    character(len=:), allocatable :: fault
+    integer :: k
+    ends = scene%rim_length + [0._dp, scene%rim_taper]
+    if (.not. has_sections(scene)) return
+    call meridian_of(scene, meridian, fault)
+    ends = pack([(meridian%piece(k)%to(2), k=1, size(meridian%piece))], &
+      [(meridian%piece(k)%to(2) <= straight_end(meridian, scene%bore_radius), k=1, size(meridian%piece))])
+  end function thinning
 
   !> Length that rows growing from the nearest edge of the band have at a station; 0 without cells at the edges [m]. So rows go on
   !> growing where one stretch of them ends: K_TS rises by per cents if the next begins twenty times as long.
@@ -83,6 +99,10 @@ contains
     real(dp), allocatable :: z(:), r(:)
     real(dp) :: h, corner, wall_start
     integer :: i, wall, bottom
+    if (has_sections(scene)) then
+      call sectioned_strip(scene, strip, first, last)
+      return
+    end if
     h = scene%band_length/scene%band_facets
     corner = scene%cup_length - scene%bottom_thickness
     z = [0._dp]
@@ -114,6 +134,81 @@ contains
     end do
     strip%layers = scene%through_wall
   end subroutine cup_strip
+
+  !> Meridian section of a cup by sections: stations of band and rim as in the simple cup, then on every piece of the meridian.
+  pure subroutine sectioned_strip(scene, strip, first, last)
+    type(scene_t), intent(in) :: scene      !< scene
+    type(strip_t), intent(out) :: strip     !< section
+    integer, intent(out) :: first, last     !< stations at the ends of the contact band
+    type(meridian_t) :: meridian
+    character(len=:), allocatable :: fault
+    real(dp), allocatable :: z(:), part(:)
+    real(dp) :: h, inner(2), outer(2)
+    integer :: i, k
+    call meridian_of(scene, meridian, fault)
+    h = scene%band_length/scene%band_facets
+    z = [0._dp]
+    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)), 0._dp, scene%edge_length)
+    first = size(z)
+    call append_band(scene, scene%band_facets, z)
+    last = size(z)
+    if (scene%rim_length > z(last)) call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - z(last))/h)), &
+      row_length(scene, z(last)), row_length(scene, scene%rim_length))
+    allocate (strip%inner(2, 0), strip%outer(2, 0))
+    do i = 1, size(z)
+      call add_station(strip, [scene%bore_radius, z(i)], [scene%bore_radius + thickness_on_wall(meridian, z(i)), z(i)])
+    end do
+    do k = 1, size(meridian%piece)
+      associate (from => meridian%piece(k)%from, to => meridian%piece(k)%to, done => z(size(z)))
+        part = [0._dp]
+        if (to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the straight bore: what the rim has left
+          if (to(2) <= done*(1 + 1e-9_dp)) cycle
+          part = [max(0._dp, (done - from(2))/(to(2) - from(2)))]
+                  end if
+        call append_intervals(part, 1._dp, cells_of(scene, meridian, k, part(1)), merge(row_length(scene, done), 0._dp, &
+          part(1) > 0)/meridian%length(k), 0._dp)
+        do i = 2, size(part)
+          call meridian%at(k, part(i), inner, outer)
+          call add_station(strip, inner, outer)
+        end do
+      end associate
+    end do
+    strip%layers = scene%through_wall
+  end subroutine sectioned_strip
+
+  !> Append a station.
+  pure subroutine add_station(strip, inner, outer)
+    type(strip_t), intent(inout) :: strip         !< strip
+    real(dp), intent(in) :: inner(2), outer(2)    !< r, z [m]
+    strip%inner = reshape([strip%inner, inner], [2, size(strip%inner, 2) + 1])
+    strip%outer = reshape([strip%outer, outer], [2, size(strip%outer, 2) + 1])
+  end subroutine add_station
+
+  !> Cells along a piece of the meridian behind band and rim: as long as the facets, or its share of those that the keys give; of a
+  !> fillet four in a quarter turn at least.
+  pure integer function cells_of(scene, meridian, k, from) result(n)
+    type(scene_t), intent(in) :: scene          !< scene
+    type(meridian_t), intent(in) :: meridian    !< its cup's
+    integer, intent(in) :: k                    !< piece
+    real(dp), intent(in) :: from                !< part of it that has its cells
+    real(dp) :: whole, behind
+    integer :: i, wanted
+    wanted = merge(scene%wall_elements, scene%bottom_elements, meridian%axial(k))
+    behind = max(scene%band_start + scene%band_length, scene%rim_length)
+    whole = 0
+    do i = 1, size(meridian%piece)
+      associate (p => meridian%piece(i))
+        if (meridian%axial(i) .neqv. meridian%axial(k)) cycle
+        if (meridian%axial(i) .and. p%to(2) <= straight_end(meridian, scene%bore_radius)) then
+          whole = whole + max(0._dp, p%to(2) - max(behind, p%from(2)))
+        else
+          whole = whole + meridian%length(i)
+        end if
+      end associate
+    end do
+    n = max(1, nint((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0)))
+    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/8) - 1e-6_dp))
+  end function cells_of
 
   !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].
   elemental real(dp) function thickness(scene, z)

@@ -185,8 +185,8 @@ contains
     real(dp) :: filled
     integer :: i, k
     x = [real(dp) ::]
-    if (.not. (shortest > 0 .and. shortest < equal)) return
-    do k = ceiling(log(equal/shortest)/log(growth) - 1e-6_dp), 1, -1
+    if (.not. (shortest > 0 .and. shortest < equal*(1 - 1e-6_dp))) return
+    do k = max(1, ceiling(log(equal/shortest)/log(growth) - 1e-6_dp)), 1, -1
       x = [(shortest*growth**i, i=0, k - 1)]
       if (sum(x) <= 1.2_dp*room*equal) exit
     end do

@@ -4,6 +4,7 @@ module hd_input
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_file
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_cup_sections, only: adopt_sections, has_sections
   use hd_default_charts, only: chart_of
   use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
@@ -43,6 +44,7 @@ contains
       if (allocated(error)) return
     end if
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)
     if (size(list%faults) > 0) then
       call raise(error, code_input, faults_text(list))
@@ -281,7 +283,8 @@ contains
     call need(s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', s%bore_radius)
     call need(s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', s%bore_radius)
     call need(s%ring_thickness < s%bore_radius, 'geometry.ring_thickness', s%ring_thickness, 'below bore_radius', s%bore_radius)
-    call need(s%hub_radius < s%bore_radius, 'geometry.hub_radius', s%hub_radius, 'below bore_radius', s%bore_radius)
+    call need(s%hub_radius < s%bore_radius .or. has_sections(s), 'geometry.hub_radius', s%hub_radius, &
+      'below bore_radius', s%bore_radius)
     call need(s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', s%cup_length)
     call need(s%band_start + s%band_length < s%cup_length - s%bottom_thickness, 'geometry.band_length', s%band_length, &
       'so that the band ends before the bottom: below cup_length - bottom_thickness - band_start', &

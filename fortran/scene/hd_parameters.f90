@@ -4,6 +4,7 @@ module hd_parameters
   use hd_kinds, only: dp, i8
   use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower, unquoted
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice
+  use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
   use hd_surface_keys, only: add_surface_keys, add_fit_keys
@@ -58,6 +59,7 @@ contains
       'contact band: distance behind the opening', closed=.true.)
     call add_real(t, 'geometry', 'band_length', 'model', s%band_length, 'm', 0._dp, big, &
       'contact band: length, equal to the width of the ring')
+    call add_cup_keys(s, t)
     call add_real(t, 'material', 'flexspline_e', 'model', s%flexspline_e, 'Pa', 0._dp, big, "Young's modulus of the flexspline")
     call add_real(t, 'material', 'flexspline_nu', 'model', s%flexspline_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the flexspline")
     call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
@@ -310,7 +312,9 @@ contains
       return
     end if
     call read_numbers(words, x, n)
-    if (associated(p%count) .and. n > 0 .and. n <= size(p%reals)) wanted = n
+    if (associated(p%count)) then
+      if (n > 0 .and. n <= size(p%reals)) wanted = n
+    end if
     hint = 'valid: '//range_text(p)
     if (n < 0) then
       what = "'"//p%key//"' is not "//trim(merge('an integer', 'a number  ', associated(p%integer)))//": '"//words(-n)%s//"'"

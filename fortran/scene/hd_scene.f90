@@ -28,6 +28,7 @@ module hd_scene
   end type surface_fit_t
 
   integer, parameter, public :: most_torques = 100  !< in the list of a loop
+  integer, parameter, public :: most_sections = 60  !< of a cup
 
   type :: scene_t
     integer :: version = 1
@@ -37,6 +38,9 @@ module hd_scene
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
     real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
     real(dp) :: hub_radius = 8e-3_dp, ring_thickness = 1e-3_dp, band_start = 0.5e-3_dp, band_length = 12e-3_dp
+    ! cup: sections of its meridian, instead of the simple keys of geometry
+    real(dp), dimension(most_sections) :: sections_r = 0, sections_z = 0, sections_thickness = 0, sections_fillet = 0
+    integer :: sections_count(4) = 1
     ! material
     real(dp) :: flexspline_e = 209e9_dp, flexspline_nu = 0.295_dp, ring_e = 219e9_dp, ring_nu = 0.30_dp
     real(dp) :: yield_strength = 835e6_dp

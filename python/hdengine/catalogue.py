@@ -40,7 +40,7 @@ class Unit:
 # Harmonic Drive CHA manual, p. 50; the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree where they overlap.
 UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9, 12, 10e3, 14e3, 16e3),
                              Unit(20, 7, 25, 16e3, 25e3, 29e3), Unit(25, 14, 48, 31e3, 50e3, 57e3),
-                             Unit(32, 29, 108, 67e3, 110e3, 120e3))}
+                             Unit(32, 29, 108, 67e3, 110e3, 120e3), Unit(40, 54, 196, 130e3, 200e3, 230e3))}
 
 
 @checked(torque_nm=array((None,)), angle_rad=array((None,)), t1_nm=number(above=0), t2_nm=number(above=0))

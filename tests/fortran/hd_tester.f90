@@ -5,6 +5,7 @@ program hd_tester
   use test_circulant, only: run_circulant
   use test_contact, only: run_contact
   use test_contact_edge, only: run_contact_edge
+  use test_cup_sections, only: run_cup_sections
   use test_element, only: run_element
   use test_fft, only: run_fft
   use test_hertz, only: run_hertz
@@ -40,5 +41,6 @@ program hd_tester
   call run_rotation()
   call run_mesh_series()
   call run_section()
+  call run_cup_sections()
   if (.not. report_checks()) stop 1, quiet=.true.
 end program hd_tester

@@ -19,6 +19,17 @@ MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.too
         "load.torque_steps=4"]
 
 
+SLIDING = [
+    "mesh.divisions=32", "mesh.band_facets=5", "mesh.bottom_elements=4", "geometry.band_length=0.0103632", "geometry.ring_thickness=0.00119099",
+    "wave_generator.w=0.000349968", "wave_generator.cam=arcs", "wave_generator.interference=3.10062e-05",
+    "wave_generator.eccentricity=3.79219e-05", "wave_generator.eccentricity_angle_deg=17.0313", "bearing.balls=12",
+    "bearing.ball_diameter=0.00279885", "bearing.outer_conformity=0.579877", "bearing.cage_angle_deg=4.7419", "contact.friction=0.048558",
+    "load.teeth=320", "load.tooth_pairs=34", "load.tooth_stiffness=540792000.0", "load.tooth_clearance=2.93354e-06",
+    "load.pressure_angle_deg=35.1336", "load.torque=-1.33374", "load.torque_steps=2", "load.assembly_steps=2",
+    "loop.torques=-6.864,-7.52,9.744", "geometry.wall_thickness=0.000318905", "geometry.hub_radius=0.00689792",
+    "geometry.cup_length=0.0235952", "geometry.rim_thickness=0.000323179"]
+
+
 def solve(exe, folder, *keys, code=0):
     """Results of a small drive: summary, loop, balls, teeth."""
     done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
@@ -190,9 +201,9 @@ def test_many_balls_become_an_even_spring(exe, tmp_path):
 
 
 def test_every_size_runs_and_is_drawn(exe, tmp_path):
-    """Sizes 11 to 25 run; hdengine plot draws loop, loads and life of one; stiffness grows with the size."""
+    """Sizes 11 to 40 run; hdengine plot draws loop, loads and life of one; stiffness grows with the size."""
     k = []
-    for size in (11, 14, 17, 20, 25):
+    for size in (11, 14, 17, 20, 25, 32, 40):
         folder = tmp_path / str(size)
         done = call(exe, ROOT / f"data/drive{size}.nml", *MESH, "load.torque_steps=2", "--out", folder, "-q")
         assert done.returncode == 0, done.stderr
@@ -200,6 +211,21 @@ def test_every_size_runs_and_is_drawn(exe, tmp_path):
     assert np.all(np.diff(k) > 0)
     names = {p.name for p in plot_run(load(folder))}
     assert {"loop.png", "loads.png", "fatigue.png"} <= names
+
+
+@pytest.mark.parametrize("name", ["drive14_50", "drive14_160", "drive14_short", "drive14_hat"])
+def test_every_design_runs(exe, tmp_path, name):
+    """Other ratios, the short cup and the silk hat run on a small mesh and are stiffer the more torque they carry."""
+    done = call(exe, ROOT / f"data/{name}.nml", *MESH, "loop.torques=14", "--out", tmp_path / name, "-q")
+    assert done.returncode == 0, done.stderr
+    r = json.loads((tmp_path / name / "summary.json").read_text())["results"]
+    assert 0 < r["k1_nm_per_rad"] < r["k3_nm_per_rad"]
+
+
+def test_a_sliding_ring_is_no_gross_slip(exe, tmp_path):
+    """A bearing whose contact slips as a whole under torque converges: the teeth hold the torque. It ended as gross slip of a torque
+    far beyond the loop's."""
+    solve(exe, tmp_path / "g", *SLIDING)
 
 
 def test_fatigue_is_goodmans_line(exe, tmp_path):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
+import math
 
 _FLEXSPLINE, _RING, _BAND = "#9fb8d0", "#d9c39a", "#d1495b"
 
@@ -17,6 +18,24 @@ def _text(x, y, text, anchor="middle"):
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{text}</text>'
 
 
+def _meridian(scene, g):
+    """Quadrilaterals (z, r) of the cup in the cut: of its sections, fillets left out, or of the simple cup."""
+    listed = [scene.get(f"cup.sections_{k}", 0) for k in ("r", "z", "thickness")]
+    r, z, t = ([v] if isinstance(v, (int, float)) else list(v) for v in listed)
+    if len(r) < 3:
+        corner, bore, rim = g["cup_length"] - g["bottom_thickness"], g["bore_radius"], g["rim_length"]
+        r, z = [bore, bore, bore, bore, bore, g["hub_radius"]], [0, rim, rim, corner, corner, corner]
+        t = [g["rim_thickness"]] * 2 + [g["wall_thickness"]] * 2 + [g["bottom_thickness"]] * 2
+    found = []
+    for i in range(len(r) - 1):
+        length = math.hypot(r[i + 1] - r[i], z[i + 1] - z[i])
+        if length > 0:
+            n = (z[i + 1] - z[i]) / length, -(r[i + 1] - r[i]) / length
+            found.append([(z[i], r[i]), (z[i + 1], r[i + 1]), (z[i + 1] + t[i + 1] * n[1], r[i + 1] + t[i + 1] * n[0]),
+                          (z[i] + t[i] * n[1], r[i] + t[i] * n[0])])
+    return found
+
+
 def draw_scene(scene: dict) -> str:
     """SVG of a scene: on the left the cut along the axis, to scale; on the right the front view, deformation enlarged.
 
@@ -31,7 +50,8 @@ def draw_scene(scene: dict) -> str:
     """
     g = {key.split(".")[1]: value for key, value in scene.items() if key.startswith("geometry.")}
     r, length = g["bore_radius"], g["cup_length"]
-    outside = r + max(g["rim_thickness"], g["wall_thickness"])
+    cup = _meridian(scene, g)
+    outside = max(radius for piece in cup for _, radius in piece)
     scale = min(260 / length, 150 / outside)  # px per m
     left, axis = 30.0, 30 + outside * scale
 
@@ -41,10 +61,8 @@ def draw_scene(scene: dict) -> str:
     def y(radius):
         return axis - radius * scale
     parts = [
-        _box(z(0), y(r + g["rim_thickness"]), g["rim_length"] * scale, g["rim_thickness"] * scale, _FLEXSPLINE),
-        _box(z(g["rim_length"]), y(r + g["wall_thickness"]), (length - g["rim_length"]) * scale, g["wall_thickness"] * scale,
-             _FLEXSPLINE),
-        _box(z(length - g["bottom_thickness"]), y(r), g["bottom_thickness"] * scale, (r - g["hub_radius"]) * scale, _FLEXSPLINE),
+        *(f'<polygon points="{" ".join(f"{z(at):.1f},{y(radius):.1f}" for at, radius in piece)}" fill="{_FLEXSPLINE}" '
+          'stroke="#445" stroke-width=".6"/>' for piece in cup),
         _box(z(g["band_start"]), y(r), g["band_length"] * scale, g["ring_thickness"] * scale, _RING),
         f'<line x1="{z(g["band_start"]):.1f}" y1="{y(r):.1f}" x2="{z(g["band_start"] + g["band_length"]):.1f}" y2="{y(r):.1f}" '
         f'stroke="{_BAND}" stroke-width="3"/>',
@@ -55,8 +73,7 @@ def draw_scene(scene: dict) -> str:
               f'<tspan fill="{_BAND}">contact band</tspan>, {1e3 * g["band_length"]:.3g} mm'),
         _text(z(length) + 2, y(outside) - 6, f"flexspline (cup), {1e3 * length:.3g} mm long", "end"),
         _text(z(length - g["bottom_thickness"]) - 5, y(g["hub_radius"]) - 3,
-              {"hub": "held at the hub", "bearing": "hub free to turn", "teeth": "torque at the hub"}.get(
-                  scene["load.support"], ""), "end"),
+              {"hub": "held at the hub", "bearing": "hub free to turn"}.get(scene["load.support"], "torque at the hub"), "end"),
         _text(z(0) - 4, axis - 4, "axis", "start"),
     ]
     centre, radius = 160.0, 0.62 * min(outside * scale, 120)

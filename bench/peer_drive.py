@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small whole drive in hdengine and in CalculiX, on the same mesh, in one run: loads of balls, shares of teeth, turn of the bottom.
+
+Needs the Debian package calculix-ccx and the Python package meshio. CalculiX solves the mesh that hdengine wrote (C3D8I, ring and cup
+merged at their contact), with SPRINGA elements by tables for balls and flanks. Usage: bench/peer_drive.py
+"""
+import json
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from common import measured, program, put, solve, table, write_record
+from hdengine.results import read_csv
+
+KEYS = {"mesh.divisions": 48, "mesh.band_facets": 8, "bearing.balls": 16, "bearing.patch_length": 1e-9, "bearing.patch_width": 1e-9,
+        "contact.mode": "bonded", "wave_generator.interference": 0, "loop.torques": 8, "load.torque_steps": 2, "load.assembly_steps": 1,
+        "output.vtu": "last", "solver.tolerance": 1e-10}
+BORE, RING, HUB, RIM, RIM_LENGTH = 17.5, 16.5, 8.0, 17.927, 9.0  # mm
+TEETH, PAIRS, RATE, CLEARANCE, ANGLE = 200, 40, 1.25e5, 0.01, np.radians(25)  # -, -, N/mm, mm, rad
+W, TORQUES = 0.2, (4000.0, 8000.0)  # mm, N mm
+FAR = 1.0  # mm: flanks before the teeth touch
+NEAR = 1e-6
+
+
+def tooth_places():
+    """Angles of the pairs and their clearances [rad, mm]: half of them about each end of the long axis."""
+    half = PAIRS // 2
+    k = np.arange(half) - (half - 1) / 2
+    gap = CLEARANCE * (2 * k / (half - 1)) ** 2
+    return np.r_[k, k] * 2 * np.pi / TEETH + np.repeat([0, np.pi], half), np.r_[gap, gap]
+
+
+def flank_equations(points, outside, divisions):
+    """Closings of the flanks by displacements in cylindrical dofs: per flank a list of (node, dof, weight)."""
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * divisions).astype(int) % divisions
+    heights = np.unique(np.round(z[outside], 6))
+    along = np.zeros(len(heights))
+    for i in range(len(heights) - 1):  # even along the rim, up to its end, by linear shape functions
+        whole = heights[i + 1] - heights[i]
+        part = np.clip((RIM_LENGTH - heights[i]) / whole, 0, 1)
+        along[i] += whole * (part - part**2 / 2)
+        along[i + 1] += whole * part**2 / 2
+    rows = []
+    for theta in tooth_places()[0]:
+        place = (theta / (2 * np.pi) % 1) * divisions
+        low = int(np.floor(place + 1e-9))
+        weight = {}
+        for s, share in ((low, 1 - (place - low)), (low + 1, place - low)):
+            for n in outside[sector[outside] == s % divisions]:
+                w = share * along[np.argmin(abs(heights - z[n]))]
+                if abs(w) > 1e-12:
+                    weight[n] = weight.get(n, 0) + w
+        arm = RIM / sum(w * r[n] for n, w in weight.items())
+        for sense in (1, -1):
+            rows.append([(n, 1, np.sin(ANGLE) * w * arm) for n, w in weight.items()]
+                        + [(n, 2, sense * np.cos(ANGLE) * w * arm) for n, w in weight.items()])
+    return rows
+
+
+def write_deck(path, points, cells, body, rate, touch, turns):
+    """CalculiX deck [mm, N, MPa]; `touch`: closings of the flanks when the teeth touch, None: the assembly alone [mm].
+    The bottom is turned by `turns` [rad]: so every step has one solution whatever teeth are in mesh."""
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    ring, cup = np.unique(cells[body == 1]), np.unique(cells[body == 2])
+    inner = ring[abs(r[ring] - RING) < NEAR]
+    middle = np.unique(np.round(z[inner], 6))
+    middle = inner[abs(z[inner] - middle[len(middle) // 2]) < 1e-5]
+    hub = cup[abs(r[cup] - HUB) < NEAR]
+    outside = cup[(r[cup] > BORE + 0.3) & (z[cup] < RIM_LENGTH + 2)]
+    divisions = KEYS["mesh.divisions"]
+    n_balls = KEYS["bearing.balls"]
+    balls = [int(middle[np.argmin(abs(np.exp(1j * angle[middle]) - np.exp(2j * np.pi * b / n_balls)))]) for b in range(n_balls)]
+    flanks = flank_equations(points, outside, divisions)
+    n = len(points)
+    ends = n + 1 + np.arange(n_balls + len(flanks))             # closing of each strut as a displacement along x
+    ground = ends + len(ends)                                   # what it closes against
+    lines = ["*NODE, NSET=BODY"] + [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(points)]
+    lines += ["*NODE, NSET=STRUTS"] + [f"{e}, 0., {i}., 0." for i, e in enumerate(ends)]
+    lines += [f"{g}, 10., {i}., 0." for i, g in enumerate(ground)]
+    for b, name in ((1, "RING"), (2, "CUP")):
+        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
+        lines += [f"{e + 1}, " + ", ".join(str(k + 1) for k in cells[e]) for e in np.flatnonzero(body == b)]
+        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", "219000., 0.30" if b == 1 else "209000., 0.295",
+                  f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}"]
+    first = len(cells) + 1
+    for name, part, law in (("BALLS", range(n_balls), [(rate * x**1.5, x) for x in 0.4 * np.linspace(0, 1, 801) ** 2]),
+                            ("FLANKS", range(n_balls, len(ends)), [(0.0, 0.0), (RATE * FAR, FAR)])):
+        lines.append(f"*ELEMENT, TYPE=SPRINGA, ELSET={name}")
+        lines += [f"{first + i}, {ends[i]}, {ground[i]}" for i in part]
+        lines += [f"*SPRING, ELSET={name}, NONLINEAR", ""]
+        lines += [f"{-f:.12e}, {-x:.12e}" for f, x in reversed(law)] + [f"0., {2 * FAR:.1f}"]
+    corner = ground[-1] + 1                                     # a plastic cube apart, at rest: without it CalculiX takes all as linear
+    lines += ["*NODE, NSET=CUBE"] + [f"{corner + i}, {100 + (i in (1, 2, 5, 6))}., {i in (2, 3, 6, 7):d}., {i // 4}." for i in range(8)]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=CUBE", f"{first + len(ends)}, " + ", ".join(str(corner + i) for i in range(8)), "*MATERIAL, NAME=MCUBE",
+              "*ELASTIC", "200000., 0.3", "*PLASTIC", "1000., 0.", "1001., 1.", "*SOLID SECTION, ELSET=CUBE, MATERIAL=MCUBE"]
+    lines += ["*TRANSFORM, NSET=BODY, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    equations = [[(b, 1, -1.0)] for b in balls] + flanks
+    for e, row in zip(ends, equations):
+        terms = [(e, 1, -1.0)] + [(k + 1, d, w) for k, d, w in row]
+        lines += ["*EQUATION", str(len(terms))]
+        lines += [", ".join(f"{k}, {d}, {w:.14g}" for k, d, w in terms[i:i + 4]) for i in range(0, len(terms), 4)]
+    lines += ["*NSET, NSET=HUB"] + [f"{k + 1}," for k in hub] + ["*NSET, NSET=MIDDLE"] + [f"{k + 1}," for k in middle]
+    lines += ["*NSET, NSET=ENDS"] + [f"{k}," for k in ends] + ["*NSET, NSET=GROUND"] + [f"{k}," for k in ground]
+    fixed = ["HUB, 1, 3", "MIDDLE, 3, 3", "STRUTS, 2, 3", "CUBE, 1, 3"]
+    way = W * np.cos(2 * angle[balls])                          # closing = way - u_r > 0 where x of the end comes above the ground's
+    places = lambda offset: [f"{g}, 1, 1, {o:.12g}" for g, o in zip(ground, offset)]  # noqa: E731
+    output = ["*NODE PRINT, NSET=ENDS, FREQUENCY=1000", "U", "*NODE PRINT, NSET=GROUND, FREQUENCY=1000", "RF",
+              "*NODE PRINT, NSET=HUB, FREQUENCY=1000", "RF", "*END STEP"]
+    lines += ["*STEP, INC=1000", "*STATIC", "0.1, 1., 1e-6, 0.1", "*BOUNDARY", *fixed,
+              *places(np.r_[-way, np.full(len(flanks), FAR)]), *output]
+    if touch is not None:
+        gaps = np.repeat(tooth_places()[1], 2)
+        for turn in (0.0, *turns):
+            lines += ["*STEP, INC=1000", "*STATIC", "0.1, 1., 1e-6, 0.1", "*BOUNDARY", *places(np.r_[-way, touch + gaps]),
+                      f"HUB, 2, 2, {turn * HUB:.15g}", *output]
+    path.write_text("\n".join(lines) + "\n")
+    return n_balls, len(flanks)
+
+
+def read_prints(path):
+    """Blocks of the .dat file in order: first component of each node, by node."""
+    blocks = []
+    for line in path.read_text().splitlines():
+        if re.match(r"\s*(displacements|forces)", line):
+            blocks.append({})
+        elif blocks and (m := re.match(r"\s*(\d+)((?:\s+\S+){3})", line)):
+            blocks[-1][int(m.group(1))] = [float(v) for v in m.group(2).split()]
+    return blocks
+
+
+def calculix(folder, mesh, rate, turns):
+    """Assembly, then assembly and torque against flanks that touch; loads of balls and pairs and the turn at each torque."""
+    points, cells = 1e3 * mesh.points, mesh.cells[0].data
+    body = np.asarray(mesh.cell_data["body"][0]).ravel().astype(int)
+    at_contact = {}
+    merged = np.arange(len(points))
+    for i in np.unique(cells[body == 1]):                       # bonded on equal meshes: one node instead of two
+        if abs(np.hypot(*points[i, :2]) - BORE) < NEAR:
+            at_contact[tuple(np.round(points[i], 6) + 0.0)] = i
+    for i in np.unique(cells[body == 2]):
+        merged[i] = at_contact.get(tuple(np.round(points[i], 6) + 0.0), i)
+    used, inverse = np.unique(merged[cells], return_inverse=True)
+    cells, points = inverse.reshape(cells.shape), points[used]
+    touch, runs = None, []
+    for name in ("assembly", "whole"):
+        n_balls, n_flanks = write_deck(folder / f"{name}.inp", points, cells, body, rate, touch, turns)
+        done = measured([program("ccx", "apt-get install calculix-ccx"), "-i", name], folder, 3000)
+        if done.code != 0 or "error" in done.text.lower():
+            raise SystemExit(done.text[-3000:])
+        runs.append(done.wall_s)
+        blocks = read_prints(folder / f"{name}.dat")
+        first = len(points) + 1
+        touch = np.array([blocks[0][first + n_balls + i][0] for i in range(n_flanks)])
+    out = []
+    for i in range(len(TORQUES)):
+        _, forces, hub = blocks[3 * (i + 2):3 * (i + 3)]
+        f = np.array([abs(forces[k][0]) for k in sorted(forces)])
+        out.append({"balls": f[:n_balls].tolist(), "pairs": (f[n_balls::2] + f[n_balls + 1::2]).tolist(), "torque": HUB * sum(v[1] for v in hub.values())})
+    assembled = np.array([abs(blocks[1][k][0]) for k in sorted(blocks[1])])[:n_balls]
+    return out, assembled.tolist(), runs
+
+
+def main():
+    """Both codes, one record, one table."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        summary, done = solve("drive14.nml", *(f"{k}={v}" for k, v in KEYS.items()), "output.vtu=last", out=folder / "ours")
+        if done.code != 0:
+            raise SystemExit(done.text)
+        loop, balls, teeth = (read_csv(folder / "ours" / f) for f in ("loop.csv", "balls.csv", "teeth.csv"))
+        closed = balls["closing_m"] > 1e-7
+        rate = float(np.median(balls["force_n"][closed] / (1e3 * balls["closing_m"][closed]) ** 1.5))
+        turns = loop["angle_rad"][-2:]
+        theirs, assembled, seconds = calculix(folder, meshio.read(sorted((folder / "ours").glob("bodies_*.vtu"))[-1]), rate, turns)
+    n, rows = KEYS["bearing.balls"], []
+    ours = [{"balls": balls["force_n"].reshape(-1, n)[i - 2].tolist(), "pairs": teeth["force_n"].reshape(-1, PAIRS)[i - 2].tolist(),
+             "torque": t, "angle": float(turns[i])} for i, t in enumerate(TORQUES)]
+    before = balls["force_n"].reshape(-1, n)[-3]
+    rows.append(("assembly: balls", f"{max(before):.2f} N", f"{max(assembled):.2f} N", f"{max(abs(before - assembled)) / max(before):.1e}"))
+    for torque, a, b in zip(TORQUES, ours, theirs):
+        label = f"{torque / 1e3:.0f} N m"
+        for key, what in (("balls", "balls, largest"), ("pairs", "pairs, largest")):
+            x, y = np.array(a[key]), np.array(b[key])
+            rows.append((f"{label}: {what}", f"{max(x):.2f} N", f"{max(y):.2f} N", f"{max(abs(x - y)) / max(x):.1e}"))
+        rows.append((f"{label}: pairs in mesh", sum(v > 1e-3 for v in a["pairs"]), sum(v > 1e-3 for v in b["pairs"]), ""))
+        rows.append((f"{label}: torque at a turn of {1e3 * a['angle']:.5f} mrad", f"{torque / 1e3:.4f} N m", f"{b['torque'] / 1e3:.4f} N m",
+                     f"{abs(b['torque'] / torque - 1):.1e}"))
+    version = subprocess.run([program("ccx"), "-v"], capture_output=True, text=True).stdout.strip()
+    write_record("peer_drive", {"calculix": version, "dof": summary["model"]["dof"], "ours": ours, "calculix_results": theirs,
+                                "assembled": {"ours": before.tolist(), "calculix": assembled}, "seconds": {"ours": done.wall_s,
+                                "calculix": seconds}}, threads=1)
+    print(json.dumps({"dof": summary["model"]["dof"], "seconds": [done.wall_s, *seconds]}))
+    text = table(("quantity", "hdengine", "CalculiX", "largest difference over the largest value"), rows)
+    print(text)
+    put("drive calculix", text, page="evidence/drive")
+
+
+if __name__ == "__main__":
+    main()

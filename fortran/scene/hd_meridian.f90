@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Meridian of a cup by sections: a line of points from the opening to the hub on the cup's inside, with the thickness of the wall at
-!> each, straight between them, rounded where a point has a fillet.
+!> Meridian of a cup by sections: a line of points from the opening to the hub on the cup's inside, with the thickness of the wall
+!> at each, straight between them, rounded where a point has a fillet.
 !>
 !> The outside lies on the right of the way from the opening to the hub. At a sharp corner it is mitred. A point that stands twice
 !> has one thickness before it and one behind it.

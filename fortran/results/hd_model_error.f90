@@ -50,7 +50,7 @@ contains
     if (scene%contact_law == 'hard') call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
       'and secant K_TS within 5 % of those with contact.law = ''joint''')
     call push(list, 'joint inputs, over seven joints on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its tangent from '// &
-      '0.23 to 0.35 (docs/evidence/readings.md)')
+      '0.38 to 0.47 (docs/evidence/readings.md)')
     if (abs(scene%torque) > 0 .and. abs(sums%friction_torque) > 0) call push(list, 'load path: the contact passes '// &
       percent(abs(sums%friction_torque/scene%torque))//' of the torque on to the ring; that of a real drive, which turns on '// &
       'balls, takes about the torque over the ratio')

@@ -13,7 +13,7 @@ CASES = {
 error: unknown group &geometri
   --> {f}:1:1
  1 | &geometri bore_radius = 1 /
-   | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, material, mesh, wave_generator, contact, load, \
+   | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, cup, material, mesh, wave_generator, contact, load, \
 bearing, loop, fatigue, solver, joint, output, surface, fit
 """),
     "misspelt_key": ("&contact\n  frictoin = 0.2\n/\n", 2, """\

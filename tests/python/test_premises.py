@@ -35,7 +35,7 @@ def test_tangent_is_the_slope_of_the_coupled_run(support):
     for one, two in ((steps[1], steps[2]), (steps[20], steps[21]), (steps[39], steps[40])):
         slope = (two["rotation_rad"] - one["rotation_rad"]) / (two["torque_nm"] - one["torque_nm"])
         assert 2 / (1 / one[TANGENT] + 1 / two[TANGENT]) == pytest.approx(1 / (slope - glued), rel=1e-4)
-    assert steps[-1][SECANT] == pytest.approx(1 / (1 / steps[-1][OVER] - glued), rel=1e-4)
+    assert steps[-1][SECANT] == pytest.approx(1 / (1 / steps[-1][OVER] - glued), rel=1e-4)  # both are 17 times the difference
 
 
 def test_hard_contact_gives_nearly_the_numbers_of_the_coupled_law():
@@ -46,7 +46,8 @@ def test_hard_contact_gives_nearly_the_numbers_of_the_coupled_law():
 
 
 def test_less_friction_is_not_stiffer():
-    """Tangent and secant fall with the friction, at 20 N m and just before gross slip, where Eq. 45 hardly moves."""
+    """Tangent and secant fall with the friction, at 20 N m and just before gross slip, where Eq. 45 hardly moves; less with a ring that slides, whose cup
+    carries the torque beside the contact."""
     for keys, values, fall in (({"load__torque": 20.0}, (0.15, 0.05), 0.8),
                                ({"load__torque": 20.0, "wave_generator__ring_tangent": "follow"}, (0.15, 0.05), 0.7),
                                ({"load__support": "bearing", "load__torque": 5.0}, (0.15, 0.06, 0.045), 0.7)):
@@ -73,7 +74,7 @@ def test_where_there_is_no_tangent():
 
 
 def test_tangent_settles_with_the_mesh_faster_than_eq_45():
-    """From 48 x 8 to 96 x 16 facets the tangent moves by less than 2 %, K_TS by Eq. 45 by more."""
+    """From 48 x 8 to 96 x 16 facets the tangent moves by less than 2 %, K_TS by Eq. 45 by more (24 x 4 is 8 % off with a sliding ring)."""
     coarse, fine = (sums(mesh__divisions=n, mesh__band_facets=m)[-1] for n, m in ((48, 8), (96, 16)))
     assert abs(coarse[TANGENT] / fine[TANGENT] - 1) < 0.02 < abs(coarse["k_ts_nm_per_rad"] / fine["k_ts_nm_per_rad"] - 1)
 

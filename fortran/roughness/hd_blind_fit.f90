@@ -2,7 +2,7 @@
 !> Fit of maps that nothing is known of: wrong points masked, holes filled, power over rings of frequency fitted, and the same
 !> verdict, D, G and S over the lags as the fits of the structure function have.
 module hd_blind_fit
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
   use hd_text, only: to_text, percent
   use hd_observation, only: observation_t, level_plane
@@ -99,9 +99,9 @@ contains
     hole = .not. abs(flat) <= huge(tilt)
     call fill_holes(flat, hole)
     b%spikes = b%spikes + spikes
-    b%holes = b%holes + count(hole)
-    b%spike_share = max(b%spike_share, spikes / real(size(flat), dp))
-    b%hole_share = max(b%hole_share, count(hole) / real(size(flat), dp))
+    b%holes = b%holes + int(count(hole, kind=i8))
+    b%spike_share = max(b%spike_share, spikes / real(size(flat, kind=i8), dp))
+    b%hole_share = max(b%hole_share, count(hole, kind=i8) / real(size(flat, kind=i8), dp))
     if (level) call level_plane(flat, tilt)
     call heavy_tails(flat, b)
     call new_ring_table(flat, dx, dy, t, error)
@@ -144,10 +144,10 @@ contains
         if (way == 1) d = z(1 + 2 * m:, :) - 2 * z(1 + m:size(z, 1) - m, :) + z(:size(z, 1) - 2 * m, :)
         if (way == 2) d = z(:, 1 + 2 * m:) - 2 * z(:, 1 + m:size(z, 2) - m) + z(:, :size(z, 2) - 2 * m)
         if (size(z, 2) > 1) d = d - spread(sum(d, 3 - way) / size(d, 3 - way), 3 - way, size(d, 3 - way))   ! straight steps
-        two = sum(d**2) / size(d)
+        two = sum(d**2) / size(d, kind=i8)
         if (.not. two > 0) cycle
-        excess = sum(d**4) / size(d) / two**2 - 3
-        error = sqrt(24 * real(2 * m, dp) * merge(1, 2 * m, size(z, 2) == 1) / size(d))
+        excess = sum(d**4) / size(d, kind=i8) / two**2 - 3
+        error = sqrt(24 * real(2 * m, dp) * merge(1, 2 * m, size(z, 2) == 1) / size(d, kind=i8))
         if (excess / (5 * error) <= b%tail) cycle
         b%tail = excess / (5 * error)
         b%excess = excess

@@ -2,7 +2,7 @@
 !> Sums of squared differences at all lags at once, by FFTW: sum (b - a)^2 = sum a^2 + sum b^2 - 2 sum a b. The last step
 !> cancels at short lags, so each sum comes with the error it may carry and the caller does over what is not good enough.
 module hd_correlation
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, i8
   use hd_error, only: error_t, raise, code_memory
   use hd_text, only: to_text
   use hd_fft, only: forward_real, backward_real, forward_real_2d, backward_real_2d, smooth_size
@@ -30,7 +30,7 @@ contains
     blocks = (size(z, 2) + block - 1) / block
     allocate (power(n / 2 + 1, blocks), pairs(n / 2 + 1, blocks), squares(nx, blocks))
     bad = .false.
-    !$omp parallel do schedule(dynamic) reduction(.or.: bad) if (size(z) > 20000)
+    !$omp parallel do schedule(dynamic) reduction(.or.: bad) if (size(z, kind=i8) > 20000)
     do b = 1, blocks
       call block_spectrum(z(:, 1 + (b - 1) * block:min(b * block, size(z, 2))), n, holes, power(:, b), pairs(:, b), &
         squares(:, b), bad)
@@ -106,7 +106,7 @@ contains
     if (holes) at = findloc(abs(z) <= huge(1._dp), .true.)
     r = 0
     if (any(at == 0)) return
-    n = size(z)
+    n = real(size(z, kind=i8), dp)
     r = z - z(at(1), at(2))
     if (holes) then
       n = 0

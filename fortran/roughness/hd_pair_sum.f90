@@ -3,7 +3,7 @@
 !> offset and tilt cancel before anything is squared. Points that are not finite are holes and take no part. Partial sums are
 !> kept per row and added in a fixed order: the result is the same for any number of threads.
 module hd_pair_sum
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, i8
   implicit none
   private
   public :: pair_sum, pair_sum_lines, second_sum, has_holes
@@ -16,7 +16,7 @@ contains
     integer :: j
     logical :: hole
     hole = .false.
-    !$omp parallel do reduction(.or.: hole) if (size(z) > 100000)
+    !$omp parallel do reduction(.or.: hole) if (size(z, kind=i8) > 100000)
     do j = 1, size(z, 2)
       hole = hole .or. .not. all(abs(z(:, j)) <= huge(1._dp))
     end do
@@ -35,7 +35,7 @@ contains
     b = min(size(z, 1), size(z, 1) - kx)
     t = 0
     c = 0
-    !$omp parallel do if (size(z) > 100000)
+    !$omp parallel do if (size(z, kind=i8) > 100000)
     do j = 1, size(z, 2) - ky
       if (b < a) cycle
       call add_pairs(z(a:b, j), z(a + kx:b + kx, j + ky), holes, t(j), c(j))
@@ -56,7 +56,7 @@ contains
     integer :: b, i, j, k, blocks
     blocks = (size(z, 2) + block - 1) / block
     allocate (t(size(lags), blocks), c(size(lags), blocks), source=0._dp)
-    !$omp parallel do private(i, j, k, s, n) schedule(dynamic) if (size(z) > 20000)
+    !$omp parallel do private(i, j, k, s, n) schedule(dynamic) if (size(z, kind=i8) > 20000)
     do b = 1, blocks
       do j = 1 + (b - 1) * block, min(b * block, size(z, 2))
         do i = 1, size(lags)
@@ -112,7 +112,7 @@ contains
     logical :: good
     t = 0
     c = 0
-    !$omp parallel do private(i, d, s, n, good) if (size(z) > 100000)
+    !$omp parallel do private(i, d, s, n, good) if (size(z, kind=i8) > 100000)
     do j = 1 + ky, size(z, 2) - ky
       s = 0
       n = 0

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Roughness numbers named as in ISO 25178-2, and the power spectral density, of heights less their least-squares plane.
 module hd_roughness
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: forward_real, forward_real_2d
   use hd_observation, only: level_plane
@@ -35,7 +35,7 @@ contains
     flat = z
     call level_plane(flat, tilt)
     good = abs(flat) <= huge(n)
-    n = real(count(good), dp)
+    n = real(count(good, kind=i8), dp)
     r%sa = sum(abs(flat), good) / n
     r%sq = sqrt(sum(flat**2, good) / n)
     r%sz = maxval(flat, good) - minval(flat, good)

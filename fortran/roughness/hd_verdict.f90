@@ -2,7 +2,7 @@
 !> Is a map fractal over the window of lags? A power law alone proves nothing (a sine gives D_s = 1.00, a square wave 1.50), so
 !> the map is asked first for what is known not to be fractal, and the fit afterwards for bends and noise.
 module hd_verdict
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
   use hd_text, only: to_text, percent
   use hd_observation, only: observation_t
@@ -99,7 +99,7 @@ contains
   !> Number of true entries.
   pure real(dp) function count_of(mask)
     logical, intent(in) :: mask(:, :)   !< entries
-    count_of = real(count(mask), dp)
+    count_of = real(count(mask, kind=i8), dp)
   end function count_of
 
   !> Shares of increments and jumps of the heights as they came or levelled, whichever is quieter.

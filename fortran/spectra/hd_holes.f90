@@ -38,11 +38,11 @@ contains
       scale = 1.4826_dp * middle(pack(abs(away), abs(away) <= huge(scale)))
       bad = abs(away) > far_out * scale .and. abs(away) <= huge(scale) .and. near > 0.5_dp * abs(away)
       if (.not. any(bad) .or. .not. scale > 0) exit
-      found = found + count(bad)
+      found = found + int(count(bad, kind=i8))
       where (bad) z = ieee_value(scale, ieee_quiet_nan)
       all_bad = all_bad .or. bad
     end do
-    if (found <= texture * size(z)) return
+    if (found <= texture * size(z, kind=i8)) return
     alone = 0
     do j = 1, size(z, 2)
       do i = 1, size(z, 1)
@@ -131,20 +131,28 @@ contains
     logical, allocatable :: known(:, :)
     integer :: i, j, k, n, pass
     if (.not. any(hole)) return
-    at = reshape([((([i, j]), i=1, size(z, 1)), j=1, size(z, 2))], [2, size(z)])
-    at = reshape(pack(at, spread(reshape(hole, [size(z)]), 1, 2)), [2, count(hole)])
+    allocate (at(2, count(hole, kind=i8)))
+    k = 0
+    do j = 1, size(z, 2)
+      do i = 1, size(z, 1)
+        if (.not. hole(i, j)) cycle
+        k = k + 1
+        at(:, k) = [i, j]
+      end do
+    end do
     known = .not. hole
-    where (hole) z = sum(z, known) / max(1, count(known))
+    where (hole) z = sum(z, known) / max(1_i8, count(known, kind=i8))
     do while (.not. all(known))                       ! from the rims inwards
-      n = count(known)
+      n = 0
       do k = 1, size(at, 2)
         if (known(at(1, k), at(2, k))) cycle
         call around(at(1, k), at(2, k), new, i)
         if (i == 0) cycle
         z(at(1, k), at(2, k)) = new / i
         known(at(1, k), at(2, k)) = .true.
+        n = n + 1
       end do
-      if (count(known) == n) exit
+      if (n == 0) exit
     end do
     known = .true.
     do pass = 1, 200

@@ -125,6 +125,7 @@ contains
         do i = 1, size(power, 1)
           kx = i - 1
           if (kx < axis_width .or. (t%dim == 2 .and. abs(ky) < axis_width)) cycle
+          if (2 * kx == nint(t%side(1) / t%step(1)) .and. ky < 0) cycle       ! the mirror image of ky > 0
           f = hypot(kx / t%side(1), merge(ky / t%side(2), 0._dp, t%dim == 2))
           if (f >= edge(size(edge)) .or. f < edge(1)) cycle
           r = ring_of(f, edge)

@@ -105,6 +105,13 @@ def test_uses_name_what_they_take(path):
         assert "only:" in line, line
 
 
+@pytest.mark.parametrize("path", [p for p in SOURCES if p.parent.name in ("spectra", "roughness", "heights", "nufft", "surface_run")],
+                         ids=lambda p: p.stem)
+def test_points_of_maps_are_counted_in_64_bits(path):
+    """No size or count of a whole map is a default integer, which overflows above 2^31 points."""
+    assert not re.findall(r"\b(?:size|count)\((?:z|flat|map|good|hole|bad|all_bad|known|mask|raw|mock|heights)\)", path.read_text())
+
+
 def test_main_is_short():
     """The main program stays under 50 lines."""
     assert len((ROOT / "fortran/app/main.f90").read_text().splitlines()) < 50

@@ -19,7 +19,7 @@ compile() { # gfortran, gcc, program, BLAS, more flags
   mkdir -p "$out.mod"
   (cd "$root/fortran" && $fortran -O3 -ffp-contract=off -ffree-line-length-132 "$@" -fopenmp -J"$work/$out.mod" -o "$work/$out" \
     base/hd_kinds.f90 base/hd_text.f90 base/hd_error.f90 base/hd_random.f90 lib/hd_lapack.f90 waves/hd_exact.f90 \
-    waves/hd_waves.f90 heights/hd_direct.f90 heights/hd_slices.f90 heights/hd_product.f90 ../tools/surface_bits.f90 \
+    waves/hd_waves.f90 heights/hd_direct.f90 heights/hd_factors.f90 heights/hd_slices.f90 heights/hd_product.f90 ../tools/surface_bits.f90 \
     "$work/$out.threefry.o" "$work/$out.exact.o" "$work/$out.threads.o" $blas)
 }
 

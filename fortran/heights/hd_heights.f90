@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest. Without a tolerance it is the
-!> direct sum or products: the choice and the heights are the same on every processor.
+!> direct sum or products in slices: the choice and the heights are the same on every processor. With one, products are plain ones,
+!> in single precision where it keeps the tolerance.
 module hd_heights
   use hd_kinds, only: dp, sp, i8
   use hd_direct, only: direct_sum
@@ -8,6 +9,8 @@ module hd_heights
   use hd_memory, only: need_memory
   use hd_nufft, only: nufft_t, new_nufft, nufft_sum
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
+  use hd_plain, only: plain_t, new_plain, plain_sum
+  use hd_plain_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
   use hd_product, only: product_t, new_product, product_sum
   use hd_text, only: to_text
   use hd_waves, only: waves_t, grid_t, checked_grid
@@ -16,19 +19,24 @@ module hd_heights
   public :: method_t, choose_method, heights, heights_single
   public :: method_auto, method_direct, method_product, method_nufft
 
+  integer, parameter :: exact_slices = 0, in_double = 1, in_single = 2
   integer, parameter :: method_auto = 0, method_direct = 1, method_product = 2, method_nufft = 3
 
   !> How a sum will be done.
   type :: method_t
     integer :: evaluator = method_auto               !< method_direct, method_product or method_nufft
+    integer :: precision = exact_slices              !< of a product
     type(nufft_plan_t) :: nufft                      !< fine points, widths, tiles
     real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft on two threads [s]; huge: not asked
     real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
   end type method_t
 
   real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
-  real(dp), parameter :: second_per_flop = 0.105e-9_dp     !< matrix product, all slices
-  real(dp), parameter :: second_per_point = 2e-9_dp        !< height stored
+  real(dp), parameter :: second_per_flop(0:2) = [0.105e-9_dp, 0.025e-9_dp, 0.0125e-9_dp]   !< product: all slices, double, single
+  real(dp), parameter :: second_per_point(0:2) = [2e-9_dp, 0.5e-9_dp, 0.4e-9_dp]           !< height stored
+  real(dp), parameter :: single_from = 1e-6_dp             !< tolerance from which a product in single precision is tried
+  real(dp), parameter :: single_error = 4e-8_dp            !< its error over the square root of the number of terms
+  real(dp), parameter :: small_mb = 16                     !< what is not worth a look at the free memory
   real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
   real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
   integer, parameter :: slab_points = 4194304              !< heights held in double precision for single ones
@@ -50,11 +58,13 @@ contains
       return
     end if
     points = real(nx, dp) * ny
+    if (tolerance > 0) method%precision = &
+      merge(in_single, in_double, tolerance >= single_from .and. single_error * sqrt(real(groups, dp)) <= tolerance)
     if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0)) then
       method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
     end if
     method%seconds(1) = points * waves * second_per_cosine / 2
-    method%seconds(2) = (points * (2 * groups * second_per_flop + second_per_point) &
+    method%seconds(2) = (points * (2 * groups * second_per_flop(method%precision) + second_per_point(method%precision)) &
       + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
     method%seconds(3) = method%nufft%seconds
     extra(1) = 64._dp * waves
@@ -70,7 +80,8 @@ contains
     end if
     method%memory_mb = extra(method%evaluator) / 1048576
     mb = points * bytes / 1048576 + method%memory_mb
-    call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)//' points from '//to_text(waves)//' waves', mb, error)
+    if (mb > small_mb) call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)//' points from '//to_text(waves)// &
+      ' waves', mb, error)
   end subroutine choose_method
 
   !> Heights in double precision [Eq. 1, 2].
@@ -88,15 +99,37 @@ contains
     case (method_direct)
       call direct_sum(w, g, 1, z)
     case (method_product)
-      call new_product(w, g, product)
-      call product_sum(product, 1, z)
+      if (method%precision == exact_slices) then
+        call new_product(w, g, product)
+        call product_sum(product, 1, z)
+      else
+        call plain_product(w, g, method%precision, z)
+      end if
     case (method_nufft)
       call new_nufft(w, g, method%nufft, nufft)
       call nufft_sum(nufft, 1, z, error)
     end select
   end subroutine heights
 
-  !> Heights in single precision, computed in double precision by slabs of rows.
+  !> Heights by a plain product, in double or in single precision.
+  subroutine plain_product(w, g, precision, z, z_single)
+    type(waves_t), intent(in) :: w                                      !< waves
+    type(grid_t), intent(in) :: g                                       !< grid
+    integer, intent(in) :: precision                                    !< of the product
+    real(dp), intent(inout), contiguous, optional :: z(:, :)            !< heights (nx, ny) [m]
+    real(sp), intent(inout), contiguous, optional :: z_single(:, :)     !< the same
+    type(plain_t) :: plain
+    type(plain_single_t) :: single
+    if (precision == in_single) then
+      call new_plain_single(w, g, single)
+      call plain_sum_single(single, z, z_single)
+    else
+      call new_plain(w, g, plain)
+      call plain_sum(plain, z, z_single)
+    end if
+  end subroutine plain_product
+
+  !> Heights in single precision; but for plain products computed in double precision by slabs of rows.
   subroutine heights_single(w, g, method, z, error)
     type(waves_t), intent(in) :: w                     !< waves
     type(grid_t), intent(in) :: g                      !< grid
@@ -109,6 +142,10 @@ contains
     integer :: rows, j, last
     call checked_grid(g, error)
     if (allocated(error)) return
+    if (method%evaluator == method_product .and. method%precision /= exact_slices) then
+      call plain_product(w, g, method%precision, z_single=z)
+      return
+    end if
     if (method%evaluator == method_product) call new_product(w, g, product)
     if (method%evaluator == method_nufft) call new_nufft(w, g, method%nufft, nufft)
     rows = max(1, slab_points / g%nx)

@@ -2,12 +2,12 @@
 !> LAPACK and BLAS: products and factorisations of dense matrices.
 module hd_lapack
   use, intrinsic :: iso_c_binding, only: c_int
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_linear_solver
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
+  public :: dgemm, sgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -22,6 +22,13 @@ module hd_lapack
       real(dp), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
       real(dp), intent(inout) :: c(ldc, *)
     end subroutine dgemm
+    subroutine sgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+      import :: sp
+      character(len=1), intent(in) :: ta, tb
+      integer, intent(in) :: m, n, k, lda, ldb, ldc
+      real(sp), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
+      real(sp), intent(inout) :: c(ldc, *)
+    end subroutine sgemm
     subroutine dgesv(n, nrhs, a, lda, pivot, b, ldb, info)
       import :: dp
       integer, intent(in) :: n, nrhs, lda, ldb

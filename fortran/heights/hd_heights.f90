@@ -36,6 +36,7 @@ module hd_heights
   real(dp), parameter :: second_per_point(0:2) = [2e-9_dp, 0.5e-9_dp, 0.4e-9_dp]           !< height stored
   real(dp), parameter :: single_from = 1e-6_dp             !< tolerance from which a product in single precision is tried
   real(dp), parameter :: single_error = 4e-8_dp            !< its error over the square root of the number of terms
+  real(dp), parameter :: small_seconds = 0.2e-3_dp         !< time of a product below which a NUFFT is not planned
   real(dp), parameter :: small_mb = 16                     !< what is not worth a look at the free memory
   real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
   real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
@@ -60,18 +61,21 @@ contains
     points = real(nx, dp) * ny
     if (tolerance > 0) method%precision = &
       merge(in_single, in_double, tolerance >= single_from .and. single_error * sqrt(real(groups, dp)) <= tolerance)
-    if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0)) then
-      method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
-    end if
     method%seconds(1) = points * waves * second_per_cosine / 2
     method%seconds(2) = (points * (2 * groups * second_per_flop(method%precision) + second_per_point(method%precision)) &
       + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
+    if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0 .and. method%seconds(2) > small_seconds)) then
+      method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
+    end if
     method%seconds(3) = method%nufft%seconds
     extra(1) = 64._dp * waves
     extra(2) = 100._dp * waves + 16._dp * nx * groups + 32._dp * (64 * nx + 32768)
     extra(3) = (200 + 8._dp * (method%nufft%width_x + method%nufft%width_y)) * waves + &
       16._dp * method%nufft%fine_y * (0.5_dp * method%nufft%fine_x + 100) * 3
-    if (bytes == 4) extra = extra + 8._dp * slab_points
+    if (bytes == 4) then
+      extra = extra + 8 * min(real(slab_points, dp), points)
+      if (method%precision /= exact_slices) extra(2) = extra(2) - 8 * min(real(slab_points, dp), points)
+    end if
     method%evaluator = wanted
     if (wanted == method_auto) method%evaluator = minloc(method%seconds, 1)
     if (wanted == method_nufft .and. method%nufft%width_x == 0) then

@@ -102,6 +102,7 @@ def array(shape=None, above=None, least=None, below=None, most=None, finite=True
     among = f" of shape {' or '.join(str(s).replace('None', 'n') for s in shapes)}" if shapes else ""
     text = _range_text(above, least, below, most)
     valid = f"{'' if holes or not finite else 'finite '}numbers{text and ',' + text}{among}" + (", or None" if optional else "")
+    unlimited = all(limit is None for limit in (above, least, below, most))
 
     def rule(name, value):
         if optional and value is None:
@@ -110,6 +111,8 @@ def array(shape=None, above=None, least=None, below=None, most=None, finite=True
         if a is None or (not a.size and not empty) or (shapes and not any(
                 len(s) == a.ndim and all(m in (None, n) for m, n in zip(s, a.shape)) for s in shapes)):
             _fail(name, value, valid)
+        if unlimited and np.isfinite(a).all():
+            return a
         wrong = _outside(a, above, least, below, most)
         if holes:
             wrong |= np.isinf(a)

@@ -53,6 +53,8 @@ def _seed(seed):
 
 def _pair(value, name, kind=float):
     try:
+        if type(value) is int or (kind is float and type(value) is float):
+            return kind(value), kind(value)
         values = [kind(v) for v in np.broadcast_to(value, 2)]
         if kind is float and not all(isinstance(v, numbers.Real) for v in np.broadcast_to(value, 2)):
             raise TypeError

@@ -162,7 +162,7 @@ subroutine surface_waves(p, ridges, seed, count, fx, fy, amplitude, phase, offse
 end subroutine surface_waves
 
 !> Choose the evaluator of free waves, after everything is checked.
-subroutine surface_free_method(count, grid, nx, ny, tolerance, wanted, evaluator, status, message)
+subroutine surface_free_method(count, grid, nx, ny, tolerance, bytes, wanted, evaluator, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_heights, only: method_t
@@ -171,13 +171,13 @@ subroutine surface_free_method(count, grid, nx, ny, tolerance, wanted, evaluator
   use hd_waves, only: grid_t
   implicit none
   real(c_double), intent(in) :: grid(4), tolerance
-  integer(c_int), intent(in) :: count, nx, ny, wanted
+  integer(c_int), intent(in) :: count, nx, ny, bytes, wanted
   integer(c_int), intent(out) :: evaluator, status
   character(len=8192), intent(out) :: message
   type(grid_t) :: g
   type(method_t) :: method
   type(error_t), allocatable :: error
-  call read_free(count, grid, nx, ny, tolerance, wanted, g, method, error)
+  call read_free(count, grid, nx, ny, tolerance, bytes, wanted, g, method, error)
   evaluator = method%evaluator
   call tell(error, status, message)
 end subroutine surface_free_method
@@ -205,13 +205,45 @@ subroutine surface_free_heights(count, fx, fy, amplitude, phase, grid, tolerance
   type(method_t) :: method
   type(waves_t) :: w
   type(error_t), allocatable :: error
-  call read_free(count, grid, nx, ny, tolerance, wanted, g, method, error)
+  call read_free(count, grid, nx, ny, tolerance, 8, wanted, g, method, error)
   if (.not. allocated(error)) then
     call free_waves(fx, fy, amplitude, phase, w)
     call heights(w, g, method, heights_out, error)
   end if
   call tell(error, status, message)
 end subroutine surface_free_heights
+
+!> The same in single precision.
+subroutine surface_free_heights_single(count, fx, fy, amplitude, phase, grid, tolerance, wanted, nx, ny, heights_out, status, &
+  message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_float
+  use hd_error, only: error_t
+  use hd_heights, only: method_t, heights_single
+  use hd_flat_surface, only: read_free
+  use hd_status, only: tell
+  use hd_waves, only: grid_t, waves_t, free_waves
+  implicit none
+  integer(c_int), intent(in) :: count, nx, ny
+  real(c_double), intent(in) :: fx(count), fy(count), amplitude(count), phase(count), grid(4), tolerance
+  integer(c_int), intent(in) :: wanted
+  real(c_float), intent(inout) :: heights_out(nx, ny)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(fx) :: count = len(fx)
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
+  !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
+  !f2py threadsafe
+  type(grid_t) :: g
+  type(method_t) :: method
+  type(waves_t) :: w
+  type(error_t), allocatable :: error
+  call read_free(count, grid, nx, ny, tolerance, 4, wanted, g, method, error)
+  if (.not. allocated(error)) then
+    call free_waves(fx, fy, amplitude, phase, w)
+    call heights_single(w, g, method, heights_out, error)
+  end if
+  call tell(error, status, message)
+end subroutine surface_free_heights_single
 
 !> Run an input that holds only a surface; ran = 0 and nothing is done if it holds more.
 subroutine surface_run(path, assignments, folder, force, ran, status, message)

@@ -37,11 +37,12 @@ contains
   end subroutine read_entry
 
   !> Grid and method of free waves.
-  subroutine read_free(count, grid, nx, ny, tolerance, wanted, g, method, error)
+  subroutine read_free(count, grid, nx, ny, tolerance, bytes, wanted, g, method, error)
     integer, intent(in) :: count                      !< number of waves
     real(dp), intent(in) :: grid(4)                   !< dx, dy, x_0, y_0
     integer, intent(in) :: nx, ny                     !< points
     real(dp), intent(in) :: tolerance                 !< error allowed; 0: none
+    integer, intent(in) :: bytes                      !< of a height
     integer, intent(in) :: wanted                     !< method_*
     type(grid_t), intent(out) :: g                    !< grid
     type(method_t), intent(out) :: method             !< evaluator
@@ -49,7 +50,7 @@ contains
     g = grid_t(nx, ny, grid(1), grid(2), grid(3), grid(4))
     call checked_grid(g, error)
     if (.not. allocated(error)) then
-      call choose_method(nx, ny, int(count, i8), int(count, i8), tolerance, 8, wanted, method, error)
+      call choose_method(nx, ny, int(count, i8), int(count, i8), tolerance, bytes, wanted, method, error)
     end if
   end subroutine read_free
 end module hd_flat_surface

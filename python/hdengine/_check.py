@@ -18,7 +18,7 @@ from ._engine import InputError
 F = TypeVar("F", bound=Callable)
 
 
-def _seen(value):
+def seen(value):
     """A value as short text."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"array of shape {value.shape}, {value.dtype}"
@@ -29,7 +29,7 @@ def _seen(value):
 
 
 def _fail(name, value, valid):
-    raise InputError(f"{name} = {_seen(value)}: must be {valid}") from None
+    raise InputError(f"{name} = {seen(value)}: must be {valid}") from None
 
 
 def _range_text(above, least, below, most):

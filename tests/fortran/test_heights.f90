@@ -34,7 +34,7 @@ contains
     call compare(w, grid_t(33, 65, 0.9_dp, 1.1_dp, 0.3_dp, -0.2_dp), 'free waves')
   end subroutine run_heights
 
-  !> Direct sum and products to 1e-12 of the rms, the NUFFT to the tolerance asked for.
+  !> Direct sum and products to 1e-12 of the rms; plain products and the NUFFT to the tolerance asked for.
   subroutine compare(w, g, name)
     type(waves_t), intent(in) :: w           !< waves
     type(grid_t), intent(in) :: g            !< grid
@@ -43,7 +43,7 @@ contains
     real(qp) :: exact(g%nx, g%ny)
     type(method_t) :: method
     type(error_t), allocatable :: error
-    integer :: k
+    integer :: k, l
     call quadruple_sum(w, g, exact)
     rms = sqrt(sum(w%amplitude**2) / 2)
     do k = method_direct, method_product
@@ -55,10 +55,12 @@ contains
     call check_rows(w, g, z, name)
     do k = 3, 12
       tolerance = 10._dp**(-k)
-      call choose_method(g%nx, g%ny, size(w%fx, kind=i8), int(w%groups, i8), tolerance, 8, method_nufft, method, error)
-      call heights(w, g, method, z, error)
-      call check(sqrt(sum(real(z - exact, dp)**2) / size(z)) < tolerance * rms, &
-        'the NUFFT keeps the tolerance '//to_text(tolerance)//': '//name)
+      do l = method_product, method_nufft
+        call choose_method(g%nx, g%ny, size(w%fx, kind=i8), int(w%groups, i8), tolerance, 8, l, method, error)
+        call heights(w, g, method, z, error)
+        call check(sqrt(sum(real(z - exact, dp)**2) / size(z)) < tolerance * rms, &
+          trim(merge('the product', 'the NUFFT  ', l == method_product))//' keeps the tolerance '//to_text(tolerance)//': '//name)
+      end do
     end do
   end subroutine compare
 

@@ -312,7 +312,7 @@ print(hashlib.md5(z.tobytes()).hexdigest())
 
 
 def test_threads_do_not_change_a_bit():
-    """Heights of every evaluator, of both precisions of the NUFFT and of the periodic surface are the same bytes with 1, 2 and 3
+    """Heights of every evaluator, of both precisions of products and of the NUFFT, and of the periodic surface are the same bytes with 1, 2 and 3
     threads."""
     script = f"""
 import hashlib
@@ -320,7 +320,7 @@ from hdengine import surface
 keys = dict(spacing=1e-6, fractal_dimension={D}, roughness={G}, gamma=1.5, length=0.5e-3, shortest_wavelength=1e-6, ridges=40)
 maps = [surface.generate((70, 90), method="direct", **keys), surface.periodic(128, 1e-3, {D}, {G}, 2e-5, 1)]
 maps += [surface.generate((500, 700), method="product", dtype=kind, **keys) for kind in ("f8", "f4")]
-maps += [surface.generate((500, 700), method="nufft", tolerance=t, **keys) for t in (1e-3, 1e-6)]
+maps += [surface.generate((500, 700), method=m, tolerance=t, **keys) for m in ("product", "nufft") for t in (1e-9, 1e-6, 1e-3)]
 print([hashlib.md5(z.tobytes()).hexdigest() for z in maps])
 """
     assert len({run_python(script, threads) for threads in (1, 2, 3)}) == 1

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
-from .._check import array, checked, integer, number
+from .._check import array, checked, integer, number, seen
 
 METHODS = ("auto", "direct", "product", "nufft")
 _TURNS = 2.0**53  # from here a phase has no digit behind the point
@@ -91,6 +91,17 @@ def _spectrum(fractal_dimension, roughness, gamma, length, shortest_wavelength):
                      _real("length", length), _real("shortest_wavelength", shortest_wavelength)])
 
 
+def _room(size, dtype, out):
+    """Array for heights, and its kind: a new one, or `out` after a look at it."""
+    if out is None:
+        return np.empty(size, dtype=dtype, order="F").T
+    if not isinstance(out, np.ndarray) or out.dtype not in (np.float64, np.float32) or out.shape != size[::-1] \
+            or not out.flags.c_contiguous or not out.flags.writeable:
+        raise _engine.InputError(f"out = {seen(out)}: must be an array of shape {size[::-1]}, float64 or float32, contiguous, "
+                                 "writeable")
+    return out
+
+
 def _turns(largest, what):
     """Refuse waves whose phase on the grid has no digits left."""
     if largest >= _TURNS:
@@ -135,7 +146,7 @@ def choose(shape: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gam
 
 def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: float, gamma: float, length: float,
              shortest_wavelength: float, ridges: int, seed: int = 0, *, origin: Any = 0.0, tolerance: float | None = None,
-             method: str = "auto", dtype: Any = float) -> np.ndarray:
+             method: str = "auto", dtype: Any = float, out: np.ndarray | None = None) -> np.ndarray:
     """Weierstrass-Mandelbrot surface (Eq. 1) on a rectangular grid.
 
     Parameters
@@ -163,12 +174,14 @@ def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: floa
         First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
     tolerance : float or None
         Root mean square error allowed, relative to the waves, 1e-13 to 0.1: lets 'auto' take the non-uniform FFT, which many
-        waves need. None: exact to rounding.
+        waves need, and 'product' sum as fast as it can. None: exact to rounding.
     method : str
         'direct' (term by term), 'product' (matrix products), 'nufft' (without a tolerance: to 1e-12); 'auto' takes the one
         predicted to be the fastest that keeps the tolerance.
     dtype : dtype
         float64 or float32.
+    out : ndarray (ny, nx), optional
+        Array to fill, float64 or float32, which replaces `dtype`: new memory costs as much as a small surface.
 
     Returns
     -------
@@ -183,13 +196,13 @@ def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: floa
         The machine's memory does not hold it; the message says how much is needed.
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
-    head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
+    head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype if out is None else float)
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
         _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, dtype.itemsize, wanted)
-    heights = np.empty(size, dtype=dtype, order="F")
-    entry = "surface_heights" if dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, _tolerance("tolerance", tolerance) or 0.0, wanted, heights)
-    return heights.T
+    heights = _room(size, dtype, out)
+    entry = "surface_heights" if heights.dtype == np.float64 else "surface_heights_single"
+    _engine.call(entry, *head, _tolerance("tolerance", tolerance) or 0.0, wanted, heights.T)
+    return heights
 
 
 @checked(n=integer(-2**31), origin=_real)
@@ -235,7 +248,8 @@ def waves(fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, short
 
 @checked(fx=_list, fy=_list, amplitude=_list, phase=_list, tolerance=_tolerance)
 def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLike, shape: Any, spacing: Any, *,
-              origin: Any = 0.0, tolerance: Any = None, method: str = "auto") -> np.ndarray:
+              origin: Any = 0.0, tolerance: Any = None, method: str = "auto", dtype: Any = float,
+              out: np.ndarray | None = None) -> np.ndarray:
     """Any sum of plane waves on a rectangular grid: - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
     Parameters
@@ -246,7 +260,7 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
         Amplitudes [m].
     phase : array_like (J,)
         Phases at x = y = 0 [turns].
-    shape, spacing, origin, tolerance, method
+    shape, spacing, origin, tolerance, method, dtype, out
         As in `generate`.
 
     Returns
@@ -259,7 +273,7 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
     InputError, EngineMemoryError
         As `generate`; lengths that differ, no wave, numbers that are not finite.
     """
-    size, grid, wanted, _ = _grid(shape, spacing, origin, method, float)
+    size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype if out is None else float)
     lists = [np.ascontiguousarray(v) for v in (fx, fy, amplitude, phase)]
     if len({v.size for v in lists}) != 1 or lists[0].size == 0:
         raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
@@ -271,10 +285,11 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
                 _turns(np.max(np.abs(f)) * (abs(first) + n * step), name)
         _turns(np.max(np.abs(lists[3])), "phase")
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, wanted)
-    heights = np.empty(size, order="F")
-    _engine.call("surface_free_heights", *lists, grid, tolerance or 0.0, wanted, heights)
-    return heights.T
+        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, dtype.itemsize, wanted)
+    heights = _room(size, dtype, out)
+    entry = "surface_free_heights" if heights.dtype == np.float64 else "surface_free_heights_single"
+    _engine.call(entry, *lists, grid, tolerance or 0.0, wanted, heights.T)
+    return heights
 
 
 @checked(n=integer(-2**31), length=_real, fractal_dimension=_real, roughness=_real, shortest_wavelength=_real)

@@ -77,6 +77,28 @@ subroutine surface_level(z, nx, ny, tilt, status, message)
   call tell(error, status, message)
 end subroutine surface_level
 
+!> Single wrong points taken for holes (mask > 0), holes filled (fill > 0), in place; number of wrong points.
+subroutine surface_clean(z, nx, ny, mask, fill, spikes, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_cleaning, only: clean_map
+  use hd_error, only: error_t
+  use hd_structure_function, only: check_map
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: nx, ny, mask, fill
+  real(c_double), intent(inout) :: z(nx, ny)
+  integer(c_int), intent(out) :: spikes
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
+  !f2py threadsafe
+  type(error_t), allocatable :: error
+  spikes = 0
+  call check_map(z, 1._c_double, 1._c_double, error)
+  if (.not. allocated(error)) call clean_map(z, mask > 0, fill > 0, spikes)
+  call tell(error, status, message)
+end subroutine surface_clean
+
 !> Sa, Sq, Sz, Ssk, Sku, Sdq, shortest and longest wavelength, Nayak's parameter.
 subroutine surface_roughness(z, nx, ny, dx, dy, numbers, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double

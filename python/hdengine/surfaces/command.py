@@ -7,7 +7,7 @@ from typing import Any
 
 from .._engine import InputError
 from ..files import check_folder
-from . import folder, roughness, specimen
+from . import folder, form, roughness, specimen
 
 
 def add_options(parser: Any) -> None:
@@ -20,7 +20,12 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
     parser.add_argument("--model", choices=("isotropic", "profile", "ridges", "paper"), help="default: by what is known")
     parser.add_argument("--ridges", metavar="L,L_s,M,gamma", help="the surfaces are sums of Eq. 1 with these numbers")
-    parser.add_argument("--out", help="folder for surface.json, structure.csv, spectrum.csv, scene.nml and figures (default: the "
+    parser.add_argument("--form", default="plane", help="form taken off first: none, plane, poly2 to poly8, or cylinder (rings)")
+    parser.add_argument("--s-filter", type=float, metavar="M", help="nesting index of the S-filter of the areal numbers [m]")
+    parser.add_argument("--l-filter", type=float, metavar="M", help="nesting index of their L-filter [m]")
+    parser.add_argument("--outliers", action="store_true", help="areal numbers without single wrong points (the fit masks them anyway)")
+    parser.add_argument("--fill", action="store_true", help="areal numbers with holes filled (the fit fills them anyway)")
+    parser.add_argument("--out", help="folder for surface.json, tables, scene.nml and figures (default: the "
                         "first file's stem.out)")
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
@@ -43,17 +48,20 @@ def run_surface(args: Any) -> Any:
     if args.pair and len(args.files) != 2:
         raise InputError(f"--pair takes two files, got {len(args.files)}")
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
-    check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "scene.nml"], args.force)
+    check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
+    textures = [s.texture(form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers, fill=args.fill)
+                for s in specimens]
+    if args.form != "plane":    # the fit takes the plane off itself, with what that does to the spectrum
+        specimens = [form.remove(s, args.form).specimen for s in specimens]
     fits = [s.fit(**options) for s in specimens]
-    for s, fit in zip(specimens, fits):
-        numbers = ", ".join(f"{k} {v:.4g}" for k, v in s.parameters().items() if k != "bandwidth_m")
+    for s, fit, areal in zip(specimens, fits, textures):
         print(f"{s.name}: {' x '.join(map(str, s.heights.shape))} points, {' x '.join(f'{1e3 * x:.4g}' for x in s.size)} mm")
-        print("".join(f"  {note}\n" for note in s.notes) + f"roughness {numbers}\n{fit}\n")
+        print("".join(f"  {note}\n" for note in s.notes) + f"{areal}\n{fit}\n")
     joint = None
     if args.pair:
         joint = specimen.equivalent(*specimens, **options)
         print(f"equivalent surface of both\n{joint.equivalent}\n")
-    for path in folder.write(out, specimens, fits, joint, args.files, args.force):
+    for path in folder.write(out, specimens, fits, joint, args.files, args.force, textures):
         print(f"written: {path}")
     return 0

@@ -14,15 +14,15 @@ from .specimen import JointSurface, Specimen
 
 
 def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint: JointSurface | None = None,
-          sources: Sequence[Any] = (), force: bool = False) -> list:
+          sources: Sequence[Any] = (), force: bool = False, textures: Sequence[Any] = ()) -> list:
     """Write specimens and their fits into a folder.
 
     Parameters
     ----------
     folder : path-like
-        Gets structure.csv (S over the lag with the model), spectrum.csv (power over frequency with the model), scene.nml (the lines
-        of a scene), a figure of each specimen, joint_surface.png of two, and last of all surface.json (D, G, intervals, bands,
-        verdicts, spectra, roughness numbers): without it the others are not whole.
+        Gets structure.csv (S over the lag with the model), spectrum.csv (power over frequency with the model), material_ratio.csv
+        (Smr over the height), scene.nml (the lines of a scene), a figure of each specimen, joint_surface.png of two, and last of all surface.json (D, G, intervals, bands,
+        verdicts, spectra, roughness and areal numbers): without it the others are not whole.
     specimens : sequence of Specimen
     fits : sequence of Fit
         Of each specimen.
@@ -32,6 +32,8 @@ def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint
         Files of the specimens: their SHA-256 is kept.
     force : bool
         Replace these files where the folder holds them.
+    textures : sequence of Texture, optional
+        Areal numbers of each specimen. Default: less the plane, without filters.
 
     Returns
     -------
@@ -47,10 +49,11 @@ def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint
 
     names = _names([s.name for s in specimens])
     found = dict(zip(names, fits))
+    textures = textures or [s.texture() for s in specimens]
     surfaces = {}
     for i, (name, s) in enumerate(zip(names, specimens)):
         surfaces[name] = {"points": s.heights.shape, "spacing_m": s.spacing, "size_m": s.size, "notes": s.notes,
-                          "roughness": s.parameters(), **_told(fits[i])}
+                          "roughness": s.parameters(), "areal": _areal(textures[i]), **_told(fits[i])}
         if i < len(sources):
             surfaces[name] |= {"file": str(sources[i]), "sha256": hashlib.sha256(Path(sources[i]).read_bytes()).hexdigest()}
     files: dict[str, Any] = {}
@@ -58,6 +61,7 @@ def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint
         found["equivalent"] = joint.equivalent
         surfaces["equivalent"] = _told(joint.equivalent)
     files["structure.csv"], files["spectrum.csv"] = _structure(found), _spectrum(found)
+    files["material_ratio.csv"] = _material(dict(zip(names, textures)))
     sides = {name: (max(s.size), s.spacing) for name, s in zip(names, specimens)}
     if joint is not None:
         sides = {"equivalent": min(sides.values())}
@@ -95,6 +99,24 @@ def _told(fit):
     if fit.frequency is not None:
         told["spectrum"] = {"frequency_per_m": fit.frequency, "power": fit.density, "model": fit.density_model}
     return told
+
+
+def _areal(t):
+    """Areal numbers with how the map was prepared."""
+    return {"form": t.form.kind, "form_range_m": t.form.range_m, "form_radius_m": t.form.radius_m, "form_axis_rad": t.form.axis_rad,
+            "s_filter_m": t.s_filter_m, "l_filter_m": t.l_filter_m, "outliers": t.outliers, "holes": t.holes, "filled": t.filled,
+            **t.numbers}
+
+
+def _material(textures):
+    """Smr over the height of every surface."""
+    columns: dict[str, list] = {n: [] for n in ("surface", "height_m", "smr")}
+    for name, t in textures.items():
+        c, ratio = t.material_ratio()
+        columns["surface"] += [name] * len(c)
+        columns["height_m"] += list(c)
+        columns["smr"] += list(ratio)
+    return csv_text(columns)
 
 
 def _determined(fit):

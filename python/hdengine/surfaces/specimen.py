@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from .._check import array, checked, fields, integer, kind, text
+from .. import _engine
+from .._check import array, checked, fields, flag, integer, kind, text
 from .._check import path as a_path
 from .._engine import FileError, InputError
 from . import roughness
@@ -63,6 +64,12 @@ class Specimen:
     def parameters(self) -> Any:
         """`roughness.parameters` of this specimen."""
         return roughness.parameters(self.heights, self.spacing)
+
+    def texture(self, **options: Any) -> Any:
+        """`texture.texture` of this specimen (form, filters, areal numbers); takes its options."""
+        from .texture import texture
+
+        return texture(self, **options)
 
 
 def _factor(unit, path):
@@ -296,6 +303,37 @@ def save(path: str | os.PathLike, specimen: Any) -> None:
         Path(path).write_bytes(head + steps.tobytes())
     except OSError as e:
         raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
+
+
+@checked(specimen=kind(Specimen), outliers=flag, fill=flag)
+def clean(specimen: Any, outliers: bool = True, fill: bool = False) -> tuple:
+    """Single wrong points taken for holes, and holes filled with what bends least (Laplace's equation), tilt kept.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Map or profile.
+    outliers : bool
+        Take points for holes that stand more than six robust standard deviations off the median of their neighbours.
+    fill : bool
+        Fill the holes.
+
+    Returns
+    -------
+    Specimen
+    found : int
+        Number of wrong points.
+
+    Raises
+    ------
+    InputError
+        The map holds no height.
+    """
+    z = np.array(roughness._map(specimen.heights), order="F", copy=True)
+    found = int(_engine.call("surface_clean", z, int(outliers), int(fill)))
+    holes = int(np.sum(~np.isfinite(specimen.heights))) + found
+    notes = [f"{found} outliers taken for holes"] * (found > 0) + [f"{holes} holes filled"] * (fill and holes > 0)
+    return replace(specimen, heights=z.T.reshape(specimen.heights.shape), notes=(*specimen.notes, *notes)), found
 
 
 @dataclass(frozen=True)

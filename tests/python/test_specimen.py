@@ -170,7 +170,7 @@ def test_command_reads_fits_and_plots(tmp_path, capsys):
     text = capsys.readouterr().out
     assert text.count("verdict   fractal") == 3 and "D         2.53" in text
     figures = {"joint_surface.png", "specimen_flexspline.png", "specimen_bearing.png"}
-    assert {p.name for p in (tmp_path / "o").iterdir()} == {"surface.json", "structure.csv", "spectrum.csv", "scene.nml", *figures}
+    assert {p.name for p in (tmp_path / "o").iterdir()} == {"surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml", *figures}
     found = json.loads((tmp_path / "o/surface.json").read_text())
     assert found["status"] == "complete" and set(found["surfaces"]) == {"specimen_flexspline", "specimen_bearing", "equivalent"}
     rows = read_csv(tmp_path / "o/structure.csv")

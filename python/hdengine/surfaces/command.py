@@ -23,8 +23,9 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--form", default="plane", help="form taken off first: none, plane, poly2 to poly8, or cylinder (rings)")
     parser.add_argument("--s-filter", type=float, metavar="M", help="nesting index of the S-filter of the areal numbers [m]")
     parser.add_argument("--l-filter", type=float, metavar="M", help="nesting index of their L-filter [m]")
-    parser.add_argument("--outliers", action="store_true", help="areal numbers without single wrong points (the fit masks them anyway)")
-    parser.add_argument("--fill", action="store_true", help="areal numbers with holes filled (the fit fills them anyway)")
+    parser.add_argument("--outliers", action="store_true",
+                        help="areal numbers without single wrong points (the fit masks them too)")
+    parser.add_argument("--fill", action="store_true", help="areal numbers with holes filled (the fit fills them too)")
     parser.add_argument("--out", help="folder for surface.json, tables, scene.nml and figures (default: the "
                         "first file's stem.out)")
     parser.add_argument("--force", action="store_true", help="replace earlier results")

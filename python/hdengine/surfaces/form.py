@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -128,7 +127,7 @@ def _cylinder(x, y, z, good, half, name):
         k = int(np.argmax(abs(values)))
         bend, (cos, sin) = values[k], vectors[:, k]
         angle, along, across = float(np.arctan2(sin, cos)), cos * start[2] - sin * start[1], cos * start[1] + sin * start[2]
-    room = 1 - abs(across) / np.hypot(1, across)              # from the sine of the slope in the middle to that at the end of the arc
+    room = 1 - abs(across) / np.hypot(1, across)        # from the sine of the slope in the middle to that where the arc ends
     bend = np.clip(bend * (1 + across**2) ** -1.5, -0.6 * room, 0.6 * room)
     found = _least(np.array([start[0], along, across, bend, angle]), [0, 2, 3] if z.shape[0] == 1 else [0, 1, 2, 3, 4], points)
     if found is None:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear Gaussian filters of heights: profiles by ISO 16610-21, maps by ISO 16610-61; at edges and holes the weights are those of the
-points that are there (the Gaussian regression of order 0 of ISO 16610-31 without its robust weights)."""
+"""Linear Gaussian filters of heights: profiles by ISO 16610-21, maps by ISO 16610-61.
+
+At edges and beside holes the points that are there weigh more (the regression of order 0 of ISO 16610-31 without its robust weights).
+"""
 from __future__ import annotations
 
 from typing import Any
@@ -39,8 +41,8 @@ def lowpass(heights: Any, spacing: Any, nesting_index: float) -> np.ndarray:
     steps = tuple(spacing)[-z.ndim:]
     sides = [n * d for n, d in zip(z.shape, steps)]
     if not 2 * max(steps) <= nesting_index <= max(sides):
-        raise InputError(f"nesting index {nesting_index:.6g} m: at least two spacings, {2 * max(steps):.3g} m, and at most the longer "
-                         f"side, {max(sides):.3g} m")
+        raise InputError(f"nesting index {nesting_index:.6g} m: at least two spacings, {2 * max(steps):.3g} m, and at most the "
+                         f"longer side, {max(sides):.3g} m")
     good = np.isfinite(z)
     total, weight = np.where(good, z, 0.0), good.astype(float)
     for axis, step in enumerate(steps):

@@ -16,6 +16,7 @@ FALL = 0.2                              #: of the autocorrelation, to which Sal 
 CORE = 0.4                              #: share of the material ratio curve that the core's line is laid through (ISO 25178-2)
 _ANGLES = 360                           #: directions over half a turn
 _BINS = 180                             #: of the angular spectrum over half a turn
+_FINER = 2                              #: modes per wave of the map: the window's lobe is then smooth
 
 
 @dataclass(frozen=True)
@@ -103,11 +104,11 @@ def numbers(heights: Any, spacing: Any) -> dict:
     Returns
     -------
     dict
-        sa_m, sq_m, sp_m, sv_m, sz_m, ssk, sku: heights; sdq, sdr: root mean square gradient and developed area less one over all cells
-        of four points; sal_m, str: shortest distance at which the autocorrelation falls to 0.2, and that over the longest one (NaN
-        where it does not fall so far within half of the map); std_rad: direction of most power, from x towards y (a lay lies across
-        it); sk_m, spk_m, svk_m, smrk1, smrk2: core, reduced peaks and valleys, material ratios of the core's ends; sxp_m: height of
-        2.5 % less that of 50 %. A profile has no sdr, str and std_rad, and sdq, sal_m along its line.
+        sa_m, sq_m, sp_m, sv_m, sz_m, ssk, sku: heights; sdq, sdr: root mean square gradient over one spacing, developed area less one
+        over cells of four points; sal_m, str: shortest distance at which the autocorrelation falls to 0.2, and that over the longest
+        one (NaN where it does not fall so far within half of the map); std_rad: direction of most power, from x towards y (a lay lies
+        across it); sk_m, spk_m, svk_m, smrk1, smrk2: core, reduced peaks and valleys, material ratios of the core's ends; sxp_m:
+        height of 2.5 % less that of 50 %. A profile has no sdr, str and std_rad.
     """
     z = np.asarray(heights, dtype=float)
     z = z - np.nanmean(z)
@@ -144,17 +145,14 @@ def _descending(heights):
 
 
 def _gradients(z, dx, dy):
-    """Sdq and Sdr over cells of four points; of a profile Sdq over its steps.
-
-    The area of a cell is the mean of the two ways to cut it into two triangles; its squared gradient the mean over their four.
-    """
+    """Sdq over single steps; of a map Sdr over cells of four points, each the mean of the two ways to cut it into two triangles."""
+    along = np.diff(z, axis=-1) / dx
+    square = np.nanmean(along**2)
     if z.ndim == 1:
-        return {"sdq": float(np.sqrt(np.nanmean((np.diff(z) / dx) ** 2)))}
-    along, across = np.diff(z, axis=1) / dx, np.diff(z, axis=0) / dy
-    squares = [a**2 + b**2 for a in (along[:-1], along[1:]) for b in (across[:, :-1], across[:, 1:])]
-    area = sum(np.sqrt(1 + s) - 1 for s in squares) / 4
-    with np.errstate(invalid="ignore"):
-        return {"sdq": float(np.sqrt(np.nanmean(sum(squares) / 4))), "sdr": float(np.nanmean(area))}
+        return {"sdq": float(np.sqrt(square))}
+    across = np.diff(z, axis=0) / dy
+    area = sum(np.sqrt(1 + a**2 + b**2) - 1 for a in (along[:-1], along[1:]) for b in (across[:, :-1], across[:, 1:])) / 4
+    return {"sdq": float(np.sqrt(square + np.nanmean(across**2))), "sdr": float(np.nanmean(area))}
 
 
 def _autocorrelation(z):
@@ -206,12 +204,12 @@ def _direction(z, dx, dy):
     Each mode spreads its power over the angle that it takes in the plane of frequencies; beyond Nyquist's frequency of the coarser
     direction, where not all directions have modes, none counts.
     """
-    ny, nx = z.shape
-    window = np.hanning(ny + 2)[1:-1, None] * np.hanning(nx + 2)[None, 1:-1]
-    power = abs(np.fft.rfft2((z - np.sum(z * window) / np.sum(window)) * window)) ** 2
+    window = np.hanning(z.shape[0] + 2)[1:-1, None] * np.hanning(z.shape[1] + 2)[None, 1:-1]
+    ny, nx = (_FINER * n for n in z.shape)
+    power = abs(np.fft.rfft2((z - np.sum(z * window) / np.sum(window)) * window, (ny, nx))) ** 2
     fx, fy = np.meshgrid(np.arange(nx // 2 + 1) / (nx * dx), np.fft.fftfreq(ny, dy))
     f = np.hypot(fx, fy)
-    keep = (f > 1.5 * max(1 / (nx * dx), 1 / (ny * dy))) & (f <= 0.5 / max(dx, dy)) & ((fx > 0) | (fy > 0))
+    keep = (f > 1.5 * _FINER * max(1 / (nx * dx), 1 / (ny * dy))) & (f <= 0.5 / max(dx, dy)) & ((fx > 0) | (fy > 0))
     if not keep.any() or not power[keep].any():
         return float("nan")
     angle = np.arctan2(fy[keep], fx[keep])

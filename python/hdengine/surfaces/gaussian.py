@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear Gaussian filters of heights: profiles by ISO 16610-21, maps by ISO 16610-61.
 
-At edges and beside holes the points that are there weigh more (the regression of order 0 of ISO 16610-31 without its robust weights).
+At edges and beside holes the points that are there weigh more (the regression of order 0 of ISO 16610-31, not robust).
 """
 from __future__ import annotations
 

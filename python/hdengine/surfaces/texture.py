@@ -106,9 +106,9 @@ def numbers(heights: Any, spacing: Any) -> dict:
     dict
         sa_m, sq_m, sp_m, sv_m, sz_m, ssk, sku: heights; sdq, sdr: root mean square gradient over one spacing, developed area less
         one over cells of four points; sal_m, str: shortest distance at which the autocorrelation falls to 0.2, and that over the
-        longest (NaN where it does not fall so far within half of the map); std_rad: direction of most power, from x towards y (a lay
-        lies across it); sk_m, spk_m, svk_m, smrk1, smrk2: core, reduced peaks and valleys, material ratios of the core's ends; sxp_m:
-        height of 2.5 % less that of 50 %. A profile has no sdr, str and std_rad.
+        longest (NaN where it does not fall so far within half of the map); std_rad: direction of most power, from x towards y (a
+        lay lies across it); sk_m, spk_m, svk_m, smrk1, smrk2: core, reduced peaks and valleys, material ratios of the core's
+        ends; sxp_m: height of 2.5 % less that of 50 %. A profile has no sdr, str and std_rad.
     """
     z = np.asarray(heights, dtype=float)
     z = z - np.nanmean(z)

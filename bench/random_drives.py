@@ -89,7 +89,7 @@ def solve(keys, limit=300):
         if (out / "summary.json").exists():
             s = json.loads((out / "summary.json").read_text())
             steps, loop = columns(out / "steps.csv"), columns(out / "loop.csv")
-            row |= {"iterations": [int(n) for n in steps["iterations"]], "cut_backs": s["results"]["cut_backs"], "warnings": s.get("warnings", []),
+            row |= {"iterations": [int(n) for n in steps.get("iterations", [])], "cut_backs": s["results"]["cut_backs"], "warnings": s.get("warnings", []),
                     "total_s": s["timers_s"]["total"], "k": [s["results"].get(f"k{i}_nm_per_rad") for i in (1, 2, 3)]}
             if done.returncode == 0:
                 row["faults"] = faults(keys, steps, loop, columns(out / "teeth.csv"), columns(out / "balls.csv"))

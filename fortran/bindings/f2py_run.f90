@@ -64,9 +64,9 @@ subroutine run_advance(handle, done, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_registry, only: find_run
-  use hd_load_step, only: solve_step
   use hd_run, only: run_t
   use hd_status, only: tell
+  use hd_turning, only: advance
   implicit none
   integer(c_int), intent(in) :: handle
   integer(c_int), intent(out) :: done, status
@@ -77,7 +77,7 @@ subroutine run_advance(handle, done, status, message)
   logical :: last
   last = .true.
   call find_run(handle, run, error)
-  if (.not. allocated(error)) call solve_step(run, last, error)
+  if (.not. allocated(error)) call advance(run, last, error)
   done = merge(1, 0, last)
   call tell(error, status, message)
 end subroutine run_advance

@@ -113,7 +113,6 @@ contains
     if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
-    if (scene%support == 'drive') call set_struts(scene, drive, inside)
     call load_rim(scene, drive)
     call renew_drive(scene, drive, error)
   end subroutine new_drive
@@ -140,7 +139,7 @@ contains
     end associate
   end subroutine follow_faces
 
-  !> Enter what leaves mesh, supports and stiffness as they are: contact law, wave generator.
+  !> Enter what leaves mesh, supports and stiffness as they are: contact law, places of balls and teeth, wave generator.
   subroutine renew_drive(scene, drive, error)
     type(scene_t), intent(in) :: scene                !< checked scene
     type(drive_t), intent(inout) :: drive             !< drive of a scene that differs in nothing else
@@ -148,6 +147,7 @@ contains
     drive%interference = scene%interference
     call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
     if (allocated(error)) return
+    if (scene%support == 'drive') call set_struts(scene, drive)
     call turn_cam(scene, drive, error)
   end subroutine renew_drive
 
@@ -205,14 +205,15 @@ contains
   end subroutine hold
 
   !> Balls and flanks of the whole drive, and the bottom that turns.
-  subroutine set_struts(scene, drive, inside)
+  subroutine set_struts(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
-    type(face_t), intent(in) :: inside     !< inner face of the ring, numbered in the problem
+    type(face_t) :: inside
     drive%balls = scene%balls
-    associate (problem => drive%problem)
+    associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
-      if (scene%balls > 0) problem%struts = [ball_struts(scene, inside, problem%bodies(drive%b_ring)%sectors, 0), problem%struts]
+      call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
+      if (scene%balls > 0) problem%struts = [ball_struts(scene, inside, ring%sectors, problem%first(drive%b_ring)), problem%struts]
       problem%strut_rate = [0._dp*problem%struts%rate]
       problem%hub = drive%hub
     end associate

@@ -17,7 +17,7 @@ module hd_solver_choice
   use hd_symmetric_matrix, only: symmetric_matrix_t, new_symmetric_matrix
   implicit none
   private
-  public :: choose_solver, renew_solver
+  public :: choose_solver, renew_solver, forgets_struts
 
 contains
 
@@ -115,6 +115,18 @@ contains
     call new_newton_krylov(near, krylov)
     call move_alloc(krylov, solver)
   end subroutine make_krylov
+
+  !> Give up what a solver knows of balls and teeth, if that leaves the rest: bodies condensed to their face do not know them.
+  logical function forgets_struts(solver)
+    class(linear_solver_t), intent(inout) :: solver   !< solver
+    select type (solver)
+    type is (condensed_t)
+      if (allocated(solver%border)) deallocate (solver%border)
+      forgets_struts = .true.
+    class default
+      forgets_struts = .false.
+    end select
+  end function forgets_struts
 
   !> Enter what `solver.symmetry` allows or asks for; counts start again.
   subroutine renew_solver(scene, solver)

@@ -16,6 +16,7 @@ module hd_teeth
   use hd_problem, only: state_t, load_t, gap_and_slip, internal_residual
   use hd_rim_load, only: add_rim_line
   use hd_scene, only: scene_t
+  use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
   public :: teeth_t, new_teeth, turn_hub, add_tooth_forces
@@ -49,12 +50,11 @@ contains
     type(error_t), allocatable, intent(out) :: error      !< linear solver
     type(load_t) :: load, rest
     real(dp), allocatable :: r(:, :)
-    integer :: i, half, n
+    integer :: i, n
     n = scene%tooth_pairs
     teeth%n = n
-    half = n/2
-    teeth%theta = [((2*pi/scene%teeth)*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1)) + merge(pi, 0._dp, i > half), i=1, n)]
-    teeth%gap = scene%tooth_clearance*[((2*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1))/max(1, half - 1))**2, i=1, n)]
+    teeth%theta = tooth_angles(scene)
+    teeth%gap = tooth_gaps(scene)
     teeth%rate = scene%tooth_stiffness
     teeth%assembled = assembled
     allocate (teeth%force(n), teeth%closing(n), source=0._dp)

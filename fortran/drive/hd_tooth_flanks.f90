@@ -18,19 +18,24 @@ contains
   pure function tooth_angles(scene) result(theta)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp) :: theta(scene%tooth_pairs)
+    integer :: i
+    theta = (2*pi/scene%teeth)*places(scene) + [(merge(pi, 0._dp, i > scene%tooth_pairs/2), i=1, scene%tooth_pairs)]
+  end function tooth_angles
+
+  !> Distances of the pairs from the nearer end of the long axis [tooth pitches].
+  pure function places(scene) result(x)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: x(scene%tooth_pairs)
     integer :: i, half
     half = scene%tooth_pairs/2
-    theta = [((2*pi/scene%teeth)*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1)) + merge(pi, 0._dp, i > half), &
-      i=1, scene%tooth_pairs)]
-  end function tooth_angles
+    x = scene%tooth_phase + [(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1), i=1, scene%tooth_pairs)]
+  end function places
 
   !> Clearances along the normals when the assembly ends: 0 on the long axis, growing with the square of the distance [m].
   pure function tooth_gaps(scene) result(gap)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp) :: gap(scene%tooth_pairs)
-    integer :: i, half
-    half = scene%tooth_pairs/2
-    gap = scene%tooth_clearance*[((2*(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1))/max(1, half - 1))**2, i=1, scene%tooth_pairs)]
+    gap = scene%tooth_clearance*(2*places(scene)/max(1, scene%tooth_pairs/2 - 1))**2
   end function tooth_gaps
 
   !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, along the normal, with

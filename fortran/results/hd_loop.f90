@@ -33,6 +33,8 @@ module hd_loop
     logical :: unloaded = .false.                         !< at some step no ball carried anything
     real(dp) :: von_mises_max = 0                         !< at the Gauss points of both bodies, of all steps [Pa]
     real(dp) :: von_mises_cup = 0                         !< at those of the flexspline [Pa]
+    real(dp), allocatable :: turned_angle(:)              !< of the bottom at places of the turning wave generator [rad]
+    real(dp), allocatable :: turned_stiffness(:)          !< there, from half to all of the torque [N m/rad]
     type(fatigue_t) :: fatigue                            !< of the flexspline
     real(dp), allocatable :: force(:), closing(:)         !< of all struts at the last step [N], [m]
     real(dp), allocatable, private :: traction(:, :), slip(:, :)   !< at the last step

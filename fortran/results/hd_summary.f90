@@ -24,7 +24,7 @@ module hd_summary
   public :: timers_t, record_t, write_summary, add_scene
 
   type :: timers_t
-    real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, total = 0   !< wall clock [s]
+    real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, turning = 0, total = 0   !< wall clock [s]
   end type timers_t
 
   !> What a run has to say of itself.
@@ -147,6 +147,7 @@ contains
     call json%add('newton', timers%newton)
     call json%add('stiffness', timers%stiffness)
     call json%add('output', timers%output)
+    if (timers%turning > 0) call json%add('turning', timers%turning)
     call json%add('total', timers%total)
     call json%finish()
   end subroutine add_timers
@@ -243,6 +244,10 @@ contains
     call json%add('von_mises_max_pa', loop%von_mises_max)
     call json%add('flexspline_von_mises_max_pa', loop%von_mises_cup)
     if (allocated(loop%fatigue%safety)) call json%add('goodman_safety_min', minval(loop%fatigue%safety))
+    if (.not. allocated(loop%turned_angle)) return
+    call json%add('turning_angle_error_rad', maxval(loop%turned_angle) - minval(loop%turned_angle))
+    call json%add('turning_stiffness_min_nm_per_rad', minval(loop%turned_stiffness))
+    call json%add('turning_stiffness_max_nm_per_rad', maxval(loop%turned_stiffness))
   end subroutine add_loop
 
   !> Parameters that the joint results rest on.

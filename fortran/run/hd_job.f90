@@ -4,11 +4,11 @@ module hd_job
   use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_error, only: error_t, raise, code_input
   use hd_log, only: say
-  use hd_load_step, only: solve_step
-  use hd_run, only: run_t, new_run, restore_run, close_run
+    use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_system, only: path_kind, path_absent
   use hd_text, only: to_text
+  use hd_turning, only: advance
   implicit none
   private
   public :: run_scene, resume_run, is_complete
@@ -40,7 +40,7 @@ contains
     if (allocated(error)) return
     done = .false.
     do while (.not. done .and. .not. allocated(error))
-      call solve_step(run, done, error)
+      call advance(run, done, error)
     end do
     call close_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)

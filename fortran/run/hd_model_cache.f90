@@ -11,7 +11,7 @@ module hd_model_cache
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: use_lagrangian, state_t
   use hd_scene, only: scene_t
-  use hd_solver_choice, only: choose_solver, renew_solver
+  use hd_solver_choice, only: choose_solver, forgets_struts, renew_solver
   implicit none
   private
   public :: take_model, keep_model, forget_model, assembly_t
@@ -44,6 +44,7 @@ contains
     type(error_t), allocatable, intent(out) :: error              !< mesh, memory
     kept = .false.
     if (allocated(kept_drive)) kept = same_model(scene, kept_scene, .false., .false.)
+    if (kept .and. struts_move(scene, kept_scene)) kept = forgets_struts(kept_solver)
     if (kept) then
       if (same_model(scene, kept_scene, .true., allocated(kept_drive%problem%law%joint))) assembly = kept_assembly
       call move_alloc(kept_drive, drive)
@@ -128,6 +129,13 @@ contains
     find = findloc(abs(self%place(1, :) - fraction) < 1e-12_dp .and. abs(self%place(2, :) - torque) <= 1e-12_dp*abs(torque), &
       .true., 1)
   end function find
+
+  !> Balls or teeth of two scenes of one model stand in other places.
+  pure logical function struts_move(a, b)
+    type(scene_t), intent(in) :: a, b  !< scenes
+    struts_move = a%support == 'drive' .and. (abs(a%cage_angle_deg - b%cage_angle_deg) > 0 .or. &
+      abs(a%tooth_phase - b%tooth_phase) > 0)
+  end function struts_move
 
   !> Two scenes agree in every key that affects the model (and the assembly).
   logical function same_model(a, b, assembly, joint)

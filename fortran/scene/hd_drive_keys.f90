@@ -24,7 +24,7 @@ contains
     call add_real(t, 'bearing', 'outer_conformity', 'model', s%outer_conformity, '', 0.5_dp, big, 'of the outer groove')
     call add_real(t, 'bearing', 'clearance', 'assembly', s%ball_clearance, 'm', -big, big, &
       'radial, between ball and races of the undeformed bearing; negative: preload', closed=.true.)
-    call add_real(t, 'bearing', 'cage_angle_deg', 'model', s%cage_angle_deg, 'deg', -360._dp, 360._dp, &
+    call add_real(t, 'bearing', 'cage_angle_deg', 'assembly', s%cage_angle_deg, 'deg', -360._dp, 360._dp, &
       'first ball, from the long axis', closed=.true.)
     call add_real(t, 'bearing', 'ball_e', 'model', s%ball_e, 'Pa', 0._dp, big, "Young's modulus of the balls")
     call add_real(t, 'bearing', 'ball_nu', 'model', s%ball_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the balls")
@@ -41,6 +41,13 @@ contains
     call add_real(t, 'loop', 'torque_2', 'load', s%torque_2, 'N m', 0._dp, big, 'T2 of the catalogue: K2 from T1 to T2, K3 beyond')
     call add_real(t, 'loop', 'rated_torque', 'load', s%rated_torque, 'N m', 0._dp, big, &
       'rated torque: lost motion is read at 4 % of it')
+    call add_integer(t, 'turning', 'positions', 'load', s%turning_positions, 0, 10000, &
+      "places of the turning wave generator at which the drive is solved again after the loop, with support 'drive'; 0: none")
+    call add_real(t, 'turning', 'range_deg', 'load', s%turning_range_deg, 'deg', 0._dp, 3600._dp, &
+      'turn of the wave generator against the circular spline that they divide; 0: until the next ball stands where one stood, '// &
+      'without balls the next tooth', closed=.true.)
+    call add_real(t, 'turning', 'torque', 'load', s%turning_torque, 'N m', -big, big, &
+      'torque held there; 0: loop.rated_torque', closed=.true.)
     call add_real(t, 'fatigue', 'tensile_strength', 'load', s%tensile_strength, 'Pa', 0._dp, big, &
       'of the flexspline (40CrNiMoA by GB/T 3077: 980 MPa and more), end of Goodman''s line')
     call add_real(t, 'fatigue', 'fatigue_limit', 'load', s%fatigue_limit, 'Pa', 0._dp, big, &

@@ -330,6 +330,8 @@ contains
     call need(s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'load.tooth_pairs', &
       real(s%tooth_pairs, dp), "solver.factors = 'exact' with support 'teeth'", 0._dp)
     if (s%support == 'drive') call check_drive
+    call need(s%turning_positions == 0 .or. s%support == 'drive', 'turning.positions', real(s%turning_positions, dp), &
+      "with support 'drive', else", 0._dp)
     call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
       "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
     call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &

@@ -75,6 +75,9 @@ module hd_scene
     ! loop: torques of the whole drive
     real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
     integer :: torque_count = 1
+    ! turning: the wave generator of the whole drive
+    integer :: turning_positions = 0
+    real(dp) :: turning_range_deg = 0, turning_torque = 0, tooth_phase = 0
     ! fatigue
     real(dp) :: tensile_strength = 980e6_dp, fatigue_limit = 490e6_dp, notch_factor = 1
     ! solver

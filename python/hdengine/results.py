@@ -205,6 +205,11 @@ class Result:
         return read_csv(self.folder / "fatigue.csv")
 
     @property
+    def turning(self) -> Any:
+        """Turn and stiffness at each place of the turning wave generator (turning.csv), a structured array; None where it stands."""
+        return read_csv(self.folder / "turning.csv") if (self.folder / "turning.csv").exists() else None
+
+    @property
     def torque_nm(self) -> Any:
         """Torque of each step [N m]."""
         return self.steps["torque_nm"]

@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+import hdengine
 from conftest import ROOT, call
 from hdengine import load
 from hdengine.figures.run import plot_run
@@ -242,3 +243,61 @@ def test_balls_that_carry_nothing_are_said(exe, tmp_path):
     solve(exe, tmp_path / "w", "bearing.clearance=1e-3", "loop.torques=1", "load.torque_steps=1")
     warnings = json.loads((tmp_path / "w/summary.json").read_text())["warnings"]
     assert any("no ball carries the ring" in line for line in warnings)
+
+
+# balls of 3.3 mm take the cage along by 5/9: one ball follows the next of 12 after 30 teeth
+TURNING = ["bearing.ball_diameter=3.3e-3", "loop.torques=1", "load.torque_steps=1", "turning.torque=6", "solver.tolerance=1e-11"]
+
+
+def turned(exe, folder, *keys):
+    solve(exe, folder, *TURNING, *keys)
+    return read_csv(folder / "turning.csv")
+
+
+def test_turning_repeats_after_a_ball(exe, tmp_path):
+    """Turned on by one ball, which is 30 teeth here, the drive has the same turn, stiffness and forces again, to 1e-7."""
+    pitch = 360 / 12 * 9 / 5 / 1.01
+    rows = turned(exe, tmp_path / "t", "turning.positions=4", f"turning.range_deg={2 * pitch!r}")
+    np.testing.assert_allclose(rows["cage_angle_deg"], [0, 345, 330, 315], atol=1e-9)
+    np.testing.assert_allclose(np.diff(rows["wave_generator_deg"]), pitch / 2)
+    for column in ("turn_rad", "stiffness_nm_per_rad", "wave_generator_torque_nm", "ball_force_max_n", "tooth_force_max_n"):
+        np.testing.assert_allclose(rows[column][2:], rows[column][:2], rtol=1e-7)
+    assert abs(rows["turn_rad"][1] / rows["turn_rad"][0] - 1) > 1e-4
+    results = json.loads((tmp_path / "t/summary.json").read_text())["results"]
+    assert results["turning_angle_error_rad"] == pytest.approx(np.ptp(rows["turn_rad"]))
+
+
+def test_turning_is_symmetric(exe, tmp_path):
+    """The mirror image of a place is the place as far the other way under the opposite torque: turns are opposite, the rest equal."""
+    plus = turned(exe, tmp_path / "p", "turning.positions=5")
+    minus = turned(exe, tmp_path / "m", "turning.positions=5", "turning.torque=-6")
+    order = [0, 4, 3, 2, 1]
+    np.testing.assert_allclose(minus["turn_rad"], -plus["turn_rad"][order], rtol=1e-7)
+    for column in ("stiffness_nm_per_rad", "ball_force_max_n", "tooth_force_max_n", "balls_loaded", "pairs_loaded"):
+        np.testing.assert_allclose(minus[column], plus[column][order], rtol=1e-6)
+
+
+def test_turned_condensed_model_is_that_of_the_matrix(exe, tmp_path):
+    """Places that reuse the condensed bodies give the numbers of a matrix that is made anew for each, to 1e-8."""
+    ours, other = (turned(exe, tmp_path / method, "turning.positions=2", f"solver.method={method}") for method in ("condensed", "newton"))
+    for column in ("turn_rad", "stiffness_nm_per_rad", "ball_force_max_n", "tooth_force_max_n"):
+        np.testing.assert_allclose(ours[column], other[column], rtol=1e-8)
+
+
+def test_turning_leaves_the_loop_as_it_is(exe, tmp_path):
+    """A loop and its summary are the same whether the wave generator turns afterwards or not; the model that is kept is the loop's."""
+    still, _, _, _ = solve(exe, tmp_path / "a", "loop.torques=6,0", "load.torque_steps=2")
+    moved, _, _, _ = solve(exe, tmp_path / "b", "loop.torques=6,0", "load.torque_steps=2", "turning.positions=2")
+    assert {k: v for k, v in moved.items() if not k.startswith("turning_")} == still
+    for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv", "steps.csv"):
+        a, b = (read_csv(tmp_path / f / name) for f in "ab")
+        assert all(np.array_equal(a[c], b[c], equal_nan=a[c].dtype.kind == "f") for c in a.dtype.names if c != "seconds"), name
+
+
+def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
+    """hdengine plot draws the turn from Python's run too; another support refuses turning.positions."""
+    keys = dict(k.split("=") for k in [*MESH, *TURNING, "turning.positions=3"])
+    result = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys)
+    assert len(result.turning) == 3 and "turning.png" in {p.name for p in plot_run(result)}
+    done = call(exe, ROOT / "data/cd14.nml", "turning.positions=3", "--out", tmp_path / "c")
+    assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "support 'drive'" in done.stderr

@@ -78,3 +78,26 @@ def plot_fatigue(result: Any) -> Any:
     axes[1].set_xlabel("distance from the opening / mm")
     axes[1].set_title(f"safety by Goodman, wall; least {table['safety'].min():.2f} at {table['torque_nm'][0]:.3g} N m", fontsize=12)
     return figure
+
+
+@styled
+def plot_turning(result: Any) -> Any:
+    """Turn of the bottom about its mean and stiffness, over the angle of the turning wave generator; dotted: one ball on."""
+    table = result.turning
+    angle = table["wave_generator_deg"]
+    balls, teeth, outer = (result.scene[key] for key in ("bearing.balls", "load.teeth", "geometry.bore_radius"))
+    outer -= result.scene["geometry.ring_thickness"]
+    cage = outer / (2 * outer - result.scene["bearing.ball_diameter"])
+    pitch = 360 / balls / cage / (1 + 2 / teeth) if balls else np.inf
+    figure, axes = new_axes(1, 2, figsize=(11, 4))
+    axes[0].plot(angle, ARCMIN * 60 * (table["turn_rad"] - table["turn_rad"].mean()), "o-", ms=4)
+    axes[1].plot(angle, table["stiffness_nm_per_rad"] / 1e3, "C1o-", ms=4)
+    torque = result.scene["turning.torque"] or result.scene["loop.rated_torque"]
+    error = ARCMIN * 60 * result.summary["results"]["turning_angle_error_rad"]
+    axes[0].set_title(f"turn of the bottom about its mean / arc second\nerror {error:.2f}'' at {torque:g} N m", fontsize=12)
+    axes[1].set_title("stiffness / (kN m/rad)\nfrom half to all of the torque", fontsize=12)
+    for axis in axes:
+        axis.set_xlabel("turn of the wave generator / degree")
+        for i in range(int(angle[-1] / pitch) + 1 if balls else 0):
+            axis.axvline(i * pitch, color="0.6", ls=":", lw=1)
+    return figure

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import PowerNorm
 
-from .drive import plot_fatigue, plot_loads, plot_loop
+from .drive import plot_fatigue, plot_loads, plot_loop, plot_turning
 from .style import new_axes, styled
 
 
@@ -36,6 +36,8 @@ def plot_run(result: Any) -> list:
         figures["torsion.png"] = plot_torsion(result)
     if result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists():
         figures |= {"loop.png": plot_loop(result), "loads.png": plot_loads(result), "fatigue.png": plot_fatigue(result)}
+        if result.turning is not None and len(result.turning) > 1:
+            figures["turning.png"] = plot_turning(result)
     paths = []
     for name, figure in figures.items():
         paths.append(result.folder / name)

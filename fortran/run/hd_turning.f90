@@ -2,9 +2,9 @@
 !> The turning wave generator of the whole drive: the drive is pressed on and loaded anew at places of a turn, balls and teeth
 !> standing where rolling and mesh have brought them; stiffness and angle over the turn follow.
 !>
-!> Everything is seen from the wave generator, whose long axis stays. If it turns by phi against the circular spline, the flexspline,
-!> with z teeth against z + 2, and the ring that it carries turn by -phi (z + 2)/z. Balls that roll without slip between an inner
-!> race that stands and an outer one of radius R take the cage along by R/(2 R - d) of that, d their diameter.
+!> Everything is seen from the wave generator, whose long axis stays. If it turns by phi against the circular spline, the
+!> flexspline, with z teeth against z + 2, and the ring that it carries turn by -phi (z + 2)/z. Balls that roll without slip between
+!> an inner race that stands and an outer one of radius R take the cage along by R/(2 R - d) of that, d their diameter.
 !> The bodies are round: only their points of support move, and the compliance by harmonics stays.
 module hd_turning
   use hd_kinds, only: dp, pi
@@ -140,7 +140,7 @@ contains
     if (allocated(place%drive)) deallocate (place%drive)
   end subroutine put_away
 
-  !> Torque on an assembled place. Its teeth have the gaps of the mean assembly: the circular spline does not know where balls stand.
+  !> Torque on an assembled place. Its teeth have the gaps of the mean assembly: the circular spline knows no balls.
   subroutine load_place(place, mean, error)
     type(run_t), intent(inout) :: place               !< assembled run
     real(dp), intent(in) :: mean(:, :)                !< displacements (3, n) [m]

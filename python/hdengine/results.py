@@ -206,7 +206,7 @@ class Result:
 
     @property
     def turning(self) -> Any:
-        """Turn and stiffness at each place of the turning wave generator (turning.csv), a structured array; None where it stands."""
+        """Turn and stiffness at each place of the wave generator (turning.csv), a structured array; None where it stands."""
         return read_csv(self.folder / "turning.csv") if (self.folder / "turning.csv").exists() else None
 
     @property

@@ -14,7 +14,7 @@ error: unknown group &geometri
   --> {f}:1:1
  1 | &geometri bore_radius = 1 /
    | ^^^^^^^^^ did you mean 'geometry'?  valid: hd_input, run, geometry, cup, material, mesh, wave_generator, contact, load, \
-bearing, loop, fatigue, solver, joint, output, surface, fit
+bearing, loop, turning, fatigue, solver, joint, output, surface, fit
 """),
     "misspelt_key": ("&contact\n  frictoin = 0.2\n/\n", 2, """\
 error: unknown key 'frictoin' in &contact
@@ -298,7 +298,7 @@ def test_bad_assignment(exe, tmp_path):
     assert done.stderr == """\
 error: unknown key 'torqe' in &load
   --> load.torqe=3
-      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, tooth_stiffness, tooth_clearance, torque, support_stiffness, assembly_steps, torque_steps
+      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, tooth_stiffness, tooth_clearance, tooth_phase, torque, support_stiffness, assembly_steps, torque_steps
 error: 'divisions' is not an integer: 'ten'
   --> mesh.divisions=ten
       valid: integer >= 8 and <= 100000

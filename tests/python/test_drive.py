@@ -295,7 +295,7 @@ def test_turning_leaves_the_loop_as_it_is(exe, tmp_path):
 
 
 def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
-    """hdengine plot draws the turn from Python's run too; another support refuses turning.positions."""
+    """The turn is drawn from Python's run too; another support refuses turning.positions."""
     keys = dict(k.split("=") for k in [*MESH, *TURNING, "turning.positions=3"])
     result = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys)
     assert len(result.turning) == 3 and "turning.png" in {p.name for p in plot_run(result)}

@@ -31,6 +31,9 @@ module hd_loop
     real(dp) :: ball_force_max = 0, tooth_force_max = 0   !< of all steps [N]
     real(dp) :: lift = 0                                  !< way of a loaded pair of teeth out of mesh since the assembly [m]
     logical :: unloaded = .false.                         !< at some step no ball carried anything
+    real(dp) :: play = 0                                  !< free turn of the bottom where no pair of teeth pushes [rad]
+    real(dp) :: jump(4) = 0                               !< largest force of a ball that comes or goes between two steps [N],
+                                                          !< its number, the torques of both [N m]
     real(dp) :: von_mises_max = 0                         !< at the Gauss points of both bodies, of all steps [Pa]
     real(dp) :: von_mises_cup = 0                         !< at those of the flexspline [Pa]
     real(dp), allocatable :: turned_angle(:)              !< of the bottom at places of the turning wave generator [rad]
@@ -49,6 +52,9 @@ module hd_loop
     real(dp) :: loop_area = 0        !< work of the torque over the whole path [J]
   end type readings_t
 
+  real(dp), parameter :: much_on_cam = 2      !< times the torque over the ratio above which it is warned of
+  real(dp), parameter :: large_jump = 0.5_dp  !< share of the largest force of a ball above which it is warned of
+
 contains
 
   !> Book a converged step. A point that slips works with its shear: the mean of both ends of the step, or where it stuck at the
@@ -61,10 +67,13 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(step_t), intent(in) :: step        !< where it stands
     real(dp) :: angle, shear(2)
+    real(dp), allocatable :: force(:)
     integer :: i, n
     associate (problem => drive%problem)
       loop%closing = strut_closings(problem, load, state%u)
-      loop%force = strut_force(problem%struts, loop%closing)
+      force = strut_force(problem%struts, loop%closing)
+      if (step%phase /= 'assembly') loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+      loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
       loop%wave_generator_torque = 0
@@ -92,7 +101,9 @@ contains
       if (n > 0) loop%ball_force_max = max(loop%ball_force_max, maxval(loop%force(:n)))
       loop%tooth_force_max = max(loop%tooth_force_max, maxval(loop%force(n + 1:)))
       if (n > 0 .and. step%load_factor > 0) loop%unloaded = loop%unloaded .or. .not. any(loop%force(:n) > 0)
-      if (step%phase /= 'assembly') loop%lift = max(loop%lift, lifted(scene, loop%force(n + 1:), loop%closing(n + 1:)))
+      if (step%phase == 'assembly') return
+      loop%lift = max(loop%lift, lifted(scene, loop%force(n + 1:), loop%closing(n + 1:)))
+      loop%play = max(loop%play, free_turn(scene, loop%force(n + 1:), loop%closing(n + 1:), loop%tooth_force_max))
     end associate
   end subroutine book
 
@@ -108,7 +119,8 @@ contains
     write (unit, iostat=status) size(loop%torque), size(loop%force), size(life, 1)
     if (status == 0) write (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, loop%fatigue%torque, life
+      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
+      loop%fatigue%torque, life
   end subroutine store_loop
 
   !> Read it back; the last booked step is that of a state.
@@ -124,7 +136,8 @@ contains
     allocate (loop%torque(steps), loop%angle(steps), loop%force(struts), loop%closing(struts), life(nodes, 3))
     read (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, loop%fatigue%torque, life
+      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
+      loop%fatigue%torque, life
     if (status /= 0) return
     if (nodes > 0) then
       loop%fatigue%mean = life(:, 1)
@@ -148,14 +161,61 @@ contains
       sin(scene%pressure_angle_deg*pi/180)
   end function lifted
 
+  !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the way of the nearest flanks of both
+  !> sides over their arm [rad].
+  pure real(dp) function free_turn(scene, force, closing, most) result(play)
+    type(scene_t), intent(in) :: scene               !< scene
+    real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
+    real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
+    real(dp), parameter :: rounding = 1e-6_dp
+    play = 0
+    if (maxval(force) > rounding*most) return
+    play = -(maxval(closing(1::2)) + maxval(closing(2::2)))/(cos(scene%pressure_angle_deg*pi/180)* &
+      (scene%bore_radius + scene%rim_thickness))
+  end function free_turn
+
+  !> Force of the ball that comes or goes with the largest one in this step or in one before, that ball, both torques.
+  pure function larger_jump(loop, force, torque) result(jump)
+    type(loop_t), intent(in) :: loop      !< booked steps
+    real(dp), intent(in) :: force(:)      !< of the balls now [N]
+    real(dp), intent(in) :: torque        !< now [N m]
+    real(dp) :: jump(4)
+    integer :: i
+    jump = loop%jump
+    do i = 1, size(force)
+      if (force(i) > 0 .and. loop%force(i) > 0) cycle
+      if (force(i) + loop%force(i) > jump(1)) jump = [force(i) + loop%force(i), real(i, dp), &
+        loop%torque(size(loop%torque)), torque]
+    end do
+  end function larger_jump
+
   !> Where the drive leaves what its scene can say.
-  pure subroutine drive_warnings(loop, scene, lines)
+  subroutine drive_warnings(loop, scene, lines)
     type(loop_t), intent(in) :: loop                      !< booked steps
     type(scene_t), intent(in) :: scene                    !< scene
     type(string_t), allocatable, intent(out) :: lines(:)  !< one each
+    character(len=:), allocatable :: cause
+    real(dp) :: lossless, fitting
     allocate (lines(0))
+    lossless = maxval(abs(loop%torque))*2/scene%teeth
+    fitting = 2*(scene%bore_radius + scene%rim_thickness)/scene%teeth
+    if (lossless > 0 .and. loop%wave_generator_torque_max > much_on_cam*lossless) then
+      cause = 'balls that stand unevenly about the long axis press on its slopes (wave_generator.eccentricity, '// &
+        'bearing.cage_angle_deg)'
+      if (abs(scene%w/fitting - 1) > 0.5_dp) cause = 'wave_generator.w = '//to_text(scene%w)//' m does not go with '// &
+        'load.teeth = '//to_text(scene%teeth)//', which ask for about 2 (bore_radius + rim_thickness)/teeth = '// &
+        to_text(fitting)//' m'
+      call push_text(lines, 'the balls put up to '//to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
+        'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it: '//cause)
+    end if
     if (loop%unloaded) call push_text(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
       'way of the cam, or the torque has lifted the ring off')
+    if (loop%play > 0) call push_text(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
+      to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
+      'load.tooth_pairs, or leave out torques of 0')
+    if (loop%jump(1) > large_jump*loop%ball_force_max) call push_text(lines, 'ball '//to_text(nint(loop%jump(2)))// &
+      ' comes or goes with '//to_text(loop%jump(1))//' N between '//to_text(loop%jump(3))//' and '//to_text(loop%jump(4))// &
+      ' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
     if (loop%lift > scene%w .and. scene%w > 0) call push_text(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
       ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
   end subroutine drive_warnings

@@ -41,7 +41,7 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint 6'
+    character(len=21) :: magic = 'hdengine checkpoint 7'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change

@@ -91,17 +91,24 @@ contains
   subroutine compare(s, lines)
     type(scene_t), intent(in) :: s                          !< scene
     type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the lines
+    real(dp) :: torque !< largest of the scene [N m]
     real(dp) :: most   !< momentary peak torque of catalogues, sizes 14 to 100: 1e7 N m per cubic metre of the bore radius [N m]
-    character(len=:), allocatable :: hint
+    character(len=:), allocatable :: hint, key
     if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
       ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
     if (abs(s%w) > 2*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < 0.1_dp*s%wall_thickness)) call push(lines, &
       'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 2 times')
     most = 1e7_dp*s%bore_radius**3
-    if (abs(s%torque) > 5*most) then
+    torque = s%torque
+    key = 'load.torque'
+    if (s%support == 'drive' .and. any(abs(s%torques) > 0)) then
+      torque = s%torques(maxloc(abs(s%torques), 1))
+      key = 'loop.torques'
+    end if
+    if (abs(torque) > 5*most) then
       hint = ''
-      if (abs(s%torque) < 5e3_dp*most) hint = '; did you mean '//to_text(1e-3_dp*s%torque)//' N m ('//to_text(s%torque)//' N mm)?'
-      call push(lines, 'load.torque = '//to_text(s%torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
+      if (abs(torque) < 5e3_dp*most) hint = '; did you mean '//to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
+      call push(lines, key//' = '//to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
         ' N m for a moment'//hint)
     end if
     if (s%cup_length < 0.3_dp*s%bore_radius .or. s%cup_length > 6*s%bore_radius) call push(lines, 'geometry.cup_length = '// &

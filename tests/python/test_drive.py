@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole drive in one scene: balls, ring, cup, friction, teeth, and the loop (docs/explain/drive.md)."""
 import json
+import re
 import signal
 import subprocess
 import time
@@ -238,11 +239,51 @@ def test_fatigue_is_goodmans_line(exe, tmp_path):
     assert results["goodman_safety_min"] == pytest.approx(safety.min())
 
 
+def warnings_of(exe, folder, *keys):
+    """The results and all warnings of a drive in one text."""
+    results = solve(exe, folder, *keys)
+    return results, " ".join(json.loads((folder / "summary.json").read_text())["warnings"])
+
+
 def test_balls_that_carry_nothing_are_said(exe, tmp_path):
     """A clearance beyond the cam's way leaves every ball unloaded: the run says so."""
-    solve(exe, tmp_path / "w", "bearing.clearance=1e-3", "loop.torques=1", "load.torque_steps=1")
-    warnings = json.loads((tmp_path / "w/summary.json").read_text())["warnings"]
-    assert any("no ball carries the ring" in line for line in warnings)
+    _, text = warnings_of(exe, tmp_path / "w", "bearing.clearance=1e-3", "loop.torques=1", "load.torque_steps=1")
+    assert "no ball carries the ring" in text
+
+
+def test_open_teeth_are_said_with_their_play(exe, tmp_path):
+    """Pairs that all lie 0.1 mm apart leave the bottom a play of 0.2 mm / (cos 25 deg 17.927 mm); closed teeth leave none."""
+    keys = ["load.tooth_pairs=4", "loop.torques=4,0,-4,0", "load.torque_steps=2"]
+    (results, *_), text = warnings_of(exe, tmp_path / "o", *keys, "load.tooth_clearance=1e-4")
+    play = float(re.search(r"free to turn by (\S+) rad", text)[1])
+    assert play == pytest.approx(2e-4 / np.cos(np.radians(25)) / 17.927e-3, rel=1e-3)
+    assert results["hysteresis_rad"] == pytest.approx(play, rel=2e-2)
+    assert "free to turn" not in warnings_of(exe, tmp_path / "c", *keys, "load.tooth_clearance=0")[1]
+
+
+def test_a_ball_that_jumps_is_said(exe, tmp_path):
+    """A ball that one step of torque loads from nothing to more than half of the largest force is named; finer steps follow it."""
+    (_, _, balls, _), text = warnings_of(exe, tmp_path / "j", "loop.torques=80,-80", "load.torque_steps=1")
+    number, force = re.search(r"ball (\d+) comes or goes with (\S+) N between 80.0 and -80.0 N m", text).groups()
+    of_one = balls["force_n"][balls["ball"] == int(number)][-2:]
+    assert of_one.min() == 0 and of_one.max() == pytest.approx(float(force), rel=1e-5)
+    assert float(force) > 0.5 * balls["force_n"].max()
+    assert "comes or goes" not in warnings_of(exe, tmp_path / "f", "loop.torques=80,-80", "load.torque_steps=20")[1]
+
+
+def test_torque_beyond_ratcheting_is_said(exe, tmp_path):
+    """A torque at which loaded pairs move out of mesh by more than w is called one that would ratchet, and implausible."""
+    text = warnings_of(exe, tmp_path / "r", "loop.torques=1200")[1]
+    assert "would ratchet" in text and "loop.torques = 1200.0 N m: drives of this bore hold some 54.0 N m" in text
+    assert "would ratchet" not in warnings_of(exe, tmp_path / "s", "loop.torques=14")[1]
+
+
+def test_a_cam_that_does_not_go_with_the_teeth_is_said(exe, tmp_path):
+    """Three times as many teeth need a third of w: the moment on the cam is too large for their ratio, and the run says why."""
+    keys = ["loop.torques=14", "load.torque_steps=2"]
+    assert "on the cam" not in warnings_of(exe, tmp_path / "a", *keys)[1]
+    text = warnings_of(exe, tmp_path / "b", *keys, "load.teeth=600", "load.tooth_pairs=36")[1]
+    assert "does not go with load.teeth = 600" in text and "support 'hub'" not in text
 
 
 # balls of 3.3 mm take the cage along by 5/9: one ball follows the next of 12 after 30 teeth

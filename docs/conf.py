@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc). Built by `./hd docs`."""
+"""The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc), FORD the Fortran modules. Built by `./hd docs`."""
 import importlib
 import logging
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 
 import hdengine
+from sphinx.util.logging import getLogger
 
 HERE = Path(__file__).parent
 
@@ -14,6 +16,7 @@ project = "hdengine"
 author = project_copyright = "the hdengine developers"
 version = release = hdengine.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx.ext.mathjax",
+              "sphinx-mathjax-offline",  # formulas without a network
               "sphinx_gallery.gen_gallery"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
@@ -36,6 +39,17 @@ html_show_sourcelink = False
 nitpicky = False
 
 
+def fortran_pages(app, failure):
+    """FORD's pages of the Fortran modules, in the folder fortran of the site; its warnings are the site's."""
+    if failure:
+        return
+    done = subprocess.run([sys.executable, "-m", "ford", HERE.parent / "config/ford.md", "--output_dir", Path(app.outdir) / "fortran"],
+                          capture_output=True, text=True)
+    said = (done.stdout + done.stderr).splitlines()
+    for line in said if done.returncode else [line for line in said if "Warning" in line]:
+        getLogger(__name__).warning("FORD: %s", line)
+
+
 def setup(app):
     """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, list what the tests require and what the commands take."""
     logging.getLogger("hdengine").setLevel(logging.WARNING)
@@ -44,3 +58,4 @@ def setup(app):
     sys.path.insert(0, str(HERE / "drawings"))
     for name in ("draw", "diagrams"):
         importlib.import_module(name).draw_all(HERE / "figures")
+    app.connect("build-finished", fortran_pages)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> FFTW: real and complex transforms, 1-D batched and 2-D, unscaled, in double precision; plans in single precision too.
+!> Real and complex transforms by FFTW, 1-D batched and 2-D, unscaled, in double precision; plans in single precision too.
 !>
 !> Plans are estimated, never measured: the same sizes give the same algorithm and so the same bits in every run. The planner is
 !> behind a process-wide lock; executing a plan needs none. The sign is -1 forward (exp(-i...)), +1 backward.

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> MUMPS: sparse direct solution of A x = b (Amestoy, Duff, L'Excellent and Koster 2001), sequential library.
+!> Sparse direct solution of A x = b (Amestoy, Duff, L'Excellent and Koster 2001) by the sequential library MUMPS.
 !>
 !> The pattern is analysed once, with an ordering of the caller's; values are factorised as often as they change.
 module hd_mumps

@@ -2,19 +2,14 @@
 """K_TS in every reading over torque, eccentricity and friction for three scenes, over the mesh and over the joint's inputs: tables of
 docs/evidence/readings.md, raw figures in bench/results/which_k_ts.json.
 
-Usage: python bench/which_k_ts.py [--work DIR] [--old EXE]   (EXE: an older hdengine.x, for the column of its Eq. 45)
+Usage: python bench/which_k_ts.py [--work DIR]
 """
 import argparse
-import subprocess
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 import hdengine
 from common import DATA, put, table, write_record
-from hdengine import torsion
-from hdengine.results import read_csv
 
 SEVENTEEN = {  # CD-14-100 with all lengths in the ratio of the catalogue's pitch radii
     "geometry.bore_radius": 21.25e-3, "geometry.wall_thickness": 0.437143e-3, "geometry.rim_thickness": 0.5185e-3,
@@ -32,36 +27,24 @@ READINGS = {"k_ts_nm_per_rad": "Eq. 45", "k_ts_tangent_nm_per_rad": "tangent", "
 ALL = {"load.torque": 20.0, "load.torque_steps": 20, "output.vtu": "none"}
 
 
-def solve(work, name, path, keys, old=None):
-    """Steps of a run by torque, and Eq. 45 of an older engine at the same torques."""
+def solve(work, name, path, keys):
+    """Steps of a run, by torque."""
     folder = work / name.replace(" ", "_").replace("µ", "mu").replace("=", "")
-    words = [f"{k}={v}" for k, v in keys.items()]
     if not (folder / "summary.json").is_file():
         hdengine.run(str(DATA / path), str(folder), True, **keys)
-    steps, before = hdengine.load(folder).steps, None
-    if old:
-        other = Path(f"{folder}_old")
-        if not (other / "summary.json").is_file():
-            subprocess.run([old, DATA / path, *words, "--out", other, "--force"], capture_output=True)
-        c = read_csv(other / "contact.csv")
-        n = int(c["facet"].max())
-        k = torsion.torsional_stiffness(c["k_n_n_per_m"].reshape(-1, n), c["k_t_n_per_m"].reshape(-1, n), np.stack(
-            [c[a].reshape(-1, n) for a in ("x_m", "y_m", "z_m")], -1), np.stack([c[a].reshape(-1, n) for a in ("n_x", "n_y", "n_z")], -1))
-        before = dict(zip(np.round(c["torque_nm"].reshape(-1, n)[:, 0], 6), k))
-    return {round(float(s["torque_nm"]), 6): {m: float(s[m]) for m in steps.dtype.names if m != "phase"} for s in steps}, before
+    steps = hdengine.load(folder).steps
+    return {round(float(s["torque_nm"]), 6): {m: float(s[m]) for m in steps.dtype.names if m != "phase"} for s in steps}
 
 
-def readings(work, old):
+def readings(work):
     """Every scene and variation: rows of the table, and figures."""
     rows, facts = [], {}
     for scene, (path, base) in SCENES.items():
         for what, keys in VARIED.items():
-            steps, before = solve(work, f"{scene} {what}".strip(), path, {**base, **ALL, **keys}, old)
+            steps = solve(work, f"{scene} {what}".strip(), path, {**base, **ALL, **keys})
             for torque in TORQUES:
-                s = steps[torque]
-                facts[f"{scene}, {what or 'as it is'}, {torque:g} N m"] = s | ({"k_ts_before": before[torque]} if before else {})
-                rows.append([scene, what or "as it is", f"{torque:g}", f"{before[torque] / 1e6:.2f}" if before else "-",
-                             *(f"{s[k] / 1e6:.3f}" for k in READINGS), f"{s['k_ts_paper_n'] / 1e6:.0f}",
+                s = facts[f"{scene}, {what or 'as it is'}, {torque:g} N m"] = steps[torque]
+                rows.append([scene, what or "as it is", f"{torque:g}", *(f"{s[k] / 1e6:.3f}" for k in READINGS), f"{s['k_ts_paper_n'] / 1e6:.0f}",
                              " / ".join(f"{100 * s[k]:.0f}" for k in ("slip_share_area", "slip_share_force", "slip_share_k_ts"))])
     return rows, facts
 
@@ -113,13 +96,12 @@ def main():
     """Solve and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--work", help="folder for the runs")
-    parser.add_argument("--old", help="executable of an older engine")
     options = parser.parse_args()
     work = Path(options.work or tempfile.mkdtemp())
     work.mkdir(parents=True, exist_ok=True)
     names = [f"{v} / (MN m/rad)" for v in READINGS.values()]
-    rows, facts = readings(work, options.old)
-    put("readings", table(("scene", "", "T / N m", "Eq. 45 before", *names, "printed / MN", "slip of area / force / Eq. 45 / %"), rows),
+    rows, facts = readings(work)
+    put("readings", table(("scene", "", "T / N m", *names, "printed / MN", "slip of area / force / Eq. 45 / %"), rows),
         "evidence/readings")
     mesh_rows, mesh_facts = meshes()
     put("meshes", table(("facets", "edge cells / µm", *names, "peak / MPa", "line load of the ends / (kN/m)"), mesh_rows), "evidence/readings")

@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from common import RESULTS, ROOT, put, table
+from common import RESULTS, ROOT, table
 
 HERE = Path(__file__).parent
 
@@ -70,6 +70,7 @@ BENCHES = (
     Bench("joint_shear.py", "shear with friction beside the law", 15),
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
     Bench("joint_models.py", "K_TS by each model of the joint", 8),
+    Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
     Bench("sensitivity.py", "what K_TS depends on", 10),
 )
 
@@ -105,8 +106,20 @@ def age(bench):
     commit = made_of(path)
     count = changes_since(commit)
     if count is None:
-        return "commit not stated"
-    return "of the present sources" if count == 0 and not commit.endswith("+") else f"{count} changes of the sources since {commit[:8]}"
+        return f"made of {commit[:8]}, which is not in this history" if commit else "commit not stated"
+    if count == 0 and not commit.endswith("+"):
+        return "of the present sources"
+    return f"{count} change{'s' if count != 1 else ''} of the sources since {commit[:8]}"
+
+
+def known():
+    """Benchmarks by their name on the command line."""
+    return {b.name if b.name != "run" else "court": b for b in BENCHES}
+
+
+def ages():
+    """A Markdown table of all benchmarks and how old their records are."""
+    return table(("benchmark", "what it measures", "minutes", "record"), [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known().items()])
 
 
 def main():
@@ -116,16 +129,14 @@ def main():
     for option in ("quick", "list", "again"):
         parser.add_argument(f"--{option}", action="store_true")
     options = parser.parse_args()
-    known = {b.name if b.name != "run" else "court": b for b in BENCHES}
     for name in options.names:
-        if name not in known:
-            parser.error(f"no benchmark '{name}'; valid: {', '.join(known)}")
-    ages = [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known.items()]
+        if name not in known():
+            parser.error(f"no benchmark '{name}'; valid: {', '.join(known())}")
     if options.list:
-        print(table(("benchmark", "what it measures", "minutes", "record"), ages))
+        print(ages())
         return
     failed = []
-    for name, bench in known.items():
+    for name, bench in known().items():
         if (options.names and name not in options.names) or (options.quick and not options.names and bench.quick is None):
             continue
         if not options.names and not options.again and not options.quick and age(bench) == "of the present sources":
@@ -137,9 +148,7 @@ def main():
         done = subprocess.run([sys.executable, HERE / bench.script, *words], cwd=ROOT, stdout=subprocess.DEVNULL)
         print(f"{name}: {'done' if done.returncode == 0 else 'FAILED'} in {time.time() - start:.0f} s", flush=True)
         failed += [name] if done.returncode else []
-    ages = [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known.items()]
     subprocess.run([sys.executable, HERE / "evidence_tables.py"], cwd=ROOT)
-    put("records", table(("benchmark", "what it measures", "minutes", "record"), ages), "evidence/records")
     sys.exit(1 if failed else 0)
 
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Struts are unilateral springs between points of the bodies and rigid surroundings, F = K max(0, closing)^power. A ball between cam
-!> and ring (power 3/2) and a flank of a tooth against the rigid circular spline (power 1) are struts.
+!> Struts are unilateral springs between points of the bodies and rigid surroundings, F = K max(0, closing)^power. A ball between
+!> cam and ring (power 3/2) and a flank of a tooth against the rigid circular spline (power 1) are struts.
 module hd_strut
   use hd_kinds, only: dp
   implicit none

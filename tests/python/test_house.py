@@ -112,6 +112,19 @@ def test_points_of_maps_are_counted_in_64_bits(path):
     assert not re.findall(r"\b(?:size|count)\((?:z|flat|map|good|hole|bad|all_bad|known|mask|raw|mock|heights)\)", path.read_text())
 
 
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.stem)
+def test_procedures_are_short(path):
+    """No procedure takes more than 80 lines, from its first to its last."""
+    begun = []
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        if re.match(r"\s*end\s+(subroutine|function)\b", line):
+            name, first = begun.pop()
+            assert number - first < 80, f"{name}: {number - first + 1} lines"
+        elif found := re.match(r"\s*(?:[a-z][\w()=,* ]*\s)?(?:subroutine|function)\s+(\w+)\s*(?:\(|$)", line):
+            begun.append((found[1], number))
+    assert begun == []
+
+
 def test_main_is_short():
     """The main program stays under 50 lines."""
     assert len((ROOT / "fortran/app/main.f90").read_text().splitlines()) < 50

@@ -2,6 +2,7 @@
 """The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc), FORD the Fortran modules. Built by `./hd docs`."""
 import importlib
 import logging
+import os
 import runpy
 import subprocess
 import sys
@@ -44,7 +45,7 @@ def fortran_pages(app, failure):
     if failure:
         return
     done = subprocess.run([sys.executable, "-m", "ford", HERE.parent / "config/ford.md", "--output_dir", Path(app.outdir) / "fortran"],
-                          capture_output=True, text=True)
+                          capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(HERE.parent / "tools")})
     said = (done.stdout + done.stderr).splitlines()
     for line in said if done.returncode else [line for line in said if "Warning" in line]:
         getLogger(__name__).warning("FORD: %s", line)

@@ -61,8 +61,13 @@ contains
       q(:, :, a) = frame(body%angle(list(a)))
       v(:, a) = matmul(q(:, :, a), u(:, a))
     end do
-    call element_response(lagrangian%g(:, :, :, cell), lagrangian%weight(:, cell), lagrangian%condensed_modes(:, :, cell), &
-      lagrangian%c, v, f, tangent)
+    associate (g => lagrangian%g(:, :, :, cell), weight => lagrangian%weight(:, cell), modes => lagrangian%condensed_modes(:, :, cell))
+      if (present(tangent)) then  ! an absent array passed on has bounds that overflow (gfortran)
+        call element_response(g, weight, modes, lagrangian%c, v, f, tangent)
+      else
+        call element_response(g, weight, modes, lagrangian%c, v, f)
+      end if
+    end associate
     do a = 1, size(list)
       f(:, a) = matmul(f(:, a), q(:, :, a))
       if (.not. present(tangent)) cycle

@@ -8,8 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import hdengine
 from sphinx.util.logging import getLogger
+
+import hdengine
 
 HERE = Path(__file__).parent
 

@@ -61,7 +61,8 @@ contains
       q(:, :, a) = frame(body%angle(list(a)))
       v(:, a) = matmul(q(:, :, a), u(:, a))
     end do
-    associate (g => lagrangian%g(:, :, :, cell), weight => lagrangian%weight(:, cell), modes => lagrangian%condensed_modes(:, :, cell))
+    associate (g => lagrangian%g(:, :, :, cell), weight => lagrangian%weight(:, cell), &
+      modes => lagrangian%condensed_modes(:, :, cell))
       if (present(tangent)) then  ! an absent array passed on has bounds that overflow (gfortran)
         call element_response(g, weight, modes, lagrangian%c, v, f, tangent)
       else

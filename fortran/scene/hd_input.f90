@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> From an input file and assignments to a checked scene, with every mistake in one message; echo and explanation of keys.
 module hd_input
-  use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_file
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
-  use hd_cup_sections, only: adopt_sections, has_sections
+  use hd_conditions, only: check_scene
+  use hd_cup_sections, only: adopt_sections
   use hd_default_charts, only: chart_of
   use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
@@ -275,94 +275,6 @@ contains
     if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
     hint = hint//'valid: '//join(names, ', ')
   end function suggestion
-
-  !> Conditions between keys.
-  subroutine check_scene(s, faults)
-    type(scene_t), intent(in) :: s                            !< scene whose keys are in range
-    type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
-    call need(s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', s%bore_radius)
-    call need(s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', s%bore_radius)
-    call need(s%ring_thickness < s%bore_radius, 'geometry.ring_thickness', s%ring_thickness, 'below bore_radius', s%bore_radius)
-    call need(s%hub_radius < s%bore_radius .or. has_sections(s), 'geometry.hub_radius', s%hub_radius, &
-      'below bore_radius', s%bore_radius)
-    call need(s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', s%cup_length)
-    call need(s%band_start + s%band_length < s%cup_length - s%bottom_thickness, 'geometry.band_length', s%band_length, &
-      'so that the band ends before the bottom: below cup_length - bottom_thickness - band_start', &
-      s%cup_length - s%bottom_thickness - s%band_start)
-    call need(s%rim_length < s%cup_length - s%bottom_thickness, 'geometry.rim_length', s%rim_length, &
-      'below cup_length - bottom_thickness', s%cup_length - s%bottom_thickness)
-    call need(abs(s%w) < s%bore_radius - s%ring_thickness, 'wave_generator.w', s%w, &
-      'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
-    call need(s%cam == 'cosine' .or. s%lobes == 2, 'wave_generator.lobes', real(s%lobes, dp), "cam = 'cosine' or lobes", 2._dp)
-    call need((s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.w', s%w, &
-      "cam = 'table' together with wave_generator.cam_file, the file of the table; w", s%w)
-    call need((s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', s%perimeter_length, &
-      "a length together with perimeter = 'given', else", 0._dp)
-    associate (circle => 2*acos(-1._dp)*(s%bore_radius - merge(s%ring_thickness, 0._dp, s%shape == 'pressed')))
-      call need(s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < 0.02_dp, 'wave_generator.perimeter_length', &
-        s%perimeter_length, 'within 2 % of the length of the circle', circle)
-    end associate
-    call need(s%eccentricity < 0.1_dp*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
-      'below a tenth of bore_radius (small displacements)', 0.1_dp*s%bore_radius)
-    call need(abs(tan(s%cone_angle_deg*acos(-1._dp)/180))*s%band_length < s%bore_radius - s%ring_thickness, &
-      'wave_generator.cone_angle_deg', s%cone_angle_deg, 'so small that the ring stays open', 10._dp)
-    call need(modulo(s%tooth_pairs, 2) == 0, 'load.tooth_pairs', real(s%tooth_pairs, dp), &
-      'an even number, half of them at each end of the long axis; below teeth', real(s%teeth, dp))
-    call need(s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
-    call need(abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
-      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
-    call need(s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
-      'below sample_length', s%sample_length)
-    call need(s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'load.tooth_pairs', real(s%tooth_pairs, dp), &
-      "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
-    call need(s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
-      "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
-    call need(s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), 'wave_generator.ring_contact', &
-      s%w, "ring_contact = 'tied' with element = 'hex20r' or support = 'teeth'; w", s%w)
-    call need(.not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
-      'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i", 0._dp)
-    call need(s%support /= 'bearing' .or. s%ring_tangent /= 'free' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
-      'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
-      'slides on the cam; otherwise', 0._dp)
-    call need(s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
-      'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
-      'hub or bearing; torque', s%torque)
-    call need(s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'load.tooth_pairs', &
-      real(s%tooth_pairs, dp), "solver.factors = 'exact' with support 'teeth'", 0._dp)
-    if (s%support == 'drive') call check_drive
-    call need(s%turning_positions == 0 .or. s%support == 'drive', 'turning.positions', real(s%turning_positions, dp), &
-      "with support 'drive', else", 0._dp)
-    call need(s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
-      "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
-    call need(s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &
-      "joint.closure = 'nominal' with a contact.law other than 'hard'", s%zero_pressure)
-  contains
-    subroutine check_drive
-      real(dp) :: inner
-      inner = s%bore_radius - s%ring_thickness
-      call need(s%shape == 'pressed' .and. s%ring_contact == 'tied', 'load.support', s%w, &
-        "with support 'drive' shape = 'pressed' and ring_contact = 'tied' (bearing.balls make it unilateral); w", s%w)
-      call need(s%kinematics /= 'nonlinear' .and. s%method /= 'schur' .and. (s%factors == 'auto' .or. s%factors == 'exact'), &
-        'load.torque', s%torque, "with support 'drive' solver.kinematics = 'linear', method auto, condensed or newton with "// &
-        'exact factors; torque', s%torque)
-      call need(s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
-      call need(s%ball_diameter*s%balls < 2*acos(-1._dp)*(inner - s%ball_diameter/2), 'bearing.ball_diameter', s%ball_diameter, &
-        'so small that all balls have room on their circle: below', 2*acos(-1._dp)*(inner - s%ball_diameter/2)/max(1, s%balls))
-      call need(s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
-        '0 where bearing.balls stand for it', 0._dp)
-      call need(.not. s%planned_tolerance > 0, 'run.tolerance', s%planned_tolerance, "0 with support 'drive': plans promise "// &
-        'K_TS of one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays', 0._dp)
-      call need(s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
-    end subroutine check_drive
-
-    subroutine need(condition, name, value, rule, limit)
-      logical, intent(in) :: condition
-      character(len=*), intent(in) :: name, rule
-      real(dp), intent(in) :: value, limit
-      if (condition) return
-      call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')
-    end subroutine need
-  end subroutine check_scene
 
   !> Write every key; reading the file back gives the same run.
   subroutine write_echo(path, scene, error)

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,10 @@ from pathlib import Path
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the scenes are small: more threads only wait for each other
+
+for _name in (signal.SIGINT, signal.SIGHUP):  # a shell ignores them for what it starts in the background, and so would the runs of the tests
+    if signal.getsignal(_name) == signal.SIG_IGN:
+        signal.signal(_name, signal.SIG_DFL)
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "load.assembly_steps=1"]

@@ -40,7 +40,7 @@ module hd_heights
   real(dp), parameter :: small_mb = 16                     !< what is not worth a look at the free memory
   real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
   real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
-  integer, parameter :: slab_points = 4194304              !< heights held in double precision for single ones
+  integer, parameter :: slab_points = 4194304              !< exact heights held in double precision for single ones
 
 contains
 
@@ -72,10 +72,8 @@ contains
     extra(2) = 100._dp * waves + 16._dp * nx * groups + 32._dp * (64 * nx + 32768)
     extra(3) = (200 + 8._dp * (method%nufft%width_x + method%nufft%width_y)) * waves + &
       16._dp * method%nufft%fine_y * (0.5_dp * method%nufft%fine_x + 100) * 3
-    if (bytes == 4) then
-      extra = extra + 8 * min(real(slab_points, dp), points)
-      if (method%precision /= exact_slices) extra(2) = extra(2) - 8 * min(real(slab_points, dp), points)
-    end if
+    if (bytes == 4) extra(1) = extra(1) + 8 * min(real(slab_points, dp), points)
+    if (bytes == 4 .and. method%precision == exact_slices) extra(2) = extra(2) + 8 * min(real(slab_points, dp), points)
     method%evaluator = wanted
     if (wanted == method_auto) method%evaluator = minloc(method%seconds, 1)
     if (wanted == method_nufft .and. method%nufft%width_x == 0) then
@@ -96,44 +94,19 @@ contains
     real(dp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
     type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
     type(product_t) :: product
-    type(nufft_t) :: nufft
     call checked_grid(g, error)
     if (allocated(error)) return
-    select case (method%evaluator)
-    case (method_direct)
+    if (method%evaluator == method_direct) then
       call direct_sum(w, g, 1, z)
-    case (method_product)
-      if (method%precision == exact_slices) then
-        call new_product(w, g, product)
-        call product_sum(product, 1, z)
-      else
-        call plain_product(w, g, method%precision, z)
-      end if
-    case (method_nufft)
-      call new_nufft(w, g, method%nufft, nufft)
-      call nufft_sum(nufft, 1, z, error)
-    end select
+    else if (.not. exact_product(method)) then
+      call fast_sum(w, g, method, error, z)
+    else
+      call new_product(w, g, product)
+      call product_sum(product, 1, z)
+    end if
   end subroutine heights
 
-  !> Heights by a plain product, in double or in single precision.
-  subroutine plain_product(w, g, precision, z, z_single)
-    type(waves_t), intent(in) :: w                                      !< waves
-    type(grid_t), intent(in) :: g                                       !< grid
-    integer, intent(in) :: precision                                    !< of the product
-    real(dp), intent(inout), contiguous, optional :: z(:, :)            !< heights (nx, ny) [m]
-    real(sp), intent(inout), contiguous, optional :: z_single(:, :)     !< the same
-    type(plain_t) :: plain
-    type(plain_single_t) :: single
-    if (precision == in_single) then
-      call new_plain_single(w, g, single)
-      call plain_sum_single(single, z, z_single)
-    else
-      call new_plain(w, g, plain)
-      call plain_sum(plain, z, z_single)
-    end if
-  end subroutine plain_product
-
-  !> Heights in single precision; but for plain products computed in double precision by slabs of rows.
+  !> Heights in single precision; exact ones are computed in double precision by slabs of rows.
   subroutine heights_single(w, g, method, z, error)
     type(waves_t), intent(in) :: w                     !< waves
     type(grid_t), intent(in) :: g                      !< grid
@@ -141,36 +114,58 @@ contains
     real(sp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
     type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
     type(product_t) :: product
-    type(nufft_t) :: nufft
     real(dp), allocatable :: slab(:, :)
     integer :: rows, j, last
     call checked_grid(g, error)
     if (allocated(error)) return
-    if (method%evaluator == method_product .and. method%precision /= exact_slices) then
-      call plain_product(w, g, method%precision, z_single=z)
+    if (method%evaluator /= method_direct .and. .not. exact_product(method)) then
+      call fast_sum(w, g, method, error, z_single=z)
       return
     end if
     if (method%evaluator == method_product) call new_product(w, g, product)
-    if (method%evaluator == method_nufft) call new_nufft(w, g, method%nufft, nufft)
     rows = max(1, slab_points / g%nx)
-    if (method%evaluator == method_nufft) rows = max(1, rows / method%nufft%rows) * method%nufft%rows
     allocate (slab(g%nx, min(rows, g%ny)))
     do j = 1, g%ny, rows
       last = min(j + rows - 1, g%ny)
       associate (part => slab(:, :last - j + 1))
-        select case (method%evaluator)
-        case (method_direct)
+        if (method%evaluator == method_direct) then
           call direct_sum(w, g, j, part)
-        case (method_product)
+        else
           call product_sum(product, j, part)
-        case (method_nufft)
-          call nufft_sum(nufft, j, part, error)
-          if (allocated(error)) return
-        end select
+        end if
         !$omp parallel workshare
         z(:, j:last) = real(part, sp)
         !$omp end parallel workshare
       end associate
     end do
   end subroutine heights_single
+
+  !> Whether the heights are to be products whose bits are the same everywhere.
+  pure logical function exact_product(method)
+    type(method_t), intent(in) :: method               !< choice
+    exact_product = method%evaluator == method_product .and. method%precision == exact_slices
+  end function exact_product
+
+  !> Heights by the NUFFT or by a plain product, in double or in single precision.
+  subroutine fast_sum(w, g, method, error, z, z_single)
+    type(waves_t), intent(in) :: w                                      !< waves
+    type(grid_t), intent(in) :: g                                       !< grid
+    type(method_t), intent(in) :: method                                !< choice
+    type(error_t), allocatable, intent(out) :: error                    !< no plan
+    real(dp), intent(inout), contiguous, optional :: z(:, :)            !< heights (nx, ny) [m]
+    real(sp), intent(inout), contiguous, optional :: z_single(:, :)     !< the same
+    type(nufft_t) :: nufft
+    type(plain_t) :: plain
+    type(plain_single_t) :: single
+    if (method%evaluator == method_nufft) then
+      call new_nufft(w, g, method%nufft, nufft)
+      call nufft_sum(nufft, error, z, z_single)
+    else if (method%precision == in_single) then
+      call new_plain_single(w, g, single)
+      call plain_sum_single(single, z, z_single)
+    else
+      call new_plain(w, g, plain)
+      call plain_sum(plain, z, z_single)
+    end if
+  end subroutine fast_sum
 end module hd_heights

@@ -23,7 +23,16 @@ module hd_fft
     private
     type(c_ptr) :: plan = c_null_ptr
     logical :: single = .false.    !< of FFTW in single precision
+    logical :: kept = .false.      !< for the next that asks: not to be freed
   end type fft_plan_t
+
+  !> Plans of the NUFFT stay for the next call: making them costs more than a small transform.
+  type :: kept_t
+    integer :: key(6) = 0          !< what was asked for
+    type(fft_plan_t) :: plan
+  end type kept_t
+  type(kept_t), save :: kept(64)
+  integer, save :: kept_plans = 0
 
   interface
     subroutine lock_planner() bind(c, name='hd_lock_planner')
@@ -149,8 +158,12 @@ contains
     type(fft_plan_t), intent(out) :: p                  !< plan
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    p%plan = fftw_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
-      FFTW_ESTIMATE)
+    p = kept_plan([1, n, count, stride, distance, sign])
+    if (.not. c_associated(p%plan)) then
+      p%plan = fftw_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
+        FFTW_ESTIMATE)
+      call keep_plan([1, n, count, stride, distance, sign], p)
+    end if
     call unlock_planner()
     call check_plan(p, n, error)
   end subroutine plan_complex
@@ -163,10 +176,14 @@ contains
     type(fft_plan_t), intent(out) :: p                  !< plan
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    p%plan = fftwf_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
-      FFTW_ESTIMATE)
+    p = kept_plan([2, n, count, stride, distance, sign])
+    if (.not. c_associated(p%plan)) then
+      p%plan = fftwf_plan_many_dft(1, [n], count, a, [n], stride, distance, a, [n], stride, distance, int(sign, c_int), &
+        FFTW_ESTIMATE)
+      p%single = .true.
+      call keep_plan([2, n, count, stride, distance, sign], p)
+    end if
     call unlock_planner()
-    p%single = .true.
     call check_plan(p, n, error)
   end subroutine plan_complex_single
 
@@ -191,7 +208,11 @@ contains
     type(fft_plan_t), intent(out) :: p                  !< plan
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    p%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+    p = kept_plan([3, n, count, 0, 0, 0])
+    if (.not. c_associated(p%plan)) then
+      p%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+      call keep_plan([3, n, count, 0, 0, 0], p)
+    end if
     call unlock_planner()
     call check_plan(p, n, error)
   end subroutine plan_backward_real
@@ -204,9 +225,13 @@ contains
     type(fft_plan_t), intent(out) :: p                  !< plan
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    p%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+    p = kept_plan([4, n, count, 0, 0, 0])
+    if (.not. c_associated(p%plan)) then
+      p%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], 1, n / 2 + 1, a, [n], 1, n, FFTW_ESTIMATE)
+      p%single = .true.
+      call keep_plan([4, n, count, 0, 0, 0], p)
+    end if
     call unlock_planner()
-    p%single = .true.
     call check_plan(p, n, error)
   end subroutine plan_backward_real_single
 
@@ -266,7 +291,7 @@ contains
   !> Give a plan back.
   subroutine free_plan(p)
     type(fft_plan_t), intent(inout) :: p    !< plan
-    if (.not. c_associated(p%plan)) return
+    if (.not. c_associated(p%plan) .or. p%kept) return
     call lock_planner()
     if (p%single) then
       call fftwf_destroy_plan(p%plan)
@@ -276,6 +301,25 @@ contains
     call unlock_planner()
     p%plan = c_null_ptr
   end subroutine free_plan
+
+  !> The plan that was kept, or none. Only behind the lock.
+  type(fft_plan_t) function kept_plan(key) result(p)
+    integer, intent(in) :: key(:)           !< what is asked for
+    integer :: i
+    do i = 1, kept_plans
+      if (all(kept(i)%key == key)) p = kept(i)%plan
+    end do
+  end function kept_plan
+
+  !> Keep a plan while there is room. Only behind the lock.
+  subroutine keep_plan(key, p)
+    integer, intent(in) :: key(:)           !< what was asked for
+    type(fft_plan_t), intent(inout) :: p    !< plan
+    if (.not. c_associated(p%plan) .or. kept_plans == size(kept)) return
+    p%kept = .true.
+    kept_plans = kept_plans + 1
+    kept(kept_plans) = kept_t(key, p)
+  end subroutine keep_plan
 
   !> FFTW returns no plan if memory runs out.
   subroutine check_plan(p, n, error)

@@ -6,7 +6,7 @@
 !> middle row: memory stays small, tiles are independent, and the result does not depend on the number of threads. Of the columns
 !> of wave numbers only those a wave has touched are transformed.
 module hd_nufft
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, sp
   use hd_error, only: error_t
   use hd_nufft_tiles, only: sum_tiles
   use hd_nufft_tiles_single, only: sum_tiles_single => sum_tiles
@@ -17,16 +17,16 @@ module hd_nufft
 
 contains
 
-  !> Heights [m] of rows j_1 .. j_1 + size(z, 2) - 1.
-  subroutine nufft_sum(p, j_1, z, error)
-    type(nufft_t), intent(in) :: p                      !< waves on the fine points
-    integer, intent(in) :: j_1                          !< first row
-    real(dp), intent(inout), contiguous :: z(:, :)      !< heights (nx, rows) [m]
-    type(error_t), allocatable, intent(out) :: error    !< FFTW finds no plan
+  !> Heights [m], in double or in single precision.
+  subroutine nufft_sum(p, error, z, z_single)
+    type(nufft_t), intent(in) :: p                                      !< waves on the fine points
+    type(error_t), allocatable, intent(out) :: error                    !< FFTW finds no plan
+    real(dp), intent(inout), contiguous, optional :: z(:, :)            !< heights (nx, ny) [m]
+    real(sp), intent(inout), contiguous, optional :: z_single(:, :)     !< the same
     if (p%precision == 2) then
-      call sum_tiles_single(p, p%x%piece_single, p%y%piece_single, j_1, z, error)
+      call sum_tiles_single(p, p%x%piece_single, p%y%piece_single, error, z, z_single)
     else
-      call sum_tiles(p, p%x%piece, p%y%piece, j_1, z, error)
+      call sum_tiles(p, p%x%piece, p%y%piece, error, z, z_single)
     end if
   end subroutine nufft_sum
 end module hd_nufft

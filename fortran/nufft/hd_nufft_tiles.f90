@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Tiles of the non-uniform FFT in double precision.
 module hd_nufft_tiles
-  use hd_kinds, only: dp, rk => dp
+  use hd_kinds, only: dp, sp, rk => dp
   use hd_error, only: error_t
   use hd_fft, only: fft_plan_t, free_plan, plan_complex, plan_backward_real, &
     execute_complex, execute_backward_real
@@ -11,8 +11,6 @@ module hd_nufft_tiles
   implicit none
   private
   public :: sum_tiles
-
-contains
 
   include 'hd_nufft_tiles.inc'
 end module hd_nufft_tiles

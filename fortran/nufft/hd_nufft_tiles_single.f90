@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Tiles of the non-uniform FFT in single precision.
 module hd_nufft_tiles_single
-  use hd_kinds, only: dp, rk => sp
+  use hd_kinds, only: dp, sp, rk => sp
   use hd_error, only: error_t
   use hd_fft, only: fft_plan_t, free_plan, plan_complex => plan_complex_single, &
     plan_backward_real => plan_backward_real_single, &
@@ -15,8 +15,6 @@ module hd_nufft_tiles_single
   implicit none
   private
   public :: sum_tiles
-
-contains
 
   include 'hd_nufft_tiles.inc'
 end module hd_nufft_tiles_single

@@ -16,6 +16,7 @@ module hd_nufft_waves
   type :: nufft_t
     type(window_t) :: x, y                               !< windows
     integer :: precision = 1                             !< of the sum: 1 double, 2 single
+    integer :: ny = 0                                    !< rows of the grid
     integer :: rows = 0                                  !< rows of a tile
     integer :: middle = 0                                !< row of the phases, from 0
     integer, allocatable :: kx(:), ky(:)                 !< first fine point of each wave, x from -widest
@@ -41,6 +42,7 @@ contains
     call new_window(plan%rows, plan%fine_y, plan%width_y, plan%tolerance, p%y)
     p%precision = plan%precision
     p%rows = plan%rows
+    p%ny = g%ny
     p%middle = g%ny / 2
     p%offset = w%offset
     allocate (ux(n), ux_2(n), uy(n), uy_2(n), phase(n))

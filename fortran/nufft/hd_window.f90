@@ -17,6 +17,7 @@ module hd_window
   type :: window_t
     integer :: n = 0, fine = 0                       !< wanted points, fine points
     integer :: width = 0                             !< w
+    real(dp) :: tolerance = 0                        !< error of a height
     integer :: padded = 0                            !< w filled up with zero weights to a multiple of four
     integer :: degree = 0                            !< degree of the pieces
     real(dp), allocatable :: piece(:, :)             !< coefficients (padded, 0:degree) of s in [-1, 1] across each unit interval
@@ -24,10 +25,31 @@ module hd_window
     real(dp), allocatable :: correction(:)           !< 1 / transform at 0 .. (n + 1)/2 points from the middle
   end type window_t
 
+  type(window_t), save :: kept(4)      !< the last windows: making one costs as much as a small NUFFT
+  integer, save :: latest = 0
+
 contains
 
-  !> Pieces and correction of a window.
+  !> A window of those kept, or a new one.
   subroutine new_window(n, fine, width, tolerance, win)
+    integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
+    real(dp), intent(in) :: tolerance         !< error of a height
+    type(window_t), intent(out) :: win        !< window
+    integer :: i
+    !$omp critical (windows)
+    do i = 1, size(kept)
+      if (kept(i)%n == n .and. kept(i)%fine == fine .and. kept(i)%width == width .and. kept(i)%tolerance == tolerance) win = kept(i)
+    end do
+    if (win%n == 0) then
+      call make_window(n, fine, width, tolerance, win)
+      latest = modulo(latest, size(kept)) + 1
+      kept(latest) = win
+    end if
+    !$omp end critical (windows)
+  end subroutine new_window
+
+  !> Pieces and correction of a window.
+  subroutine make_window(n, fine, width, tolerance, win)
     integer, intent(in) :: n, fine, width     !< wanted points, fine points, width
     real(dp), intent(in) :: tolerance         !< error of a height
     type(window_t), intent(out) :: win        !< window
@@ -37,6 +59,7 @@ contains
     win%n = n
     win%fine = fine
     win%width = width
+    win%tolerance = tolerance
     win%padded = 4 * ((width + 3) / 4)
     b = shape_of(n, fine, width)
     do i = 1, width
@@ -74,7 +97,7 @@ contains
       t = newer
     end do
     win%piece_single = real(win%piece, sp)
-  end subroutine new_window
+  end subroutine make_window
 
   !> Smallest width whose error stays below the tolerance; 0 if there is none.
   pure integer function window_width(n, fine, tolerance, precision) result(width)

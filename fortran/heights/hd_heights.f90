@@ -27,19 +27,20 @@ module hd_heights
     integer :: evaluator = method_auto               !< method_direct, method_product or method_nufft
     integer :: precision = exact_slices              !< of a product
     type(nufft_plan_t) :: nufft                      !< fine points, widths, tiles
-    real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft on two threads [s]; huge: not asked
+    real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft [s]; huge: not asked
     real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
   end type method_t
 
   real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
-  real(dp), parameter :: second_per_flop(0:2) = [0.105e-9_dp, 0.025e-9_dp, 0.0125e-9_dp]   !< product: all slices, double, single
-  real(dp), parameter :: second_per_point(0:2) = [2e-9_dp, 0.5e-9_dp, 0.4e-9_dp]           !< height stored
+  real(dp), parameter :: second_per_flop(0:2) = [0.105e-9_dp, 0.023e-9_dp, 0.012e-9_dp]    !< product: all slices, double, single
+  real(dp), parameter :: second_per_point(0:2) = [2e-9_dp, 0.5e-9_dp, 0.4e-9_dp]            !< height stored
   real(dp), parameter :: single_from = 1e-6_dp             !< tolerance from which a product in single precision is tried
   real(dp), parameter :: single_error = 4e-8_dp            !< its error over the square root of the number of terms
   real(dp), parameter :: small_seconds = 0.2e-3_dp         !< time of a product below which a NUFFT is not planned
   real(dp), parameter :: small_mb = 16                     !< what is not worth a look at the free memory
   real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
-  real(dp), parameter :: second_per_factor = 3e-9_dp       !< entry of a factor
+  real(dp), parameter :: second_per_factor(0:2) = [3e-9_dp, 1e-9_dp, 0.8e-9_dp]            !< entry of a factor
+  real(dp), parameter :: mean_share = 0.75_dp              !< of the time on one thread: mean of that on one and on two threads
   integer, parameter :: slab_points = 4194304              !< exact heights held in double precision for single ones
 
 contains
@@ -61,9 +62,11 @@ contains
     points = real(nx, dp) * ny
     if (tolerance > 0) method%precision = &
       merge(in_single, in_double, tolerance >= single_from .and. single_error * sqrt(real(groups, dp)) <= tolerance)
-    method%seconds(1) = points * waves * second_per_cosine / 2
-    method%seconds(2) = (points * (2 * groups * second_per_flop(method%precision) + second_per_point(method%precision)) &
-      + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor) / 2
+    method%seconds(1) = mean_share * points * waves * second_per_cosine
+    associate (k => method%precision)
+      method%seconds(2) = mean_share * (points * (2 * groups * second_per_flop(k) + second_per_point(k)) &
+        + (real(nx, dp) * groups + 2._dp * ny * waves) * second_per_factor(k))
+    end associate
     if (wanted == method_nufft .or. (wanted == method_auto .and. tolerance > 0 .and. method%seconds(2) > small_seconds)) then
       method%nufft = plan_nufft(nx, ny, int(waves), merge(tolerance, nufft_tolerance, tolerance > 0))
     end if

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-! Flat entries for Python: surfaces. Arrays come from Python in Fortran order and are filled in place.
+! Flat entries for Python: surfaces. Arrays come from Python in Fortran order and are filled in place. Messages of entries that may
+! take microseconds are short: Python asks for the rest.
 
 !> Refuse a periodic surface before its memory is asked for.
 subroutine surface_check_periodic(n, length, fractal_dimension, roughness, shortest, status, message)
@@ -80,7 +81,7 @@ subroutine surface_heights(p, ridges, seed, grid, tolerance, wanted, nx, ny, hei
   integer(c_int64_t), intent(in) :: seed
   real(c_double), intent(inout) :: heights_out(nx, ny)
   integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
+  character(len=120), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
   !f2py threadsafe
@@ -112,7 +113,7 @@ subroutine surface_heights_single(p, ridges, seed, grid, tolerance, wanted, nx, 
   integer(c_int64_t), intent(in) :: seed
   real(c_float), intent(inout) :: heights_out(nx, ny)
   integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
+  character(len=120), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
   !f2py threadsafe
@@ -196,7 +197,7 @@ subroutine surface_free_heights(count, fx, fy, amplitude, phase, grid, tolerance
   integer(c_int), intent(in) :: wanted
   real(c_double), intent(inout) :: heights_out(nx, ny)
   integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
+  character(len=120), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(fx) :: count = len(fx)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)
@@ -228,7 +229,7 @@ subroutine surface_free_heights_single(count, fx, fy, amplitude, phase, grid, to
   integer(c_int), intent(in) :: wanted
   real(c_float), intent(inout) :: heights_out(nx, ny)
   integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
+  character(len=120), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(fx) :: count = len(fx)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: nx = shape(heights_out, 0)
   !f2py integer(c_int), intent(hide), depend(heights_out) :: ny = shape(heights_out, 1)

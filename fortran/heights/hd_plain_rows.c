@@ -3,19 +3,19 @@
 #include "../waves/hd_cis.h"
 
 /* even = a cos, odd = b sin of 2 pi (phase + step (high + low)), n waves. */
-#define FACTORS(name, real) \
+#define FACTORS(name, real, cis) \
   CLONES void name(int n, const double *restrict phase, const double *restrict high, const double *restrict low, double step, \
                    const double *restrict a, const double *restrict b, real *restrict even, real *restrict odd) \
   { \
     for (int j = 0; j < n; j++) { \
-      double c, s; \
+      real c, s; \
       cis(turns(phase[j], high[j], low[j], step), &c, &s); \
-      even[j] = (real)(a[j] * c); \
-      odd[j] = (real)(b[j] * s); \
+      even[j] = (real)a[j] * c; \
+      odd[j] = (real)b[j] * s; \
     } \
   }
-FACTORS(hd_factor_row, double)
-FACTORS(hd_factor_row_single, float)
+FACTORS(hd_factor_row, double, cis)
+FACTORS(hd_factor_row_single, float, cis_single)
 
 /* z = offset + unit (even -+ odd) left and right of the middle, n points. */
 #define JOIN(name, real, kind) \

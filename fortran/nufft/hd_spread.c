@@ -12,19 +12,19 @@
 #include "../base/hd_lanes.h"
 
 /* out = a exp(2 pi i (phase + step u)), n waves. */
-#define PHASES(name, real) \
+#define PHASES(name, real, cis) \
   CLONES void name(int n, const double *restrict phase, const double *restrict high, const double *restrict low, int step, \
                    const double *restrict a, real *restrict out) \
   { \
     for (int j = 0; j < n; j++) { \
-      double c, s; \
+      real c, s; \
       cis(turns(phase[j], high[j], low[j], step), &c, &s); \
-      out[2 * j] = (real)(a[j] * c); \
-      out[2 * j + 1] = (real)(a[j] * s); \
+      out[2 * j] = (real)a[j] * c; \
+      out[2 * j + 1] = (real)a[j] * s; \
     } \
   }
-PHASES(hd_phases, double)
-PHASES(hd_phases_single, float)
+PHASES(hd_phases, double, cis)
+PHASES(hd_phases_single, float, cis_single)
 
 /* Piecewise polynomials (padded width, 0..degree) at s in [-1, 1]: weights (padded width, n). most: bytes of a vector
    register, 0: any. */

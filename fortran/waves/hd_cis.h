@@ -32,6 +32,22 @@ INLINE void cis(double r, double *cosine, double *sine)
   *cosine = sign * (1 - 0.5 * y + y * y * c);
 }
 
+/* The same to single precision. */
+INLINE void cis_single(double r, float *cosine, float *sine)
+{
+  double q = whole(2 * r);
+  float x = (float)((r - 0.5 * q) * 6.283185307179586476925), y = x * x, c, s, sign = 1 - 2 * fabsf((float)q);
+  s = 2.755731922e-06f + y * (-2.505210839e-08f + y * 1.605904384e-10f);
+  s = -1.984126984e-04f + y * s;
+  s = 8.333333333e-03f + y * s;
+  s = -1.666666667e-01f + y * s;
+  *sine = sign * (x + x * y * s);
+  c = 2.480158730e-05f + y * (-2.755731922e-07f + y * 2.087675699e-09f);
+  c = -1.388888889e-03f + y * c;
+  c = 4.166666667e-02f + y * c;
+  *cosine = sign * (1 - 0.5f * y + y * y * c);
+}
+
 /* phase + step (high + low) in turns, reduced: high is a multiple of 2^-29, so its product with a step below 2^23 is exact. */
 INLINE double turns(double phase, double high, double low, double step)
 {

@@ -2,6 +2,7 @@
 """Fractal rough surfaces: Weierstrass-Mandelbrot heights (Eq. 1-2) and the periodic surface of the same spectrum."""
 from __future__ import annotations
 
+import math
 import numbers
 import operator
 from dataclasses import dataclass
@@ -246,7 +247,6 @@ def waves(fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, short
     return dict(zip(keys, _engine.call("surface_waves", _spectrum(*spectrum), ridges, _seed(seed), count)))
 
 
-@checked(fx=_list, fy=_list, amplitude=_list, phase=_list, tolerance=_tolerance)
 def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLike, shape: Any, spacing: Any, *,
               origin: Any = 0.0, tolerance: Any = None, method: str = "auto", dtype: Any = float,
               out: np.ndarray | None = None) -> np.ndarray:
@@ -274,16 +274,19 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
         As `generate`; lengths that differ, no wave, numbers that are not finite.
     """
     size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype if out is None else float)
-    lists = [np.ascontiguousarray(v) for v in (fx, fy, amplitude, phase)]
+    given = {"fx": fx, "fy": fy, "amplitude": amplitude, "phase": phase}
+    lists = [np.ascontiguousarray(_list(name, v)) for name, v in given.items()]
+    tolerance = _tolerance("tolerance", tolerance)
     if len({v.size for v in lists}) != 1 or lists[0].size == 0:
         raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
-    with np.errstate(over="ignore"):
-        if not np.sum(np.abs(lists[2])) < 1e150:
-            raise _engine.InputError(f"amplitude: the sum of {lists[2].size} waves must be below 1e150 m")
-        for name, f, step, first, n in zip(("fx", "fy"), lists, grid[:2], grid[2:], size):
-            if np.isfinite(grid).all():
-                _turns(np.max(np.abs(f)) * (abs(first) + n * step), name)
-        _turns(np.max(np.abs(lists[3])), "phase")
+    largest = [float(np.abs(v).max()) for v in lists]
+    if not largest[2] * lists[2].size < 1e150:
+        raise _engine.InputError(f"amplitude: {lists[2].size} waves of up to {largest[2]:.3g} m: their sum must be below 1e150 m")
+    dx, dy, x_0, y_0 = grid.tolist()
+    if math.isfinite(dx + dy + x_0 + y_0):  # else the engine says what is wrong
+        _turns(largest[0] * (abs(x_0) + size[0] * dx), "fx")
+        _turns(largest[1] * (abs(y_0) + size[1] * dy), "fy")
+    _turns(largest[3], "phase")
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
         _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, dtype.itemsize, wanted)
     heights = _room(size, dtype, out)

@@ -42,7 +42,7 @@ BENCHES = (
     Bench("../court/run.py", "problems with published answers", 0.5, quick=(), record="court"),
     Bench("elements.py", "elements beside CalculiX", 2, quick=("--quick",)),
     Bench("contact_standards.py", "contact beside closed solutions", 5),
-    Bench("surface_generator.py", "heights beside FINUFFT and numpy", 8),
+    Bench("height_peers.py", "heights beside FINUFFT and BLAS", 6),
     Bench("structure_function.py", "structure function beside numpy", 1),
     Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6),
     Bench("peer_drive.py", "a small whole drive beside CalculiX", 5),

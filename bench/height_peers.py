@@ -29,10 +29,9 @@ if __name__ == "__main__":
 else:
     THREADS = 1
 
-import finufft
 import numpy as np
 
-from common import write_record
+from common import new_axes, put, save_figure, styled, table, write_record
 from hdengine import surface
 
 clock = time.thread_time if THREADS == 1 else time.perf_counter
@@ -63,6 +62,7 @@ class Finufft:
     """One way to use FINUFFT; its plan is made once."""
 
     def __init__(self, w, n, kind, factor, packed, tolerance):
+        import finufft
         self.w, self.n, self.packed = w, n, packed
         self.kind, self.real = (np.complex128, np.float64) if kind == "double" else (np.complex64, np.float32)
         shape = (n, n // 2) if packed else (n, n)
@@ -181,14 +181,28 @@ def compare(n, count, tolerance, limit):
     return cell | {"ratio of " + name: times[name] / times[peer] for name in times if name.startswith("hdengine")}
 
 
-def table(cells):
-    """Ratios as they stand in docs/evidence/generator.md."""
+@styled
+def draw(cells):
+    """Our time over the best peer's against the number of waves, one chart for each tolerance."""
+    tolerances = sorted({c["tolerance"] for c in cells}, reverse=True)
+    figure, axes = new_axes(1, len(tolerances), figsize=(12, 3.6), sharey=True)
+    for axis, tolerance in zip(axes, tolerances):
+        for n in sorted({c["n"] for c in cells}):
+            rows = [c for c in cells if (c["n"], c["tolerance"]) == (n, tolerance)]
+            axis.loglog([c["waves"] for c in rows], [c["ratio"] for c in rows], "o-", label=f"{n} x {n} points")
+        axis.axhline(1, color="k", linewidth=1)
+        axis.set(title=f"tolerance {tolerance:g}", xlabel="waves J")
+    axes[0].set(ylabel="time of hdengine / best peer", yticks=[0.2, 0.5, 1], yticklabels=["0.2", "0.5", "1"], ylim=(0.1, 1.5))
+    axes[0].legend(fontsize=8)
+    save_figure(figure, "surface_generator")
+
+
+def page(cells):
+    """The table of docs/evidence/generator.md."""
     waves = sorted({c["waves"] for c in cells})
-    lines = ["| tolerance | points | " + " | ".join(f"J = {j}" for j in waves) + " |", "|---" * (len(waves) + 2) + "|"]
-    for tolerance, n in sorted({(c["tolerance"], c["n"]) for c in cells}):
-        row = {c["waves"]: f"{c['ratio']:.2f}" for c in cells if (c["tolerance"], c["n"]) == (tolerance, n)}
-        lines.append(f"| {tolerance:g} | {n}² | " + " | ".join(row.get(j, "-") for j in waves) + " |")
-    return "\n".join(lines)
+    found = {(c["tolerance"], c["n"], c["waves"]): f"{c['ratio']:.2f}" for c in cells}
+    rows = [(f"{t:g}", f"{n}²", *(found.get((t, n, j), "-") for j in waves)) for t, n in sorted({k[:2] for k in found})]
+    put("height_peers", table(["tolerance", "points", *(f"J = {j}" for j in waves)], rows), page="evidence/generator")
 
 
 def main():
@@ -198,8 +212,9 @@ def main():
     parser.add_argument("--tolerances", type=float, nargs="+", default=[1e-3, 1e-6, 1e-9, 1e-12])
     parser.add_argument("--limit", type=float, default=0.7, help="seconds spent repeating one cell")
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--output", default="height_peers", help="name of the record")
+    parser.add_argument("--output", default="height_peers", help="name of the record; the chart and the page follow that of this name")
     a = parser.parse_args()
+    import finufft
     cells = []
     for n in a.sizes:
         for count in a.waves:
@@ -210,7 +225,9 @@ def main():
                       f"{1e6 * cell['time_s'][cell['peer']]:9.0f} us, errors {cell['error']['hdengine']:.1e} "
                       f"{cell['error'][cell['peer']]:.1e}", flush=True)
     write_record(a.output, {"cells": cells}, seed=1, peers=(finufft,), threads=a.threads)
-    print(table(cells))
+    if a.output == "height_peers":
+        draw(cells)
+        page(cells)
 
 
 if __name__ == "__main__":

@@ -15,11 +15,11 @@ from hdengine import read_scene
 
 def heights(_):
     """Eq. 1 on 512 x 512 points, 160 waves."""
-    from surface_generator import LENGTH, by_finufft, spectrum
+    from height_peers import LENGTH, Finufft, spectrum
 
     from hdengine import surface
     n = 512
-    s = spectrum(n, 10, 16)
+    s = spectrum(n, 160)
     h, step = LENGTH / n, n // 64
     exact = surface.generate(64, h * step, **s, method="direct")
     w = surface.waves(**s)
@@ -29,8 +29,8 @@ def heights(_):
         calls["matrix product", f"{tolerance:g}", False] = lambda t=tolerance: surface.generate(n, h, **s, tolerance=t, method="product")
         calls["NUFFT", f"{tolerance:g}", False] = lambda t=tolerance: surface.generate(n, h, **s, tolerance=t, method="nufft")
         try:
-            import finufft  # noqa: F401
-            calls["FINUFFT", f"{tolerance:g}", True] = lambda t=tolerance: by_finufft(w, n, t, complex) + w["offset_m"]
+            peer = Finufft(w, n, "double", 2.0, False, tolerance)
+            calls["FINUFFT", f"{tolerance:g}", True] = lambda p=peer: p() + w["offset_m"]
         except ImportError:
             pass
     timing, found = take_turns(calls, turns=5, limit=20, clock=time.process_time)

@@ -56,7 +56,7 @@ contains
     j = strands * length
     call place_waves(p, ux, ux_2, uy, uy_2, phase, w%amplitude, j, j + 1, 1, n - j)
     j = (plan%fine_x / 2 + 2 * widest) / panel + 1
-    allocate (p%touched(0:j + mod(j, 2)), source=.false.)  ! an odd number: rows a power of two apart would share few places in the cache
+    allocate (p%touched(0:j + mod(j, 2)), source=.false.)  ! odd: rows 4096 bytes apart would share few places in the cache
     do j = 1, n
       p%touched(p%kx(j) / panel) = .true.
       p%touched((p%kx(j) + p%x%padded - 1) / panel) = .true.

@@ -193,6 +193,7 @@ def draw(cells):
         axis.axhline(1, color="k", linewidth=1)
         axis.set(title=f"tolerance {tolerance:g}", xlabel="waves J")
     axes[0].set(ylabel="time of hdengine / best peer", yticks=[0.2, 0.5, 1], yticklabels=["0.2", "0.5", "1"], ylim=(0.1, 1.5))
+    axes[0].tick_params(axis="y", which="minor", labelleft=False)
     axes[0].legend(fontsize=8)
     save_figure(figure, "surface_generator")
 

@@ -3,6 +3,7 @@
 
 python bench/blind_fit.py [seeds] [points per side]: writes results/blind_fit.json and the tables of docs/evidence/{fit,surfaces}.md.
 One thread: minutes. `--tables` only writes the tables of the record again.
+python bench/blind_fit.py --sizes [seeds]: larger maps at D = 2.5, results/blind_fit_sizes.json and their table.
 """
 import sys
 
@@ -20,6 +21,7 @@ MAPS = {
     "noise 30 %": {"finer": 2, "noise": 0.3}, "tilt": {"finer": 2, "tilt": 3.0}, "waves of 4 sides": {"longer": 4},
     "dy = 1.7 dx": {"finer": 2, "aspect": 1.7}, "5 % holes": {"finer": 2}, "7 spikes": {"finer": 2},
 }
+LARGE = ("circle to Nyquist", "4 times finer detail", "probe 0.5", "probe 1", "noise 5 %", "noise 30 %", "tilt", "5 % holes")
 LINES = {"line": {}, "line, finer detail": {"finer": 4}, "line, probe 1": {"probe": 1.0}, "line, noise 5 %": {"noise": 0.05}}
 
 
@@ -62,6 +64,39 @@ def put_tables(found):
         for name, v in found["not_fractal"].items()]), "evidence/surfaces")
 
 
+def maker(name, n, d):
+    """A function that makes one map of a kind."""
+    def make(rng):
+        z, spacing = field(n, DX, d, rng, **MAPS[name])
+        return spoiled(name, z, rng), spacing
+    return make
+
+
+def put_sizes(found):
+    """Bias, spread and coverage over the number of points, one row for each kind."""
+    sizes = sorted({int(key.split(", ")[1]) for key in found["maps"]})
+    rows = []
+    for name in LARGE:
+        at = [found["maps"].get(f"{name}, {n}") for n in sizes]
+        rows.append((name, *(f"{v['bias']:+.4f} ± {v['std']:.3f}" if v else "-" for v in at),
+                     " / ".join(f"{found['seeds'] * v['cover_d']:.0f}" if v else "-" for v in at),
+                     " / ".join(f"{found['seeds'] * v['cover_g']:.0f}" if v else "-" for v in at),
+                     " / ".join(f"{found['seeds'] * (1 - v['fractal']):.0f}" if v else "-" for v in at)))
+    put("sizes", table(("kind of map", *(f"{n}²" for n in sizes), "D inside", "G inside", "refused"), rows), "evidence/fit")
+
+
+def larger(seeds=10):
+    """Maps of 256 to 1024 points a side; the record grows by each row."""
+    out = {"seeds": seeds, "maps": {}}
+    for n in (256, 512, 1024):
+        for name in LARGE:
+            values = row(maker(name, n, 2.5), 2.5, seeds)
+            out["maps"][f"{name}, {n}"] = {k: round(float(v), 5) for k, v in values.items()}
+            print(n, name, out["maps"][f"{name}, {n}"], flush=True)
+            write_record("blind_fit_sizes", out, seed=1000)
+    put_sizes(out)
+
+
 def main(seeds=20, n=128):
     """All rows."""
     out = {"seeds": seeds, "points": n, "maps": {}, "not_fractal": {}}
@@ -76,11 +111,8 @@ def main(seeds=20, n=128):
                                     "kinds": {k: sum(f.kind == k for f in kinds) for k in sorted({f.kind for f in kinds})}}
         print(name, out["not_fractal"][name], flush=True)
     for d in (2.5, 2.1, 2.9):
-        for name, keys in MAPS.items():
-            def make(rng, name=name, keys=keys, d=d):
-                z, spacing = field(n, DX, d, rng, **keys)
-                return spoiled(name, z, rng), spacing
-            keep(name, d, row(make, d, seeds))
+        for name in MAPS:
+            keep(name, d, row(maker(name, n, d), d, seeds))
         for name, keys in LINES.items():
             keep(name, d, row(lambda rng, keys=keys, d=d: (line(4096, DX, d, rng, **keys), DX), d, seeds))
     write_record("blind_fit", out, seed=1000)
@@ -90,5 +122,8 @@ def main(seeds=20, n=128):
 if __name__ == "__main__":
     if "--tables" in sys.argv:
         put_tables(read_record("blind_fit"))
+        put_sizes(read_record("blind_fit_sizes"))
+    elif "--sizes" in sys.argv:
+        larger(*map(int, sys.argv[2:]))
     else:
         main(*map(int, sys.argv[1:]))

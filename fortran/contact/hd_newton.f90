@@ -362,6 +362,7 @@ contains
       end if
       if (here%distance < (1 - 0.1_dp*damping)*merit) return
     end do
+    if (allocated(problem%struts) .and. .not. best < merit) best_damping = 1  ! struts that come and go lie behind a ridge
     if (damping == best_damping) return
     damping = best_damping
     state%u = old%u + damping*du

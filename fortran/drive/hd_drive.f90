@@ -23,7 +23,7 @@ module hd_drive
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
   implicit none
   private
-  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth
+  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth, frictionless
 
   type :: drive_t
     type(problem_t) :: problem               !< bodies, supports, interface
@@ -186,6 +186,9 @@ contains
           problem%loose_from = 3
         end if
       end if
+      if (scene%support == 'drive' .and. allocated(problem%loose) .and. frictionless(scene)) then  ! nothing else resists its turn
+        call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
+      end if
       z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
       problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
       allocate (drive%sprung(0))
@@ -235,12 +238,16 @@ contains
   !> 'bearing', and without friction under large displacements.
   pure logical function ring_follows(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    logical :: frictionless
+    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support == 'bearing' .or. &
+      (frictionless(scene) .and. scene%kinematics == 'nonlinear')))
+  end function ring_follows
+
+  !> The contact takes no shear.
+  pure logical function frictionless(scene)
+    type(scene_t), intent(in) :: scene  !< scene
     frictionless = scene%contact_mode == 'frictionless' .or. (scene%contact_mode == 'frictional' .and. &
       .not. max(scene%friction, scene%torque_friction) > 0)
-    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support == 'bearing' .or. &
-      (frictionless .and. scene%kinematics == 'nonlinear')))
-  end function ring_follows
+  end function frictionless
 
   !> Springs of the balls between wave generator and ring, even over the ring's inner face.
   subroutine set_on_balls(scene, drive)

@@ -3,7 +3,7 @@
 !> they depend on. A study over torque, eccentricity, w, interference, friction or joint parameters so pays for them once.
 module hd_model_cache
   use hd_cost, only: forecast_t
-  use hd_drive, only: drive_t, new_drive, renew_drive
+  use hd_drive, only: drive_t, frictionless, new_drive, renew_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_kinds, only: dp
@@ -44,6 +44,7 @@ contains
     type(error_t), allocatable, intent(out) :: error              !< mesh, memory
     kept = .false.
     if (allocated(kept_drive)) kept = same_model(scene, kept_scene, .false., .false.)
+    if (kept) kept = frictionless(scene) .eqv. frictionless(kept_scene)  ! soft springs hold a ring that no friction does
     if (kept .and. struts_move(scene, kept_scene)) kept = forgets_struts(kept_solver)
     if (kept) then
       if (same_model(scene, kept_scene, .true., allocated(kept_drive%problem%law%joint))) assembly = kept_assembly

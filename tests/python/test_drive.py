@@ -32,6 +32,27 @@ SLIDING = [
     "geometry.cup_length=0.0235952", "geometry.rim_thickness=0.000323179"]
 
 
+RIDGE = [
+    "mesh.divisions=40", "mesh.band_facets=6", "mesh.bottom_elements=4", "geometry.band_length=0.00861718",
+    "geometry.ring_thickness=0.000428041", "wave_generator.w=0.000245935", "wave_generator.cam=arcs",
+    "wave_generator.interference=0.0", "bearing.balls=10", "bearing.ball_diameter=0.00226863",
+    "bearing.outer_conformity=0.546113", "bearing.cage_angle_deg=2.18552", "contact.friction=0.0", "load.teeth=200",
+    "load.tooth_pairs=36", "load.tooth_stiffness=250054000.0", "load.tooth_clearance=1.70902e-06",
+    "load.pressure_angle_deg=33.7452", "load.torque=7.93042", "load.torque_steps=2", "load.assembly_steps=2",
+    "loop.torques=0.08886,0.1591", "geometry.wall_thickness=0.00016961", "geometry.hub_radius=0.0103164",
+    "geometry.cup_length=0.025558", "geometry.rim_thickness=0.000206736"]
+
+DRIFTING = [
+    "mesh.divisions=24", "mesh.band_facets=6", "mesh.bottom_elements=4", "geometry.band_length=0.00607061",
+    "geometry.ring_thickness=0.00150652", "wave_generator.w=0.000118601", "wave_generator.cam=ellipse",
+    "wave_generator.interference=2.42443e-05", "bearing.balls=19", "bearing.ball_diameter=0.00302716",
+    "bearing.outer_conformity=0.553694", "bearing.cage_angle_deg=25.7077", "contact.friction=0.0", "load.teeth=160",
+    "load.tooth_pairs=18", "load.tooth_stiffness=805236000.0", "load.tooth_clearance=1.52475e-06",
+    "load.pressure_angle_deg=10.7797", "load.torque=-0.831052", "load.torque_steps=3", "load.assembly_steps=2",
+    "loop.torques=-0.7202,0.3625,0.9066", "geometry.wall_thickness=0.000202149", "geometry.hub_radius=0.0109394",
+    "geometry.cup_length=0.0207048", "geometry.rim_thickness=0.000233267", "contact.law=joint", "solver.method=newton"]
+
+
 def solve(exe, folder, *keys, code=0):
     """Results of a small drive: summary, loop, balls, teeth."""
     done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
@@ -228,6 +249,12 @@ def test_a_sliding_ring_is_no_gross_slip(exe, tmp_path):
     """A bearing whose contact slips as a whole under torque converges: the teeth hold the torque. It ended as gross slip of a torque
     far beyond the loop's."""
     solve(exe, tmp_path / "g", *SLIDING)
+
+
+@pytest.mark.parametrize("keys", [RIDGE, DRIFTING], ids=["ridge", "drifting"])
+def test_drives_without_friction_converge(exe, tmp_path, keys):
+    """Two that did not: damping kept flanks from touching, and a ring that nothing held round the axis drifted off in the matrix."""
+    solve(exe, tmp_path / "f", *keys)
 
 
 def test_fatigue_is_goodmans_line(exe, tmp_path):

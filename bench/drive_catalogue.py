@@ -2,13 +2,15 @@
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
 docs/evidence/drive.md, raw figures in bench/results/drive_catalogue.json.
 
-Usage: python bench/drive_catalogue.py
+Usage: python bench/drive_catalogue.py [sizes]    sizes: solve these again, take the rest from the record
 """
+import json
+import sys
 import tempfile
 
 import numpy as np
 
-from common import DATA, put, save_figure, solve, table, write_record
+from common import DATA, RESULTS, put, save_figure, solve, table, write_record
 from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
@@ -40,7 +42,7 @@ def run(scene, keys):
         if command.code != 0:
             raise SystemExit(command.text)
         result = load(f"{folder}/r")
-        return result.summary, result.steps, result.loop
+        return result.summary | {"cpu_s": command.cpu_s}, result.steps, result.loop
 
 
 def three(results):
@@ -62,7 +64,7 @@ def sizes():
                      "torque_max_nm": float(max(loop["torque_nm"])), "von_mises_max_pa": r["von_mises_max_pa"],
                      "torque_nm": loop["torque_nm"].tolist(), "angle_rad": loop["angle_rad"].tolist(),
                      "dissipated_j": r["loop_dissipated_j"], "unbalanced": (r["loop_work_j"] - r["loop_stored_j"]) / r["loop_dissipated_j"] - 1,
-                     "steps": r["steps"], "iterations": r["iterations"], "timers_s": summary["timers_s"], "memory_mb": summary["peak_memory_mb"]})
+                     "steps": r["steps"], "iterations": r["iterations"], "cpu_s": summary["cpu_s"], "timers_s": summary["timers_s"], "memory_mb": summary["peak_memory_mb"]})
     return rows
 
 
@@ -125,7 +127,12 @@ def change(rows, name, reference=0):
 
 def main():
     """Solve, write, draw."""
-    size, inputs, path = sizes(), sensitivity(), trends()
+    size = sizes()
+    if sys.argv[1:] == ["sizes"]:
+        record = json.loads((RESULTS / "drive_catalogue.json").read_text())
+        inputs, path = record["sensitivity"], record["trends"]
+    else:
+        inputs, path = sensitivity(), trends()
     write_record("drive_catalogue", {"sizes": size, "sensitivity": inputs, "trends": path}, threads=1)
     put("drive sizes", table(("size", "K1 / K2 / K3 in kN m/rad", "catalogue", "ours over the catalogue's", "hysteresis",
                               "lost motion", "largest ball, pair", "wave generator, T over it"), [
@@ -134,10 +141,10 @@ def main():
          f"{r['lost_motion_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}, {r['tooth_force_max_n']:.0f} N",
          f"{r['wave_generator_torque_nm']:.3g} N m, {r['torque_max_nm'] / r['wave_generator_torque_nm']:.0f}") for r in size]),
         page="evidence/drive")
-    put("drive loops", table(("size", "Newton iterations in 43 steps", "time", "of it Newton, tangents, stresses and files", "memory",
+    put("drive loops", table(("size", "Newton iterations in 43 steps", "processor time", "of it Newton, tangents, stresses and files", "memory",
                               "work less stored, over friction's heat"), [
-        (r["size"], r["iterations"], f"{r['timers_s']['total']:.1f} s",
-         f"{r['timers_s']['newton']:.1f}, {r['timers_s']['stiffness']:.1f}, {r['timers_s']['output'] - r['timers_s']['stiffness']:.1f} s",
+        (r["size"], r["iterations"], f"{r['cpu_s']:.1f} s", " / ".join(f"{100 * r['timers_s'][k] / r['timers_s']['total']:.0f}" for k in (
+            "newton", "stiffness")) + f" / {100 * (r['timers_s']['output'] - r['timers_s']['stiffness']) / r['timers_s']['total']:.0f} %",
          f"{r['memory_mb']:.0f} MB", f"{100 * r['unbalanced']:+.1f} %") for r in size]), page="evidence/drive")
     base = inputs[0]["k"]
     put("drive inputs", table(("input", "K1 / K2 / K3 in kN m/rad", "change in %"), [

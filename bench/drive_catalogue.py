@@ -116,7 +116,7 @@ def draw(rows):
     axes[1].set_xticks(SIZES, [str(s) for s in SIZES])
     axes[1].set_yticks((5, 10, 20, 50, 100, 200), ["5", "10", "20", "50", "100", "200"])
     axes[1].minorticks_off()
-    axes[1].legend(fontsize=10, ncols=2, loc="lower right")
+    axes[1].legend(fontsize=10, ncols=2, loc="upper left")
     save_figure(figure, "drive_catalogue")
 
 

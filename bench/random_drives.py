@@ -145,7 +145,7 @@ def main():
     steps = [n for row in rows for n in row.get("iterations", [])]
     record = {"count": args.count, "outcomes": dict(classes), "iterations_per_step_median": statistics.median(steps),
               "iterations_per_step_95": float(np.quantile(steps, 0.95)), "iterations_per_step_max": max(steps),
-              "cut_backs": sum(r.get("cut_backs", 0) for r in rows if r["code"] == 0), "scenes": rows}
+              "cut_backs": sum(r.get("cut_backs", 0) for r in rows if r["code"] == 0), "scenes": [{k: v for k, v in row.items() if k not in ("keys", "warnings")} for row in rows]}
     print({k: v for k, v in record.items() if k != "scenes"})
     if args.start == 0 and args.count >= 100:
         write_record("random_drives", record, seed=SEED, threads=1)

@@ -3,7 +3,7 @@
 !> slip to stick, which are found in a few solves.
 module hd_rate
   use hd_kinds, only: dp
-  use hd_checked_solve, only: solve_checked
+  use hd_checked_solve, only: solve_refined
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: relative_displacement
@@ -16,6 +16,7 @@ module hd_rate
 
   integer, parameter :: most = 12             !< solves
   real(dp), parameter :: accuracy = 1e-6_dp   !< relative, of inner iterations
+  real(dp), parameter :: of_work = 1e-5_dp    !< relative, of the work of the further load
 
 contains
 
@@ -27,17 +28,15 @@ contains
     real(dp), intent(in) :: friction                     !< mu
     type(rate_point_t), intent(inout) :: points(:)       !< points in their first states, then in the states found
     real(dp), intent(out) :: du(:, :)                    !< change (3, n)
-    logical, intent(out) :: settled                      !< the states found are those assumed
+    logical, intent(out) :: settled                      !< the states found are those assumed, the solution is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(rate_point_t) :: next
     real(dp), dimension(3, 3, size(points)) :: dw, dt
-    real(dp), dimension(3, size(points)) :: traction, r_c, w
-    logical :: idle(3, size(points))
-    real(dp) :: residual
+    real(dp), dimension(3, size(points)) :: traction, w
+    logical :: idle(3, size(points)), accurate, same
     integer :: c, i, j, k, newtons
     idle = idle_components(problem)
     newtons = solver%inner   ! its inner steps are counted for Newton's method alone
-    r_c = 0
     du = 0
     traction = 0
     solver%accuracy = accuracy
@@ -51,17 +50,18 @@ contains
         end do
       end do
       call solver%update(problem, dw, dt, error)
-      if (.not. allocated(error)) call solve_checked(problem, solver, dw, dt, -force, r_c, du, traction, residual, error)
+      if (.not. allocated(error)) call solve_refined(problem, solver, dw, dt, force, of_work, du, traction, accurate, error)
       solver%inner = newtons
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, du)
-      settled = .true.
+      same = .true.
       do j = 1, size(points)
         next = next_state(points(j), friction, w(2:, j), traction(:, j))
-        settled = settled .and. next%state == points(j)%state .and. (next%grows .eqv. points(j)%grows)
+        same = same .and. next%state == points(j)%state .and. (next%grows .eqv. points(j)%grows)
         points(j) = next
       end do
-      if (settled) return
+      settled = same .and. accurate
+      if (same) return
     end do
   end subroutine respond_by_rates
 end module hd_rate

@@ -29,7 +29,7 @@ contains
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
     real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
-    logical, intent(out) :: settled                      !< the states of the points are certain
+    logical, intent(out) :: settled                      !< the states of the points are certain, the linear solver is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(rate_point_t) :: points(size(state%contact))
     type(response_t) :: sheared, free
@@ -64,16 +64,16 @@ contains
   end subroutine coupled_flexibility
 
   !> The same with the faces glued all over.
-  subroutine glued_flexibility(drive, solver, load, sense, state, flexibility, error)
+  subroutine glued_flexibility(drive, solver, load, sense, state, flexibility, settled, error)
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(load_t), intent(in) :: load                     !< of the state
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
     real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
+    logical, intent(out) :: settled                      !< the linear solver is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(rate_point_t) :: points(size(state%contact))
-    logical :: settled
     integer :: m
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
     points(:m)%state = rate_glued
@@ -91,7 +91,7 @@ contains
     real(dp), intent(in) :: friction                     !< mu
     type(rate_point_t), intent(inout) :: points(:)       !< in their first states
     real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
-    logical, intent(out) :: settled                      !< the states of the points are certain
+    logical, intent(out) :: settled                      !< the states of the points are certain, the linear solver is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(load_t) :: further
     real(dp) :: force(3, drive%problem%n), du(3, drive%problem%n)

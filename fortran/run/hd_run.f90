@@ -49,6 +49,7 @@ module hd_run
     logical :: easy = .true.                !< the last part took few iterations
     logical :: brief = .false.              !< no tangent K_TS: a trial or a first guess
     type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
+    logical :: certain = .true.             !< the last step's tangent is
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
@@ -256,7 +257,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< linear solver
     type(load_t) :: load
     real(dp) :: sense, now, start
-    logical :: settled
+    logical :: settled, glued
     integer :: threads
     if (run%brief .or. run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
     if (run%position < 1 - 1e-12_dp) return
@@ -272,14 +273,17 @@ contains
       call update_struts(run%drive%problem, load, run%state%u)
     end if
     threads = 0
+    glued = .true.
     if (run%solver%own_threads) threads = blas_threads(1)
     if (.not. run%flexibility%known) then
-      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, error)
+      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, glued, &
+        error)
     end if
     if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
       step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)
     if (run%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
+    run%certain = settled .and. glued
     associate (f => run%flexibility)
       if (f%known) f%turned = f%turned + 0.5_dp*(f%coupled + now)*(run%step%torque - f%torque)
       f%known = .true.
@@ -408,6 +412,8 @@ contains
     associate (s => run%sums, scene => run%scene)
       if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 lies on points '// &
         'that slip, each counted at its stiffness just below slip: k_ts_tangent_nm_per_rad is what a test would measure')
+      if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
+        'further torque did not settle, or the linear solver did not reach its accuracy')
       if (s%pressure_max > run%joint%asperity%hardness) then
         call push(run%record%warnings, 'the peak pressure at a node, '//to_text(s%pressure_max)//' Pa, is above the hardness '// &
           to_text(run%joint%asperity%hardness)//' Pa'//edge_advice(s))

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Runs that a plan rests on: K_TS, normal force and mid-band pressure of a mesh, and the time it took. What has been solved is
+!> Runs that a plan rests on: what is promised (hd_promises) as a mesh gives it, and the time it took. What has been solved is
 !> remembered, and kept in plan.csv of the run's folder, so that a stopped plan goes on where it was.
 module hd_trial_runs
   use hd_kinds, only: dp
@@ -10,7 +10,8 @@ module hd_trial_runs
   use hd_input, only: write_echo
   use hd_load_step, only: solve_step
   use hd_log, only: set_log_level, say, quiet, verbose
-  use hd_run, only: run_t, new_run, close_run, quantities
+  use hd_promises, only: promises, promised, promised_values
+  use hd_run, only: run_t, new_run, close_run, final_position
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
@@ -23,8 +24,8 @@ module hd_trial_runs
 
   !> Results of a mesh.
   type :: probe_t
-    real(dp) :: q(3) = 0      !< K_TS [N m/rad], normal force [N], mid-band pressure [Pa]
-    real(dp) :: seconds = 0   !< wall clock
+    real(dp) :: q(promises) = 0   !< as promised_values
+    real(dp) :: seconds = 0       !< wall clock
   end type probe_t
 
   type :: trial_runs_t
@@ -70,7 +71,7 @@ contains
   subroutine try(self, scene, q, error)
     class(trial_runs_t), intent(inout) :: self             !< remembers them
     type(scene_t), intent(in) :: scene                !< scene on its mesh
-    real(dp), intent(out) :: q(3)                     !< K_TS, normal force, mid-band pressure
+    real(dp), intent(out) :: q(promises)              !< as promised_values
     type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
@@ -88,9 +89,9 @@ contains
     if (level == verbose) call set_log_level(verbose)
     allocate (run)
     call new_run(s, '', '', .false., run, error)
-    run%brief = .true.
+    run%tangent_from = final_position(run)
     if (.not. allocated(error)) call solve(run, error)
-    if (.not. allocated(error)) q = quantities(run)
+    if (.not. allocated(error)) q = promised_values(run%scene, run%sums)
     if (allocated(run%drive)) call close_run(run, trouble)
     call set_log_level(level)
     if (allocated(error)) then
@@ -174,13 +175,11 @@ contains
   function log_line(s, found) result(line)
     type(scene_t), intent(in) :: s         !< scene on its mesh
     type(probe_t), intent(in) :: found     !< results
+    integer :: i
     character(len=200) :: line
-    character(len=20) :: rows
-    rows = 'equal rows'
-    if (s%edge_length > 0) write (rows, '(a,es7.1,a)') 'edge cells ', s%edge_length, ' m'
-    write (line, '(3a,3(i3,a),es11.4,a,f9.1,a,es10.3,a,f7.1,a)') mesh_text(s), ', ', rows//' layers', s%through_wall, ', steps', &
-      s%assembly_steps, ' +', s%torque_steps, merge(', large', ', small', s%kinematics == 'nonlinear')//': K_TS', &
-      found%q(1), ' N m/rad', found%q(2), ' N', found%q(3), ' Pa', found%seconds, ' s'
+    write (line, '(a,2(i3,a),4(es11.4,3a),f7.1,a)') mesh_text(s)//', steps', s%assembly_steps, ' +', s%torque_steps, &
+      merge(', large', ', small', s%kinematics == 'nonlinear')//':', &
+      (found%q(i), ' ', trim(promised(i)%unit), ', ', i=1, promises), found%seconds, ' s'
   end function log_line
 
   !> Number of a mesh in the list, 0 if it is new.
@@ -198,17 +197,16 @@ contains
   subroutine keep(self, error)
     type(trial_runs_t), intent(in) :: self                 !< results
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    character(len=*), parameter :: head = 'mesh,k_ts_nm_per_rad,normal_force_n,pressure_mid_mean_pa,seconds,checksum'
     character(len=:), allocatable :: path
     character(len=400) :: line
     integer :: unit, status, i
     if (len(self%folder) == 0) return
     path = self%folder//'/plan.csv'
     open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, '(a)', iostat=status) head
+    if (status == 0) write (unit, '(99a)', iostat=status) 'mesh,', (trim(promised(i)%column), ',', i=1, promises), 'seconds,checksum'
     do i = 1, size(self%known)
       if (status /= 0) exit
-      write (line, '(a,4(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
+      write (line, '(a,99(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
       if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
     end do
     if (status == 0) close (unit, iostat=status)

@@ -3,6 +3,7 @@
 module hd_model_error
   use hd_kinds, only: dp
   use hd_facets, only: sums_t
+  use hd_promises, only: promises, promised
   use hd_scene, only: scene_t
   use hd_text, only: string_t, percent, push, to_text
   implicit none
@@ -12,15 +13,15 @@ module hd_model_error
 contains
 
   !> Quantities that the planned tolerance covers, by their names in the summary; none without a plan.
-  pure function covered(planned, middle) result(list)
+  pure function covered(planned, limit) result(list)
     logical, intent(in) :: planned      !< the mesh was planned, and something is known of its error
-    logical, intent(in) :: middle       !< the middle of the band is in contact
+    real(dp), intent(in) :: limit(:)    !< limits that are promised (promises), 0: nothing is
     type(string_t), allocatable :: list(:)
+    integer :: i
     allocate (list(0))
-    if (.not. planned) return
-    call push(list, 'k_ts_nm_per_rad')
-    call push(list, 'normal_force_n')
-    if (middle) call push(list, 'pressure_mid_mean_pa')
+    do i = 1, promises
+      if (planned .and. abs(limit(i)) > 0) call push(list, trim(promised(i)%column))
+    end do
   end function covered
 
   !> What no mesh mends.

@@ -16,6 +16,7 @@ module hd_summary
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
   use hd_parameters, only: parameter_table_t, new_table, value_count
+  use hd_promises, only: promises, promised
   use hd_scene, only: scene_t
   use hd_text, only: string_t, split
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
@@ -42,9 +43,9 @@ module hd_summary
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: planned_tolerance = 0            !< tolerance that was planned for, 0: none
-    real(dp) :: to_limit(3) = 1        !< limit of fine meshes over what the mesh gives: K_TS, normal force, mid-band pressure
-    real(dp) :: limit(3) = 0           !< those limits at the last step [N m/rad], [N], [Pa]
-    real(dp) :: estimate(3) = 0        !< their estimated relative errors
+    real(dp) :: to_limit(promises) = 1 !< limits of fine meshes over what the mesh gives
+    real(dp) :: limit(promises) = 0    !< those limits at the last step; 0: none
+    real(dp) :: estimate(promises) = 0 !< their estimated relative errors
     integer :: level = 0               !< of the series of meshes
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
@@ -82,7 +83,7 @@ contains
     call json%add('peak_memory_mb', peak_memory_mb())
     if (record%planned_tolerance > 0) call add_plan(json, record)
     call json%begin('model_error')
-    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit(3) > 0))
+    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit))
     call add_lines(json, 'left_out', left_out(scene, sums))
     call json%finish()
     call add_lines(json, 'warnings', record%warnings)
@@ -156,19 +157,15 @@ contains
   subroutine add_plan(json, record)
     type(json_t), intent(inout) :: json                       !< document
     type(record_t), intent(in) :: record                      !< plan
+    integer :: i
     call json%begin('plan')
     call json%add('tolerance', record%planned_tolerance)
-    if (record%level > 0) then
-      call json%add('k_ts_nm_per_rad', record%limit(1))
-      call json%add('normal_force_n', record%limit(2))
-      if (record%limit(3) > 0) call json%add('pressure_mid_mean_pa', record%limit(3))
-      call json%add('mesh_over_limit_k_ts', 1/record%to_limit(1))
-      call json%add('mesh_over_limit_normal_force', 1/record%to_limit(2))
-      if (record%limit(3) > 0) call json%add('mesh_over_limit_mid_band_pressure', 1/record%to_limit(3))
-      call json%add('estimated_error_k_ts', record%estimate(1))
-      call json%add('estimated_error_normal_force', record%estimate(2))
-      if (record%limit(3) > 0) call json%add('estimated_error_mid_band_pressure', record%estimate(3))
-    end if
+    do i = 1, promises
+      if (record%level == 0 .or. .not. abs(record%limit(i)) > 0) cycle
+      call json%add(trim(promised(i)%column), record%limit(i))
+      call json%add('mesh_over_limit_'//trim(promised(i)%name), 1/record%to_limit(i))
+      call json%add('estimated_error_'//trim(promised(i)%name), record%estimate(i))
+    end do
     call json%add('level', record%level)
     call add_lines(json, 'reasons', record%reasons)
     call json%add('met', trim(merge('yes', 'no ', record%level > 0 .and. maxval(record%estimate) <= record%planned_tolerance)))

@@ -120,7 +120,7 @@ contains
     call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
     coarse%clock = run%clock
     coarse%keeps_all = .true.
-    coarse%brief = .true.
+    coarse%tangent_from = huge(1._dp)
     done = .false.
     do while (.not. (done .or. allocated(error) .or. coarse%position > 1 + 1e-12_dp))
       call solve_step(coarse, done, error)

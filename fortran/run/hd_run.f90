@@ -25,6 +25,7 @@ module hd_run
     write_grids, close_output
   use hd_lapack, only: blas_threads
   use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
+  use hd_promises, only: promised_values
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_summary, only: record_t, write_summary
@@ -32,7 +33,7 @@ module hd_run
   use hd_text, only: string_t, percent, push, to_text
   implicit none
   private
-  public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run, quantities
+  public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
 
@@ -47,7 +48,7 @@ module hd_run
     type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
     logical :: keeps_all = .false.          !< `assembly` gets the states under torque too
     logical :: easy = .true.                !< the last part took few iterations
-    logical :: brief = .false.              !< no tangent K_TS: a trial or a first guess
+    real(dp) :: tangent_from = 1            !< position from which on steps get a tangent K_TS
     type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
     logical :: certain = .true.             !< the last step's tangent is
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
@@ -259,8 +260,8 @@ contains
     real(dp) :: sense, now, start
     logical :: settled, glued
     integer :: threads
-    if (run%brief .or. run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
-    if (run%position < 1 - 1e-12_dp) return
+    if (run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
+    if (run%position < run%tangent_from - 1e-12_dp) return
     start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
     call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state%touch)
@@ -338,7 +339,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
-    if (run%record%steps > 0) run%record%limit = run%record%to_limit*quantities(run)
+    if (run%record%steps > 0) run%record%limit = run%record%to_limit*promised_values(run%scene, run%sums)
     call judge_results(run)
     if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
       code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')
@@ -364,13 +365,6 @@ contains
     end if
     call run%lock%give()
   end subroutine close_run
-
-  !> K_TS (Eq. 45), normal force and mid-band pressure of the last step.
-  pure function quantities(run) result(q)
-    type(run_t), intent(in) :: run  !< finished run
-    real(dp) :: q(3)
-    q = [run%sums%k_ts, run%sums%normal_force, run%sums%pressure_middle]
-  end function quantities
 
   !> Say what K_TS is, and warn where it or what it rests on leaves its range.
   subroutine judge_results(run)

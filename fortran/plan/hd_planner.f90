@@ -11,7 +11,8 @@ module hd_planner
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, coarse, first_judged, first_level, least_error, meshed, extrapolate
+  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, &
+    extrapolate
   use hd_output, only: check_folder
   use hd_promises, only: promises, promised
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
@@ -156,7 +157,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, plan%level)) > 0)
       plan%to_limit = limit/q(:, plan%level)
-      plan%estimate = max(hypot(plan%estimate, plan%change), least_error(plan%level, plan%scene%planned_tolerance))
+      plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene%planned_tolerance)**2)
     elsewhere
       plan%estimate = 0
     end where
@@ -328,7 +329,7 @@ contains
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*maxval(hypot(least_error(level, scene%planned_tolerance), plan%change)), seconds, before + seconds(2), &
+        100*hypot(expected_error(level, scene%planned_tolerance), maxval(plan%change)), seconds, before + seconds(2), &
         estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)

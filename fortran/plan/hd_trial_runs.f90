@@ -203,7 +203,8 @@ contains
     if (len(self%folder) == 0) return
     path = self%folder//'/plan.csv'
     open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, '(99a)', iostat=status) 'mesh,', (trim(promised(i)%column), ',', i=1, promises), 'seconds,checksum'
+    if (status == 0) write (unit, '(99a)', iostat=status) 'mesh,', &
+      (trim(promised(i)%column), ',', i=1, promises), 'seconds,checksum'
     do i = 1, size(self%known)
       if (status /= 0) exit
       write (line, '(a,99(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds

@@ -39,8 +39,8 @@ contains
     call add_integer(t, 'hd_input', 'version', 'output', s%version, 1, 1, 'format of this file')
     call add_choice(t, 'run', 'title', 'output', s%title, '', 'one line that names the run in its results')
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
-      'error promised of the limits of K_TS, normal '// &
-      'force and mid-band pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', &
+      'error promised of the limits of tangent K_TS, rotation, '// &
+      'normal force and mid-band pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', &
       closed=.true.)
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')

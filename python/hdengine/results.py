@@ -349,11 +349,12 @@ class Result:
         Returns
         -------
         dict
-            k_ts_nm_per_rad, normal_force_n, pressure_mid_mean_pa: (limit, its estimated relative error, mesh over limit); empty
-            where nothing was planned.
+            k_ts_tangent_nm_per_rad, rotation_rad, normal_force_n, pressure_mid_mean_pa: (limit, its estimated relative error, mesh
+            over limit); without those that the scene has no value of, empty where nothing was planned.
         """
         plan = self.summary.get("plan", {})
-        names = {"k_ts_nm_per_rad": "k_ts", "normal_force_n": "normal_force", "pressure_mid_mean_pa": "mid_band_pressure"}
+        names = {"k_ts_tangent_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
+                 "pressure_mid_mean_pa": "mid_band_pressure"}
         return {key: (plan[key], plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
                 for key, n in names.items() if key in plan}
 
@@ -376,9 +377,9 @@ class Result:
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  {stiffness}",
         ]
-        if self.limits and not self.against_teeth:
-            k, error, mesh = self.limits["k_ts_nm_per_rad"]
-            lines.append(f"  limit of fine meshes: K_TS {k:.4g} N m/rad within {100 * error:.2g} % "
+        if "k_ts_tangent_nm_per_rad" in self.limits:
+            k, error, mesh = self.limits["k_ts_tangent_nm_per_rad"]
+            lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "
                          f"(this mesh {100 * (mesh - 1):+.2g} %)")
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 

@@ -130,8 +130,9 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-_PROMISED = {"K_TS / (MN m/rad)": 1e-6, "normal force / N": 1, "mid-band pressure / MPa": 1e-6}
-_PLANNED = ("k_ts_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa", "seconds")
+_PROMISED = {"k_ts_tangent_nm_per_rad": ("K_TS, tangent / (MN m/rad)", 1e-6), "rotation_rad": ("rotation / µrad", 1e6),
+             "normal_force_n": ("normal force / N", 1), "pressure_mid_mean_pa": ("mid-band pressure / MPa", 1e-6)}
+_PLANNED = (*_PROMISED, "seconds")
 
 
 def _mesh(text):
@@ -155,12 +156,12 @@ def _plan(result):
     text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
         "by the estimate.</p>"
     if result.limits:
-        rows = [[name, factor * value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
-                for (name, factor), (value, error, mesh) in zip(_PROMISED.items(), result.limits.values())]
+        rows = [[_PROMISED[key][0], _PROMISED[key][1] * value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
+                for key, (value, error, mesh) in result.limits.items()]
         text += "<p>What is promised of the last step:</p>" + _table(
             ("quantity", "limit of fine meshes", "known to / %", "this mesh above it / %"), rows)
     reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
-    text += f"<p>Why (changes are relative, the largest of the three quantities):</p><ul>{reasons}</ul>"
+    text += f"<p>Why (changes are relative, the largest of what is promised):</p><ul>{reasons}</ul>"
     if (folder / "plan.csv").is_file():
         rows = [[_mesh(r["mesh"]), *(r[n] for n in _PLANNED)] for r in read_rows(folder / "plan.csv")]
         head = ("facets without edge cells, edge cells, layers, steps, element", *_PLANNED)
@@ -192,9 +193,9 @@ def _stiffness(result):
         return found, k, \
             "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
     k, found = result.torsional_stiffness()[0], _readings(result.summary["results"])
-    if result.limits:
-        limit, error, _ = result.limits["k_ts_nm_per_rad"]
-        found["K_TS, limit of fine meshes, by Eq. 45 / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
+    if "k_ts_tangent_nm_per_rad" in result.limits:
+        limit, error, _ = result.limits["k_ts_tangent_nm_per_rad"]
+        found["K_TS, tangent, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
     return found, k, \
         "The tangent K_TS is what a test can measure: the slope of torque over rotation, less what glued faces give. " \
         "Eq. 45 assumes that nothing slips further; its magnitude rests on r_m and s_min, which are inputs."
@@ -225,9 +226,9 @@ def _band_of(result, k):
     """What is known of the error of K_TS [N m/rad], as text."""
     path = result.folder / "sensitivity.json"
     known = []
-    if result.limits:
-        limit, error, _ = result.limits["k_ts_nm_per_rad"]
-        known.append(f"mesh: the limit of fine meshes by Eq. 45 is known to {100 * error:.2g} %")
+    if "k_ts_tangent_nm_per_rad" in result.limits:
+        error = result.limits["k_ts_tangent_nm_per_rad"][1]
+        known.append(f"mesh: the limit of the tangent on fine meshes is known to {100 * error:.2g} %")
     else:
         known.append("mesh: no tolerance was promised, its share of the error is not known (<code>run.tolerance</code>)")
     if path.is_file():

@@ -31,7 +31,7 @@ def plan(path: str | os.PathLike, tolerance: float | None = None, keys: dict | N
     path : str or Path
         Namelist of a scene, or a study.
     tolerance : float, optional
-        Relative error wanted of K_TS, normal force and mid-band pressure; default: that of the scene, else 0.1.
+        Relative error wanted of tangent K_TS, rotation, normal force and mid-band pressure; default: that of the scene, else 0.1.
     keys : dict, optional
         'group.key' to value, as on the command line.
 

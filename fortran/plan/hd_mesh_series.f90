@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A series of meshes, each about 2^(1/2) finer than the one before in all directions, and the limits of fine facets it points to.
-!> Edge cells keep their share of a row. Singular pressures at the band's edges then leave what goes about as h^(3/2), h the length of
-!> the facets: the line through the last three levels over h^(3/2) is taken to h = 0.
+!> Edge cells keep their share of a row. Singular pressures at the band's edges then leave what goes about as h^(3/2), h the
+!> length of the facets: the line through the last three levels over h^(3/2) is taken to h = 0.
 module hd_mesh_series
   use hd_kinds, only: dp, pi
   use hd_fft, only: smooth_size
@@ -21,8 +21,8 @@ module hd_mesh_series
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows
   real(dp), parameter :: power = 1.5_dp         !< of h
   real(dp), parameter :: fine = 0.02_dp         !< tolerance below which four layers are needed, not two
-  !> Errors of the limits of tangent K_TS, rotation, normal force and mid-band pressure that two layers leave, and scatter from mesh to
-  !> mesh, on twelve scenes; four layers leave half of that.
+  !> Errors of the limits of tangent K_TS, rotation, normal force and mid-band pressure that two layers leave, and scatter from
+  !> mesh to mesh, on eleven scenes; four layers leave half of that.
   real(dp), parameter :: left(promises) = [0.01_dp, 0.005_dp, 0.002_dp, 0.005_dp]
   real(dp), parameter :: least_tolerance = 5.5e-3_dp  !< what four layers leave, rounded up
   real(dp), parameter :: typical = 1.4_dp       !< estimated error of limits, times rows^power: the median of these scenes
@@ -68,8 +68,8 @@ contains
     s%bottom_elements = 0
   end function meshed
 
-  !> Limits from the levels that are known, and their estimated relative errors: what the last level changed of the limit, or the way
-  !> that is left to it if that is more.
+  !> Limits from the levels that are known, and their estimated relative errors: what the last level changed of the limit, or the
+  !> way that is left to it if that is more.
   pure subroutine extrapolate(q, limit, estimate)
     real(dp), intent(in) :: q(:, :)              !< quantities by level (promises, levels that are known: 4 at least)
     real(dp), intent(out) :: limit(promises)     !< in the units of q

@@ -207,7 +207,7 @@ contains
       (trim(promised(i)%column), ',', i=1, promises), 'seconds,checksum'
     do i = 1, size(self%known)
       if (status /= 0) exit
-      write (line, '(a,99(",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
+      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
       if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
     end do
     if (status == 0) close (unit, iostat=status)

@@ -125,7 +125,7 @@ def test_report_of_a_planned_run(tmp_path):
     run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "p.out", **keys)
     page = write_report(run.folder, picture=False).read_text()
     assert "Tolerance 0.5: met by the estimate" in page and "{} x {} facets".format(*run.shape) in page
-    for text in (*run.summary["plan"]["reasons"][:2], "Solved for it", "K_TS, limit of fine meshes", "this mesh above it"):
+    for text in (*run.summary["plan"]["reasons"][:2], "Solved for it", "K_TS, tangent, limit of fine meshes", "this mesh above it"):
         assert text in page
     assert page.count("hex8i linear") == len((run.folder / "plan.csv").read_text().splitlines()) - 1
     assert "band_facets" in page and "first_lag" not in page  # keys of surfaces are none of a drive

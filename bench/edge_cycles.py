@@ -26,13 +26,13 @@ def main():
     with TemporaryDirectory() as folder:
         for i in range(args.first, args.count, args.every):
             for divisions, rows, layers in MESHES:
-                keys = draw(i)
+                data, keys = draw(i)
                 keys |= {"mesh.divisions": divisions, "mesh.band_facets": rows, "mesh.edge_length": keys["geometry.band_length"] / 768,
                          "mesh.through_wall": layers, "mesh.through_ring": layers, "load.assembly_steps": 1, "load.torque_steps": 1,
-                         "solver.tolerance": 1e-8, "solver.max_cuts": 0}
+                         "solver.tolerance": 1e-8, "solver.max_cuts": 0, "solver.kinematics": "linear"}
                 runs += 1
                 try:
-                    results = solve(keys, folder)[1]["results"]
+                    results = solve(data, keys, folder)[0].summary["results"]
                     print(f"| {i} | {divisions} | {results['iterations']} | {results['cycles']} |", flush=True)
                 except HdengineError as e:
                     failed += 1

@@ -135,7 +135,7 @@ def planner(quick):
     for tolerance in (0.1, 0.03) if quick else (0.1, 0.03, 0.01):
         summary, command = solve("cd14.nml", f"run.tolerance={tolerance}", "solver.kinematics=linear")
         plan = summary.get("plan", summary.get("planned", {}))
-        errors = [relative(plan[key], finest["results"][key]) for key in ("k_ts_nm_per_rad", "normal_force_n") if key in plan]
+        errors = [relative(plan[key], finest["results"][key]) for key in ("k_ts_tangent_nm_per_rad", "rotation_rad", "normal_force_n") if key in plan]
         if errors:
             points.append(Point("planned run", f"asked {tolerance:g}", max(errors), command.cpu_s, summary["peak_memory_mb"], default=True))
             points.append(Point("tolerance asked", f"{tolerance:g}", tolerance, command.cpu_s, peer=True))

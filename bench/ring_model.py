@@ -131,8 +131,9 @@ def main():
     count = parser.parse_args().count
     scenes, i = [{}], 0
     while len(scenes) < count:
-        if draw(i)["wave_generator.eccentricity"] == 0:
-            scenes.append(draw(i))
+        keys = {k: v for k, v in draw(i)[1].items() if not isinstance(v, str)}
+        if keys["wave_generator.eccentricity"] == 0:
+            scenes.append(keys)
         i += 1
     rows = []
     for keys in scenes:

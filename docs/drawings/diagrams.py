@@ -187,7 +187,7 @@ def planner():
     """Decisions of a run with a tolerance, as a flow."""
     figure, ax = canvas(7.5, 7.6, (0, 12), (0, 12.2))
     size = (6.4, 1.1)
-    for y, text, color in ((11.4, "your scene and a tolerance", "#f6dedd"), (9.6, "coarse mesh: try kinematics,\nload steps, edge cells, layers", "#f3f5f8"),
+    for y, text, color in ((11.4, "your scene and a tolerance", "#f6dedd"), (9.6, "coarse mesh: try kinematics\nand load steps", "#f3f5f8"),
                            (7.8, "choose the cheapest of each that keeps\nits share of the tolerance", "#f3f5f8"), (6.0, "solve the next mesh of the series", "#f3f5f8"),
                            (4.2, "extrapolate to h = 0,\nestimate the error", "#f3f5f8"), (0.8, "final run, limits with their errors", "#dcebdc")):
         box(ax, (4.2, y), text, color, size)

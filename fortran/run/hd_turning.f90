@@ -58,7 +58,7 @@ contains
       call set_log_level(quiet, level)
       call new_run(turned_scene(run%scene, angle_of(run%scene, i)), '', '', .false., places(i), error)
       places(i)%clock = run%clock
-      places(i)%brief = .true.
+      places(i)%tangent_from = huge(1._dp)
       if (.not. allocated(error)) call solve_to(places(i), 1._dp, error)
       call set_log_level(level)
       if (allocated(error)) exit

@@ -18,6 +18,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
 
 import hdengine
 from common import FIGURES, ROOT, add_row, mesh_of_level, new_axes, read_rows, styled
@@ -136,7 +137,11 @@ def figure(rows):
         axis.set_title(f"tolerance {100 * tolerance:g} %", fontsize=12)
         axis.set_xlabel("estimated error / %")
         axis.set_ylabel("true error / %")
-    axes[0].legend(fontsize=9)
+        for side in (axis.xaxis, axis.yaxis):
+            side.set_major_locator(LogLocator(subs=(1, 3)))
+            side.set_major_formatter("{x:g}")
+            side.set_minor_formatter(NullFormatter())
+    axes[0].legend(fontsize=8, loc="upper left", bbox_to_anchor=(0, 0.95))
     fig.savefig(FIGURES / "promised_scenes.png", dpi=110)
 
 

@@ -158,7 +158,7 @@ contains
     where (abs(q(:, plan%level)) > 0)
       plan%to_limit = limit/q(:, plan%level)
       plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene%planned_tolerance)**2)
-    elsewhere
+    else where
       plan%estimate = 0
     end where
     plan%met = maxval(plan%estimate) <= plan%scene%planned_tolerance

@@ -4,6 +4,7 @@ module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
   use hd_coarse_start, only: has_coarser, coarser_scene
+  use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
@@ -92,10 +93,13 @@ contains
   end subroutine solve_step
 
   !> Next comes the first step from rest of a problem whose solution is in proportion to the load: half of it is no easier, so it
-  !> is not halved and gets the iterations of many parts.
+  !> is not halved and gets the iterations of many parts. The torque begins at rest where the assembly left all points touching
+  !> without pressure, as two shapes that fit.
   pure logical function proportional(run)
     type(run_t), intent(in) :: run  !< run
-    proportional = begins(run%position) .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
+    proportional = begins(run%position)
+    if (begins(run%position - 1)) proportional = all(run%state%contact /= open_state) .and. .not. any(abs(run%state%traction) > 0)
+    proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
   end function proportional
 
   !> The assembly or the torque begins here: there are no steps to extrapolate.
@@ -339,7 +343,8 @@ contains
     tries = to_text(run%scene%max_cuts)//' halvings'
     if (proportional(run)) tries = to_text(stubborn*run%scene%max_iterations)//' iterations (raise solver.max_iterations)'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
-    call raise(error, code_not_converged, cause//' in the '//trim(run%step%phase)//' step beyond load factor '// &
+    call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
+      ' step beyond load factor '// &
       to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
       tries//'; history.csv shows the residuals, the last converged state is kept')
   end subroutine not_converged

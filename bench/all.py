@@ -70,9 +70,24 @@ BENCHES = (
     Bench("joint_shear.py", "shear with friction beside the law", 15),
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
     Bench("joint_models.py", "K_TS by each model of the joint", 8),
+    Bench("which_k_ts.py", "K_TS in every reading", 10),
+    Bench("cam_orders.py", "ellipse and cosine in small and large displacements", 1),
+    Bench("ring_model.py", "a shell model beside the coarsest mesh", 0.3),
+    Bench("edge_cycles.py", "short edge cells: settled or in a cycle", 10),
+    Bench("joint_band.py", "band of K_TS with two maps", 3),
+    Bench("drive_catalogue.py", "the whole drive beside the catalogue", 11),
+    Bench("drive_turning.py", "angle error and ripple over a turn", 20),
+    Bench("random_drives.py", "random whole drives: converged or refused", 23),
+    Bench("fit_statistics.py", "fits of D and G over seeds", 3),
+    Bench("blind_fit.py", "the fit told nothing, on maps not ours", 13),
     Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
     Bench("sensitivity.py", "what K_TS depends on", 10),
 )
+
+
+ASIDE = {  # scripts that need what the checkout lacks, or make data
+    "areal_numbers": "a folder of measured maps, Gwyddion's libraries", "measured_surfaces": "a folder of measured maps",
+    "premises_table": "a tree of commit c6eee82", "joint_bem": "refits data/joint_calibration.json", "torque_record": "writes data/torque_record.csv"}
 
 
 def record_of(bench):

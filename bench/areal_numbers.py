@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import warnings
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -142,13 +143,12 @@ def put_tables(rows):
 def main(folder):
     """All maps."""
     import SurfaceTopography
-    import surfalize
 
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as place:
         program = build(place)
         rows = [compare(program, s) for s in maps(folder)]
-    write_record("areal_numbers", rows, peers=(SurfaceTopography,), surfalize=getattr(surfalize, "__version__", "0.19.2"),
+    write_record("areal_numbers", rows, peers=(SurfaceTopography,), surfalize=version("surfalize"),
                  gwyddion=subprocess.run(["pkg-config", "--modversion", "gwyddion"], capture_output=True, text=True).stdout.strip())
     put_tables(rows)
 

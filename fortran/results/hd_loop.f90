@@ -20,6 +20,13 @@ module hd_loop
   public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, &
     moments_of_struts, store_loop, recall_loop
 
+  !> A ball that comes or goes between two steps.
+  type :: jump_t
+    real(dp) :: force = 0                  !< what it carries on one side of the jump [N]
+    integer :: ball = 0                    !< its number
+    real(dp) :: before = 0, after = 0      !< torques of both steps [N m]
+  end type jump_t
+
   !> Every booked step.
   type :: loop_t
     real(dp), allocatable :: torque(:), angle(:)          !< [N m], [rad]
@@ -32,8 +39,7 @@ module hd_loop
     real(dp) :: lift = 0                                  !< way of a loaded pair of teeth out of mesh since the assembly [m]
     logical :: unloaded = .false.                         !< at some step no ball carried anything
     real(dp) :: play = 0                                  !< free turn of the bottom where no pair of teeth pushes [rad]
-    real(dp) :: jump(4) = 0                               !< largest force of a ball that comes or goes between two steps [N],
-                                                          !< its number, the torques of both [N m]
+    type(jump_t) :: jump                                  !< the largest
     real(dp) :: von_mises_max = 0                         !< at the Gauss points of both bodies, of all steps [Pa]
     real(dp) :: von_mises_cup = 0                         !< at those of the flexspline [Pa]
     real(dp), allocatable :: turned_angle(:)              !< of the bottom at places of the turning wave generator [rad]
@@ -174,18 +180,17 @@ contains
       (scene%bore_radius + scene%rim_thickness))
   end function free_turn
 
-  !> Force of the ball that comes or goes with the largest one in this step or in one before, that ball, both torques.
+  !> The ball that comes or goes with the largest force, in this step or in one before.
   pure function larger_jump(loop, force, torque) result(jump)
     type(loop_t), intent(in) :: loop      !< booked steps
     real(dp), intent(in) :: force(:)      !< of the balls now [N]
     real(dp), intent(in) :: torque        !< now [N m]
-    real(dp) :: jump(4)
+    type(jump_t) :: jump
     integer :: i
     jump = loop%jump
     do i = 1, size(force)
       if (force(i) > 0 .and. loop%force(i) > 0) cycle
-      if (force(i) + loop%force(i) > jump(1)) jump = [force(i) + loop%force(i), real(i, dp), &
-        loop%torque(size(loop%torque)), torque]
+      if (force(i) + loop%force(i) > jump%force) jump = jump_t(force(i) + loop%force(i), i, loop%torque(size(loop%torque)), torque)
     end do
   end function larger_jump
 
@@ -213,9 +218,9 @@ contains
     if (loop%play > 0) call push_text(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
       to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
       'load.tooth_pairs, or leave out torques of 0')
-    if (loop%jump(1) > large_jump*loop%ball_force_max) call push_text(lines, 'ball '//to_text(nint(loop%jump(2)))// &
-      ' comes or goes with '//to_text(loop%jump(1))//' N between '//to_text(loop%jump(3))//' and '//to_text(loop%jump(4))// &
-      ' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
+    if (loop%jump%force > large_jump*loop%ball_force_max) call push_text(lines, 'ball '//to_text(loop%jump%ball)// &
+      ' comes or goes with '//to_text(loop%jump%force)//' N between '//to_text(loop%jump%before)//' and '// &
+      to_text(loop%jump%after)//' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
     if (loop%lift > scene%w .and. scene%w > 0) call push_text(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
       ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
   end subroutine drive_warnings

@@ -4,7 +4,7 @@ module hd_job
   use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_error, only: error_t, raise, code_input
   use hd_log, only: say
-    use hd_run, only: run_t, new_run, restore_run, close_run
+  use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_system, only: path_kind, path_absent
   use hd_text, only: to_text

@@ -344,8 +344,7 @@ contains
     if (proportional(run)) tries = to_text(stubborn*run%scene%max_iterations)//' iterations (raise solver.max_iterations)'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
     call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
-      ' step beyond load factor '// &
-      to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
+      ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
       tries//'; history.csv shows the residuals, the last converged state is kept')
   end subroutine not_converged
 end module hd_load_step

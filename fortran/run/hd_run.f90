@@ -277,8 +277,7 @@ contains
     glued = .true.
     if (run%solver%own_threads) threads = blas_threads(1)
     if (.not. run%flexibility%known) then
-      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, glued, &
-        error)
+      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, glued, error)
     end if
     if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
       step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)

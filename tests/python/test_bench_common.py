@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the benchmark scripts share."""
+import importlib
 import sys
 import time
 
@@ -21,6 +22,14 @@ def test_series_is_the_engines():
         assert after["mesh.band_facets"] > before["mesh.band_facets"] and after["mesh.divisions"] > before["mesh.divisions"]
     with pytest.raises(hdengine.InputError, match="valid are 1 to 13"):
         mesh_of_level(14)
+
+
+def test_every_benchmark_is_listed():
+    """Each script of bench/ that can be called stands in the list of `./hd bench`, or beside it with what it needs."""
+    known = importlib.import_module("all")
+    scripts = {path.stem for path in (ROOT / "bench").glob("*.py") if "__main__" in path.read_text()} - {"all", "evidence_tables"}
+    listed = {bench.name for bench in known.BENCHES if bench.name != "run"} | set(known.ASIDE)
+    assert scripts <= listed and all((ROOT / f"bench/{name}.py").is_file() for name in listed)
 
 
 def test_calls_take_turns():

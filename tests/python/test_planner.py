@@ -85,6 +85,14 @@ def test_a_finer_mesh_that_does_not_converge_ends_the_plan(exe, tmp_path):
     assert any("the tolerance is not met: estimated error of tangent K_TS" in w for w in s["warnings"])
 
 
+def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
+    """--plan: choices with reasons, one line per mesh with facets, time and memory; without a tolerance code 2."""
+    done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)
+    assert done.returncode == 0 and "<- start" in done.stdout and "load steps" in done.stdout and not list(tmp_path.iterdir())
+    done = call(exe, "--plan", CD14)
+    assert done.returncode == 2 and "run.tolerance" in done.stderr
+
+
 def test_a_tolerance_that_no_mesh_can_promise_is_refused(exe, tmp_path):
     """Code 2 at once, with the least that can be promised, not a plan that refines until memory ends."""
     done = call(exe, CD14, "run.tolerance=1e-4", "--out", tmp_path / "r")

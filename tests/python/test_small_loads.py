@@ -31,6 +31,17 @@ def test_bodies_that_do_not_touch(exe, tmp_path, kinematics):
     assert r.steps["normal_force_n"].max() == 0 and r.steps["rotation_rad"][-1] > 1e-5
 
 
+def test_torque_on_faces_that_touch_without_pressure(exe, tmp_path):
+    """Shapes formed alike, without interference: the torque step is in proportion to the torque, is not halved, and may take more than the 60
+    iterations of a step with a state to start from."""
+    done, r = solve(exe, tmp_path / "f", "wave_generator.shape=as_formed", "wave_generator.w=0.110339e-3", "wave_generator.interference=0",
+                    "geometry.wall_thickness=0.189373e-3", "geometry.rim_thickness=0.246833e-3", "geometry.ring_thickness=0.135968e-3",
+                    "contact.friction=0.291419", "load.torque=-0.122021", "mesh.divisions=32", "mesh.ring_divisions=44", "mesh.ring_facets=7",
+                    "mesh.wall_elements=4", "mesh.bottom_elements=3", "load.assembly_steps=2", "load.torque_steps=3")
+    assert done.returncode == 0, done.stderr
+    assert r.steps["iterations"][2] > 60 and abs(r.steps["torque_balance_nm"]).max() < 1e-4 * 0.122
+
+
 def test_nothing_holds_the_cup(exe, tmp_path):
     """Without interference nothing takes the torque of a bearing support: said at once, not after hundreds of iterations."""
     done, _ = solve(exe, tmp_path / "h", "wave_generator.w=0", "wave_generator.interference=0", "load.support=bearing")

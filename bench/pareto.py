@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speed against accuracy: for each method the error it reaches over the CPU time it takes, peers beside it, on one page.
 
-Usage: bench/pareto.py [--quick] [CHART ...]; writes bench/results/pareto.json, docs/figures/pareto.png and the tables of
-docs/evidence/speed_accuracy.md. A chart that is named is measured anew, the others keep their record.
+Usage: bench/pareto.py [--quick | --tables] [CHART ...]; writes bench/results/pareto.json, and from it the list of charts in
+docs/evidence/speed_accuracy.md, the tables of the pages that PAGES names, and a figure for each of them. A chart that is named is measured
+anew, the others keep their record; --tables measures nothing.
 FINUFFT (PyPI) and CalculiX (Debian package calculix-ccx) are drawn where they are installed.
 """
 import argparse
@@ -11,6 +12,7 @@ import json
 import re
 import time
 from dataclasses import asdict
+from textwrap import fill
 
 import numpy as np
 from matplotlib.ticker import NullFormatter
@@ -18,6 +20,11 @@ from pareto_charts import CHARTS
 
 from common import FIGURES, RESULTS, new_axes, put, table, write_record
 from hdengine import _engine, read_scene
+
+PAGES = {  # page of docs/evidence, whose figure has the same name: its charts
+    "speed_surfaces": ("heights", "structure_function", "fit", "joint"),
+    "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
+    "speed_runs": ("solvers", "residual", "start", "meshes", "planner", "load_steps", "symmetry", "kinematics", "loop")}
 
 
 def charted():
@@ -30,41 +37,85 @@ def charted():
     return found
 
 
-def draw(charts):
-    """All charts in one style: error over CPU seconds, a star for the default, hollow marks for peers."""
-    columns = 3
-    figure, axes = new_axes(-(-len(charts) // columns), columns, figsize=(16, 4.6 * -(-len(charts) // columns)))
+def draw(charts, name):
+    """Charts of a page in one style: error over CPU seconds, a star for the default, hollow marks for peers."""
+    columns = 2 if len(charts) < 5 else 3
+    figure, axes = new_axes(-(-len(charts) // columns), columns, figsize=(5.4 * columns, 5.4 * -(-len(charts) // columns)))
     for ax, chart in zip(axes.flat, charts):
         for method in dict.fromkeys(p["method"] for p in chart["points"]):
-            mine = [p for p in chart["points"] if p["method"] == method]
+            mine = sorted((p for p in chart["points"] if p["method"] == method), key=lambda p: -p["error"])
             peer = mine[0]["peer"]
             line, = ax.plot([p["seconds"] for p in mine], [p["error"] for p in mine], "o--" if peer else "o-", ms=6,
                             mfc="white" if peer else None, lw=1.2, label=method)
             for p in mine:
                 if p["default"]:
                     ax.plot(p["seconds"], p["error"], "*", ms=17, color=line.get_color(), mec="black", zorder=4)
-        ax.set(xscale="log", yscale="log", xlabel="CPU time / s", ylabel="relative error", title=chart["title"])
-        ax.title.set_fontsize(12)
-        for axis in (ax.xaxis, ax.yaxis):
+        ax.set(xscale="log", yscale="log", xlabel="CPU time / s", ylabel="relative error", title=wrapped(chart["title"]))
+        ax.title.set_fontsize(13)
+        for axis, limit in ((ax.xaxis, ax.set_xlim), (ax.yaxis, ax.set_ylim)):
             low, high = axis.get_view_interval()
-            if high > 10 * low:   # one decade has labels enough
-                axis.set_minor_formatter(NullFormatter())
-        ax.tick_params(axis="x", which="minor", labelsize=8, labelrotation=40)
-        ax.legend(fontsize=8)
+            limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
+            axis.set_minor_formatter(NullFormatter())
+        ax.legend(fontsize=10, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
     for ax in axes.flat[len(charts):]:
         ax.remove()
-    figure.savefig(FIGURES / "pareto.png", dpi=80)
+    figure.savefig(FIGURES / f"{name}.png", dpi=90)
 
 
-def page(charts):
-    """Sentences and tables of the page."""
-    parts = []
-    for c in charts:
-        rows = [(p["method"], p["setting"] or "-", f"{p['error']:.1e}", f"{p['seconds']:.3g}",
-                 "-" if np.isnan(p["memory_mb"] or np.nan) else f"{p['memory_mb']:.0f}", "default" if p["default"] else "peer" if p["peer"] else "")
-                for p in c["points"]]
-        parts.append(f"## {c['title']}\n\n{c['decides']}\n\n" + table(("method", "setting", "error", "CPU s", "MB", ""), rows))
-    return "\n\n".join(parts)
+def wrapped(title):
+    """A heading on two lines where it is long."""
+    return fill(title, 44)
+
+
+def shown(error):
+    """A relative error: per cent, or a power of ten below 0.01 %."""
+    return f"{100 * error:.0f} %" if error >= 0.095 else f"{100 * error:.1g} %" if error >= 1e-4 else f"{error:.0e}".replace("e-0", "e-")
+
+
+def chart_table(points):
+    """A line for each method and a column for each setting; a line for each point where methods share no settings."""
+    names, settings = (list(dict.fromkeys(p[key] for p in points)) for key in ("method", "setting"))
+    if len(names) < 2 or len(settings) < 2 or len(names) * len(settings) > 1.75 * len(points):
+        return point_table(points)
+    at = {(p["method"], p["setting"]): p for p in points}
+
+    def cell(p):
+        text = f"{shown(p['error'])} in {p['seconds']:.2g} s" if p else "-"
+        return f"**{text}**" if p and p["default"] else text
+    return table(("method", *settings), [(name, *(cell(at.get((name, s))) for s in settings)) for name in names])
+
+
+def point_table(points):
+    """A line for each point; the memory only where it was measured."""
+    measured = any(p["memory_mb"] is not None for p in points)
+    rows = []
+    for p in points:
+        setting = "" if p["setting"] in ("", "-", p["method"]) else f", {p['setting']}"
+        memory = [] if not measured else ["-" if p["memory_mb"] is None else f"{p['memory_mb']:.0f}"]
+        name = f"{p['method']}{setting}"
+        rows.append((f"**{name}**" if p["default"] else name, shown(p["error"]), f"{p['seconds']:.2g}", *memory))
+    return table(("method, setting", "error", "CPU time / s", *(["memory / MB"] if measured else [])), rows)
+
+
+def default_of(points):
+    """Error and CPU time of the default, as ranges where it has several points."""
+    mine = [p for p in points if p["default"]]
+
+    def span(values, form):
+        ends = [form(v) for v in (min(values), max(values))]
+        return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    return span([p["error"] for p in mine], shown), span([p["seconds"] for p in mine], lambda s: f"{s:.2g}")
+
+
+def write_pages(charts):
+    """Figure and tables of every page, and the list of charts."""
+    found, lines = {c["name"]: c for c in charts}, []
+    for page, names in PAGES.items():
+        mine = [found[name] for name in names if name in found]
+        draw(mine, page)
+        put("charts", "\n\n".join(f"## {c['title']}\n\n{c['decides']}\n\n{chart_table(c['points'])}" for c in mine), f"evidence/{page}")
+        lines += [(f"[{c['title']}]({page}.md)", *default_of(c["points"])) for c in mine]
+    put("charts", table(("chart", "error of the default", "CPU time / s"), lines), "evidence/speed_accuracy")
 
 
 def main():
@@ -72,9 +123,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("charts", nargs="*", choices=[c.__name__ for c in CHARTS] + [[]])
     parser.add_argument("--quick", action="store_true", help="smaller sizes")
+    parser.add_argument("--tables", action="store_true", help="write pages and figures from the record")
     options = parser.parse_args()
     path = RESULTS / "pareto.json"
     old = {c["name"]: c for c in json.loads(path.read_text())["charts"]} if path.exists() else {}
+    if options.tables:
+        write_pages([*old.values()])
+        return
     charts = []
     for make in CHARTS:
         name = make.__name__
@@ -91,11 +146,7 @@ def main():
     known = charted()
     scene = {key: value for key, value in read_scene().items() if key in known}
     write_record("pareto", {"charts": charts, "defaults": scene})
-    for c in charts:
-        for p in c["points"]:
-            p["memory_mb"] = np.nan if p["memory_mb"] is None else p["memory_mb"]
-    draw(charts)
-    put("charts", page(charts), "evidence/speed_accuracy")
+    write_pages(charts)
 
 
 if __name__ == "__main__":

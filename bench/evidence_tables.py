@@ -28,9 +28,9 @@ def origin(name):
 
 
 TABLES = {  # marker: page, record, builder
-    "joint-shear": ("joint_law", "joint_shear", joint.shear),
-    "joint-spot": ("joint_law", "joint_shear", joint.spot),
-    "joint-peers": ("joint_law", "joint_shear", joint.peers),
+    "joint-shear": ("joint_shear", "joint_shear", joint.shear),
+    "joint-spot": ("joint_shear", "joint_shear", joint.spot),
+    "joint-peers": ("joint_shear", "joint_shear", joint.peers),
     "joint-ten": ("joint_law", "joint_law", joint.ten),
     "joint-models": ("joint_k_ts", "joint_models", joint.models),
     "joint-bands": ("joint_k_ts", "joint_band", joint.bands),

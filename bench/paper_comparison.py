@@ -242,7 +242,7 @@ def main():
         (name, *(f"{at[s][c] / 1e6:.3g}" for s in ("hub", "bearing")), *((f"{at['bearing'][c] / stated:.0f}", "does not agree")
          if c != "k_ts_paper_n" else ("-", "cannot agree: newtons"))) for c, name in READINGS.items()]), PAGE)
     put_readings(every, older["trends"])
-    put("catalogue", catalogue_table(sizes, found), "evidence/causes")
+    put("catalogue", catalogue_table(sizes, found), "evidence/cup_and_catalogue")
     print(paper.markdown(rows))
 
 

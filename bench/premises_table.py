@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Three scenes over w, torque, eccentricity and friction: by c6eee82, by this engine with the ring held, and with the ring sliding. Writes
-bench/results/premises_table.json and a table of docs/evidence/before_and_after.md.
+bench/results/premises_table.json and a table of docs/notebook/2026-11-24-cam-and-load-path.md.
 
 Usage: bench/premises_table.py OLD   (OLD: a tree of c6eee82, built in its folder build)
 """
@@ -47,7 +47,7 @@ def main():
             rows.append([scene, what, *(" / ".join(format(f * r[k], form) for r in runs if r.get(k) is not None) for k, f, form in VALUES.values())])
     write_record("premises_table", facts)
     names = [n if "/" in n else n + " / (MN m/rad)" for n in VALUES]
-    put("before and after", table(("scene", "", *names), rows), "evidence/before_and_after")
+    put("before and after", table(("scene", "", *names), rows), "notebook/2026-11-24-cam-and-load-path")
 
 
 if __name__ == "__main__":

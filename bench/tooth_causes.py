@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table and figures of docs/evidence/causes.md,
+"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table and figures of docs/evidence/cup_and_catalogue.md,
 raw figures in bench/results/tooth_causes.json.
 
 Usage: python bench/tooth_causes.py
@@ -69,7 +69,7 @@ def main():
     rows += [(name, f"{alone[name] / 1e3:.1f}", share(alone[name]), "", "") for name, _ in PARTS]
     rows += [(name, f"{alone[name] / 1e3:.1f}", share(alone[name]), f"{five / 1e3:.1f}", f"{one / 1e3:.1f}")
              for (name, _), (five, one) in zip(CAUSES, chain)]
-    put("causes", table(("switch", "alone: K_FTS / (kN m/rad)", "compliance against the scene", "one after the other: 5 N m", "1 N m"), rows), "evidence/causes")
+    put("causes", table(("switch", "alone: K_FTS / (kN m/rad)", "compliance against the scene", "one after the other: 5 N m", "1 N m"), rows), "evidence/cup_and_catalogue")
     draw(base, chain)
 
 

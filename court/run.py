@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve every problem of the court, print its table, write bench/results/court.json and the table of docs/evidence/court.md.
 
-Usage: court/run.py [PROBLEM ...]; with names, only the table of these is printed.
+Usage: court/run.py [--tables | PROBLEM ...]; with names, only the table of these is printed; --tables writes the page from the record.
 """
 import importlib
 import sys
@@ -12,7 +12,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "bench")]
 
-from common import put, write_record  # noqa: E402
+from common import put, read_record, table, write_record  # noqa: E402
 
 PROBLEMS = {
     "roller_on_plane": "NAFEMS 1, roller on a block",
@@ -27,35 +27,48 @@ PROBLEMS = {
 }
 
 
-def table(names):
-    """Markdown rows and records of problems."""
-    lines = ["| problem | quantity | published | hdengine | difference | verdict |", "|---|---|---|---|---|---|"]
+def judged(names):
+    """Records of problems."""
     records = []
     for name in names:
         problem = importlib.import_module(name)
         start = time.process_time()
         rows = problem.rows()
         seconds = time.process_time() - start
-        for r in rows:
-            unit = "" if r.unit == "-" else f" {r.unit}"
-            error = f"{100 * r.error:+.2g} %" if r.reference else f"{r.ours:.2g}"
-            lines.append(f"| {PROBLEMS[name]} | {r.quantity} | {r.reference:.6g}{unit} | {r.ours:.6g}{unit} | {error} | {r.verdict} |")
-            records.append({"problem": name, "quantity": r.quantity, "unit": r.unit, "reference": r.reference, "ours": float(r.ours),
-                            "tolerance": r.tolerance, "verdict": r.verdict, "remark": r.remark, "cpu_s": round(seconds, 2)})
-    return lines, records
+        records += [{"problem": name, "quantity": r.quantity, "unit": r.unit, "reference": r.reference, "ours": float(r.ours),
+                     "tolerance": r.tolerance, "verdict": r.verdict, "remark": r.remark, "cpu_s": round(seconds, 2)} for r in rows]
+    return records
+
+
+def lines_of(records):
+    """Markdown: the problem stands before its first quantity alone."""
+    rows, last = [], None
+    for r in records:
+        away = abs(r["ours"] - r["reference"])
+        share = f"{100 * (r['ours'] / r['reference'] - 1):+.1g} %" if r["reference"] else f"{away:.1g}"
+        if away <= 1e-9 * abs(r["reference"]):
+            share = "0"
+        unit = "" if r["unit"] == "-" else f" {r['unit']}".replace(" um", " µm")
+        rows.append((PROBLEMS[r["problem"]] if r["problem"] != last else "", r["quantity"].replace("mu", "µ"), f"{r['reference']:.4g}{unit}",
+                     f"{r['ours']:.4g}", share, r["verdict"]))
+        last = r["problem"]
+    return table(("problem", "quantity", "published", "hdengine", "difference", "verdict"), rows)
 
 
 def main():
     """Command line."""
+    if sys.argv[1:] == ["--tables"]:
+        put("table", lines_of(read_record("court")), "evidence/court")
+        return
     names = sys.argv[1:] or list(PROBLEMS)
     unknown = [n for n in names if n not in PROBLEMS]
     if unknown:
         sys.exit(f"error: no problem '{unknown[0]}'; valid: {', '.join(PROBLEMS)}")
-    lines, records = table(names)
-    print("\n".join(lines))
+    records = judged(names)
+    print(lines_of(records))
     if not sys.argv[1:]:
         write_record("court", records)
-        put("table", "\n".join(lines), "evidence/court")
+        put("table", lines_of(records), "evidence/court")
 
 
 if __name__ == "__main__":

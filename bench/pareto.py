@@ -3,7 +3,7 @@
 """Speed against accuracy: for each method the error it reaches over the CPU time it takes, peers beside it, on one page.
 
 Usage: bench/pareto.py [--quick | --tables] [CHART ...]; writes bench/results/pareto.json, and from it the list of charts in
-docs/evidence/speed_accuracy.md, the tables of the pages that PAGES names, and a figure for each of them. A chart that is named is measured
+docs/evidence/speed_accuracy.md, the tables of the pages that PAGES names, and a figure for each chart. A chart that is named is measured
 anew, the others keep their record; --tables measures nothing.
 FINUFFT (PyPI) and CalculiX (Debian package calculix-ccx) are drawn where they are installed.
 """
@@ -12,7 +12,6 @@ import json
 import re
 import time
 from dataclasses import asdict
-from textwrap import fill
 
 import numpy as np
 from matplotlib.ticker import NullFormatter
@@ -21,7 +20,7 @@ from pareto_charts import CHARTS
 from common import FIGURES, RESULTS, new_axes, put, table, write_record
 from hdengine import _engine, read_scene
 
-PAGES = {  # page of docs/evidence, whose figure has the same name: its charts
+PAGES = {  # page of docs/evidence: its charts
     "speed_surfaces": ("heights", "structure_function", "fit", "joint"),
     "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
     "speed_runs": ("solvers", "residual", "start", "meshes", "planner", "load_steps", "symmetry", "kinematics", "loop")}
@@ -37,34 +36,26 @@ def charted():
     return found
 
 
-def draw(charts, name):
-    """Charts of a page in one style: error over CPU seconds, a star for the default, hollow marks for peers."""
-    columns = 2 if len(charts) < 5 else 3
-    figure, axes = new_axes(-(-len(charts) // columns), columns, figsize=(5.4 * columns, 5.4 * -(-len(charts) // columns)))
-    for ax, chart in zip(axes.flat, charts):
-        for method in dict.fromkeys(p["method"] for p in chart["points"]):
-            mine = sorted((p for p in chart["points"] if p["method"] == method), key=lambda p: -p["error"])
-            peer = mine[0]["peer"]
-            line, = ax.plot([p["seconds"] for p in mine], [p["error"] for p in mine], "o--" if peer else "o-", ms=6,
-                            mfc="white" if peer else None, lw=1.2, label=method)
-            for p in mine:
-                if p["default"]:
-                    ax.plot(p["seconds"], p["error"], "*", ms=17, color=line.get_color(), mec="black", zorder=4)
-        ax.set(xscale="log", yscale="log", xlabel="CPU time / s", ylabel="relative error", title=wrapped(chart["title"]))
-        ax.title.set_fontsize(13)
-        for axis, limit in ((ax.xaxis, ax.set_xlim), (ax.yaxis, ax.set_ylim)):
-            low, high = axis.get_view_interval()
-            limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
-            axis.set_minor_formatter(NullFormatter())
-        ax.legend(fontsize=10, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
-    for ax in axes.flat[len(charts):]:
-        ax.remove()
-    figure.savefig(FIGURES / f"{name}.png", dpi=90)
-
-
-def wrapped(title):
-    """A heading on two lines where it is long."""
-    return fill(title, 44)
+def draw(chart):
+    """A chart as figure: error over CPU seconds, a star for the default, hollow marks for peers."""
+    figure, ax = new_axes(figsize=(6.4, 4.6))
+    for method in dict.fromkeys(p["method"] for p in chart["points"]):
+        mine = [p for p in chart["points"] if p["method"] == method]
+        peer = mine[0]["peer"]
+        line, = ax.plot([p["seconds"] for p in mine], [p["error"] for p in mine], "o--" if peer else "o-", ms=6,
+                        mfc="white" if peer else None, lw=1.2, label=method)
+        for p in mine:
+            if p["default"]:
+                ax.plot(p["seconds"], p["error"], "*", ms=17, color=line.get_color(), mec="black", zorder=4)
+    ax.set(xscale="log", yscale="log", xlabel="CPU time / s", ylabel="relative error")
+    for axis, limit in ((ax.xaxis, ax.set_xlim), (ax.yaxis, ax.set_ylim)):
+        low, high = axis.get_view_interval()
+        limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
+        axis.set_minor_formatter(NullFormatter())
+    ax.legend(fontsize=11, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
+    path = FIGURES / f"speed/{chart['name']}.png"
+    path.parent.mkdir(exist_ok=True)
+    figure.savefig(path, dpi=80)
 
 
 def shown(error):
@@ -108,12 +99,14 @@ def default_of(points):
 
 
 def write_pages(charts):
-    """Figure and tables of every page, and the list of charts."""
+    """Figures and tables of every page, and the list of charts."""
     found, lines = {c["name"]: c for c in charts}, []
     for page, names in PAGES.items():
         mine = [found[name] for name in names if name in found]
-        draw(mine, page)
-        put("charts", "\n\n".join(f"## {c['title']}\n\n{c['decides']}\n\n{chart_table(c['points'])}" for c in mine), f"evidence/{page}")
+        for c in mine:
+            draw(c)
+        put("charts", "\n\n".join(f"## {c['title']}\n\n{c['decides']}\n\n![Relative error over CPU time](../figures/speed/{c['name']}.png)\n\n"
+                                  f"{chart_table(c['points'])}" for c in mine), f"evidence/{page}")
         lines += [(f"[{c['title']}]({page}.md)", *default_of(c["points"])) for c in mine]
     put("charts", table(("chart", "error of the default", "CPU time / s"), lines), "evidence/speed_accuracy")
 

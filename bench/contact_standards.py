@@ -175,7 +175,7 @@ def show(record):
 def main():
     start = time.time()
     record = {"hdengine": hdengine.__version__}
-    fig, axes = plt.subplots(2, 3, figsize=(14, 8.5), layout="constrained")
+    fig, axes = plt.subplots(3, 2, figsize=(9.6, 12.5), layout="constrained")
     ax = axes.flat
     for part in (hertz, cattaneo, rod, persson, press_fit):
         part(record, ax)
@@ -194,7 +194,7 @@ def main():
     ax[5].set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"])
     ax[5].xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     ax[5].legend(fontsize=9)
-    fig.savefig(ROOT / "docs/figures/contact_standards.png", dpi=100)
+    fig.savefig(ROOT / "docs/figures/contact_standards.png", dpi=110)
     write_record("contact_standards", record)
     show(record)
 

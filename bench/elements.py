@@ -25,7 +25,7 @@ from hdengine import solid
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-from common import ROOT, program, write_record
+from common import ROOT, program, read_record, write_record
 
 OURS = ("hex8", "hex8i", "hex20r")
 PEERS = ("C3D8", "C3D8R", "C3D8I", "C3D20", "C3D20R")
@@ -346,7 +346,7 @@ def figure(rows):
     """Error over dof, and over time for the pinched cylinder."""
     panels = [("ring t = 0.7 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, cos 2 theta", "dof"), ("ring t = 0.3 mm, two forces", "dof"),
               ("cup, cos 2 theta at its mouth", "dof"), ("pinched cylinder", "dof"), ("pinched cylinder", "cpu_s")]
-    fig, axes = plt.subplots(2, 3, figsize=(12, 7.2), layout="constrained")
+    fig, axes = plt.subplots(3, 2, figsize=(8.4, 10.4), layout="constrained")
     colours = dict(zip(("hex8", "hex8i", "hex20r"), ("C0", "C2", "C3"))) | {
         "C3D8": "C0", "C3D8R": "C1", "C3D8I": "C2", "C3D20": "C4", "C3D20R": "C3"}
     for ax, (name, key) in zip(axes.flat, panels):
@@ -360,7 +360,7 @@ def figure(rows):
         ax.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         if key == "dof" and "ring" in name:
             ax.set_xticks([150, 300, 600, 1200], ["150", "300", "600", "1200"])
-    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncol=8, fontsize=10,
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncol=4, fontsize=11,
                title="hdengine: full lines, CalculiX: dotted")
     fig.savefig(ROOT / "docs/figures/elements.png", dpi=110)
 
@@ -368,7 +368,11 @@ def figure(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="small meshes; writes nothing")
+    parser.add_argument("--draw", action="store_true", help="only draw the record")
     args = parser.parse_args()
+    if args.draw:
+        figure(read_record("elements")["rows"])
+        return
     ccx = program("ccx", "apt-get install calculix-ccx")
     rows = []
     for make in all_cases(args.quick):

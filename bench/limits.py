@@ -189,10 +189,10 @@ PANELS = (locking, divisions, trapezoids, load_steps, half_width, gross_slip, ki
 
 
 def main():
-    fig, axes = plt.subplots(3, 4, figsize=(17, 11), layout="constrained")
+    fig, axes = plt.subplots(6, 2, figsize=(10, 21), layout="constrained")
     for ax, panel in zip(axes.flat, PANELS):
         panel(ax)
-        ax.legend(fontsize=8)
+        ax.legend(fontsize=10)
         print(panel.__name__, flush=True)
     fig.savefig(ROOT / "docs/figures/limits_contact.png", dpi=85)
     write_record("limits", RECORD)

@@ -3,7 +3,8 @@
 """Newton's method: residual per iteration over all load steps of several scenes, changes of the contact states marked, and the order of convergence
 where the states are settled.
 
-Usage: bench/newton_history.py; writes bench/results/newton_history.json and docs/figures/newton_history.png, prints Markdown.
+Usage: bench/newton_history.py [--draw]; writes bench/results/newton_history.json and docs/figures/newton_{history,order}.png; with --draw the figures
+alone, from the record.
 """
 import csv
 import subprocess
@@ -17,7 +18,7 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-from common import ROOT, program, write_record
+from common import ROOT, program, read_record, write_record
 
 EXE = program("hdengine.x")
 
@@ -77,49 +78,62 @@ def draw(ax, rows, name):
     ax.grid(alpha=0.3)
 
 
-def main():
+def measure():
+    """History, orders and iterations of every scene."""
     record = {}
-    fig, axes = plt.subplots(2, 5, figsize=(17, 7), layout="constrained", width_ratios=[1, 1, 1, 1, 1.1])
-    panels, pairs = [*axes[:, :4].flat], []
-    print("| scene | Newton iterations | load steps | most in a step | order, median (of) | largest r₁/r₀² | condensed: iterations |\n|" + "---|" * 7)
-    for ax, (name, keys) in zip(panels, SCENES.items()):
+    for name, keys in SCENES.items():
         rows = solve(keys, "newton")
-        draw(ax, rows, name)
-        count = sum(max(r[1] for r in rows if r[0] == step) for step in {r[0] for r in rows})
-        most = max(r[1] for r in rows)
         large = "rotations" in name
         found, rate = (f(rows, FLOOR_OF_ROTATIONS if large else FLOOR) for f in (orders, constants))
         condensed = "" if large else solve(keys, "condensed")
-        record[name] = {"history": rows, "orders": found, "largest_factor": max(rate, default=None), "most_in_a_step": most,
-                        "iterations": count,
+        record[name] = {"history": rows, "orders": found, "largest_factor": max(rate, default=None), "most_in_a_step": max(r[1] for r in rows),
+                        "iterations": sum(max(r[1] for r in rows if r[0] == step) for step in {r[0] for r in rows}),
                         "iterations_condensed": len(condensed) - len({r[0] for r in condensed}) if condensed else None}
-        pairs += [(a[2], b[2]) for a, b in zip(rows, rows[1:]) if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-2]
-        print(f"| {name} | {count} | {max(r[0] for r in rows)} | {most} | {np.median(found) if found else np.nan:.2f} ({len(found)}) | "
-              f"{max(rate, default=np.nan):.2g} | {record[name]['iterations_condensed'] or '-'} |", flush=True)
+        print(f"{name}: {record[name]['iterations']} iterations, median order {np.median(found) if found else np.nan:.2f}", flush=True)
+    write_record("newton_history", record)
+
+
+def draw_histories(record):
+    """A panel for each scene."""
+    fig, axes = plt.subplots(4, 2, figsize=(9, 13), layout="constrained")
+    for ax, (name, scene) in zip(axes.flat, record.items()):
+        draw(ax, scene["history"], name)
     for ax in axes[:, 0]:
         ax.set_ylabel("relative residual")
-    for ax in axes[1, :4]:
+    for ax in axes[-1]:
         ax.set_xlabel("iteration, steps one after the other")
-    axes[0, 0].plot([], [], "o", color="C0", label="assembly, states changed")
-    axes[0, 0].plot([], [], "o", color="C0", mfc="white", label="assembly, settled")
-    axes[0, 0].plot([], [], "o", color="C1", label="torque, states changed")
-    axes[0, 0].plot([], [], "o", color="C1", mfc="white", label="torque, settled")
-    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower left", ncols=4)
-    ax = axes[0, 4]
-    x, y = np.array(pairs).T
-    ax.loglog(x, y, "o", ms=4, alpha=0.6)
-    line = np.array([2e-8, 1e-2])
-    ax.loglog(line, 1e4 * line**2, "k-", lw=1, label="10⁴ r²")
-    ax.loglog(line, line, "k--", lw=1, label="r (no gain)")
-    ax.axhline(FLOOR, color="0.6", ls=":", label="rounding")
-    ax.set(xlabel="residual r of an iterate with settled states", ylabel="residual of the next", title="all scenes")
-    ax.legend(fontsize=8)
-    ax.grid(alpha=0.3)
-    ax = axes[1, 4]
-    ax.hist(np.concatenate([r["orders"] for r in record.values()]), bins=np.arange(0, 3.6, 0.2))
-    ax.set(xlabel="order log(r₂/r₁) / log(r₁/r₀)", ylabel="iterates", title="order of settled iterates")
+    for color, part in (("C0", "assembly"), ("C1", "torque")):
+        axes[0, 0].plot([], [], "o", color=color, label=f"{part}, states changed")
+        axes[0, 0].plot([], [], "o", color=color, mfc="white", label=f"{part}, settled")
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     fig.savefig(ROOT / "docs/figures/newton_history.png", dpi=90)
-    write_record("newton_history", record)
+
+
+def draw_orders(record):
+    """Each residual over the one in front of it, and the orders that follow."""
+    fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    pairs = [(a[2], b[2]) for scene in record.values() for rows in [scene["history"]] for a, b in zip(rows, rows[1:])
+             if follows(a, b) and a[3] == b[3] == 0 and a[2] < 1e-2]
+    left.loglog(*np.array(pairs).T, "o", ms=4, alpha=0.6)
+    line = np.array([2e-8, 1e-2])
+    left.loglog(line, 1e4 * line**2, "k-", lw=1, label="10⁴ r²")
+    left.loglog(line, line, "k--", lw=1, label="r (no gain)")
+    left.axhline(FLOOR, color="0.6", ls=":", label="rounding")
+    left.set(xlabel="residual r of an iterate with settled states", ylabel="residual of the next")
+    left.legend()
+    left.grid(alpha=0.3)
+    right.hist(np.concatenate([r["orders"] for r in record.values()]), bins=np.arange(0, 3.6, 0.2))
+    right.set(xlabel="order log(r₂/r₁) / log(r₁/r₀)", ylabel="iterates")
+    fig.savefig(ROOT / "docs/figures/newton_order.png", dpi=90)
+
+
+def main():
+    """Command line; --draw only draws the record."""
+    if sys.argv[1:] != ["--draw"]:
+        measure()
+    record = read_record("newton_history")
+    draw_histories(record)
+    draw_orders(record)
 
 
 if __name__ == "__main__":

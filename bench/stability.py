@@ -187,20 +187,23 @@ def draw(maps):
     """All maps in one figure, four colours."""
     order = list(COLOURS)
     columns = 3
-    figure, axes = new_axes(-(-len(maps) // columns), columns, figsize=(15, 3.9 * -(-len(maps) // columns)))
+    figure, axes = new_axes(-(-len(maps) // columns), columns, figsize=(11, 3.3 * -(-len(maps) // columns)))
     for ax, m in zip(axes.flat, maps):
         grid = [[order.index(v) for v in row] for row in m["verdict"]]
         ax.pcolormesh(np.arange(len(m["x"]) + 1), np.arange(len(m["y"]) + 1), grid, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5,
                       vmax=3.5, edgecolors="white", linewidth=1.5)
         ax.set(xlabel=m["xlabel"], ylabel=m["ylabel"], title=m["title"])
         ax.title.set_fontsize(10)
-        ax.set_xticks(np.arange(len(m["x"])) + 0.5, [f"{v:g}" for v in m["x"]], fontsize=9)
-        ax.set_yticks(np.arange(len(m["y"])) + 0.5, [f"{v:g}" for v in m["y"]], fontsize=9)
+        ax.xaxis.label.set_fontsize(11)
+        ax.yaxis.label.set_fontsize(11)
+        ax.set_xticks(np.arange(len(m["x"])) + 0.5, [f"{v:g}" for v in m["x"]], fontsize=10)
+        ax.set_yticks(np.arange(len(m["y"])) + 0.5, [f"{v:g}" for v in m["y"]], fontsize=10)
+        ax.tick_params(axis="x", labelrotation=30)
         ax.grid(False)
     for ax in axes.flat[len(maps):]:
         ax.remove()
     figure.legend([Patch(color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
-    figure.savefig(FIGURES / "stability.png", dpi=80)
+    figure.savefig(FIGURES / "stability.png", dpi=90)
 
 
 def summary_table(maps):
@@ -218,12 +221,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", nargs="*")
     parser.add_argument("--quick", action="store_true", help="every second value")
+    parser.add_argument("--tables", action="store_true", help="draw and write from the record")
     options = parser.parse_args()
     unknown = set(options.maps) - {m.__name__ for m in MAPS}
     if unknown:
         parser.error(f"no map {', '.join(sorted(unknown))}; valid: {', '.join(m.__name__ for m in MAPS)}")
     path = RESULTS / "stability.json"
     old = {m["name"]: m for m in json.loads(path.read_text())["maps"]} if path.exists() else {}
+    if options.tables:
+        draw([*old.values()])
+        put("maps", summary_table([*old.values()]), "evidence/stability")
+        return
     maps = []
     for make in MAPS:
         if options.maps and make.__name__ not in options.maps:

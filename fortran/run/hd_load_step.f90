@@ -7,6 +7,7 @@ module hd_load_step
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
+  use hd_friction_path, only: raise_friction
   use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
   use hd_log, only: say, detail, set_log_level, quiet
   use hd_lapack, only: blas_threads
@@ -23,7 +24,6 @@ module hd_load_step
   private
   public :: solve_step
 
-  integer, parameter :: stubborn = 5         !< times the iterations of a load step that halving cannot help
   !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At
   !> the bound rounding would say which.
   real(dp), parameter :: below_bound = 1e-6_dp
@@ -93,7 +93,7 @@ contains
   end subroutine solve_step
 
   !> Next comes the first step from rest of a problem whose solution is in proportion to the load: half of it is no easier, so it
-  !> is not halved and gets the iterations of many parts. The torque begins at rest where the assembly left all points touching
+  !> is not halved. The torque begins at rest where the assembly left all points touching
   !> without pressure, as two shapes that fit.
   pure logical function proportional(run)
     type(run_t), intent(in) :: run  !< run
@@ -204,7 +204,7 @@ contains
     real(dp) :: ratio, start, torque
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
-    options%max_iterations = run%scene%max_iterations*merge(stubborn, 1, proportional(run))
+    options%max_iterations = run%scene%max_iterations
     options%runaway = 0.05_dp*run%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + abs(run%scene%interference))
     torque = torque_at(run%scene, position)
     if (position > 1) options%torque = largest_torque(run%scene)
@@ -232,6 +232,9 @@ contains
       sliding = .false.
     else
       call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+      if (.not. (solved .or. sliding .or. allocated(error)) .and. load%friction > 0 .and. .not. out_of_time(run)) then
+        call raise_friction(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+      end if
       sliding = sliding .and. run%scene%support /= 'drive'  ! its torque goes through the teeth: a part of the step is easier
     end if
     if (run%solver%own_threads) threads = blas_threads(threads)
@@ -341,7 +344,8 @@ contains
     character(len=:), allocatable :: cause, tries
     cause = 'no convergence'
     tries = to_text(run%scene%max_cuts)//' halvings'
-    if (proportional(run)) tries = to_text(stubborn*run%scene%max_iterations)//' iterations (raise solver.max_iterations)'
+    if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too (raise '// &
+      'solver.max_iterations)'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
     call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
       ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &

@@ -190,7 +190,7 @@ contains
     call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.1_dp, &
       'relative residual of forces and contact law; with run.tolerance a thousandth of that if it is more', closed=.true.)
     call add_integer(t, 'solver', 'max_iterations', 'assembly limit', s%max_iterations, 1, 10000, &
-      'Newton iterations per load step; five times as many from rest under small displacements, where halving cannot help')
+      'Newton iterations of one attempt at a load step')
     call add_integer(t, 'solver', 'max_cuts', 'assembly limit', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
     call add_real(t, 'solver', 'time_limit_s', 'control', s%time_limit_s, 's', 0._dp, big, &
       'wall clock after which the run stops in order; 0: none', closed=.true.)

@@ -77,7 +77,8 @@ contains
           call not_held(run, part, error)
         else if (sliding) then
           part = cautious(run, slip_torque)
-          if (cuts > run%scene%max_cuts) call slipped(run, slip_torque, error)
+          if (cuts > run%scene%max_cuts .and. unpressed(run, slip_torque)) call not_held(run, part, error)
+          if (cuts > run%scene%max_cuts .and. .not. allocated(error)) call slipped(run, slip_torque, error)
         else
           run%stride = 0.5_dp*(part - run%position)
           if (cuts > run%scene%max_cuts .or. proportional(run)) call not_converged(run, error)
@@ -101,6 +102,13 @@ contains
     if (begins(run%position - 1)) proportional = all(run%state%contact /= open_state) .and. .not. any(abs(run%state%traction) > 0)
     proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
   end function proportional
+
+  !> The torque itself pressed the faces that slid: the assembly left no friction worth the name.
+  pure logical function unpressed(run, slip_torque)
+    type(run_t), intent(in) :: run         !< run before a torque step
+    real(dp), intent(in) :: slip_torque    !< carried while they slid [N m]
+    unpressed = begins(run%position - 1) .and. run%sums%friction_capacity < 1e-3_dp*slip_torque
+  end function unpressed
 
   !> The assembly or the torque begins here: there are no steps to extrapolate.
   pure logical function begins(position)
@@ -232,7 +240,7 @@ contains
       sliding = .false.
     else
       call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
-      if (.not. (solved .or. sliding .or. allocated(error)) .and. load%friction > 0 .and. .not. out_of_time(run)) then
+      if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, position)) then
         call raise_friction(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
       end if
       sliding = sliding .and. run%scene%support /= 'drive'  ! its torque goes through the teeth: a part of the step is easier
@@ -271,6 +279,15 @@ contains
     end if
     if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
   end subroutine solve_part
+
+  !> There is friction to take away, and something else than friction holds the torque.
+  logical function bears_less_friction(run, load, position)
+    type(run_t), intent(in) :: run        !< run
+    type(load_t), intent(in) :: load      !< load of the step
+    real(dp), intent(in) :: position      !< its end
+    bears_less_friction = load%friction > 0 .and. .not. (position > 1 .and. run%scene%support == 'bearing') .and. &
+      .not. out_of_time(run)
+  end function bears_less_friction
 
   !> A torque at the cup's bottom against the teeth of the circular spline.
   subroutine turn_against_teeth(run, torque, trial, history, error)

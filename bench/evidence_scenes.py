@@ -124,6 +124,14 @@ def layers():
         (name, f"1 to {n}", *(percent(of[n][k] / of[1][k] - 1) for k in keys)) for name, of in (("HUB, 12 rows", hub), ("CD-14-100", cd14)) for n in (2, 4)]
 
 
+def swap():
+    """Change from the ring to the cup as slave, on meshes that do not match."""
+    keys = ("k_ts_tangent_nm_per_rad", "k_ts_nm_per_rad", "normal_force_n", "rotation_rad", "pressure_mid_mean_pa")
+    return ("cup's mesh", "ring's cells to cup's", "tangent", "Eq. 45", "normal force", "rotation", "mid-band pressure"), [
+        (f"{r['divisions']} x {r['band_facets']}", f"{r['ratio']:.2f}", *(percent(r["results"]["cup"][k] / r["results"]["ring"][k] - 1) for k in keys))
+        for r in read_record("swap_study")]
+
+
 def orders():
     """Fitted orders of convergence."""
     def of(fit):

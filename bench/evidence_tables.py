@@ -52,6 +52,7 @@ TABLES = {  # marker: page, record, builder
     "kinematics-map": ("kinematics", "kinematics_map", scenes.kinematics_map),
     "meshes": ("meshes", "mesh_study", scenes.meshes),
     "layers": ("meshes", "layer_study", scenes.layers),
+    "swap": ("meshes", "swap_study", scenes.swap),
     "orders": ("meshes", "mesh_orders", scenes.orders),
     "edges": ("meshes", "edge_study", scenes.edges),
     "cost": ("solvers", "cost_over_size", scenes.cost),

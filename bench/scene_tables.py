@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies of single scenes that need no peer: meshes of the scene HUB, slip torque over interference, load steps, layers, balance of
-forces, section behind the rim, rows at the edges of the band, the default scene.
+forces, section behind the rim, rows at the edges of the band, the default scene, teeth, slave and master swapped.
 
 Usage: bench/scene_tables.py [NAME ...]; writes bench/results/*_study.json and prints Markdown. The tables of the pages are made of the
 records by bench/evidence_tables.py.
@@ -168,8 +168,21 @@ def teeth():
     save("teeth_study", rows)
 
 
+def swap():
+    """CD-14-100 with a ring's mesh unlike the cup's: ring or cup as slave."""
+    rows = []
+    for ratio in (1.3, 0.75):
+        for divisions, facets in ((48, 8), (96, 16), (144, 24)):
+            of = {slave: solve("cd14.nml", f"mesh.divisions={divisions}", f"mesh.band_facets={facets}", f"mesh.ring_divisions={int(ratio * divisions)}",
+                               f"mesh.ring_facets={round(ratio * facets)}", f"contact.slave={slave}", "solver.kinematics=linear")[0]["results"]
+                  for slave in ("ring", "cup")}
+            rows.append({"ratio": ratio, "divisions": divisions, "band_facets": facets, "results": of})
+            print(ratio, divisions, {k: of["cup"][k] / of["ring"][k] - 1 for k in ("k_ts_nm_per_rad", "k_ts_tangent_nm_per_rad")}, flush=True)
+    save("swap_study", rows)
+
+
 EDGE = "mesh.edge_length=30e-6"
-STUDIES = {f.__name__: f for f in (meshes, slip, steps, layers, balance, rim, edges, default, teeth)}
+STUDIES = {f.__name__: f for f in (meshes, slip, steps, layers, balance, rim, edges, default, teeth, swap)}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or STUDIES:

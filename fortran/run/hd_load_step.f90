@@ -27,6 +27,7 @@ module hd_load_step
   !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At
   !> the bound rounding would say which.
   real(dp), parameter :: below_bound = 1e-6_dp
+  real(dp), parameter :: nearly = 0.95_dp    !< share of its capacity from which friction is said to be used up
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
 contains
@@ -81,7 +82,11 @@ contains
           if (cuts > run%scene%max_cuts .and. .not. allocated(error)) call slipped(run, slip_torque, error)
         else
           run%stride = 0.5_dp*(part - run%position)
-          if (cuts > run%scene%max_cuts .or. proportional(run)) call not_converged(run, error)
+          if (cuts > run%scene%max_cuts .and. all_friction(run)) then
+            call slipped(run, abs(run%step%torque), error)
+          else if (cuts > run%scene%max_cuts .or. proportional(run)) then
+            call not_converged(run, error)
+          end if
           part = run%position + run%stride
         end if
       end if
@@ -109,6 +114,13 @@ contains
     real(dp), intent(in) :: slip_torque    !< carried while they slid [N m]
     unpressed = begins(run%position - 1) .and. run%sums%friction_capacity < 1e-3_dp*slip_torque
   end function unpressed
+
+  !> Friction alone holds the torque, and is used up: under large displacements pairs then move on without end.
+  pure logical function all_friction(run)
+    type(run_t), intent(in) :: run  !< run
+    all_friction = run%scene%support == 'bearing' .and. run%scene%kinematics == 'nonlinear' .and. &
+      run%sums%friction_capacity > 0 .and. abs(run%step%torque) >= nearly*run%sums%friction_capacity
+  end function all_friction
 
   !> The assembly or the torque begins here: there are no steps to extrapolate.
   pure logical function begins(position)

@@ -221,7 +221,7 @@ contains
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    real(dp) :: ratio, start, torque
+    real(dp) :: start, torque
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
@@ -230,21 +230,8 @@ contains
     if (position > 1) options%torque = largest_torque(run%scene)
     call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state%touch)
     run%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
-    trial = run%state
-    ratio = 0
-    if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
-    if (run%position_before < 1 .and. position > 1) ratio = 0
-    if (run%position_before >= 1) then
-      if (turns_back(run%scene, run%position_before, run%position, position)) ratio = 0
-    end if
-    trial%u = trial%u + ratio*(run%state%u - run%before%u)
-    trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
-    if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     start = wall_seconds()
-    if (allocated(run%coarser) .and. .not. ratio > 0) then
-      call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)
-    end if
-    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
+    call first_guess(run, position, torque, trial)
     if (run%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support == 'teeth' .and. position > 1) then
       call turn_against_teeth(run, torque, trial, history, error)
@@ -291,6 +278,28 @@ contains
     end if
     if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
   end subroutine solve_part
+
+  !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
+  subroutine first_guess(run, position, torque, trial)
+    type(run_t), intent(inout) :: run          !< run
+    real(dp), intent(in) :: position, torque   !< aim, and its torque [N m]
+    type(state_t), intent(out) :: trial        !< guess
+    real(dp) :: ratio
+    trial = run%state
+    ratio = 0
+    if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
+    if (run%position_before < 1 .and. position > 1) ratio = 0
+    if (run%position_before >= 1) then
+      if (turns_back(run%scene, run%position_before, run%position, position)) ratio = 0
+    end if
+    trial%u = trial%u + ratio*(run%state%u - run%before%u)
+    trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
+    if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
+    if (allocated(run%coarser) .and. .not. ratio > 0) then
+      call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)
+    end if
+    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
+  end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.
   logical function bears_less_friction(run, load, position)

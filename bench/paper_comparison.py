@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
-from common import ROOT, put, read_record, table, write_record
+from common import ROOT, put, table, write_record
 from hdengine.catalogue import UNITS
 from hdengine.figures.run import draw_shares
 from hdengine.figures.study import draw_catalogue, draw_units, plot_study
@@ -196,26 +196,24 @@ def spread(values):
     return f"{values.min():+.1f} to {values.max():+.1f} %" if len(values) else "-"
 
 
-def group_lines(found, older):
-    """Scenes by shape and support: ranges of this record and, of the torque, of an older one."""
+def group_lines(found):
+    """Scenes by shape and support: ranges of what they give."""
     for group in dict.fromkeys(tuple(t["name"].split(", ")[:2]) for t in found):
         here = [t for t in found if tuple(t["name"].split(", ")[:2]) == group]
-        before = [t for t in older if tuple(t["name"].split(", ")[:2]) == group]
         verdicts = [trend_line(t)[-1].split() for t in here]
-        slip = sum(t["slip_torque_nm"] is not None for t in before)
-        yield (*group, len(here), spread([t["rise_percent"] for t in before]) + (f", {slip} slip" if slip else ""),
-               spread([t["rise_percent"] for t in here]) + (f", {n} slips" if (n := sum(t["slip_torque_nm"] is not None for t in here)) else ""),
+        slips = sum(t["slip_torque_nm"] is not None for t in here)
+        yield (*group, len(here), spread([t["rise_percent"] for t in here]) + (f", {slips} slips" if slips else ""),
                spread([v for t in here for v in t["fall_percent"]]), spread([v for t in here if t["top_mm"] for v in t["gain_percent"]]),
                " / ".join(str(sum(v[i] == "yes" for v in verdicts)) for i in range(3)))
 
 
-def put_readings(every, older):
+def put_readings(every):
     """Verdict on each reading, the scenes in groups, and one by one."""
     put("readings", table(("reading", "torque: scenes that rise alike", "eccentricity: that fall alike", "w: maximum inside", "1 to 5 N m",
                            "e = 10 µm", "over w, maximum over minimum", "together"),
                           [reading_line(name, every[column]) for column, name in READINGS.items()]), PAGE)
-    put("groups", table(("shape", "support", "scenes", "1 to 5 N m, older engine", "1 to 5 N m", "e = 10 µm", "over w", "scenes with each trend"),
-                        group_lines(every["k_ts_nm_per_rad"], older)), PAGE)
+    put("groups", table(("shape", "support", "scenes", "1 to 5 N m", "e = 10 µm", "over w", "scenes with each trend"),
+                        group_lines(every["k_ts_nm_per_rad"])), PAGE)
     put("trends", table(HEAD, map(trend_line, every["k_ts_nm_per_rad"])), SCENES)
     put("tangents", table(HEAD, map(trend_line, every["k_ts_tangent_nm_per_rad"])), SCENES)
 
@@ -231,9 +229,8 @@ def main():
     teeth = tooth_chart(work)
     sizes, found = catalogue_chart(work)
     every = {column: explored if column == "k_ts_nm_per_rad" else [*trends(work, column)] for column in READINGS}
-    older = read_record("paper_comparison").get("older", {"engine": "c6eee82", "trends": []})
     facts |= {"teeth": teeth, "sizes": dict(zip(map(str, sizes), zip(*found))), "ball_stiffness_n_per_m": ball_stiffness(),
-              "trends": explored, "trends_by_reading": {READINGS[c]: v for c, v in every.items()}, "older": older}
+              "trends": explored, "trends_by_reading": {READINGS[c]: v for c, v in every.items()}}
     write_record("paper_comparison", facts)
     (work / "comparison.json").write_text(json.dumps(facts, indent=1))
     put("verdicts", paper.markdown(rows), "evidence/paper_figures")
@@ -241,7 +238,7 @@ def main():
     put("magnitude", table(("reading", "cup bottom held / (MN m/rad)", "paper's load path / (MN m/rad)", "over the paper's 1820 N m/rad", "verdict"), [
         (name, *(f"{at[s][c] / 1e6:.3g}" for s in ("hub", "bearing")), *((f"{at['bearing'][c] / stated:.0f}", "does not agree")
          if c != "k_ts_paper_n" else ("-", "cannot agree: newtons"))) for c, name in READINGS.items()]), PAGE)
-    put_readings(every, older["trends"])
+    put_readings(every)
     put("catalogue", catalogue_table(sizes, found), "evidence/cup_and_catalogue")
     print(paper.markdown(rows))
 

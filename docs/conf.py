@@ -3,7 +3,9 @@
 import importlib
 import logging
 import os
+import re
 import runpy
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -51,6 +53,19 @@ def fortran_pages(app, failure):
     said = (done.stdout + done.stderr).splitlines()
     for line in said if done.returncode else [line for line in said if "Warning" in line]:
         getLogger(__name__).warning("FORD: %s", line)
+    keep_offline(Path(app.outdir) / "fortran")
+
+
+def keep_offline(site):
+    """Let FORD's pages take Bootstrap from their own folder: they ask a server for it, and for MathJax, which no comment needs."""
+    from xstatic.pkg import bootstrap
+    for name in ("css/bootstrap.min.css", "js/bootstrap.bundle.min.js"):
+        shutil.copy(Path(bootstrap.BASE_DIR) / name, site / name)
+    for page in site.rglob("*.html"):
+        root = "../" * (len(page.relative_to(site).parts) - 1)
+        text = re.sub(r'"https://cdn[^"]*/(css|js)/(bootstrap[^"]*)"', rf'"{root}\1/\2"', page.read_text())
+        text = re.sub(r'<script src="https://cdn[^"]*MathJax[^>]*></script>', "", text)
+        page.write_text(re.sub(r'\s*integrity="[^"]*" crossorigin="anonymous"', "", text))
 
 
 def link_figures(app, tree, page):

@@ -5,7 +5,7 @@ module hd_text
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent, split, is_utf8, unquoted
+  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent, split, is_utf8, unquoted, rounded
 
   !> One entry of a list of texts.
   type :: string_t
@@ -41,6 +41,16 @@ contains
     character(len=:), allocatable :: s
     s = shorten(x, 6)
   end function real_text
+
+  !> Four digits, for lines that are read and not computed with; what is nothing beside `scale` is 0.
+  pure function rounded(x, scale) result(s)
+    real(dp), intent(in) :: x                !< number
+    real(dp), intent(in), optional :: scale  !< size of its neighbours
+    character(len=:), allocatable :: s
+    s = shorten(x, 4)
+    if (.not. present(scale)) return
+    if (abs(x) < 1e-4_dp*abs(scale)) s = '0.0'
+  end function rounded
 
   !> The shortest text that reads back as the same number.
   pure function exact(x) result(s)

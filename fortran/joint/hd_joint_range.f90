@@ -5,7 +5,7 @@ module hd_joint_range
   use hd_asperity, only: edge
   use hd_error, only: error_t, raise, code_input
   use hd_joint, only: joint_t, spots_t, find_largest_spot, pressure_power, real_area
-  use hd_text, only: string_t, push, to_text
+  use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
   public :: check_stiffness, range_warnings
@@ -46,12 +46,12 @@ contains
     s_l = s%sigma*joint%asperity%s_ec
     base = pi*joint%r_m**2
     if (.not. s%excess > 0) then
-      call push(lines, 'no largest spot carries '//to_text(pressure)//' Pa: the pressure is not below 0.99 H')
+      call push(lines, 'no largest spot carries '//rounded(pressure)//' Pa: the pressure is not below 0.99 H')
       return
     end if
-    if (s_l > base) call push(lines, 'the largest spot, '//to_text(s_l)//' m^2, exceeds the base of an asperity, pi r_m^2 = '// &
-      to_text(base)//' m^2: K_N and K_T are extrapolated. Fit asperity_radius and s_min to a measured or computed stiffness '// &
-      '(docs/explain/joint.md), or raise asperity_radius to '//to_text(sqrt(s_l/pi))//' m or more')
+    if (s_l > base) call push(lines, 'the largest spot, '//rounded(s_l)//' m^2, exceeds the base of an asperity, pi r_m^2 = '// &
+      rounded(base)//' m^2: K_N and K_T are extrapolated. Take joint.model = ''spectrum'', fit asperity_radius and s_min to a '// &
+      'stiffness (docs/howto/calibrate.md), or raise asperity_radius to '//rounded(1.001_dp*sqrt(s_l/pi))//' m')
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
       to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '//to_text(joint%reference_area)//' m^2')
     if (joint%first == 4 .and. .not. joint%plastic) then

@@ -19,7 +19,7 @@ module hd_planner
   use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
-  use hd_text, only: string_t, push, to_text, percent
+  use hd_text, only: string_t, push, rounded, to_text, percent
   implicit none
   private
   public :: new_planned_run, run_planned, plan_text
@@ -64,10 +64,11 @@ contains
   end function change_of
 
   !> The largest of the promises, and which it is.
-  function worst(values) result(text)
+  function worst(values, word) result(text)
     real(dp), intent(in) :: values(promises)  !< relative
+    character(len=*), intent(in) :: word      !< between what and how much
     character(len=:), allocatable :: text
-    text = trim(promised(maxloc(values, 1))%words)//' '//percent(maxval(values))
+    text = trim(promised(maxloc(values, 1))%words)//' '//word//' '//percent(maxval(values))
   end function worst
 
   !> Large displacements where they change a coarse solution by more than half the tolerance.
@@ -93,7 +94,7 @@ contains
     if (allocated(error)) return
     change = change_of(small_q, large_q)
     if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) plan%scene%kinematics = 'nonlinear'
-    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(change)// &
+    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(change, 'by')// &
       ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
   end subroutine choose_kinematics
 
@@ -129,7 +130,7 @@ contains
     end do
     if (allocated(error)) return
     call note(plan, 'load steps '//to_text(plan%scene%assembly_steps)//' + '//to_text(plan%scene%torque_steps)// &
-      ': twice as many change '//worst(plan%change))
+      ': twice as many change '//worst(plan%change, 'by'))
   end subroutine choose_steps
 
   !> Everything but the mesh.
@@ -202,7 +203,8 @@ contains
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
-        ': the limit is known to '//worst(plan%estimate)//', tolerance '//percent(scene%planned_tolerance))
+        ': the estimated error of the '//worst(plan%estimate, 'is')//', the largest; tolerance '// &
+        percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
     plan%scene = now
@@ -240,7 +242,7 @@ contains
     if (plan%level == 0) then
       call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error')
     else if (.not. plan%met) then
-      call push(run%record%warnings, 'the tolerance is not met: estimated error of '//worst(plan%estimate))
+      call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '//worst(plan%estimate, 'is'))
     end if
   end subroutine new_planned_run
 
@@ -270,8 +272,10 @@ contains
     call close_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(error) .or. run%record%level == 0) return
+    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
+      ' s, results in '//folder)
     do i = 1, promises
-      if (abs(run%record%limit(i)) > 0) call say('limit     '//trim(promised(i)%words)//' '//to_text(run%record%limit(i))// &
+      if (abs(run%record%limit(i)) > 0) call say('limit     '//trim(promised(i)%words)//' '//rounded(run%record%limit(i))// &
         ' '//trim(promised(i)%unit)//', known to '//percent(run%record%estimate(i)))
     end do
   end subroutine run_planned

@@ -177,9 +177,9 @@ contains
     type(probe_t), intent(in) :: found     !< results
     integer :: i
     character(len=200) :: line
-    write (line, '(a,2(i3,a),4(es11.4,3a),f7.1,a)') mesh_text(s)//', steps', s%assembly_steps, ' +', s%torque_steps, &
-      merge(', large', ', small', s%kinematics == 'nonlinear')//':', &
-      (found%q(i), ' ', trim(promised(i)%unit), ', ', i=1, promises), found%seconds, ' s'
+    write (line, '(a,2(i3,a),4(a,es10.3,3a),f7.1,a)') mesh_text(s)//', steps', s%assembly_steps, ' +', s%torque_steps, &
+      merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: ', &
+      (trim(promised(i)%words), found%q(i), ' ', trim(promised(i)%unit), ', ', i=1, promises), found%seconds, ' s'
   end function log_line
 
   !> Number of a mesh in the list, 0 if it is new.

@@ -13,7 +13,7 @@ module hd_loop
   use hd_scene, only: scene_t
   use hd_stress, only: nodal_stress
   use hd_strut, only: strut_force
-  use hd_text, only: string_t, push_text => push, to_text
+  use hd_text, only: string_t, push_text => push, rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
@@ -310,10 +310,10 @@ contains
     r = read_loop(loop, scene)
     text = ''
     do i = 1, 3
-      if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//to_text(r%k(i))//', '
+      if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad; '
-    text = text//'hysteresis '//to_text(r%hysteresis)//', lost motion '//to_text(r%lost_motion)//' rad'
+    text = text//'hysteresis '//rounded(r%hysteresis)//', lost motion '//rounded(r%lost_motion)//' rad'
   end function loop_text
 
   !> Linear interpolation in rising x.

@@ -7,7 +7,7 @@ module hd_job
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_system, only: path_kind, path_absent
-  use hd_text, only: to_text
+  use hd_text, only: rounded, to_text
   use hd_turning, only: advance
   implicit none
   private
@@ -44,7 +44,7 @@ contains
     end do
     call close_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//to_text(run%record%timers%total)// &
+    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
       ' s, results in '//folder)
   end subroutine run_scene
 

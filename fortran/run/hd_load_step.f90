@@ -151,7 +151,7 @@ contains
     end do
     call set_log_level(level)
     run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
-    call say('start     from '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
+    call say('start     first guess from a mesh of '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
     if (allocated(coarse%solver)) call coarse%solver%release()
     if (allocated(coarse%drive)) call move_alloc(coarse%drive, run%coarser%drive)
     run%coarser%states = coarse%assembly

@@ -30,7 +30,7 @@ module hd_run
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
-  use hd_text, only: string_t, percent, push, to_text
+  use hd_text, only: string_t, percent, push, rounded, to_text
   implicit none
   private
   public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run
@@ -90,7 +90,7 @@ contains
     end if
     call build(run, error)
     if (allocated(error) .and. run%writes) call close_output(run%output)
-    if (.not. allocated(error)) call say('step phase     load  torque/Nm its   residual   open stick slip   normal/N  pmax/MPa')
+    if (.not. allocated(error)) call say('step phase     load    T/(N m) iter residual    open stick  slip    force/N  peak/MPa')
   end subroutine new_run
 
   !> Take up a stopped run from its checkpoint.
@@ -169,7 +169,7 @@ contains
     run%record%timers%setup = wall_seconds() - run%clock
     call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
       ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
-    call say('solver    '//trim(run%solver%name)//merge(', kept', '      ', run%record%kept))
+    call say(trim('solver    '//trim(run%solver%name)//merge(', taken over from the last run', repeat(' ', 30), run%record%kept)))
   end subroutine build
 
   !> Position at the end of the run.
@@ -385,12 +385,12 @@ contains
     call judge_load_path(run)
     associate (s => run%sums)
       if (s%over_rotation == s%over_rotation) then
-        call say('K_TS      tangent '//to_text(s%k_tangent)//', secant '//to_text(s%k_secant)//' N m/rad, torque over rotation '// &
-          to_text(s%over_rotation))
+        call say('K_TS      tangent '//rounded(s%k_tangent)//', secant '//rounded(s%k_secant)//', torque over rotation '// &
+          rounded(s%over_rotation)//' N m/rad')
       else  ! no torque, as at the end of a loop
-        call say('K_TS      tangent '//to_text(s%k_tangent)//' N m/rad')
+        call say('K_TS      tangent '//rounded(s%k_tangent)//' N m/rad')
       end if
-      call say('          Eq. 45 '//to_text(s%k_ts)//' N m/rad, as printed '//to_text(s%k_ts_paper)//' N; slipping: '// &
+      call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
       if (run%scene%support == 'drive') call say('drive     '//loop_text(run%loop, run%scene))
     end associate
@@ -408,10 +408,10 @@ contains
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
         'further torque did not settle, or the linear solver did not reach its accuracy')
       if (s%pressure_max > run%joint%asperity%hardness) then
-        call push(run%record%warnings, 'the peak pressure at a node, '//to_text(s%pressure_max)//' Pa, is above the hardness '// &
+        call push(run%record%warnings, 'the peak pressure at a node, '//rounded(s%pressure_max)//' Pa, is above the hardness '// &
           to_text(run%joint%asperity%hardness)//' Pa'//edge_advice(s))
       else if (s%pressure_max > scene%yield_strength) then
-        call push(run%record%warnings, 'the peak pressure at a node, '//to_text(s%pressure_max)//' Pa, is above the yield '// &
+        call push(run%record%warnings, 'the peak pressure at a node, '//rounded(s%pressure_max)//' Pa, is above the yield '// &
           'strength '//to_text(scene%yield_strength)//' Pa'//edge_advice(s))
       end if
       if (run%record%planned_tolerance > 0 .and. .not. s%pressure_middle > 0) call push(run%record%warnings, &
@@ -424,7 +424,7 @@ contains
     type(sums_t), intent(in) :: sums  !< sums
     character(len=:), allocatable :: text
     text = ': bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
-      'edge_line_load_n_per_m, '//to_text(sums%edge_line_load)//' N/m on the last tenth of the band, which converges'
+      'edge_line_load_n_per_m, '//rounded(sums%edge_line_load)//' N/m on the last tenth of the band, which converges'
   end function edge_advice
 
   !> Say what each support carries, and warn of a wave generator that takes more of the torque than balls let it.
@@ -435,13 +435,13 @@ contains
     real(dp) :: real_one
     if (run%record%steps == 0 .or. .not. abs(run%step%torque) > 0) return
     associate (t => run%sums%torque)
-      call say('torque    carried by the hub '//to_text(t%hub)//', the wave generator '//to_text(t%wave_generator)// &
-        ', springs of the ring '//to_text(t%ring_springs)//' N m')
+      call say('torque    carried by the hub '//rounded(t%hub, run%step%torque)//', the wave generator '// &
+        rounded(t%wave_generator, run%step%torque)//', springs of the ring '//rounded(t%ring_springs, run%step%torque)//' N m')
       if (run%scene%support == 'drive') return  ! drive_warnings judges the whole loop
       real_one = abs(run%step%torque)*2/run%scene%teeth
       if (.not. abs(t%wave_generator) > allowed*real_one) return
-      line = 'the wave generator carries '//to_text(t%wave_generator)//' of '//to_text(run%step%torque)// &
-        ' N m; one that turns on balls carries about the torque over the ratio, '//to_text(real_one)//" N m. With support "// &
+      line = 'the wave generator carries '//rounded(t%wave_generator)//' of '//to_text(run%step%torque)// &
+        ' N m; one that turns on balls carries about the torque over the ratio, '//rounded(real_one)//" N m. With support "// &
         "'hub' and wave_generator.ring_tangent = 'free' the ring slides on the cam"
     end associate
     call push(run%record%warnings, line)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import hdengine
-from common import ROOT, put, table, write_record
+from common import ROOT, put, read_record, table, write_record
 from hdengine import torsion
 from hdengine.figures.style import new_axes, styled
 from hdengine.results import facet_stiffness
@@ -115,7 +115,7 @@ WHY = ("Eq. 45 on the facets of hard contact", "the joint gives way, the pressur
 @styled
 def draw(s):
     """K_TS over the torque, and the chain of causes at the last torque."""
-    figure, (left, right) = new_axes(1, 2, figsize=(13.5, 5), width_ratios=(1.1, 1))
+    figure, (left, right) = new_axes(2, 1, figsize=(9, 10.5))
     t = s["torque_nm"]
     for name, label, style in (("Eq. 45, hard contact", "Eq. 45 (default)", "C0o-"), ("elastic bodies, no slip: secant",
                                "coupled, no slip, secant", "C2^--"), ("k_t falls under shear: secant", "coupled less hard contact, secant", "C1s-"),
@@ -132,7 +132,7 @@ def draw(s):
     other.plot(t, s["printed"] / 1e6, "k:")
     other.set_ylabel("Eq. 45 as printed / MN")
     other.set_ylim(0, 360)
-    left.legend(fontsize=9, loc="upper right")
+    left.legend(fontsize=11, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
     right.grid(axis="y", visible=False)
     values = [s[name][-1] / 1e6 for name in CHAIN]
     for i, value in enumerate(values):
@@ -150,7 +150,12 @@ def main():
     """Solve, write, draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--work", help="folder for the runs")
-    work = Path(parser.parse_args().work or tempfile.mkdtemp())
+    parser.add_argument("--redraw", action="store_true", help="figure from the record")
+    options = parser.parse_args()
+    if options.redraw:
+        draw({name: np.array(values) for name, values in read_record("coupled_law")["86 x 15"].items()})
+        return
+    work = Path(options.work or tempfile.mkdtemp())
     warnings.simplefilter("ignore", hdengine.JointWarning)
     found = {name: runs(work, mesh, name) for name, mesh in MESHES.items()}
     results = {name: separate(f) for name, f in found.items()}

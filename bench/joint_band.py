@@ -118,7 +118,7 @@ def summary(record):
 @styled
 def draw(record, found):
     """Tornado of both readings."""
-    figure, axes = new_axes(1, 2, figsize=(16, 7))
+    figure, axes = new_axes(2, 1, figsize=(9.5, 12.5))
     for axis, (reading, title) in zip(axes, (("tangent", "tangent K_TS"), ("eq45", "K_TS by Eq. 45"))):
         middle = record["middle"][reading]
         bars = {n: [100 * (e[reading] / middle - 1) if e else 0.0 for e in two] for n, two in record["ends"].items()}
@@ -127,7 +127,7 @@ def draw(record, found):
             low, high = bars[name]
             axis.barh(i, low, color="C0", height=0.6)
             axis.barh(i, high, color="C1", height=0.6)
-        axis.set_yticks(range(len(order)), [f"joint: {n}" if n in record["joint_causes"] else n for n in order], fontsize=10)
+        axis.set_yticks(range(len(order)), [f"joint: {n}" if n in record["joint_causes"] else n for n in order], fontsize=11)
         low, high = found[reading]["bands_percent"]["all"]
         axis.set(xlabel="change / %", title=f"{title}, {middle / 1e6:.3g} MN m/rad; all: {low:+.0f} to {high:+.0f} %")
     axes[0].plot([], [], color="C0", lw=6, label="low end")

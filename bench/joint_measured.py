@@ -9,10 +9,11 @@ Writes bench/results/joint_measured.json and docs/figures/joint_measured.png. Us
 """
 import itertools
 import math
+import sys
 
 import numpy as np
 
-from common import new_axes, save_figure, styled, write_record
+from common import new_axes, read_record, save_figure, styled, write_record
 from hdengine import _engine
 from hdengine.elastic import moduli
 
@@ -77,7 +78,7 @@ def collect():
 @styled
 def draw(rows):
     """Stiffness over pressure: every measured joint, and the band of the law."""
-    figure, axes = new_axes(1, 3, figsize=(17, 5.2))
+    figure, axes = new_axes(3, 1, figsize=(8, 15))
     for axis, row in zip(axes, rows):
         p = np.array(row["pressure_pa"]) / 1e6
         axis.fill_between(p, row["law_low"], row["law_high"], color="C0", alpha=0.2, lw=0, label="law, over what is not known")
@@ -91,15 +92,16 @@ def draw(rows):
         axis.set(xscale="log", yscale="log", xlabel="pressure / MPa", title=row["joint"].replace("um", "µm"))
         axis.set_xticks([1, 3, 10] if p[-1] > 5 else [0.3, 1, 2], ["1", "3", "10"] if p[-1] > 5 else ["0.3", "1", "2"])
         axis.set_xticks([], minor=True)
-        axis.legend(fontsize=9)
-    axes[0].set_ylabel("stiffness per area / (Pa/m)")
+        axis.set_ylabel("stiffness per area / (Pa/m)")
+        axis.legend(fontsize=11)
     save_figure(figure, "joint_measured")
 
 
 def main():
-    rows = collect()
-    write_record("joint_measured", {"book": "Y. Ito, Modular Design for Machine Tools, McGraw-Hill 2008", "rows": rows})
-    draw(rows)
+    """Command line; --redraw makes the figure from the record."""
+    if sys.argv[1:] != ["--redraw"]:
+        write_record("joint_measured", {"book": "Y. Ito, Modular Design for Machine Tools, McGraw-Hill 2008", "rows": collect()})
+    draw(read_record("joint_measured")["rows"])
 
 
 if __name__ == "__main__":

@@ -103,7 +103,7 @@ def conclusions(rows):
 @styled
 def draw(rows):
     """Tangent and Eq. 45 over the torque, and the tangent over w at 5 N m."""
-    figure, axes = new_axes(1, 3, figsize=(17, 5.2))
+    figure, axes = new_axes(3, 1, figsize=(8, 14))
     colours = {"hu2023": "C3", "spectrum": "C0", "boundary_elements": "C1"}
     for scene, style in (("cd14", "--"), ("cd14_ground", "-")):
         for model, colour in colours.items():
@@ -121,7 +121,7 @@ def draw(rows):
     axes[0].set_ylim(0, 0.6)
     axes[2].set_ylim(0, 0.6)
     axes[2].set_xticks([0.195, 0.2, 0.205, 0.21, 0.215], ["0.195", "0.200", "0.205", "0.210", "0.215"])
-    axes[0].legend(fontsize=9)
+    axes[0].legend(fontsize=11)
     save_figure(figure, "joint_models")
 
 

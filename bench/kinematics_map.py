@@ -5,10 +5,12 @@
 Usage: bench/kinematics_map.py; writes bench/results/kinematics_map.json and docs/figures/kinematics_map.png.
 """
 
+import sys
+
 import numpy as np
 
 import hdengine
-from common import ROOT, write_record
+from common import ROOT, read_record, write_record
 
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
 NAMES = ("K_TS", "normal force", "mid-band pressure")
@@ -28,22 +30,26 @@ def draw(rows, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    fig, axes = plt.subplots(1, 3, figsize=(12, 4), constrained_layout=True, sharey=True)
+    fig, axes = plt.subplots(3, 1, figsize=(7.5, 12), constrained_layout=True, sharex=True)
     for ax, i in zip(axes, range(3)):
         for wall, color in zip(WALL, ("C0", "C1", "C2")):
             for torque, style in zip(TORQUES, (":", "--", "-")):
                 mine = [r for r in rows if r["wall_m"] == wall and r["torque_nm"] == torque]
                 ax.plot([1e3 * r["w_m"] for r in mine], [100 * r["error"][i] for r in mine], "o" + style, color=color, ms=4,
                         label=f"wall {1e3 * wall:.2f} mm, {torque:g} N m")
-        ax.set_xlabel("w / mm")
+        ax.set_ylabel("linear against nonlinear / %")
         ax.set_title(NAMES[i])
         ax.grid(alpha=0.3)
-    axes[0].set_ylabel("linear against nonlinear / %")
-    axes[2].legend(fontsize=8)
+    axes[2].set_xlabel("w / mm")
+    fig.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     fig.savefig(path, dpi=110)
 
 
 def main():
+    """Command line; --redraw makes the figure from the record."""
+    if sys.argv[1:] == ["--redraw"]:
+        draw(read_record("kinematics_map"), ROOT / "docs/figures/kinematics_map.png")
+        return
     rows = []
     for wall in WALL:
         for w in W:

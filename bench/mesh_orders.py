@@ -6,6 +6,7 @@ Writes bench/results/mesh_orders.json and docs/figures/mesh_orders.png, prints M
 """
 import math
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -16,7 +17,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
 import hdengine  # noqa: E402
-from common import ROOT, program, write_record
+from common import ROOT, program, read_record, write_record
 
 EXE = program("hdengine.x")
 
@@ -67,8 +68,8 @@ def shown(order):
 
 def draw(record, path):
     """Distance from the fitted limits over the divisions, one panel per series."""
-    fig = plt.figure(figsize=(14, 4.6), layout="constrained")
-    axes = fig.subplots(1, len(record), sharey=True)
+    fig = plt.figure(figsize=(7.5, 14), layout="constrained")
+    axes = fig.subplots(len(record), 1)
     for ax, (name, series) in zip(axes, record.items()):
         ticks = [r["divisions"] for r in series["rows"]]
         for key, label in QUANTITIES.items():
@@ -78,12 +79,16 @@ def draw(record, path):
         ax.set_xticks(ticks, [str(t) for t in ticks])
         ax.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         ax.grid(alpha=0.3)
-        ax.legend(fontsize=9, loc="lower left")
-    axes[0].set_ylabel("distance from the fitted limit / %")
+        ax.set_ylabel("distance from the fitted limit / %")
+        ax.legend(fontsize=10, loc="lower left")
     fig.savefig(path, dpi=100)
 
 
 def main():
+    """Command line; --redraw makes the figure from the record."""
+    if sys.argv[1:] == ["--redraw"]:
+        draw(read_record("mesh_orders"), ROOT / "docs/figures/mesh_orders.png")
+        return
     record = {}
     print("| scene | quantity | coarse to fine | limit | order | rms misfit |\n|---|---|---|---|---|---|")
     for name, (meshes, keys) in CASES.items():

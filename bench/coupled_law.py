@@ -103,13 +103,13 @@ CHAIN = ("Eq. 45, hard contact", "pressures of the coupled model", "without the 
          "shear as the bodies pass it on", "elastic bodies, no slip: secant", "slip, k_t without its fall: secant",
          "k_t falls under shear: secant", "tangent of the coupled model", "slip counts: secant against glued faces",
          "slip counts: tangent against glued faces")
-WHY = ("Eq. 45 on the facets of hard contact", "the joint gives way, the pressures even out", "normals of the pressed faces are radial",
-       "Eq. 45 takes k_t under all the shear of a facet, that of the assembly too; what the torque adds or takes meets a stiffer one",
-       "Eq. 45 turns all facets by one angle, the rear row with {:.0f} % of K_T; the bodies send it {:.0f} % of the torque",
-       "as the joint moves the shear, cup and ring themselves turn more", "facets near µp slip",
-       "k_t falls where shear grows; here nearly all points slide from the assembly on, or their shear shrinks",
-       "the next newton metre finds more of them slipping",
-       "hard contact slips too and takes that out of the difference; glued faces do not", "the number a test can measure")
+WHY = ("This is Eq. 45 on the facets of hard contact.", "The joint gives way, so the pressures even out.", "The normals of the pressed faces are radial.",
+       "Eq. 45 takes k_t under all the shear of a facet, that of the assembly too. What the torque adds or takes meets a stiffer one.",
+       "Eq. 45 turns all facets by one angle, the rear row with {:.0f} % of K_T. The bodies send it {:.0f} % of the torque.",
+       "As the joint moves the shear, cup and ring themselves turn more.", "Facets near µp slip.",
+       "k_t falls where shear grows. Here nearly all points slide from the assembly on, or their shear shrinks.",
+       "The next newton metre finds more of them slipping.",
+       "Hard contact slips too and takes that out of the difference; glued faces do not.", "This is the number that a test can measure.")
 
 
 @styled
@@ -146,14 +146,25 @@ def draw(s):
     figure.savefig(ROOT / "docs/figures/coupled.png")
 
 
+def show(s, rear):
+    """Tables of the page, K_TS and what each line changes, and the figure."""
+    rows = [[str(i), name, *(f"{v / 1e6:.2f}" for v in s[name]), f"{100 * (s[name][-1] / s[before][-1] - 1):+.0f} %".replace("-0 %", "0 %") if before else ""]
+            for i, (name, before) in enumerate(zip(CHAIN, (None, *CHAIN)), 1)]
+    rows.append(["", "Eq. 45 as printed / MN", *(f"{v / 1e6:.0f}" for v in s["printed"]), ""])
+    put("coupled", table(("", "K_TS / (MN m/rad)", *(f"{t:g} N m" for t in s["torque_nm"]), "step at 5 N m"), rows) + "\n\n"
+        + "\n".join(f"{i}. {why.format(*rear)}" for i, why in enumerate(WHY, 1)), "evidence/causes")
+    draw(s)
+
+
 def main():
     """Solve, write, draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--work", help="folder for the runs")
-    parser.add_argument("--redraw", action="store_true", help="figure from the record")
+    parser.add_argument("--redraw", action="store_true", help="figure and tables from the record")
     options = parser.parse_args()
     if options.redraw:
-        draw({name: np.array(values) for name, values in read_record("coupled_law")["86 x 15"].items()})
+        record = read_record("coupled_law")
+        show({name: np.array(values) for name, values in record["86 x 15"].items()}, record["rear_row_percent_of_k_t_and_torque"])
         return
     work = Path(options.work or tempfile.mkdtemp())
     warnings.simplefilter("ignore", hdengine.JointWarning)
@@ -163,13 +174,7 @@ def main():
     write_record("coupled_law", {
         "rear_row_percent_of_k_t_and_torque": rear, "unloading_percent_of_k_t_and_masing_mean_and_most":
          unloading(found["86 x 15"]["joint", True]), **{name: {k: v.tolist() for k, v in s.items()} for name, s in results.items()}})
-    s = results["86 x 15"]
-    rows = [[name, *(f"{v / 1e6:.2f}" for v in s[name]), f"{100 * (s[name][-1] / s[before][-1] - 1):+.1f} %" if before else "",
-             why.format(*rear)] for name, before, why in zip(CHAIN, (None, *CHAIN), WHY)]
-    rows.append(["Eq. 45 as printed / MN", *(f"{v / 1e6:.0f}" for v in s["printed"]), "",
-                 "a sum of newtons"])
-    put("coupled", table(("K_TS / (MN m/rad)", *(f"{t:g} N m" for t in s["torque_nm"]), "step at 5 N m", "what changes"), rows), "evidence/causes")
-    draw(s)
+    show(results["86 x 15"], rear)
 
 
 if __name__ == "__main__":

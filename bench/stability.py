@@ -206,13 +206,20 @@ def draw(maps):
     figure.savefig(FIGURES / "stability.png", dpi=90)
 
 
+def first_words(message):
+    """What a message says until it explains: up to its second colon or first full stop, without the class of a warning."""
+    text = message.replace("|", "/").removeprefix("JointWarning: ").replace("error: ", "")
+    head, *rest = text.split(": ")
+    return ": ".join([head, *rest[:1]] if head.startswith(("code", "*ERROR")) else [head])
+
+
 def summary_table(maps):
     """How many of each verdict, and what a refusal or an error says."""
     rows = []
     for m in maps:
         count = Counter(v for row in m["verdict"] for v in row)
         said = Counter(w for vs, ws in zip(m["verdict"], m["words"]) for v, w in zip(vs, ws) if v in (REFUSED, WRONG) and w)
-        rows.append((m["title"], *(count[k] for k in COLOURS), said.most_common(1)[0][0].replace("|", "/") if said else ""))
+        rows.append((m["title"], *(count[k] for k in COLOURS), first_words(said.most_common(1)[0][0]) if said else "-"))
     return table(("map", *COLOURS, "most frequent message"), rows)
 
 

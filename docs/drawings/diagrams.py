@@ -4,8 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from draw import CAM, FORCE, INK, RING, STEEL, arrow, canvas, label
-from matplotlib.backends.backend_svg import FigureCanvasSVG
+from draw import CAM, FORCE, INK, RING, STEEL, arrow, canvas, label, save
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, FancyBboxPatch, Polygon, Rectangle
 
@@ -158,8 +157,8 @@ def rough_joint():
             ax.plot([c + 0.4, c + 0.4], [2, 3.0], color=BLUE, lw=1.2)
             ax.plot([c + 1.4, c + 1.4], [3.0, 4.6], color=BLUE, lw=1.2)
             spring(ax, (c + 0.4, 3.0), (c + 1.4, 3.0), 5, 0.17, BLUE)
-    ax.text(11.0, 6.2, r"$k_N$: along the normal", color=FORCE, fontsize=11)
-    ax.text(14.8, 6.2, r"$k_T$: along the face", color=BLUE, fontsize=11)
+    ax.text(11.0, 6.4, r"$k_N$: along the normal", color=FORCE, fontsize=11)
+    ax.text(11.0, 5.6, r"$k_T$: along the face", color=BLUE, fontsize=11)
     return figure
 
 
@@ -198,7 +197,7 @@ def planner():
     ax.text(4.4, 1.55, "yes", fontsize=10)
     ax.plot([6.4, 8.6, 8.6], [2.45, 2.45, 6.0], color=INK, lw=1.4)
     arrow(ax, (8.6, 6.0), (7.5, 6.0), INK)
-    ax.text(6.6, 2.6, "no: finer mesh", fontsize=10)
+    ax.text(6.5, 2.6, "no: finer\nmesh", fontsize=10)
     ax.plot([8.6, 10.4, 10.4], [4.2, 4.2, 0.8], "--", color=FORCE, lw=1.2)
     arrow(ax, (10.4, 0.8), (7.5, 0.8), FORCE)
     ax.text(10.5, 2.9, "no memory,\nor no\nconvergence:\nrun warns", fontsize=9, color=FORCE, ha="left", va="center")
@@ -233,7 +232,7 @@ def draw_all(folder):
     """Write the drawings as SVG files into a folder."""
     for make in (springs, angles, drive_chain, contact_law, rough_joint, readings, planner, structure_function):
         figure = make()
-        FigureCanvasSVG(figure).print_svg(str(Path(folder) / f"{make.__name__}.svg"), metadata={"Date": None})
+        save(figure, folder, make.__name__)
 
 
 if __name__ == "__main__":

@@ -13,11 +13,16 @@ STEEL, RING, CAM, BALL, FORCE, INK = "#9db4c8", "#e8b96a", "#d0d0d0", "#7a7a7a",
 
 def canvas(width, height, xlim, ylim):
     """A figure without axes, one length scale both ways."""
-    figure = Figure(figsize=(width, height))
+    figure = Figure(figsize=(0.78 * width, 0.78 * height))  # letters are large beside the drawing: a phone shows it in full width
     ax = figure.add_axes([0, 0, 1, 1])
     ax.set(xlim=xlim, ylim=ylim, aspect="equal")
     ax.axis("off")
     return figure, ax
+
+
+def save(figure, folder, name):
+    """An SVG file as wide as drawing and words."""
+    FigureCanvasSVG(figure).print_figure(str(Path(folder) / f"{name}.svg"), format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05)
 
 
 def label(ax, text, at, point=None, ha="left"):
@@ -156,7 +161,7 @@ def draw_all(folder):
     """Write the drawings as SVG files into a folder."""
     for make in (drive, cup, facet, torque_path):
         figure = make()
-        FigureCanvasSVG(figure).print_svg(str(Path(folder) / f"{make.__name__}.svg"), metadata={"Date": None})
+        save(figure, folder, make.__name__)
 
 
 if __name__ == "__main__":

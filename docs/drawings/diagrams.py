@@ -157,8 +157,8 @@ def rough_joint():
             ax.plot([c + 0.4, c + 0.4], [2, 3.0], color=BLUE, lw=1.2)
             ax.plot([c + 1.4, c + 1.4], [3.0, 4.6], color=BLUE, lw=1.2)
             spring(ax, (c + 0.4, 3.0), (c + 1.4, 3.0), 5, 0.17, BLUE)
-    ax.text(11.0, 6.4, r"$k_N$: along the normal", color=FORCE, fontsize=11)
-    ax.text(11.0, 5.6, r"$k_T$: along the face", color=BLUE, fontsize=11)
+    ax.text(11.0, 6.9, r"$k_N$: along the normal", color=FORCE, fontsize=11)
+    ax.text(11.0, 6.05, r"$k_T$: along the face", color=BLUE, fontsize=11)
     return figure
 
 

@@ -13,7 +13,7 @@ module hd_problem
   use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, strut_energy
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, &
+  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
     strut_closings, strut_forces, stored_energy
 
@@ -35,8 +35,8 @@ module hd_problem
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
-    integer, allocatable :: loose(:)           !< bodies that only contact and struts hold in some rigid motions:
-    integer :: loose_from = 1                  !< of x, y, turn about the axis those from here on
+    integer, allocatable :: loose(:)           !< bodies that contact, struts or springs to the ground alone hold in some rigid motions:
+    integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
     integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
                                                !< dofs are fixed, and so is this one for whoever does not know of it
     logical :: turning = .false.               !< they may turn; else they are held
@@ -138,6 +138,16 @@ contains
       end do
     end do
   end subroutine enter_springs
+
+  !> Nothing but contact, struts and springs to the ground holds a body in some rigid motions.
+  pure subroutine loosen(problem, body, from)
+    type(problem_t), intent(inout) :: problem  !< problem
+    integer, intent(in) :: body                !< number of the body
+    integer, intent(in) :: from                !< 1: x, y and the turn about the axis; 3: the turn
+    if (.not. allocated(problem%loose)) allocate (problem%loose(0), problem%loose_from(0))
+    problem%loose = [problem%loose, body]
+    problem%loose_from = [problem%loose_from, from]
+  end subroutine loosen
 
   !> Springs from single dofs to the ground.
   subroutine add_springs(problem, nodes, component, rate)

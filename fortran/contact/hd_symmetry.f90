@@ -19,6 +19,8 @@ module hd_symmetry
     integer :: mirror = 0            !< 0 none, 1 theta -> -theta, 2 theta -> pi - theta
   contains
     procedure :: order
+    procedure, private :: equals
+    generic :: operator(==) => equals
   end type symmetry_t
 
   !> Multipliers whose law counts for their images: rounding would close a point and open its image.
@@ -37,6 +39,13 @@ contains
     class(symmetry_t), intent(in) :: self  !< symmetry
     order = merge(2, 1, self%half_turn)*merge(2, 1, self%mirror > 0)
   end function order
+
+  !> Two symmetries are the same.
+  elemental logical function equals(self, other)
+    class(symmetry_t), intent(in) :: self   !< symmetry
+    class(symmetry_t), intent(in) :: other  !< another
+    equals = (self%half_turn .eqv. other%half_turn) .and. self%mirror == other%mirror
+  end function equals
 
   !> full, half or quarter.
   pure function symmetry_name(symmetry) result(name)

@@ -16,7 +16,7 @@ module hd_drive
   use hd_section, only: ring_strip, cup_strip, rim_end
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
-  use hd_problem, only: problem_t, load_t, new_problem, add_springs
+  use hd_problem, only: problem_t, load_t, new_problem, add_springs, loosen
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
   use hd_strut, only: absent, closing_of
@@ -173,18 +173,14 @@ contains
       if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
       if (scene%support == 'drive' .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
-        problem%loose = [drive%b_ring]
+        call loosen(problem, drive%b_ring, 1)
       else if (scene%support == 'drive' .and. scene%ring_tangent == 'free') then
-        problem%loose = [drive%b_ring]
-        problem%loose_from = 3
+        call loosen(problem, drive%b_ring, 3)
       else if (ring_follows(scene)) then
         problem%fixed(2, inner) = .true.
       else
         if (scene%contact_mode /= 'bonded') call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
-        if (scene%ring_contact == 'tied') then
-          problem%loose = [drive%b_ring]
-          problem%loose_from = 3
-        end if
+        if (scene%ring_contact == 'tied') call loosen(problem, drive%b_ring, 3)
       end if
       if (scene%support == 'drive' .and. allocated(problem%loose) .and. frictionless(scene)) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
@@ -203,6 +199,7 @@ contains
         drive%sprung = hub
         call add_springs(problem, hub, 1, scene%support_stiffness/size(hub))
         call add_springs(problem, hub, 2, scene%support_stiffness/size(hub))
+        call loosen(problem, drive%b_cup, 1)
       end if
     end associate
   end subroutine hold

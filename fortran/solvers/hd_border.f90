@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> What stands beside the contact points in a condensed system: the forces x of the struts that push, and the rigid motions a of
-!> bodies that only contact and struts hold (two translations and the turn of a loose body, the turn of one with a free hub).
+!> What stands beside the contact points in a condensed system: the forces x of the struts that push, and the motions a of bodies
+!> that contact, struts or soft springs to the ground alone hold (two translations and the turn of a loose body, the turn of one
+!> with a free hub).
 !>
-!>   u = C (-r_u + B^T t + P x) + R a           C compliance, P unit forces of the struts, R rigid motions
+!>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u = 0                          linearised strut, k its tangent
-!>   R^T (-r_u + B^T t + P x) = 0               balance of forces and moments
-!> A ring that slides on the wave generator is such a body too: soft springs to the ground against its motions stand in the border.
-!> C may hold a loose body by springs of its own (hold_loose): under forces in balance they carry nothing. Rigid motions are scaled
-!> to unknowns in newtons.
+!>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
+!> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the equations
+!> are those of the body on its soft springs. Without them the soft springs would make up nearly all of C: a cup whose bottom turns
+!> freely took GMRES to its last step. Motions are scaled to unknowns in newtons.
 module hd_border
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t
@@ -15,6 +16,7 @@ module hd_border
   use hd_mortar, only: relative_displacement
   use hd_problem, only: problem_t
   use hd_strut, only: closing_of, push
+  use hd_symmetry, only: symmetry_t
   implicit none
   private
   public :: border_t, new_border
@@ -25,36 +27,39 @@ module hd_border
 
   type :: border_t
     integer :: struts = 0                        !< all of them
-    integer :: modes = 0                         !< rigid motions
+    integer :: modes = 0                         !< motions
     real(dp) :: scale = 0                        !< of their unknowns [m/N]
+    type(symmetry_t) :: symmetry                 !< that these motions have
     integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
-    real(dp), allocatable :: own(:, :)           !< P^T C P and P^T R (struts, struts + modes) [m/N]
-    real(dp), allocatable :: held(:)             !< of each rigid motion: soft springs to the ground against it [m/N]
+    real(dp), allocatable :: own(:, :)           !< P^T C P and P^T N (struts, struts + modes) [m/N]
+    real(dp), allocatable :: held(:)             !< N^T S R of each motion: what soft springs hold [m/N]
   contains
     procedure :: take => take_active
     procedure :: matrix => border_matrix
     procedure :: known => known_side
     procedure :: columns => active_columns
-    procedure :: add_motion
+    procedure :: add_solution
   end type border_t
 
 contains
 
-  !> Answers of the bodies to unit forces of the struts, and rigid motions.
-  subroutine new_border(problem, compliance, border, error)
-    type(problem_t), intent(in) :: problem                !< problem with struts
+  !> Answers of the bodies to unit forces of the struts, and motions.
+  subroutine new_border(problem, compliance, symmetry, border, error)
+    type(problem_t), intent(in) :: problem                !< problem with struts or loose bodies
     class(compliance_t), intent(inout) :: compliance      !< prepared
+    type(symmetry_t), intent(in) :: symmetry              !< of the load step; with struts there is none
     type(border_t), intent(out) :: border                 !< complete but for what pushes
     type(error_t), allocatable, intent(out) :: error      !< memory
-    real(dp), allocatable :: f(:, :), u(:, :)
+    real(dp), allocatable :: f(:, :), u(:, :), v(:, :)
     integer :: i, j, n
     if (allocated(problem%struts)) border%struts = size(problem%struts)
     n = border%struts
+    border%symmetry = symmetry
     call list_modes(problem, border)
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
-    allocate (f(3, problem%n), u(3, problem%n), border%held(border%modes))
+    allocate (f(3, problem%n), u(3, problem%n), v(3, problem%n), border%held(border%modes))
     do i = 1, n
       f = 0
       call push(problem%struts(i), 1._dp, f)
@@ -75,22 +80,31 @@ contains
     do i = 1, border%modes
       u = 0
       call add_rigid_motion(problem, border%body(i), border%kind(i), border%scale, u)
+      f = problem%spring*u
+      call compliance%solve(problem, f, v, error)
+      if (allocated(error)) return
+      u = u - v
       border%side(:, :, n + i) = relative_displacement(problem%mortar, u)
       border%own(:, n + i) = [(closing_of(problem%struts(j), u), j=1, n)]
-      border%held(i) = sum(problem%spring*u**2)
+      border%held(i) = sum(f*u)
     end do
     allocate (border%active(0))
   end subroutine new_border
 
-  !> Rigid motions that nothing but contact and struts resists.
+  !> Rigid motions that nothing but contact, struts and soft springs resists, as far as the symmetry of the step has them.
   subroutine list_modes(problem, border)
     type(problem_t), intent(in) :: problem   !< problem
     type(border_t), intent(inout) :: border  !< gets modes, body, kind
+    logical :: there(3)
     integer :: b, k
     allocate (border%body(0), border%kind(0))
+    there = .not. border%symmetry%half_turn .and. border%symmetry%mirror /= [2, 1, 0]
+    there(3) = border%symmetry%mirror == 0
     if (allocated(problem%loose)) then
-      border%body = [((problem%loose(b), k=problem%loose_from, 3), b=1, size(problem%loose))]
-      border%kind = [((k, k=problem%loose_from, 3), b=1, size(problem%loose))]
+      do b = 1, size(problem%loose)
+        border%kind = [border%kind, pack([1, 2, 3], there .and. [1, 2, 3] >= problem%loose_from(b))]
+        border%body = [border%body, (problem%loose(b), k=size(border%body) + 1, size(border%kind))]
+      end do
     end if
     if (allocated(problem%hub)) then
       border%body = [border%body, count(problem%first < problem%hub(1))]
@@ -128,7 +142,7 @@ contains
     if (self%struts > 0) self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
   end subroutine take_active
 
-  !> Numbers of the columns of `side` that count: struts that push, then rigid motions.
+  !> Numbers of the columns of `side` that count: struts that push, then motions.
   pure function active_columns(self) result(list)
     class(border_t), intent(in) :: self  !< border
     integer :: list(size(self%active) + self%modes), i
@@ -151,7 +165,7 @@ contains
     end do
     do i = 1, self%modes
       d(n + i, n + i) = -self%held(i)
-      if (self%kind(i) == 3) d(n + i, n + i) = -max(self%held(i), flat*self%scale)
+      if (self%kind(i) == 3 .and. .not. self%held(i) > 0) d(n + i, n + i) = -flat*self%scale
     end do
   end function border_matrix
 
@@ -171,19 +185,25 @@ contains
     do i = 1, self%modes
       u = 0
       call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale, u)
-      b(n + i) = -sum(u*f)
+      b(n + i) = -sum(u*(f - problem%spring*v))
     end do
   end function known_side
 
-  !> Rigid motions of a solution.
-  pure subroutine add_motion(self, problem, x, u)
+  !> Forces P x - S R a and rigid motions R a of a solution.
+  subroutine add_solution(self, problem, x, f, u)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: x(:)             !< unknowns of the border [N]
-    real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
+    real(dp), intent(inout) :: f(:, :)       !< nodal forces, to which C answers (3, n) [N]
+    real(dp), intent(out) :: u(:, :)         !< rigid motions (3, n) [m]
     integer :: i
+    do i = 1, size(self%active)
+      call push(problem%struts(self%active(i)), x(i), f)
+    end do
+    u = 0
     do i = 1, self%modes
       call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale*x(size(self%active) + i), u)
     end do
-  end subroutine add_motion
+    f = f - problem%spring*u
+  end subroutine add_solution
 end module hd_border

@@ -63,7 +63,6 @@ contains
     type(problem_t), intent(in) :: problem            !< problem
     type(circulant_t), intent(out) :: circulant       !< compliance
     type(error_t), allocatable, intent(out) :: error  !< not revolved, inverted element
-    real(dp), allocatable :: spring(:, :)
     integer :: b, first, m
     if (.not. has_circulant(problem)) then
       call raise(error, code_input, "solver.method = 'condensed' needs two bodies of revolution; valid: auto, schur, newton")
@@ -75,14 +74,11 @@ contains
     do b = 1, 2
       m = problem%bodies(b)%nodes_per_sector
       first = problem%first(b)
-      spring = problem%spring(:, first + 1:first + m)
-      if (allocated(problem%loose)) then
-        if (any(problem%loose == b)) spring(2, :) = 0  ! the border has them (hd_border)
-      end if
-      call new_harmonics(problem%bodies(b), problem%fixed(:, first + 1:first + m), spring, circulant%bodies(b), error)
+      call new_harmonics(problem%bodies(b), problem%fixed(:, first + 1:first + m), &
+        problem%spring(:, first + 1:first + m), circulant%bodies(b), error)
       if (allocated(error)) return
       if (allocated(problem%loose)) then
-        if (any(problem%loose == b)) call hold_loose(circulant%bodies(b), problem%loose_from > 1)
+        if (any(problem%loose == b)) call hold_loose(circulant%bodies(b), any(problem%loose == b .and. problem%loose_from > 1))
       end if
     end do
     call place_multipliers(problem, circulant)

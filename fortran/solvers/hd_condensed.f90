@@ -16,7 +16,6 @@ module hd_condensed
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
-  use hd_strut, only: push
   use hd_text, only: to_text
   implicit none
   private
@@ -98,10 +97,13 @@ contains
     self%ordering_asked = self%compliance%ordering_asked
     self%ordering_used = self%compliance%ordering_used
     self%library = self%compliance%library
-    if (allocated(error) .or. allocated(self%border)) return
-    if (.not. (allocated(problem%struts) .or. (allocated(problem%loose) .and. self%compliance%fast))) return
+    if (allocated(error) .or. .not. (allocated(problem%struts) .or. (allocated(problem%loose) .and. self%compliance%fast))) return
+    if (allocated(self%border)) then
+      if (self%border%symmetry == self%symmetry) return
+      deallocate (self%border)
+    end if
     allocate (self%border)
-    call new_border(problem, self%compliance, self%border, error)
+    call new_border(problem, self%compliance, self%symmetry, self%border, error)
   end subroutine begin_condensed
 
   !> Keep the derivatives; the face system is formed in solve.
@@ -129,16 +131,19 @@ contains
     real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
     type(face_system_t) :: system
-    real(dp), allocatable :: f(:, :), w(:, :)
+    real(dp), allocatable :: f(:, :), w(:, :), motion(:, :)
     integer, allocatable :: list(:), mirrored(:)
+    logical :: bordered
     integer :: j
+    bordered = .false.
+    if (allocated(self%border)) bordered = size(self%border%columns()) > 0
     f = r_c
     if (allocated(self%sharing%representative)) f = f(:, self%sharing%representative)*self%sharing%sign
     if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
     call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
     dtraction = system%q
-    if (.not. allocated(self%border) .and. &
+    if (.not. bordered .and. &
       norm2(merge(0._dp, r_u, problem%fixed)) <= balanced*norm2(spread(problem%mortar%area, 1, 3)*r_c)) then
       allocate (w, mold=dtraction)
       call self%compliance%apply(spread(problem%mortar%area, 1, 3)*dtraction, w)
@@ -150,7 +155,7 @@ contains
       call balance(self, du)
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, du)
-      if (allocated(self%border)) call add_border(self, problem, f, du, system)
+      if (bordered) call add_border(self, problem, f, du, system)
     end if
     list = pack([(j, j=1, problem%mortar%n)], system%rank > 0)
     if (self%symmetry%half_turn) list = pack(list, self%sector(list) < self%sectors/2)
@@ -160,15 +165,14 @@ contains
     if (allocated(error)) return
     f = -r_u
     call add_nodal_forces(problem%mortar, dtraction, f)
-    if (allocated(self%border)) then
-      do j = 1, size(self%border%active)
-        call push(problem%struts(self%border%active(j)), system%x(j), f)
-      end do
+    if (bordered) then
+      allocate (motion, mold=f)
+      call self%border%add_solution(problem, system%x, f, motion)
     end if
     call balance(self, f)
     call self%compliance%solve(problem, f, du, error)
+    if (bordered) du = du + motion
     call balance(self, du)
-    if (allocated(self%border)) call self%border%add_motion(problem, system%x, du)
   end subroutine solve_condensed
 
   !> Enter the border into a face system.
@@ -184,12 +188,8 @@ contains
     system%corner = self%border%matrix(problem)
     system%known = self%border%known(problem, f, v)
     if (self%symmetry%half_turn) system%fold = 2
-    if (allocated(problem%hub)) then
-      if (problem%turning) return
-    else if (self%symmetry%mirror == 0) then
-      return
-    end if
-    associate (last => system%more)  ! the turn of the bottom, which is held, or of a ring with a mirror plane
+    if (problem%turning .or. .not. allocated(problem%hub)) return
+    associate (last => system%more)  ! the turn of the bottom, which is held
       system%side(:, :, last) = 0
       system%corner(last, :) = 0
       system%corner(:, last) = 0

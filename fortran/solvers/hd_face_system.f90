@@ -212,6 +212,10 @@ contains
       call pack_rows(self)
       a(:n, n + 1:) = self%right
       a(n + 1:, :n) = transpose(self%below)
+      do i = 1, size(list)
+        if (mirrored(i) == list(i)) cycle
+        a(n + 1:, self%start(i) + 1:self%start(i + 1)) = 2*a(n + 1:, self%start(i) + 1:self%start(i + 1))
+      end do
       a(n + 1:, n + 1:) = self%corner
     end if
     b(:, 1) = right_side(self, w)

@@ -35,7 +35,7 @@ module hd_problem
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
-    integer, allocatable :: loose(:)           !< bodies that contact, struts or springs to the ground alone hold in some rigid motions:
+    integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
     integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
     integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
                                                !< dofs are fixed, and so is this one for whoever does not know of it

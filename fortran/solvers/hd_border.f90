@@ -6,9 +6,9 @@
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u = 0                          linearised strut, k its tangent
 !>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
-!> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the equations
-!> are those of the body on its soft springs. Without them the soft springs would make up nearly all of C: a cup whose bottom turns
-!> freely took GMRES to its last step. Motions are scaled to unknowns in newtons.
+!> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the
+!> equations are those of the body on S. In a C without them the soft springs of a cup would hide what the contact gives way.
+!> Motions are scaled to unknowns in newtons.
 module hd_border
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t

@@ -10,7 +10,7 @@ module hd_closure_table
   use hd_text, only: to_text
   implicit none
   private
-  public :: closure_table_t, new_closure_table, pressure_at_closure, stiffness_at_pressure, resolve_pressure
+  public :: closure_table_t, new_closure_table, stiffness_at_pressure, resolve_pressure
 
   type :: closure_table_t
     real(dp), allocatable :: closure(:)   !< rising [m]
@@ -55,15 +55,6 @@ contains
     end do
     table%start = closure(1) - 1/table%slope(1)
   end subroutine new_closure_table
-
-  !> Pressure and its derivative at a closure.
-  pure subroutine pressure_at_closure(table, closure, pressure, normal)
-    type(closure_table_t), intent(in) :: table  !< table
-    real(dp), intent(in) :: closure             !< [m]
-    real(dp), intent(out) :: pressure           !< [Pa], 0 where the faces have parted
-    real(dp), intent(out) :: normal             !< dp / dclosure [Pa/m]
-    call evaluate(table, interval(table%closure, closure), closure, pressure, normal)
-  end subroutine pressure_at_closure
 
   !> Interval of a rising list that holds x: 0 below the first entry, size - 1 ... size above the last.
   pure integer function interval(list, x) result(i)

@@ -11,7 +11,7 @@ module hd_fft
   use hd_text, only: to_text
   implicit none
   private
-  public :: forward_real, backward_real, forward_real_2d, backward_real_2d, transform_complex, transform_complex_2d
+  public :: forward_real, backward_real, forward_real_2d, backward_real_2d
   public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, plan_rows, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan, smooth_size
   public :: plan_complex_single, plan_backward_real_single, execute_complex_single, execute_backward_real_single
@@ -122,33 +122,6 @@ contains
     call fftw_execute_dft_c2r(p%plan, s, a)
     call free_plan(p)
   end subroutine backward_real_2d
-
-  !> Each complex column in place.
-  subroutine transform_complex(a, sign, error)
-    complex(dp), intent(inout), contiguous :: a(:, :)   !< columns (n, count)
-    integer, intent(in) :: sign                         !< -1 or +1
-    type(error_t), allocatable, intent(out) :: error    !< no plan
-    type(fft_plan_t) :: p
-    call plan_complex(size(a, 1), size(a, 2), 1, size(a, 1), sign, a, p, error)
-    if (allocated(error)) return
-    call fftw_execute_dft(p%plan, a, a)
-    call free_plan(p)
-  end subroutine transform_complex
-
-  !> Complex array in both directions, in place.
-  subroutine transform_complex_2d(a, sign, error)
-    complex(dp), intent(inout), contiguous :: a(:, :)   !< array (nx, ny)
-    integer, intent(in) :: sign                         !< -1 or +1
-    type(error_t), allocatable, intent(out) :: error    !< no plan
-    type(fft_plan_t) :: p
-    call lock_planner()
-    p%plan = fftw_plan_dft_2d(size(a, 2), size(a, 1), a, a, int(sign, c_int), FFTW_ESTIMATE)
-    call unlock_planner()
-    call check_plan(p, size(a), error)
-    if (allocated(error)) return
-    call fftw_execute_dft(p%plan, a, a)
-    call free_plan(p)
-  end subroutine transform_complex_2d
 
   !> Plan `count` complex transforms of n numbers, `stride` apart, starting `distance` apart, in place.
   subroutine plan_complex(n, count, stride, distance, sign, a, p, error)

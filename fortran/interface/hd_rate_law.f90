@@ -30,14 +30,15 @@ module hd_rate_law
 
 contains
 
-  !> Rows  dw (dg, ds) + dt (dp, dtau) = 0  of a point, in the scale of the contact law.
+  !> Rows  dw (dg, ds) + dt (dp, dtau) = 0  of a point, in the scale of the contact law. Along and across the shear each component
+  !> has a compliance of its own, a thousand times apart near slip: preconditioners take the diagonal of such rows.
   pure subroutine rate_rows(point, friction, scale, dw, dt)
     type(rate_point_t), intent(in) :: point  !< point
     real(dp), intent(in) :: friction         !< mu
     real(dp), intent(in) :: scale            !< c of the contact law [Pa/m]
     real(dp), intent(out) :: dw(3, 3)        !< [Pa/m]
     real(dp), intent(out) :: dt(3, 3)
-    real(dp) :: along(2, 2), e(2)
+    real(dp) :: e(2)
     integer :: i
     dw = 0
     dt = 0
@@ -56,16 +57,14 @@ contains
       return
     end if
     e = point%direction
-    along = spread(e, 2, 2)*spread(e, 1, 2)
-    dw(2:, 2:) = scale*dt(2:, 2:)
+    if (.not. norm2(e) > 0) e = [1, 0]
+    dw(3, 2:) = scale*[-e(2), e(1)]
+    dt(3, 2:) = scale/point%k_0*[-e(2), e(1)]
     if (point%state == rate_slip) then
-      dw(2, 2:) = 0
       dt(2, :) = [-friction, e(1), e(2)]
-      dw(3, 2:) = scale*[-e(2), e(1)]
-      dt(3, 2:) = scale/point%k_0*[-e(2), e(1)]
     else
-      dt(2:, 2:) = scale/point%k_0*dt(2:, 2:)
-      if (point%grows) dt(2:, 2:) = dt(2:, 2:) + scale*(1/point%k_t - 1/point%k_0)*along
+      dw(2, 2:) = scale*e
+      dt(2, 2:) = scale/merge(point%k_t, point%k_0, point%grows)*e
     end if
   end subroutine rate_rows
 

@@ -77,25 +77,31 @@ subroutine surface_level(z, nx, ny, tilt, status, message)
   call tell(error, status, message)
 end subroutine surface_level
 
-!> Single wrong points taken for holes (mask > 0), holes filled (fill > 0), in place; number of wrong points.
-subroutine surface_clean(z, nx, ny, mask, fill, spikes, status, message)
+!> Steps of stitching levelled (mend > 0), wrong points taken for holes (mask > 0), holes filled (fill > 0), in place; numbers of
+!> wrong points, of seams across x and y; the largest step.
+subroutine surface_clean(z, nx, ny, mend, mask, fill, found, step, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_cleaning, only: clean_map
   use hd_error, only: error_t
+  use hd_seams, only: seams_t
   use hd_structure_function, only: check_map
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: nx, ny, mask, fill
+  integer(c_int), intent(in) :: nx, ny, mend, mask, fill
   real(c_double), intent(inout) :: z(nx, ny)
-  integer(c_int), intent(out) :: spikes
+  integer(c_int), intent(out) :: found(3)
+  real(c_double), intent(out) :: step
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
   !f2py threadsafe
   type(error_t), allocatable :: error
-  spikes = 0
+  type(seams_t) :: seams
+  found = 0
   call check_map(z, 1._c_double, 1._c_double, error)
-  if (.not. allocated(error)) call clean_map(z, mask > 0, fill > 0, spikes)
+  if (.not. allocated(error)) call clean_map(z, mend > 0, mask > 0, fill > 0, seams, found(1))
+  found(2:) = seams%count
+  step = seams%largest
   call tell(error, status, message)
 end subroutine surface_clean
 

@@ -6,6 +6,7 @@ module hd_flat_fit
   use hd_expectation, only: band_spectrum_t
   use hd_measurement, only: measure, measurement_t
   use hd_named_values, only: fit_option_names, fit_names, value_of, set_value
+  use hd_seams, only: seams_t
   use hd_surface_fit, only: fit_options_t
   use hd_wave_sum, only: ridges_t
   implicit none
@@ -24,7 +25,7 @@ contains
     call measure(z, other, dx, dy, whole('first_lag'), whole('last_lag'), yes('level'), &
       band_spectrum_t(whole('model'), number('f_lo'), number('f_hi'), &
       ridges_t(number('gamma'), whole('ridges'), whole('n_max'), number('length'))), &
-      fit_options_t(yes('weighted'), yes('known'), yes('fit_noise'), number('noise'), yes('told')), m, error)
+      fit_options_t(yes('weighted'), yes('known'), yes('fit_noise'), number('noise'), yes('told'), yes('mask')), m, error)
   contains
     pure real(dp) function number(name)
       character(len=*), intent(in) :: name
@@ -53,6 +54,7 @@ contains
     call enter('tilt_y', m%tilt(2))
     call enter('verdict', real(m%verdict%kind, dp))
     call enter('size', real(min(size(m%o%s), room), dp))
+    call enter_faults(m%spikes, m%seams)
     call enter_spectrum
     if (.not. allocated(m%fit%curve)) return
     associate (f => m%fit)
@@ -86,10 +88,21 @@ contains
       call enter('ln_g_high'//kind, interval(2, 2))
     end subroutine enter_interval
 
+    subroutine enter_faults(spikes, seams)
+      integer, intent(in) :: spikes
+      type(seams_t), intent(in) :: seams
+      call enter('spikes', real(spikes, dp))
+      call enter('seams_x', real(seams%count(1), dp))
+      call enter('seams_y', real(seams%count(2), dp))
+      call enter('seam_step', seams%largest)
+      call enter('jitter_x', seams%jitter(1))
+      call enter('jitter_y', seams%jitter(2))
+    end subroutine enter_faults
+
     subroutine enter_spectrum
       associate (b => m%blind, f => m%blind%fit)
         if (.not. allocated(b%rings%f)) return
-        call enter('spikes', real(b%spikes, dp))
+        call enter_faults(b%spikes, b%seams)
         call enter('holes', real(b%holes, dp))
         call enter('axis_x', b%rings%axis(1))
         call enter('axis_y', b%rings%axis(2))

@@ -9,6 +9,7 @@ module hd_blind_fit
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_holes, only: mask_spikes, fill_holes, synthetic
+  use hd_seams, only: seams_t, remove_seams, remove_offsets
   use hd_ring_table, only: ring_table_t, new_ring_table
   use hd_spectral_fit, only: spectral_fit_t, fit_spectrum
   use hd_surface_fit, only: fit_t
@@ -28,6 +29,7 @@ module hd_blind_fit
     type(spectral_fit_t) :: fit               !< its fit
     type(spectral_fit_t) :: above             !< fit of what lies above the window, if its last ring is not 0
     integer :: spikes = 0, holes = 0          !< points masked; points filled, spikes among them
+    type(seams_t) :: seams                    !< steps of stitching, jitter of rows: taken off
     real(dp) :: spike_share = 0, hole_share = 0 !< of all points
     real(dp) :: tail = 0                      !< largest excess kurtosis of second differences, in 5 of its standard errors
     real(dp) :: excess = 0                    !< that kurtosis
@@ -38,10 +40,11 @@ module hd_blind_fit
 contains
 
   !> Fit one map, or two that are pressed together (`other` with one point stands for none): both are cropped to the common size.
-  subroutine fit_blind(z, other, dx, dy, level, noise, band, b, error)
+  subroutine fit_blind(z, other, dx, dy, level, mask, noise, band, b, error)
     real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
     real(dp), intent(in) :: dx, dy                            !< spacing [m]
     logical, intent(in) :: level                              !< take the planes off
+    logical, intent(in) :: mask                               !< take single wrong points for holes
     real(dp), intent(in) :: noise                             !< known noise, rms [m]; negative: fitted
     real(dp), intent(in) :: band(2)                           !< window wanted [1/m]; 0: looked for
     type(blind_t), intent(out) :: b                           !< result
@@ -50,11 +53,11 @@ contains
     integer :: n(2), last
     n = shape(z)
     if (size(other) > 1) n = min(n, shape(other))
-    call take_spectrum(z, n, dx, dy, level, b, first, error)
+    call take_spectrum(z, n, dx, dy, level, mask, b, first, error)
     if (allocated(error)) return
     b%rings = first
     if (size(other) > 1) then
-      call take_spectrum(other, n, dx, dy, level, b, second, error)
+      call take_spectrum(other, n, dx, dy, level, mask, b, second, error)
       if (allocated(error)) return
       associate (t => b%rings)
         t%m = (t%p + second%p)**2 / (t%p**2 / t%m + second%p**2 / second%m)
@@ -79,12 +82,12 @@ contains
   end subroutine fit_blind
 
   !> Clean one map and take its spectrum.
-  subroutine take_spectrum(map, n, dx, dy, level, b, t, error)
+  subroutine take_spectrum(map, n, dx, dy, level, mask, b, t, error)
     real(dp), intent(in), contiguous :: map(:, :)     !< heights [m]
     integer, intent(in) :: n(2)                       !< points of the middle that is kept
     real(dp), intent(in) :: dx, dy                    !< spacing [m]
-    logical, intent(in) :: level                      !< take the plane off
-    type(blind_t), intent(inout) :: b                 !< spikes, holes and tails are added
+    logical, intent(in) :: level, mask                !< take the plane off, wrong points for holes
+    type(blind_t), intent(inout) :: b                 !< spikes, holes, seams and tails are added
     type(ring_table_t), intent(out) :: t              !< rings
     type(error_t), allocatable, intent(out) :: error  !< too small
     type(ring_table_t) :: full, filled
@@ -95,7 +98,10 @@ contains
     flat = map((size(map, 1) - n(1)) / 2 + 1:(size(map, 1) - n(1)) / 2 + n(1), &
       (size(map, 2) - n(2)) / 2 + 1:(size(map, 2) - n(2)) / 2 + n(2))
     if (level) call level_plane(flat, tilt)
-    call mask_spikes(flat, spikes)
+    call remove_seams(flat, b%seams)
+    if (level) call level_plane(flat, tilt)
+    spikes = 0
+    if (mask) call mask_spikes(flat, spikes, b%seams%x)
     hole = .not. abs(flat) <= huge(tilt)
     call fill_holes(flat, hole)
     b%spikes = b%spikes + spikes
@@ -103,17 +109,19 @@ contains
     b%spike_share = max(b%spike_share, spikes / real(size(flat, kind=i8), dp))
     b%hole_share = max(b%hole_share, count(hole, kind=i8) / real(size(flat, kind=i8), dp))
     if (level) call level_plane(flat, tilt)
-    call heavy_tails(flat, b)
     call new_ring_table(flat, dx, dy, t, error)
     if (allocated(error)) return
     if (any(t%axis > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
       axis = t%axis
-      if (axis(2) > offsets) flat = flat - spread(sum(flat, 1) / size(flat, 1), 1, size(flat, 1))
-      if (axis(1) > offsets) flat = flat - spread(sum(flat, 2) / size(flat, 2), 2, size(flat, 2))
+      do k = 1, 2
+        if (axis(k) > offsets) call remove_offsets(flat, k, b%seams)
+      end do
+      call fill_holes(flat, hole)
       call new_ring_table(flat, dx, dy, t, error)
       if (allocated(error)) return
       t%axis = axis
     end if
+    call heavy_tails(flat, b)
     if (.not. any(hole)) return
     k = max(2, 2 * size(t%f) / 3)                   ! what filling takes from a spectrum like this one
     if (size(t%f) < k .or. any(t%p <= 0)) return

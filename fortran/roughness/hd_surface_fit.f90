@@ -26,6 +26,7 @@ module hd_surface_fit
     logical :: fit_noise = .false.    !< white instrument noise is a third unknown
     real(dp) :: noise = 0             !< known rms noise, taken off S [m]
     logical :: told_band = .false.    !< the band of the model is told, not a guess: a spectrum is fitted over it
+    logical :: mask = .true.          !< single wrong points are taken for holes
   end type fit_options_t
 
   !> What was found.

@@ -8,93 +8,163 @@ module hd_holes
   use hd_random, only: uniforms
   implicit none
   private
-  public :: mask_spikes, fill_holes, synthetic
+  public :: mask_spikes, fill_holes, synthetic, median
 
-  real(dp), parameter :: texture = 0.005_dp   !< share of points beyond which spikes must stand alone to be spikes
+  real(dp), parameter :: texture = 0.005_dp   !< share of points beyond which spikes must stand alone or in clumps to be spikes
+  real(dp), parameter :: jittery = 0.7_dp     !< change of the median step over that of steps from which on rows jitter
+  integer, parameter :: clump = 6             !< most wrong points of a clump, in seven points each way
   real(dp), parameter :: far_out = 6          !< a spike's distance from its neighbours, in standard deviations of that distance
 
 contains
 
-  !> Points far from the median of their neighbours become holes: beyond six robust standard deviations, which a Gaussian map of a
-  !> million points reaches twice in a thousand times.
-  subroutine mask_spikes(z, found)
+  !> Points far from those around them become holes: single ones by their neighbours, clumps by the rings at twice and three times
+  !> the distance. Far: beyond six robust standard deviations, half of it from all around but one. Jitter of rows does not count.
+  subroutine mask_spikes(z, found, seams)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
     integer, intent(out) :: found                     !< points masked
-    real(dp), allocatable :: away(:, :), near(:, :), old(:, :)
+    integer, intent(in) :: seams(:)                   !< last points before steps of stitching across x
+    integer, parameter :: reach(8) = [1, 1, 1, 2, 2, 3, 2, 1]
+    real(dp), allocatable :: work(:, :)
+    integer, allocatable :: cuts(:)
     logical, allocatable :: bad(:, :), all_bad(:, :)
-    real(dp) :: scale
-    integer :: pass, i, j, alone
-    found = 0
-    old = z
+    integer :: pass, i, j, single
+    work = z
+    cuts = [0, seams, size(z, 1)]
+    do i = 1, size(cuts) - 1
+      call still_rows(work(cuts(i) + 1:cuts(i + 1), :))
+    end do
     allocate (all_bad(size(z, 1), size(z, 2)), source=.false.)
-    allocate (away(size(z, 1), size(z, 2)), near(size(z, 1), size(z, 2)))
-    do pass = 1, 3
-      !$omp parallel do private(i)
-      do j = 1, size(z, 2)
-        do i = 1, size(z, 1)
-          call distance(z, i, j, away(i, j), near(i, j))
-        end do
-      end do
-      scale = 1.4826_dp * middle(pack(abs(away), abs(away) <= huge(scale)))
-      bad = abs(away) > far_out * scale .and. abs(away) <= huge(scale) .and. near > 0.5_dp * abs(away)
-      if (.not. any(bad) .or. .not. scale > 0) exit
-      found = found + int(count(bad, kind=i8))
-      where (bad) z = ieee_value(scale, ieee_quiet_nan)
+    allocate (bad, mold=all_bad)
+    do pass = 1, size(reach)
+      if (any(reach(:pass - 1) == reach(pass))) then
+        if (.not. any(bad)) cycle                       ! nothing has changed since
+      end if
+      bad = far_points(work, reach(pass))
+      where (bad) work = ieee_value(1._dp, ieee_quiet_nan)
       all_bad = all_bad .or. bad
     end do
-    if (found <= texture * size(z, kind=i8)) return
-    alone = 0
+    found = int(count(all_bad, kind=i8))
+    single = 0
     do j = 1, size(z, 2)
       do i = 1, size(z, 1)
         if (.not. all_bad(i, j)) cycle
-        if (count(all_bad(max(1, i - 1):min(size(z, 1), i + 1), max(1, j - 1):min(size(z, 2), j + 1))) == 1) alone = alone + 1
+        if (count(all_bad(max(1, i - 3):min(size(z, 1), i + 3), max(1, j - 3):min(size(z, 2), j + 3))) <= clump) single = single + 1
       end do
     end do
-    if (2 * alone > found) return
-    z = old                                   ! many, and side by side: edges and scratches, no wrong points
-    found = 0
+    if (found > texture * size(z, kind=i8) .and. 2 * single <= found) found = 0  ! many, and side by side: edges and scratches
+    if (found > 0) where (all_bad) z = ieee_value(1._dp, ieee_quiet_nan)
   end subroutine mask_spikes
 
-  !> Height over the median of the neighbours: eight of a map, four of a line; NaN of holes. And how far off all but one of them
-  !> it is at least: a point at an edge or a corner of a plateau has others at its height.
-  pure subroutine distance(z, i, j, away, second)
-    real(dp), intent(in) :: z(:, :)         !< heights [m]
-    integer, intent(in) :: i, j             !< place
-    real(dp), intent(out) :: away, second   !< over the median; second smallest difference [m]
-    real(dp) :: near(8), off(8)
-    integer :: n, k, l, wide
-    wide = merge(2, 1, size(z, 2) == 1)
-    n = 0
-    do l = max(1, j - 1), min(size(z, 2), j + 1)
-      do k = max(1, i - wide), min(size(z, 1), i + wide)
-        if ((k == i .and. l == j) .or. .not. abs(z(k, l)) <= huge(away)) cycle
-        n = n + 1
-        near(n) = z(k, l)
+  !> Take offsets of rows off where they jitter: where the medians of the steps from row to row change nearly as much as steps do.
+  subroutine still_rows(z)
+    real(dp), intent(inout) :: z(:, :)    !< heights [m]
+    real(dp), allocatable :: d(:, :)
+    real(dp) :: step(1, size(z, 2) - 1), offset
+    integer :: j
+    if (size(z, 2) < 3) return
+    d = z(:, 2:) - z(:, :size(z, 2) - 1)
+    step(1, :) = [(median(pack(d(:, j), abs(d(:, j)) <= huge(1._dp))), j=1, size(d, 2))]
+    if (change(step) < jittery * change(d)) return
+    offset = 0
+    do j = 2, size(z, 2)
+      offset = offset + step(1, j - 1)
+      z(:, j) = z(:, j) - offset
+    end do
+  end subroutine still_rows
+
+  !> Median size of the changes along y.
+  pure real(dp) function change(d)
+    real(dp), intent(in) :: d(:, :)     !< numbers
+    real(dp), allocatable :: a(:, :)
+    a = abs(d(:, 2:) - d(:, :size(d, 2) - 1))
+    change = median(pack(a, a <= huge(change)))
+  end function change
+
+  !> Points beyond six robust standard deviations of those with as many pairs around them (at edges and holes pairs are missing).
+  function far_points(z, reach) result(bad)
+    real(dp), intent(in), contiguous :: z(:, :)       !< heights [m]
+    integer, intent(in) :: reach                      !< 1: neighbours; 2, 3: rings around them
+    logical, allocatable :: bad(:, :)
+    integer, parameter :: enough = 200                !< points to tell a deviation by
+    real(dp), parameter :: rounding = 100 * epsilon(1._dp)    !< of heights a plane was taken off, over the largest
+    real(dp), allocatable :: away(:, :), near(:, :)
+    integer, allocatable :: pairs(:, :)
+    real(dp) :: scale, least
+    integer :: i, j, k
+    allocate (away(size(z, 1), size(z, 2)), near(size(z, 1), size(z, 2)), pairs(size(z, 1), size(z, 2)))
+    allocate (bad(size(z, 1), size(z, 2)), source=.false.)
+    !$omp parallel do private(i)
+    do j = 1, size(z, 2)
+      do i = 1, size(z, 1)
+        call distance(z, i, j, reach, away(i, j), near(i, j), pairs(i, j))
       end do
     end do
-    away = ieee_value(away, ieee_quiet_nan)
+    least = rounding * maxval(abs(z), abs(z) <= huge(least))  ! of flat plateaus only rounding is left: no scatter to tell by
+    scale = 0
+    do k = maxval(pairs), 1, -1
+      if (count(pairs == k, kind=i8) >= enough .or. .not. scale > 0) scale = 1.4826_dp * median(pack(abs(away), pairs == k))
+      if (.not. scale > least) cycle
+      bad = bad .or. (pairs == k .and. abs(away) > far_out * scale .and. near > 0.5_dp * abs(away))
+    end do
+  end function far_points
+
+  !> Height over those around: the median of the means of opposite pairs, which a slope does not move. Of a map the pairs lie on
+  !> the square ring at a distance, of a line they are the next two. And how far off all but one of them it is at least: a point at
+  !> an edge or a corner of a plateau has others at its height.
+  pure subroutine distance(z, i, j, reach, away, second, pairs)
+    real(dp), intent(in) :: z(:, :)         !< heights [m]
+    integer, intent(in) :: i, j, reach      !< place, distance of the ring
+    real(dp), intent(out) :: away, second   !< over the pairs; second smallest difference [m]
+    integer, intent(out) :: pairs           !< number of pairs; 0 where there is nothing to tell by
+    real(dp) :: mean(12), apart(24), both(2)
+    integer :: n, m, k, l, wide, first
+    wide = merge(2 * reach, reach, size(z, 2) == 1)
+    first = merge(wide - 1, reach, size(z, 2) == 1)
+    n = 0
+    pairs = 0
+    away = 0
     second = 0
-    if (n < 3 .or. .not. abs(z(i, j)) <= huge(away)) return
-    away = z(i, j) - middle(near(:n))
-    off(:n) = abs(z(i, j) - near(:n))
-    off(minloc(off(:n), 1)) = huge(second)
-    second = minval(off(:n))
+    if (.not. abs(z(i, j)) <= huge(away)) return
+    do l = 0, merge(0, reach, size(z, 2) == 1)
+      do k = merge(1, -wide, l == 0), wide
+        if (max(abs(k), l) < first) cycle
+        both = [height(i + k, j + l), height(i - k, j - l)]
+        m = count(abs(both) <= huge(both))
+        apart(n + 1:n + m) = abs(z(i, j) - pack(both, abs(both) <= huge(both)))
+        n = n + m
+        if (m < 2) cycle
+        pairs = pairs + 1
+        mean(pairs) = 0.5_dp * sum(both)
+      end do
+    end do
+    if (n < 3) pairs = 0
+    if (pairs == 0) return
+    away = z(i, j) - median(mean(:pairs))
+    apart(minloc(apart(:n), 1)) = huge(second)
+    second = minval(apart(:n))
+  contains
+    !> Height of a place; NaN outside.
+    pure real(dp) function height(a, b)
+      integer, intent(in) :: a, b     !< place
+      height = ieee_value(height, ieee_quiet_nan)
+      if (a >= 1 .and. a <= size(z, 1) .and. b >= 1 .and. b <= size(z, 2)) height = z(a, b)
+    end function height
   end subroutine distance
 
-  !> Median, by partition.
-  pure real(dp) function middle(values)
+  !> Median, by partition; 0 of nothing.
+  pure real(dp) function median(values)
     real(dp), intent(in) :: values(:)   !< numbers
     real(dp) :: pivot, swap
     real(dp), allocatable :: a(:)
     integer :: low, high, want, i, j
-    middle = 0
+    median = 0
     if (size(values) == 0) return
     a = values
     want = (size(a) + 1) / 2
     low = 1
     high = size(a)
     do while (low < high)
-      pivot = a((low + high) / 2)
+      pivot = a(low + (high - low) / 2)
       i = low
       j = high
       do while (i <= j)
@@ -119,8 +189,9 @@ contains
         exit
       end if
     end do
-    middle = a(want)
-  end function middle
+    median = a(want)
+    if (modulo(size(a), 2) == 0) median = 0.5_dp * (median + minval(a(want + 1:)))     ! of an even number the middle of two
+  end function median
 
   !> Fill holes with what bends least: each the mean of its neighbours (Laplace), relaxed until settled.
   subroutine fill_holes(z, hole)

@@ -162,7 +162,8 @@ contains
     if (t%dim == 2) call weigh_axes(t, power, edge, place)
   end subroutine collect
 
-  !> Mean of the modes on either axis, each over the power of its ring.
+  !> Mean of the modes on either axis, each over the power of its ring, or over what the taper leaks of the longest waves where a
+  !> blurred map holds less: that falls with the sixth power of the frequency.
   subroutine weigh_axes(t, power, edge, place)
     type(ring_table_t), intent(inout) :: t    !< rings; axis is set
     real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
@@ -188,7 +189,7 @@ contains
       q = place(ring_of(f, edge))
       if (q == 0) return
       if (.not. t%p(q) > 0) return
-      t%axis(k) = t%axis(k) + value / t%p(q)
+      t%axis(k) = t%axis(k) + value / max(t%p(q), t%p(1) * (t%f(1) / f)**6)
       on_axis(k) = on_axis(k) + 1
     end subroutine add
   end subroutine weigh_axes

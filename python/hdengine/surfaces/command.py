@@ -25,6 +25,8 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--l-filter", type=float, metavar="M", help="nesting index of their L-filter [m]")
     parser.add_argument("--outliers", action="store_true",
                         help="areal numbers without single wrong points (the fit masks them too)")
+    parser.add_argument("--seams", action="store_true",
+                        help="areal numbers with the tiles between steps of stitching levelled (the fit levels them too)")
     parser.add_argument("--fill", action="store_true", help="areal numbers with holes filled (the fit fills them too)")
     parser.add_argument("--out", help="folder for surface.json, tables, scene.nml and figures (default: the "
                         "first file's stem.out)")
@@ -51,7 +53,8 @@ def run_surface(args: Any) -> Any:
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
     check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
-    textures = [s.texture(form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers, fill=args.fill)
+    textures = [s.texture(form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers, fill=args.fill,
+                          seams=args.seams)
                 for s in specimens]
     if args.form != "plane":    # the fit takes the plane off itself, with what that does to the spectrum
         specimens = [form.remove(s, args.form).specimen for s in specimens]

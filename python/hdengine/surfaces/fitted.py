@@ -86,8 +86,11 @@ class Fit:
     ridges: Ridges | None = None            #: the sum of Eq. 1 that was told
     probe_m: float = float("nan")           #: standard deviation of the Gaussian probe that blurs the map, fitted [m]
     finer_detail: float = float("nan")      #: share of the detail finer than the spacing that folds back, 0 to 1
-    spikes: int = 0                         #: single wrong points, masked
-    holes: int = 0                          #: points filled, spikes among them
+    spikes: int = 0                         #: wrong points, masked
+    holes: int = 0                          #: points filled, wrong points among them
+    seams: tuple = (0, 0)                   #: steps of stitching across x and across y, levelled
+    seam_step_m: float = 0.0                #: the largest of them [m]
+    jitter_m: tuple = (0.0, 0.0)            #: rms offset of single columns and of single rows that was taken off [m]
     axis_excess: tuple = ()                 #: power of waves along x and along y over that of rings; above 3: row jitter, steps
     second_range: tuple = ()                #: D, shortest and longest wavelength [m] of a second range, if there is one
     frequency: np.ndarray = field(repr=False, default=cast(Any, None))  #: of the rings [1/m]
@@ -127,11 +130,16 @@ class Fit:
                 lines[3] = (f"fit       spectrum, wavelengths {self.band_m[0]:.3g} to {self.band_m[1]:.3g} m, "
                             f"probe {self.probe_m:.2g} m, {self.finer_detail:.0%} of finer detail")
                 lines[4] = f"misfit    {self.misfit:.2g} of ln power beyond chance, deviance {self.chi2:.1f} / {self.freedom}"
-                if self.holes:
-                    lines.append(f"points    {self.spikes} spikes masked, {self.holes} holes filled, spikes among them")
-                if max(self.axis_excess, default=0) > 3:
-                    lines.append("axes      waves along {} hold {:.3g} times the power of other directions, left out: row "
-                                 "jitter, steps or a lay".format("xy"[int(np.argmax(self.axis_excess))], max(self.axis_excess)))
+            if self.spikes or self.holes:
+                lines.append(f"points    {self.spikes} wrong points masked"
+                             + (f", {self.holes} holes filled, wrong points among them" if self.holes else ""))
+            if max(self.seams) > 0:
+                across_x, across_y = self.seams
+                lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to {self.seam_step_m:.3g} m, levelled")
+            for name, what, excess, rms in zip("xy", ("columns", "rows"), self.axis_excess, self.jitter_m):
+                if excess > 3:
+                    lines.append(f"axes      waves along {name} hold {excess:.3g} times the power of other directions: "
+                                 f"offsets of {what} of {rms:.3g} m rms taken off (jitter or a lay)")
             if self.noise_m > 0:
                 lines.append(f"noise     {self.noise_m:.3g} m rms")
         lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({self.tau_m.min():.3g} to {self.tau_m.max():.3g} m), "

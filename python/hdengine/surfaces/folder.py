@@ -95,7 +95,8 @@ def _told(fit):
             "misfit": fit.misfit, "chi2": fit.chi2, "freedom": fit.freedom, "lags": fit.lags, "tilt": fit.tilt,
             "levelled": fit.levelled, "anisotropy": fit.anisotropy, "ridges": fit.ridges and vars(fit.ridges),
             "probe_m": fit.probe_m, "finer_detail": fit.finer_detail, "spikes": fit.spikes, "holes": fit.holes,
-            "axis_excess": fit.axis_excess, "second_range_d_m_m": fit.second_range}
+            "seams": fit.seams, "seam_step_m": fit.seam_step_m,
+            "jitter_m": fit.jitter_m, "axis_excess": fit.axis_excess, "second_range_d_m_m": fit.second_range}
     if fit.frequency is not None:
         told["spectrum"] = {"frequency_per_m": fit.frequency, "power": fit.density, "model": fit.density_model}
     return told
@@ -104,8 +105,8 @@ def _told(fit):
 def _areal(t):
     """Areal numbers with how the map was prepared."""
     return {"form": t.form.kind, "form_range_m": t.form.range_m, "form_radius_m": t.form.radius_m, "form_axis_rad": t.form.axis_rad,
-            "s_filter_m": t.s_filter_m, "l_filter_m": t.l_filter_m, "outliers": t.outliers, "holes": t.holes, "filled": t.filled,
-            **t.numbers}
+            "s_filter_m": t.s_filter_m, "l_filter_m": t.l_filter_m, "mended": t.mended,
+            "outliers": t.outliers, "holes": t.holes, "filled": t.filled, **t.numbers}
 
 
 def _material(textures):

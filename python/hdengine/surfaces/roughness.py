@@ -43,9 +43,9 @@ def _direction(name, value):
     return value if isinstance(value, str) else tuple(integers((2,), -2**30, 2**30)(name, value))
 
 
-@checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag)
+@checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag, robust=flag)
 def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direction: str = "rows",
-                       second: bool = False) -> tuple:
+                       second: bool = False, robust: bool = False) -> tuple:
     """Structure function S(tau) = mean (z(x + tau) - z(x))^2; NaN are holes.
 
     Short lags are summed directly, long ones come from FFTs; every value has a relative error below 1e-12.
@@ -62,6 +62,9 @@ def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direc
         Along rows, along columns, mean over rings one spacing wide, or a step (p, q) in points along a row and in rows.
     second : bool
         Second-difference form, mean (z(x + tau) - 2 z(x) + z(x - tau))^2 = 4 S(tau) - S(2 tau): blind to tilt.
+    robust : bool
+        From the mean square root of the differences (Cressie and Hawkins 1980), which wrong points move less. It is right where
+        differences are Gaussian, and goes along a direction only.
 
     Returns
     -------
@@ -76,8 +79,8 @@ def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direc
     z = _map(heights)
     dx, dy = _spacing(spacing)
     if isinstance(direction, str) and direction == "radial":
-        if second:
-            raise InputError("the second-difference form is along a direction, not radial")
+        if second or robust:
+            raise InputError("the second-difference and the robust form are along a direction, not radial")
         n = max(1, max(z.shape) // 2) if lags is None else int(np.max(lags))
         tau, s, pairs = _engine.call("structure_rings", z, dx, dy, max(n, 1))
         pick = slice(None) if lags is None else np.asarray(lags, dtype=int) - 1
@@ -94,8 +97,24 @@ def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direc
     lags = np.asarray(lags, dtype=np.int32)
     if lags.ndim != 1 or lags.size == 0 or lags.min() < 1:
         raise InputError("lags must be a list of whole numbers >= 1")
-    s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), lags)
+    if robust:
+        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in lags.tolist()]).T
+    else:
+        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), lags)
     return lags * np.hypot(p * dx, q * dy), s, pairs
+
+
+def _robust_square(z, p, q, second):
+    """Mean square difference over a lag (p, q), q >= 0, or second difference, from the mean square root; number of pairs."""
+    span = 2 if second else 1
+    if span * abs(p) >= z.shape[0] or span * q >= z.shape[1]:
+        return float("nan"), 0
+    parts = [z[k * p if p >= 0 else (k - span) * p: z.shape[0] - (span - k) * p if p >= 0 else z.shape[0] + k * p,
+               k * q: z.shape[1] - (span - k) * q] for k in range(span + 1)]
+    d = parts[1] - parts[0] if not second else parts[2] - 2 * parts[1] + parts[0]
+    root = np.sqrt(np.abs(d[np.isfinite(d)]))
+    n = root.size
+    return (float(root.mean() ** 4 / (0.457 + 0.494 / n)), n) if n else (float("nan"), 0)
 
 
 @checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
@@ -217,14 +236,15 @@ def _noise(name, value):
     return value if isinstance(value, str) else number(least=0)(name, value)
 
 
-@checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise)
+@checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise, outliers=flag)
 def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None, surface: Any = None, weighted: bool | None = None,
-        level: bool = True, band: Any = None, noise: float = 0.0, second: ArrayLike | None = None) -> Fit:
+        level: bool = True, band: Any = None, noise: float = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
 
     A sum of Eq. 1 (told by `surface`): two-step generalised least squares on the exact sum, errors from random phases. Any other
     map or profile: the spectrum, told nothing: power law, Gaussian probe, detail finer than the spacing, white noise, over the
-    widest window of frequencies that follows it; spikes are masked and holes filled. Intervals are those of the likelihood.
+    widest window of frequencies that follows it; holes are filled, steps of stitching and offsets of
+    single rows taken off. Intervals are those of the likelihood.
 
     Parameters
     ----------
@@ -251,6 +271,9 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
         Rms of white instrument noise [m]: known, or one more unknown. "spectrum" fits it unless it is known.
     second : array_like, optional
         Another specimen with the same spacing: D and G are those of S_eq = S_1 + S_2, the equivalent rough surface of the joint.
+    outliers : bool
+        Take single wrong points and small clumps for holes, as `specimen.clean` does; their number is `spikes` of the result.
+        Steps of stitching are levelled either way (`seams` of the result).
 
     Returns
     -------
@@ -289,7 +312,7 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
     options = _engine.named(
         "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted, known=known,
-        fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, f_lo=1 / band[1],
+        fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],
         f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=0.0 if free else noise)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
     found = [_engine.names(values) for values in ("fit", "fit_curves", "fit_rings")]
@@ -310,7 +333,7 @@ _RINGS = 300  # more than any map has
 def _spectrum(v, rings):
     """What the fit of a spectrum adds."""
     n = int(np.sum(np.isfinite(rings["frequency"])))
-    out = {"spikes": int(v["spikes"]), "holes": int(v["holes"]), "axis_excess": (float(v["axis_x"]), float(v["axis_y"])),
+    out = {"holes": int(v["holes"]), "axis_excess": (float(v["axis_x"]), float(v["axis_y"])),
            "frequency": rings["frequency"][:n], "density": rings["power"][:n], "density_model": rings["model"][:n]}
     if v["of_spectrum"] > 0:
         out |= {"probe_m": float(v["probe"]), "finer_detail": float(v["fold"])}
@@ -345,4 +368,6 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, prof
         freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,
         anisotropy=anisotropy,
         tilt=(v["tilt_x"] / dx, v["tilt_y"] / dy), levelled=bool(levelled), tau_m=tau, s_m2=s, curve_m2=curve,
-        curve_error=curve_error, sample_error=sample_error)
+        curve_error=curve_error, sample_error=sample_error, spikes=int(v["spikes"]),
+        seams=(int(v["seams_x"]), int(v["seams_y"])), seam_step_m=float(v["seam_step"]),
+        jitter_m=(float(v["jitter_x"]), float(v["jitter_y"])))

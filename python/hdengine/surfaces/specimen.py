@@ -305,22 +305,25 @@ def save(path: str | os.PathLike, specimen: Any) -> None:
         raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
 
 
-@checked(specimen=kind(Specimen), outliers=flag, fill=flag)
-def clean(specimen: Any, outliers: bool = True, fill: bool = False) -> tuple:
-    """Single wrong points taken for holes, and holes filled with what bends least (Laplace's equation), tilt kept.
+@checked(specimen=kind(Specimen), outliers=flag, fill=flag, seams=flag)
+def clean(specimen: Any, outliers: bool = True, fill: bool = False, seams: bool = False) -> tuple:
+    """Level steps of stitching, take wrong points for holes, fill holes with what bends least (Laplace's equation); tilt is kept.
 
     Parameters
     ----------
     specimen : Specimen
         Map or profile.
     outliers : bool
-        Take points for holes that stand more than six robust standard deviations off the median of their neighbours.
+        Take points for holes that stand more than six robust standard deviations off those around, alone or in small clumps.
     fill : bool
         Fill the holes.
+    seams : bool
+        Level the tiles between straight steps that cross the map along its rows or columns.
 
     Returns
     -------
     Specimen
+        Its notes say what was done.
     found : int
         Number of wrong points.
 
@@ -330,10 +333,11 @@ def clean(specimen: Any, outliers: bool = True, fill: bool = False) -> tuple:
         The map holds no height.
     """
     z = np.array(roughness._map(specimen.heights), order="F", copy=True)
-    found = int(_engine.call("surface_clean", z, int(outliers), int(fill)))
-    holes = int(np.sum(~np.isfinite(specimen.heights))) + found
-    notes = [f"{found} outliers taken for holes"] * (found > 0) + [f"{holes} holes filled"] * (fill and holes > 0)
-    return replace(specimen, heights=z.T.reshape(specimen.heights.shape), notes=(*specimen.notes, *notes)), found
+    (found, across_x, across_y), step = _engine.call("surface_clean", z, int(seams), int(outliers), int(fill))
+    holes = int(np.sum(~np.isfinite(specimen.heights))) + int(found)
+    notes = [f"{across_x} seams across x and {across_y} across y levelled, steps up to {step:.3g} m"] * bool(across_x + across_y)
+    notes += [f"{found} outliers taken for holes"] * bool(found) + [f"{holes} holes filled"] * (fill and holes > 0)
+    return replace(specimen, heights=z.T.reshape(specimen.heights.shape), notes=(*specimen.notes, *notes)), int(found)
 
 
 @dataclass(frozen=True)

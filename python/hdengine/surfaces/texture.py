@@ -38,20 +38,26 @@ class Texture:
         c = np.linspace(z[0], z[-1], count)
         return c, smr(self.specimen.heights, c)
 
+    @property
+    def mended(self) -> list:
+        """What was said of the seams that were levelled."""
+        return [note for note in self.specimen.notes if "seams across" in note]
+
     def __str__(self) -> str:
         words = [f"form      {self.form.kind}, {self.form.range_m:.3g} m over the map"
                  + (f", radius {self.form.radius_m:.6g} m, axis {np.degrees(self.form.axis_rad):.2f} deg from x"
                     if self.form.kind == "cylinder" else "")]
         words += [f"filter    {name} {index:.4g} m, Gaussian (ISO 16610)" for name, index in
                   (("S", self.s_filter_m), ("L", self.l_filter_m)) if index]
+        words += [f"mended    {note}" for note in self.mended]
         if self.holes:
             words.append(f"points    {self.outliers} outliers, {self.holes} holes{', filled' if self.filled else ''}")
         return "\n".join([*words, "areal     " + ", ".join(f"{k} {v:.4g}" for k, v in self.numbers.items())])
 
 
 def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = None, l_filter: float | None = None,
-            outliers: bool = False, fill: bool = False) -> Texture:
-    """Prepare a specimen and take its numbers: outliers, holes, S-filter, form, L-filter, in this order.
+            outliers: bool = False, fill: bool = False, seams: bool = False) -> Texture:
+    """Prepare a specimen and take its numbers: seams, outliers, holes, S-filter, form, L-filter, in this order.
 
     Parameters
     ----------
@@ -65,6 +71,8 @@ def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = No
         Take single wrong points for holes, as the fit of D and G does.
     fill : bool
         Fill holes with what bends least. Holes that stay take no part.
+    seams : bool
+        Level the tiles between steps of stitching.
 
     Returns
     -------
@@ -77,7 +85,7 @@ def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = No
     """
     if s_filter is not None and l_filter is not None and not s_filter < l_filter:
         raise InputError(f"S-filter {s_filter:.6g} m, L-filter {l_filter:.6g} m: the first must be shorter than the second")
-    cleaned, spikes = clean(specimen, outliers, fill)
+    cleaned, spikes = clean(specimen, outliers, fill, seams)
     holes = int(np.sum(~np.isfinite(cleaned.heights))) if not fill else int(np.sum(~np.isfinite(specimen.heights))) + spikes
     heights = cleaned.heights
     if s_filter is not None:

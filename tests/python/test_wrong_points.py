@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrong points, steps of stitching and row jitter: found, taken off, reported; maps without them stay as they are."""
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from hdengine import InputError
+from hdengine.cli import main
+from hdengine.surfaces import roughness
+from hdengine.surfaces.specimen import Specimen, clean
+
+sys.path.insert(0, str(ROOT / "bench"))
+from blind_generators import field  # noqa: E402
+
+DX = 1e-6
+
+
+def rough(seed, n=128, **keys):
+    """A map of D = 2.5 with detail finer than the spacing."""
+    return field(n, DX, 2.5, np.random.default_rng(seed), **{"finer": 2, **keys})
+
+
+def clumps(z, rng):
+    """Raise twenty clumps of 2 x 2 points by 3 Sq; where."""
+    wrong = np.zeros(z.shape, dtype=bool)
+    for i, j in rng.integers(1, min(z.shape) - 3, (20, 2)):
+        wrong[i:i + 2, j:j + 2] = True
+    z[wrong] += 3 * z.std()
+    return wrong
+
+
+def test_small_clumps_are_wrong_points():
+    """Of twenty clumps of 2 x 2 points at 3 Sq at least nine tenths are found, nothing else is, and D stays within its interval."""
+    z, spacing = rough(1)
+    bad = z.copy()
+    wrong = clumps(bad, np.random.default_rng(2))
+    found = np.isnan(clean(Specimen(bad, spacing))[0].heights)
+    assert np.mean(found[wrong]) > 0.9 and not np.any(found & ~wrong)
+    low, high = roughness.fit(z, spacing).interval[0]
+    f = roughness.fit(bad, spacing)
+    assert low < f.fractal_dimension < high and f.spikes == found.sum() and "wrong points masked" in str(f)
+    assert not low < roughness.fit(bad, spacing, outliers=False).fractal_dimension < high
+
+
+@pytest.mark.parametrize("keys", [{}, {"finer": 1}, {"probe": 1.0}, {"noise": 0.1}, {"tilt": 5.0}])
+def test_rough_maps_lose_nothing(keys):
+    """Of four maps without faults none loses a point or shows a seam, and the heights come back bit by bit."""
+    for seed in range(4):
+        z, spacing = rough(seed, **keys)
+        s, found = clean(Specimen(z, spacing), seams=True)
+        assert found == 0 and np.array_equal(s.heights, z) and not s.notes
+
+
+def test_tiles_are_levelled():
+    """Four tiles apart by 0.7 to 1.9 Sq come back level to 0.03 Sq, with one seam each way and its largest step within 5 %."""
+    z, spacing = rough(3, 192)
+    bad, sq = z.copy(), z.std()
+    bad[100:, :70] += 0.7 * sq
+    bad[:100, 70:] -= 1.2 * sq
+    s = clean(Specimen(bad, spacing), outliers=False, seams=True)[0]
+    off = s.heights - z
+    tiles = [off[:100, :70], off[:100, 70:], off[100:, :70], off[100:, 70:]]
+    assert max(np.ptp(t) for t in tiles) < 1e-9 * sq and np.ptp([t.mean() for t in tiles]) < 0.03 * sq
+    assert s.notes[-1].startswith("1 seams across x and 1 across y levelled")
+    f = roughness.fit(bad, spacing)
+    assert f.seams == (1, 1) and abs(f.seam_step_m / (1.2 * sq) - 1) < 0.05 and "seams     1 across x" in str(f)
+
+
+def test_jitter_is_measured():
+    """Offsets of rows of 0.2 Sq are reported as rms within a fifth."""
+    z, spacing = rough(4)
+    f = roughness.fit(z + 0.2 * z.std() * np.random.default_rng(5).standard_normal((128, 1)), spacing)
+    assert f.jitter_m[0] == 0 and abs(f.jitter_m[1] / (0.2 * z.std()) - 1) < 0.2 and "offsets of rows" in str(f)
+
+
+def test_a_blurred_map_does_not_jitter():
+    """A probe of two spacings leaves so little power at short waves that the taper's leak along the axes exceeds it: no offsets are
+    seen there, and those of rows of 0.05 Sq still are."""
+    for seed in range(3):
+        z, spacing = rough(seed, finer=1, probe=2.0)
+        assert roughness.fit(z, spacing).jitter_m == (0, 0)
+        z += 0.05 * z.std() * np.random.default_rng(seed).standard_normal((128, 1))
+        f = roughness.fit(z, spacing)
+        assert f.jitter_m[0] == 0 and abs(f.jitter_m[1] / (0.05 * z.std()) - 1) < 0.3
+
+
+def test_told_models_mask_too():
+    """Seven points off by 5 Sq and a seam move D of a told band by less than its standard error, and by more where they are kept."""
+    z, spacing = rough(6)
+    bad = z.copy()
+    bad.flat[np.random.default_rng(7).choice(z.size, 7, replace=False)] += 5 * z.std()
+    bad[:, 60:] += z.std()
+    told = {"model": "isotropic", "band": (1e-6, 128e-6)}
+    right, masked, kept = (roughness.fit(m, spacing, outliers=o, **told) for m, o in ((z, True), (bad, True), (bad, False)))
+    assert masked.spikes == 7 and masked.seams == (1, 0) and kept.spikes == 0
+    assert abs(masked.fractal_dimension - right.fractal_dimension) < right.fractal_dimension_error
+    assert abs(kept.fractal_dimension - right.fractal_dimension) > right.fractal_dimension_error
+
+
+@pytest.mark.parametrize("second", [False, True])
+@pytest.mark.parametrize("direction", ["rows", "columns", (3, 2), (-2, 1)])
+def test_robust_structure_function(direction, second):
+    """Of white Gaussian noise the robust form gives 2 sigma^2 (6 sigma^2 of second differences) within 3 %, with one point of 200 at
+    30 sigma within 30 % where the plain form is off by a factor of four, and lags beyond the map have no pairs."""
+    rng = np.random.default_rng(8)
+    z, lags, s = rng.standard_normal((300, 280)), [1, 7], 6 if second else 2
+    call = {"direction": direction, "second": second}
+    _, robust, pairs = roughness.structure_function(z, DX, lags, robust=True, **call)
+    _, plain, same = roughness.structure_function(z, DX, lags, **call)
+    assert np.allclose(robust, s, rtol=0.03) and np.array_equal(pairs, same)
+    z.flat[rng.choice(z.size, z.size // 200, replace=False)] += 30
+    assert np.allclose(roughness.structure_function(z, DX, lags, robust=True, **call)[1], s, rtol=0.3)
+    assert np.all(roughness.structure_function(z, DX, lags, **call)[1] > 4 * s)
+    s, pairs = roughness.structure_function(z, DX, [400], robust=True, **call)[1:]
+    assert np.isnan(s[0]) and pairs[0] == 0
+
+
+def test_robust_form_goes_along_a_direction():
+    """The robust form over rings is an error that says so."""
+    with pytest.raises(InputError, match="robust"):
+        roughness.structure_function(np.random.default_rng(1).standard_normal((20, 20)), DX, direction="radial", robust=True)
+
+
+def test_the_command_levels_seams(tmp_path, capsys):
+    """`hdengine surface --seams` says what it levelled, on the screen and in surface.json, of the fit and of the areal numbers; Sq is
+    that of the map without the seam within 5 %, and without `--seams` it is not."""
+    z, spacing = rough(9)
+    bad = z.copy()
+    bad[:, 60:] += 3 * z.std()
+    np.save(tmp_path / "map.npy", bad)
+    want = Specimen(z, spacing).texture().numbers["sq_m"]
+    found = []
+    for more in ([], ["--seams"]):
+        assert main(["surface", str(tmp_path / "map.npy"), "--spacing", "1e-6", *more, "--out", str(tmp_path / "o"), "--force"]) == 0
+        found.append(json.loads((tmp_path / "o/surface.json").read_text())["surfaces"]["map"])
+    assert "mended    1 seams across x" in capsys.readouterr().out
+    assert [f["areal"]["mended"] == [] for f in found] == [True, False] and found[0]["seams"] == [1, 0]
+    assert found[1]["areal"]["sq_m"] == pytest.approx(want, rel=0.05) and found[0]["areal"]["sq_m"] > 1.05 * want

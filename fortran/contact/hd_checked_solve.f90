@@ -12,7 +12,6 @@ module hd_checked_solve
   public :: solve_checked, solve_refined
 
   real(dp), parameter :: refine_above = 1e-4_dp  !< backward error from which a correction is refined
-  integer, parameter :: most_refinements = 10    !< of a solution
 
 contains
 
@@ -47,26 +46,26 @@ contains
   !> Solution under nodal forces, refined until what it leaves in the equations would do little work beside these forces. A body on
   !> springs that are soft beside the contact turns far under the forces alone: a small part of that turn, which an iterative
   !> solver may leave, can exceed all that the contact gives way.
-  subroutine solve_refined(problem, solver, dw, dt, force, accuracy, du, dtraction, accurate, error)
+  subroutine solve_refined(problem, solver, dw, dt, force, accuracy, most, du, dtraction, accurate, error)
     type(problem_t), intent(in) :: problem               !< problem
     class(linear_solver_t), intent(inout) :: solver      !< factorised solver
     real(dp), intent(in) :: dw(:, :, :), dt(:, :, :)     !< derivatives of the law
     real(dp), intent(in) :: force(:, :)                  !< nodal forces (3, n) [N]
     real(dp), intent(in) :: accuracy                     !< of their work, relative
-    real(dp), intent(out) :: du(:, :)                    !< displacements (3, n) [m]
-    real(dp), intent(out) :: dtraction(:, :)             !< tractions (3, multipliers) [Pa]
+    integer, intent(in) :: most                          !< solves at most
+    real(dp), intent(inout) :: du(:, :)                  !< first guess, then displacements (3, n) [m]
+    real(dp), intent(inout) :: dtraction(:, :)           !< first guess, then tractions (3, multipliers) [Pa]
     logical, intent(out) :: accurate                     !< the accuracy is reached
     type(error_t), allocatable, intent(out) :: error     !< solver failure
     real(dp), dimension(3, size(du, 2)) :: left_u, more_u
     real(dp), dimension(3, size(dtraction, 2)) :: left_c, more_c, none
     real(dp) :: residual, work
     integer :: i
-    du = 0
-    dtraction = 0
-    left_u = -force
-    left_c = 0
     none = 0
-    do i = 0, most_refinements
+    left_u = -force  ! a bottom that turns is loaded there too
+    left_c = 0
+    if (any(abs(du) > 0)) call find_remainder(problem, dw, dt, -force, none, du, dtraction, left_u, left_c, residual)
+    do i = 1, most
       call solver%solve(problem, left_u, left_c, more_u, more_c, error)
       if (allocated(error)) return
       du = du + more_u

@@ -9,13 +9,15 @@ module hd_rate
   use hd_mortar, only: relative_displacement
   use hd_newton, only: idle_components
   use hd_problem, only: problem_t
-  use hd_rate_law, only: rate_point_t, rate_rows, next_state
+  use hd_rate_law, only: rate_point_t, rate_rows, next_state, rate_stick, rate_slip
   implicit none
   private
   public :: respond_by_rates
 
-  integer, parameter :: most = 12             !< solves
-  real(dp), parameter :: accuracy = 1e-6_dp   !< relative, of inner iterations
+  integer, parameter :: most = 12             !< sets of states
+  integer, parameter :: refinements = 11      !< solves for the last of them
+  real(dp), parameter :: coarse = 1e-3_dp     !< relative accuracy of inner iterations while states are sought,
+  real(dp), parameter :: accuracy = 1e-6_dp   !< and of the solution
   real(dp), parameter :: of_work = 1e-5_dp    !< relative, of the work of the further load
 
 contains
@@ -30,17 +32,18 @@ contains
     real(dp), intent(out) :: du(:, :)                    !< change (3, n)
     logical, intent(out) :: settled                      !< the states found are those assumed, the solution is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(rate_point_t) :: next
+    type(rate_point_t) :: next, before(size(points))
     real(dp), dimension(3, 3, size(points)) :: dw, dt
     real(dp), dimension(3, size(points)) :: traction, w
-    logical :: idle(3, size(points)), accurate, same
+    logical :: idle(3, size(points)), accurate, same, repeated, last
     integer :: c, i, j, k, newtons
     idle = idle_components(problem)
     newtons = solver%inner   ! its inner steps are counted for Newton's method alone
     du = 0
     traction = 0
-    solver%accuracy = accuracy
+    last = all(points%state /= rate_stick .and. points%state /= rate_slip)
     do k = 1, most
+      solver%accuracy = merge(accuracy, coarse, last)
       do j = 1, size(points)
         call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))
         do c = 1, 3
@@ -50,18 +53,29 @@ contains
         end do
       end do
       call solver%update(problem, dw, dt, error)
-      if (.not. allocated(error)) call solve_refined(problem, solver, dw, dt, force, of_work, du, traction, accurate, error)
+      if (.not. allocated(error)) call solve_refined(problem, solver, dw, dt, force, of_work, merge(refinements, 1, last), du, &
+        traction, accurate, error)
       solver%inner = newtons
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, du)
       same = .true.
+      repeated = k > 1
       do j = 1, size(points)
         next = next_state(points(j), friction, w(2:, j), traction(:, j))
-        same = same .and. next%state == points(j)%state .and. (next%grows .eqv. points(j)%grows)
+        same = same .and. alike(next, points(j))
+        repeated = repeated .and. alike(next, before(j))
+        before(j) = points(j)
         points(j) = next
       end do
       settled = same .and. accurate
-      if (same) return
+      if (last .and. (same .or. repeated)) return
+      last = same .or. repeated
     end do
   end subroutine respond_by_rates
+
+  !> Both states have the same rows.
+  elemental logical function alike(a, b)
+    type(rate_point_t), intent(in) :: a, b  !< a point in two states
+    alike = a%state == b%state .and. (a%grows .eqv. b%grows)
+  end function alike
 end module hd_rate

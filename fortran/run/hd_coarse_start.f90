@@ -35,7 +35,7 @@ contains
   !> slip almost everywhere: there the coarser solution is no better a guess than rest (two to ten times the iterations).
   pure logical function has_coarser(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    has_coarser = scene%start /= 'rest' .and. scene%support /= 'drive' .and. scene%contact_mode /= 'bonded' .and. &
+    has_coarser = scene%start /= 'rest' .and. scene%contact_mode /= 'bonded' .and. &
       scene%element /= 'hex20r' .and. &
       scene%divisions >= 48 .and. band_rows(scene) >= 8  ! 16 x 3 facets mislead
     if (scene%start == 'auto') has_coarser = has_coarser .and. scene%shape == 'pressed' .and. &
@@ -65,7 +65,7 @@ contains
     type(drive_t), intent(in) :: drive         !< model of the finer mesh
     type(state_t), intent(in) :: before        !< its state at the beginning of the step
     real(dp), intent(in) :: position(2)        !< beginning and end: 0 to 1 assembly, 1 to 2 torque
-    real(dp), intent(in) :: torque             !< of position 2 [N m]
+    real(dp), intent(in) :: torque(2)          !< torques there [N m]
     type(state_t), intent(inout) :: state      !< guess, left as it is where the coarser run knows nothing
     type(state_t) :: pair(2)
     real(dp), allocatable :: nodal(:, :)
@@ -75,7 +75,7 @@ contains
     do i = 1, 2
       call new_state(self%drive%problem, pair(i))
       if (.not. position(i) > 0) cycle
-      call self%states%recall(min(position(i), 1._dp), max(0._dp, position(i) - 1)*torque, pair(i), found)
+      call self%states%recall(min(position(i), 1._dp), torque(i), pair(i), found)
       if (.not. found) return
     end do
     state%u = before%u + prolonged(self%drive, drive, pair(2)%u - pair(1)%u)

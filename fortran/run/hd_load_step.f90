@@ -254,9 +254,7 @@ contains
     call place_step(run, position, step)
     if (run%writes) call write_history(run%output, step, attempt, history, error)
     if (allocated(error)) return
-    call log_iterations(history)
-    run%period = maxval(history%period)
-    if (run%period > 0) run%record%cycles = run%record%cycles + 1
+    call note_iterations(run, history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
     if (solved) then
@@ -296,7 +294,7 @@ contains
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) then
-      call run%coarser%guess(run%drive, run%state, [run%position, position], run%scene%torque, trial)
+      call run%coarser%guess(run%drive, run%state, [run%position, position], [torque_at(run%scene, run%position), torque], trial)
     end if
     if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
   end subroutine first_guess
@@ -327,8 +325,9 @@ contains
     history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
   end subroutine turn_against_teeth
 
-  !> Newton iterations in the verbose log.
-  subroutine log_iterations(history)
+  !> What Newton's iterations tell, for the verbose log and for a message where they fail.
+  subroutine note_iterations(run, history)
+    type(run_t), intent(inout) :: run            !< gets period, loose_points
     type(iteration_t), intent(in) :: history(:)  !< iterates
     character(len=80) :: line
     integer :: i
@@ -337,7 +336,12 @@ contains
         history(i)%open, history(i)%stick, history(i)%slip, history(i)%damping
       call detail(trim(line))
     end do
-  end subroutine log_iterations
+    run%period = maxval(history%period)
+    if (run%period > 0) run%record%cycles = run%record%cycles + 1
+    associate (last => history(size(history)))
+      run%loose_points = merge(last%slip, 0, last%stick == 0)
+    end associate
+  end subroutine note_iterations
 
   !> The contact slips as a whole: there is no equilibrium beyond this torque.
   subroutine slipped(run, slip_torque, error)
@@ -379,14 +383,21 @@ contains
   subroutine not_converged(run, error)
     type(run_t), intent(in) :: run                    !< run
     type(error_t), allocatable, intent(out) :: error  !< the message
-    character(len=:), allocatable :: cause, tries
+    character(len=:), allocatable :: cause, tries, advice
+    advice = ''
     cause = 'no convergence'
     tries = to_text(run%scene%max_cuts)//' halvings'
-    if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too (raise '// &
-      'solver.max_iterations)'
-    if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
+    if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too'
+    if (run%period > 0) then
+      cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
+    else if (proportional(run)) then
+      tries = tries//' (raise solver.max_iterations)'
+    end if
+    if (run%scene%support == 'drive' .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
+      ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
+      'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
     call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
       ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
-      tries//'; history.csv shows the residuals, the last converged state is kept')
+      tries//'; history.csv shows the residuals, the last converged state is kept'//advice)
   end subroutine not_converged
 end module hd_load_step

@@ -54,6 +54,7 @@ module hd_run
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
+    integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
     real(dp) :: stride = 2                  !< longest part of a load step that is tried
     type(step_t) :: step                    !< last converged step
     type(facets_t) :: facets                !< its facets

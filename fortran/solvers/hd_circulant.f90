@@ -6,7 +6,7 @@ module hd_circulant
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp, pi
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
-    side_block, release_side
+    side_block, release_side, line_up, fade_out
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: free_plan, execute_backward_real, execute_forward_real, plan_rows
@@ -35,6 +35,7 @@ module hd_circulant
     integer :: serial = 0                           !< of the coupling whose weights the sides have
     integer :: rows = 0                             !< multipliers along the axis
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
+    integer, allocatable :: beside(:, :)            !< rows before and behind each row on the same face, 0: none (2, rows)
     logical :: inverted = .false.                   !< the inverse is there
     type(circulant_side_t) :: ring                            !< F^-1 by harmonic, mean over the sectors, and workspace to apply it
   contains
@@ -45,6 +46,7 @@ module hd_circulant
     procedure :: prepare_columns => prepare_circulant_columns
     procedure :: add_column => add_circulant_column
     procedure :: own => own_block
+    procedure :: surround => surround_closed
     procedure :: release => release_circulant
   end type circulant_t
 
@@ -139,6 +141,9 @@ contains
     number = [(count(number(:i) > 0), i=1, m)]
     circulant%sector = (problem%mortar%node - 1)/m
     circulant%row = number(modulo(problem%mortar%node - 1, m) + 1)
+    allocate (circulant%beside(2, circulant%rows), source=0)
+    call line_up(circulant%row(:problem%mortar%n - problem%mortar%rigid), circulant%beside)
+    call line_up(circulant%row(problem%mortar%n - problem%mortar%rigid + 1:), circulant%beside)
   end subroutine place_multipliers
 
   !> Factorise and transform what a stride needs.
@@ -291,6 +296,15 @@ contains
       end do
     end associate
   end subroutine precondition_circulant
+
+  !> Open points around the closed ones.
+  subroutine surround_closed(self, closed, at, from, weight)
+    class(circulant_t), intent(in) :: self            !< prepared
+    logical, intent(in) :: closed(:)                  !< (multipliers)
+    integer, allocatable, intent(out) :: at(:), from(:)
+    real(dp), allocatable, intent(out) :: weight(:)   !< as in compliance_t
+    call fade_out(self%row, self%sector, self%beside, self%sides(1)%sectors/self%stride, closed, at, from, weight)
+  end subroutine surround_closed
 
   !> Mean of F over rotations by one sector of the ring, a little softer, inverted harmonic by harmonic.
   subroutine invert_mean(self, error)

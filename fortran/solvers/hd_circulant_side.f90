@@ -9,7 +9,12 @@ module hd_circulant_side
   use hd_problem, only: problem_t
   implicit none
   private
-  public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
+  public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side, &
+    line_up, fade_out
+
+  !> What the layers of open points around the closed ones take of their neighbours' values before F^-1 of the whole face is
+  !> applied. A field that breaks off where contact ends answers as stiffly as a plate that is bent along that edge.
+  real(dp), parameter :: fade(2) = [0.7_dp, 0.5_dp]
 
   type :: circulant_side_t
     integer :: sectors = 0                          !< of the body
@@ -196,4 +201,57 @@ contains
     if (allocated(side%field)) deallocate (side%field, side%wave, side%near)
     if (allocated(side%kernel)) deallocate (side%kernel)
   end subroutine release_side
+
+  !> Enter which rows of a face follow each other along the axis.
+  pure subroutine line_up(row, beside)
+    integer, intent(in) :: row(:)             !< of the multipliers of a face
+    integer, intent(inout) :: beside(:, :)    !< gets their rows (2, rows)
+    integer :: i, before
+    before = 0
+    do i = 1, size(beside, 2)
+      if (.not. any(row == i)) cycle
+      beside(1, i) = before
+      if (before > 0) beside(2, before) = i
+      before = i
+    end do
+  end subroutine line_up
+
+  !> Two layers of open points around the closed ones; each takes the mean of its neighbours in the layer before: entry e adds
+  !> weight(e) times the value at from(e) to point at(e).
+  subroutine fade_out(row, sector, beside, sectors, closed, at, from, weight)
+    integer, intent(in) :: row(:), sector(:)      !< places of the points, sectors from 0
+    integer, intent(in) :: beside(:, :)           !< of line_up (2, rows)
+    integer, intent(in) :: sectors                !< after which fields repeat; points beyond them are left out
+    logical, intent(in) :: closed(:)              !< (points)
+    integer, allocatable, intent(out) :: at(:), from(:)
+    real(dp), allocatable, intent(out) :: weight(:)
+    integer :: place(0:size(beside, 2), 0:sectors - 1), layer(0:size(closed)), near(4)
+    integer :: j, k, l, m
+    place = 0
+    do j = 1, size(closed)
+      if (sector(j) < sectors) place(row(j), sector(j)) = j
+    end do
+    layer = -1
+    where (closed) layer(1:) = 0
+    allocate (at(4*size(closed)), from(4*size(closed)), weight(4*size(closed)))
+    m = 0
+    do l = 1, size(fade)
+      do j = 1, size(closed)
+        if (layer(j) >= 0 .or. sector(j) >= sectors) cycle
+        near = [place(beside(:, row(j)), sector(j)), place(row(j), modulo(sector(j) - 1, sectors)), &
+          place(row(j), modulo(sector(j) + 1, sectors))]
+        near = pack(near, layer(near) == l - 1, [0, 0, 0, 0])
+        k = count(near > 0)
+        if (k == 0) cycle
+        layer(j) = l
+        at(m + 1:m + k) = j
+        from(m + 1:m + k) = near(:k)
+        weight(m + 1:m + k) = fade(l)/k
+        m = m + k
+      end do
+    end do
+    at = at(:m)
+    from = from(:m)
+    weight = weight(:m)
+  end subroutine fade_out
 end module hd_circulant_side

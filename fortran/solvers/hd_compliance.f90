@@ -27,6 +27,7 @@ module hd_compliance
     procedure :: prepare_columns
     procedure(add_column), deferred :: add_column
     procedure :: own
+    procedure :: surround
     procedure(release_compliance), deferred :: release
   end type compliance_t
 
@@ -91,6 +92,16 @@ contains
     class(compliance_t), intent(inout) :: self        !< prepared
     type(error_t), allocatable, intent(out) :: error  !< memory
   end subroutine prepare_columns
+
+  !> Open points around the closed ones, layer by layer: entry e adds weight(e) times the value at from(e) to point at(e). None
+  !> where neighbours are not known.
+  subroutine surround(self, closed, at, from, weight)
+    class(compliance_t), intent(in) :: self           !< prepared
+    logical, intent(in) :: closed(:)                  !< (multipliers)
+    integer, allocatable, intent(out) :: at(:), from(:)
+    real(dp), allocatable, intent(out) :: weight(:)
+    allocate (at(0), from(0), weight(0))
+  end subroutine surround
 
   !> Block F(j, j).
   function own(self, j) result(block)

@@ -32,6 +32,8 @@ module hd_face_system
     real(dp), allocatable :: f(:, :), w(:, :)    !< workspace (3, multipliers)
     real(dp), allocatable :: share(:)            !< of the compliance in the preconditioner of each unknown
     real(dp), allocatable :: diagonal(:)         !< the rest, of the inverse diagonal
+    integer, allocatable :: fringe(:), from(:)   !< open points that the preconditioner gives values, and the points they come from
+    real(dp), allocatable :: fade(:)             !< weights of these values
     integer, allocatable :: list(:)              !< multipliers that are solved for
     integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
     integer, allocatable :: start(:)             !< unknowns before each of them, and their number
@@ -256,6 +258,7 @@ contains
     call number(self, list)
     call pack_rows(self)
     call weigh(self)
+    call self%compliance%surround(closed_of(self), self%fringe, self%from, self%fade)
     b = right_side(self, w)
     if (self%struts > 0) call eliminate_struts(self, b, error)
     if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
@@ -266,6 +269,14 @@ contains
     call enter(self, y, traction)
     if (self%struts > 0) self%x = [matmul(self%strut_forces, [-y, 1._dp]), self%x]
   end subroutine solve_krylov
+
+  !> Points that are solved for.
+  pure function closed_of(self) result(closed)
+    class(face_system_t), intent(in) :: self  !< system with its list
+    logical :: closed(size(self%rank))
+    closed = .false.
+    closed(self%list) = .true.
+  end function closed_of
 
   !> Leave the rest of the border, and bodies that stand on their struts.
   subroutine eliminate_struts(self, b, error)
@@ -396,7 +407,8 @@ contains
     y(:n) = y(:n) - matmul(self%answer, y(n + 1:))
   end subroutine approximate_face
 
-  !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates.
+  !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates. Values fade out beyond the closed
+  !> points, and what is found there counts for these in the same way.
   subroutine approximate_points(self, x, y, error)
     class(face_system_t), intent(inout) :: self       !< system
     real(dp), intent(in) :: x(:)                      !< rows [m]
@@ -407,8 +419,14 @@ contains
     do l = 1, size(x)
       self%w(:, self%at(l)) = self%w(:, self%at(l)) + self%rows(:, l)*(self%share(l)*x(l))
     end do
+    do l = 1, size(self%fringe)
+      self%w(:, self%fringe(l)) = self%w(:, self%fringe(l)) + self%fade(l)*self%w(:, self%from(l))
+    end do
     call self%compliance%precondition(self%w, self%f, error)
     if (allocated(error)) return
+    do l = size(self%fringe), 1, -1
+      self%f(:, self%from(l)) = self%f(:, self%from(l)) + self%fade(l)*self%f(:, self%fringe(l))
+    end do
     do l = 1, size(x)
       y(l) = self%share(l)*sum(self%rows(:, l)*self%f(:, self%at(l))) + self%diagonal(l)*x(l)
     end do

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 module test_circulant
   use hd_check, only: check_close
+  use hd_circulant, only: circulant_t
   use hd_circulant_side, only: circulant_side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
   use hd_error, only: error_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
@@ -18,7 +19,45 @@ contains
     end do
     call one_side(1)
     call one_side(2)
+    call fringe(1)
+    call fringe(2)
   end subroutine run_circulant
+
+  !> Around one closed point of a face that repeats `stride` times stand two layers of open points. All take values, and a layer of
+  !> constant values takes the same part of it at each of its points.
+  subroutine fringe(stride)
+    integer, intent(in) :: stride
+    integer, parameter :: rows = 5, sectors = 16
+    type(circulant_t) :: face
+    integer, allocatable :: at(:), from(:)
+    real(dp), allocatable :: weight(:)
+    real(dp) :: value(rows*sectors), expected(rows*sectors)
+    logical :: closed(rows*sectors)
+    integer :: e, j, away
+    allocate (face%sides(1))
+    face%sides(1)%sectors = sectors
+    face%stride = stride
+    face%rows = rows
+    face%row = [(modulo(j - 1, rows) + 1, j=1, rows*sectors)]
+    face%sector = [((j - 1)/rows, j=1, rows*sectors)]
+    allocate (face%beside(2, rows))
+    face%beside(1, :) = [0, 1, 2, 3, 4]
+    face%beside(2, :) = [2, 3, 4, 5, 0]
+    closed = face%row == 3 .and. face%sector == 0
+    call face%surround(closed, at, from, weight)
+    value = merge(1._dp, 0._dp, closed)
+    do e = 1, size(at)
+      value(at(e)) = value(at(e)) + weight(e)*value(from(e))
+    end do
+    do j = 1, rows*sectors
+      away = abs(face%row(j) - 3) + min(face%sector(j), modulo(-face%sector(j), sectors/stride))
+      expected(j) = merge(1._dp, 0._dp, away == 0)
+      if (away == 1) expected(j) = 0.7_dp
+      if (away == 2) expected(j) = 0.35_dp
+      if (face%sector(j) >= sectors/stride) expected(j) = 0
+    end do
+    call check_close(maxval(abs(value - expected)), 0._dp, 1e-15_dp, 'values fade out over two layers beyond the closed points')
+  end subroutine fringe
 
   !> Symmetric positive matrix.
   function some_matrix(n, k) result(a)

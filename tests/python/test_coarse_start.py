@@ -42,6 +42,24 @@ def test_the_solution_is_that_from_rest(tmp_path, mesh, groups):
     assert "first_guesses" in fast["model"] and "first_guesses" not in slow["model"]
 
 
+def test_a_drive_starts_from_a_coarser_mesh(tmp_path):
+    """Balls and teeth included, the loop is that from rest, in fewer iterations."""
+    def drive(start):
+        with hdengine.Run(CD14.parent / "drive14.nml", out=tmp_path / start, mesh={"divisions": 64, "band_facets": 16},
+                          load={"torque_steps": 1}, loop={"torques": [3.0, 0.0]}, output={"vtu": "none"},
+                          solver={"start": start, "tolerance": 1e-11}) as run:
+            for _ in run:
+                pass
+        return hdengine.load(tmp_path / start)
+
+    rest, near = drive("rest"), drive("auto")
+    assert near.loop["angle_rad"] == pytest.approx(rest.loop["angle_rad"], rel=1e-7)
+    assert near.loop["ball_force_max_n"] == pytest.approx(rest.loop["ball_force_max_n"], rel=1e-7)
+    assert near.loop["tooth_force_max_n"] == pytest.approx(rest.loop["tooth_force_max_n"], rel=1e-7)
+    assert near.summary["results"]["iterations"] < rest.summary["results"]["iterations"]
+    assert "first_guesses" in near.summary["model"]
+
+
 def test_iterations_do_not_grow_with_the_mesh(tmp_path):
     """From rest they grow twice as much or more."""
     def count(start, rows):

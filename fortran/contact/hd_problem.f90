@@ -10,7 +10,7 @@ module hd_problem
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
-  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, strut_energy
+  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, strut_energy, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
@@ -35,6 +35,7 @@ module hd_problem
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
+    real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
     integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
     integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
@@ -190,13 +191,27 @@ contains
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(3, problem%n)
+    real(dp), allocatable :: forces(:)
     integer :: i
     f = elastic_forces(problem, u)
     if (.not. allocated(problem%struts)) return
+    forces = linear_forces(problem, [(closing_of(problem%struts(i), u), i=1, size(problem%struts))])
     do i = 1, size(problem%struts)
-      if (problem%strut_rate(i) > 0) call push(problem%struts(i), problem%strut_rate(i)*closing_of(problem%struts(i), u), f)
+      if (problem%strut_rate(i) > 0) call push(problem%struts(i), forces(i), f)
     end do
   end function apply_stiffness
+
+  !> Forces of the struts by their present tangents [N].
+  function linear_forces(problem, closing) result(f)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    real(dp), intent(in) :: closing(:)      !< (struts) [m]
+    real(dp) :: f(size(closing))
+    if (allocated(problem%strut_give)) then
+      f = answers(problem%strut_rate, problem%strut_give, closing)
+    else
+      f = problem%strut_rate*closing
+    end if
+  end function linear_forces
 
   !> The same without struts.
   function elastic_forces(problem, u) result(f)
@@ -254,8 +269,8 @@ contains
     end if
   end function internal_residual
 
-  !> Closings of the struts [m].
-  pure function strut_closings(problem, load, u) result(c)
+  !> Closings of the struts, less what they stand on gives way [m].
+  function strut_closings(problem, load, u) result(c)
     type(problem_t), intent(in) :: problem  !< problem with struts
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
@@ -265,10 +280,11 @@ contains
     do i = 1, size(c)
       if (c(i) > -1) c(i) = c(i) + closing_of(problem%struts(i), u)
     end do
+    if (allocated(problem%strut_give)) call give_way(problem%struts%rate, problem%strut_give, c)
   end function strut_closings
 
   !> Forces of the struts [N].
-  pure function strut_forces(problem, load, u) result(f)
+  function strut_forces(problem, load, u) result(f)
     type(problem_t), intent(in) :: problem  !< problem with struts
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
@@ -297,10 +313,11 @@ contains
     do i = 1, size(closing)
       flank(i) = flank(i) .and. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0
     end do
+    flank = flank .and. closing >= maxval(closing, mask=flank) - near
+    where (flank) problem%strut_rate = problem%struts%rate
+    closing = linear_forces(problem, merge(closing, 0._dp, flank))
     do i = 1, size(closing)
-      if (.not. flank(i) .or. closing(i) < maxval(closing, mask=flank) - near) cycle
-      problem%strut_rate(i) = problem%struts(i)%rate
-      call push(problem%struts(i), problem%strut_rate(i)*closing(i), r)
+      if (flank(i)) call push(problem%struts(i), closing(i), r)
     end do
   end subroutine update_struts
 
@@ -309,7 +326,12 @@ contains
     type(problem_t), intent(in) :: problem  !< problem with struts
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    e = sum(u*elastic_forces(problem, u))/2 + sum(strut_energy(problem%struts, strut_closings(problem, load, u)))
+    real(dp), allocatable :: closing(:), force(:)
+    closing = strut_closings(problem, load, u)
+    e = sum(u*elastic_forces(problem, u))/2 + sum(strut_energy(problem%struts, closing))
+    if (.not. allocated(problem%strut_give)) return
+    force = strut_force(problem%struts, closing)
+    e = e + dot_product(force, matmul(problem%strut_give, force))/2
   end function stored_energy
 
   !> Allow large displacements from here on.

@@ -1,11 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Struts are unilateral springs between points of the bodies and rigid surroundings, F = K max(0, closing)^power. A ball between
-!> cam and ring (power 3/2) and a flank of a tooth against the rigid circular spline (power 1) are struts.
+!> cam and ring (power 3/2) and a flank of a tooth against the circular spline (power 1) are struts. What they stand on may give way
+!> under all their forces together (`give`, a symmetric compliance between struts of power 1).
 module hd_strut
   use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_lapack, only: solve_dense
   implicit none
   private
-  public :: strut_t, absent, closing_of, strut_force, strut_tangent, strut_energy, push
+  public :: strut_t, absent, closing_of, strut_force, strut_tangent, strut_energy, push, answers, give_way
 
   real(dp), parameter :: absent = -huge(1._dp)  !< offset of a strut that is not there yet
 
@@ -53,6 +56,47 @@ contains
     e = 0
     if (closing > 0) e = strut%rate*closing**(strut%power + 1)/(strut%power + 1)
   end function strut_energy
+
+  !> Forces of struts with given tangents under closings, all of them linear; what they stand on gives way [N].
+  function answers(rate, give, closing) result(force)
+    real(dp), intent(in) :: rate(:)       !< tangents, 0: does not push (struts) [N/m]
+    real(dp), intent(in) :: give(:, :)    !< (struts, struts) [m/N]
+    real(dp), intent(in) :: closing(:)    !< (struts) [m]
+    real(dp) :: force(size(rate))
+    type(error_t), allocatable :: error   ! never: the matrix is positive definite
+    real(dp), allocatable :: a(:, :), b(:, :)
+    integer, allocatable :: list(:)
+    integer :: i
+    list = pack([(i, i=1, size(rate))], rate > 0)
+    a = give(list, list)
+    do i = 1, size(list)
+      a(i, i) = a(i, i) + 1/rate(list(i))
+    end do
+    b = reshape(closing(list), [size(list), 1])
+    call solve_dense(a, b, error)
+    force = 0
+    force(list) = b(:, 1)
+  end function answers
+
+  !> Closings left where what the struts stand on has given way: Newton's method on the set of struts that push.
+  subroutine give_way(rate, give, closing)
+    real(dp), intent(in) :: rate(:)           !< K (struts) [N/m]
+    real(dp), intent(in) :: give(:, :)        !< (struts, struts), 0 for struts of another power [m/N]
+    real(dp), intent(inout) :: closing(:)     !< (struts) [m]
+    integer, parameter :: most = 100
+    real(dp) :: left(size(rate))
+    logical, dimension(size(rate)) :: yields, pushes, before
+    integer :: i
+    yields = [(give(i, i) > 0, i=1, size(rate))]
+    pushes = yields .and. closing > 0
+    do i = 1, most
+      left = closing - matmul(give, answers(merge(rate, 0._dp, pushes), give, closing))
+      before = pushes
+      pushes = yields .and. left > 0
+      if (all(pushes .eqv. before)) exit
+    end do
+    where (yields .and. closing > absent) closing = left
+  end subroutine give_way
 
   !> Add an amount of the strut's weights to a nodal field.
   pure subroutine push(strut, amount, f)

@@ -20,6 +20,7 @@ module hd_drive
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
   use hd_strut, only: absent, closing_of
+  use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
   implicit none
   private
@@ -49,7 +50,7 @@ module hd_drive
     integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
     integer :: balls = 0                     !< of the struts the first are balls; the others flanks, two for each pair
     real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
-    real(dp), allocatable :: slope(:)        !< its derivative round the axis [m/rad]
+    real(dp), allocatable :: slope(:)        !< its derivative round the axis; without balls at the nodes of `inner` [m/rad]
   end type drive_t
 
 contains
@@ -215,6 +216,11 @@ contains
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       if (scene%balls > 0) problem%struts = [ball_struts(scene, inside, ring%sectors, problem%first(drive%b_ring)), problem%struts]
       problem%strut_rate = [0._dp*problem%struts%rate]
+      if (scene%spline_thickness > 0) then
+        if (.not. allocated(problem%strut_give)) allocate (problem%strut_give(size(problem%struts), size(problem%struts)))
+        problem%strut_give = 0
+        problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
+      end if
       problem%hub = drive%hub
     end associate
   end subroutine set_struts
@@ -297,21 +303,26 @@ contains
     if (scene%support == 'drive') call turn_cam_under_balls(scene, drive)
   end subroutine turn_cam
 
-  !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way.
+  !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way. Without balls the slope of
+  !> the cam at the nodes that it moves.
   subroutine turn_cam_under_balls(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets way, slope
-    real(dp), dimension(scene%balls) :: theta, before, after, v
+    real(dp), dimension(merge(scene%balls, size(drive%inner), scene%balls > 0)) :: theta, w, way, before, after, v
     real(dp), parameter :: h = 1e-4_dp
-    theta = ball_angles(scene)
-    if (allocated(drive%way)) deallocate (drive%way)
-    allocate (drive%way(scene%balls))
-    call drive%cam%displace(drive%cam%w, theta - h, before, v)
-    call drive%cam%displace(drive%cam%w, theta + h, after, v)
-    call drive%cam%displace(drive%cam%w, theta, drive%way, v)
+    if (scene%balls > 0) then
+      theta = ball_angles(scene)
+      w = drive%cam%w
+    else
+      theta = drive%reference(2, drive%inner)
+      w = drive%cam%deformation(drive%reference(3, drive%inner))
+    end if
+    call drive%cam%displace(w, theta - h, before, v)
+    call drive%cam%displace(w, theta + h, after, v)
+    call drive%cam%displace(w, theta, way, v)
     associate (e => drive%eccentricity)
       drive%slope = (after - before)/(2*h) - e(1)*sin(theta) + e(2)*cos(theta)
-      drive%way = drive%way + e(1)*cos(theta) + e(2)*sin(theta) - scene%ball_clearance
+      drive%way = way(:scene%balls) + e(1)*cos(theta(:scene%balls)) + e(2)*sin(theta(:scene%balls)) - scene%ball_clearance
     end associate
   end subroutine turn_cam_under_balls
 

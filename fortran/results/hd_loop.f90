@@ -13,6 +13,7 @@ module hd_loop
   use hd_scene, only: scene_t
   use hd_stress, only: nodal_stress
   use hd_strut, only: strut_force
+  use hd_supports, only: moment_on_cam
   use hd_text, only: string_t, push_text => push, rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -82,8 +83,11 @@ contains
       loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
-      loop%wave_generator_torque = 0
-      if (n > 0) loop%wave_generator_torque = sum(loop%force(:n)*drive%slope)
+      if (n > 0) then
+        loop%wave_generator_torque = sum(loop%force(:n)*drive%slope)
+      else
+        loop%wave_generator_torque = moment_on_cam(drive, load, state)
+      end if
       if (step%phase == 'assembly') then
         loop%torque = [0._dp]
         loop%angle = [0._dp]
@@ -210,7 +214,9 @@ contains
       if (abs(scene%w/fitting - 1) > 0.5_dp) cause = 'wave_generator.w = '//to_text(scene%w)//' m does not go with '// &
         'load.teeth = '//to_text(scene%teeth)//', which ask for about 2 (bore_radius + rim_thickness)/teeth = '// &
         to_text(fitting)//' m'
-      call push_text(lines, 'the balls put up to '//to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
+      if (scene%balls == 0 .and. scene%ring_tangent == 'follow') cause = "wave_generator.ring_tangent = 'follow' holds the ring"
+      call push_text(lines, trim(merge('the ring puts', 'the balls put', scene%balls == 0))//' up to '// &
+        to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
         'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it: '//cause)
     end if
     if (loop%unloaded) call push_text(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &

@@ -8,7 +8,7 @@ module hd_supports
   use hd_problem, only: state_t, load_t, internal_residual
   implicit none
   private
-  public :: support_torques_t, support_torques, moment, contact_torque
+  public :: support_torques_t, moment_on_cam, support_torques, moment, contact_torque
 
   !> What each support takes of the torque, positive in the sense of a torque on the rim; their sum is that torque.
   type :: support_torques_t
@@ -27,24 +27,14 @@ contains
     type(state_t), intent(in) :: state  !< converged state
     type(support_torques_t) :: torque
     real(dp), dimension(3, drive%problem%n) :: r, part
-    real(dp) :: traction(3, drive%problem%mortar%n)
-    associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid)
+    associate (problem => drive%problem)
       r = internal_residual(problem, load, state)
       where (.not. problem%fixed) r = 0
       part = 0
       part(:, drive%hub) = r(:, drive%hub)
       part(:, drive%sprung) = part(:, drive%sprung) - problem%spring(:, drive%sprung)*state%u(:, drive%sprung)
       torque%hub = -moment(drive, state, part, drive%b_cup)
-      part = 0
-      if (m < problem%mortar%n) then
-        traction = state%traction
-        traction(:, :m) = 0
-        call add_nodal_forces(problem%mortar, traction, part)
-      end if
-      part(:, drive%inner) = part(:, drive%inner) + r(:, drive%inner)
-      part(1, drive%inner) = part(1, drive%inner) + &
-        problem%spring(1, drive%inner)*(load%displacement(1, drive%inner) - state%u(1, drive%inner))
-      torque%wave_generator = -moment(drive, state, part, drive%b_ring)
+      torque%wave_generator = -moment(drive, state, forces_of_cam(drive, load, state, r), drive%b_ring)
       part = 0
       part(2, drive%inner) = -problem%spring(2, drive%inner)*state%u(2, drive%inner)
       torque%ring_springs = -moment(drive, state, part, drive%b_ring)
@@ -54,6 +44,38 @@ contains
         torque%ring_springs
     end associate
   end function support_torques
+
+  !> Forces of the wave generator on the ring where no balls lie between them (3, n) [N].
+  function forces_of_cam(drive, load, state, reactions) result(force)
+    type(drive_t), intent(in) :: drive         !< drive
+    type(load_t), intent(in) :: load           !< load of the step
+    type(state_t), intent(in) :: state         !< converged state
+    real(dp), intent(in) :: reactions(:, :)    !< at fixed dofs (3, n) [N]
+    real(dp) :: force(3, drive%problem%n), traction(3, drive%problem%mortar%n)
+    force = 0
+    associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, inner => drive%inner)
+      if (m < problem%mortar%n) then
+        traction = state%traction
+        traction(:, :m) = 0
+        call add_nodal_forces(problem%mortar, traction, force)
+      end if
+      force(:, inner) = force(:, inner) + reactions(:, inner)
+      force(1, inner) = force(1, inner) + problem%spring(1, inner)*(load%displacement(1, inner) - state%u(1, inner))
+    end associate
+  end function forces_of_cam
+
+  !> Moment of the ring on a cam without balls: of what it takes tangentially, and to first order of what presses on its slopes
+  !> [N m].
+  function moment_on_cam(drive, load, state) result(m)
+    type(drive_t), intent(in) :: drive   !< whole drive
+    type(load_t), intent(in) :: load     !< load of the step
+    type(state_t), intent(in) :: state   !< converged state
+    real(dp) :: m, force(3, drive%problem%n)
+    force = internal_residual(drive%problem, load, state)
+    where (.not. drive%problem%fixed) force = 0
+    force = forces_of_cam(drive, load, state, force)
+    m = sum(force(1, drive%inner)*drive%slope) - moment(drive, state, force, drive%b_ring)
+  end function moment_on_cam
 
   !> Moment about the axis of the nodal forces on one body [N m].
   pure real(dp) function moment(drive, state, force, b) result(m)

@@ -72,6 +72,8 @@ contains
       'below sample_length', s%sample_length)
     call need(faults, s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'load.tooth_pairs', real(s%tooth_pairs, dp), &
       "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
+    call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
+      "support 'drive'; with others the circular spline is rigid:", 0._dp)
     call need(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
       "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
     call need(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), &

@@ -156,6 +156,11 @@ contains
       "of a pair of teeth along its normal, with support 'teeth'; 14 N/(mm um) times the rim")
     call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
       'of the outermost pairs, falling to 0 with the square of the distance from the long axis', closed=.true.)
+    call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &
+      "of the circular spline, radial, with support 'drive': an elastic ring of the flexspline's material under the forces of "// &
+      'the teeth; 0: rigid', closed=.true.)
+    call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
+      'of the circular spline, axial; 0: geometry.rim_length', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the pairs round the axis, in tooth pitches; 0: they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)

@@ -65,7 +65,7 @@ module hd_scene
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, spline_thickness = 0, spline_width = 0
     integer :: assembly_steps = 3, torque_steps = 5
     ! bearing: balls of the whole drive
     integer :: balls = 21

@@ -4,7 +4,7 @@
 !> with a free hub).
 !>
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
-!>   x / k + P^T u = 0                          linearised strut, k its tangent
+!>   x / k + P^T u + G x = 0                    linearised strut, k its tangent, G compliance of what it stands on
 !>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
 !> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the
 !> equations are those of the body on S. In a C without them the soft springs of a cup would hide what the contact gives way.
@@ -160,6 +160,7 @@ contains
     d(:n, :n) = self%own(self%active, self%active)
     d(:n, n + 1:) = self%own(self%active, self%struts + 1:)
     d(n + 1:, :n) = transpose(d(:n, n + 1:))
+    if (allocated(problem%strut_give)) d(:n, :n) = d(:n, :n) + problem%strut_give(self%active, self%active)
     do i = 1, n
       d(i, i) = d(i, i) + 1/problem%strut_rate(self%active(i))
     end do

@@ -126,6 +126,10 @@ contains
             end do
           end do
           call put(at, at, 0._dp)
+          if (.not. allocated(problem%strut_give)) cycle
+          do k = 1, matrix%struts
+            call put(at, at - j + k, 0._dp)
+          end do
         end associate
       end do
       if (pass == 1) allocate (matrix%row(n), matrix%col(n), matrix%val(n))
@@ -309,6 +313,10 @@ contains
           end do
         end do
         call enter(merge(-1/max(problem%strut_rate(j), tiny(1._dp)), -1/strut%rate, problem%strut_rate(j) > 0))
+        if (.not. allocated(problem%strut_give)) cycle
+        do k = 1, self%struts
+          call enter(merge(-problem%strut_give(j, k), 0._dp, min(problem%strut_rate(j), problem%strut_rate(k)) > 0))
+        end do
       end associate
     end do
     call self%mumps%factorise(error)

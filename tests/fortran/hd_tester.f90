@@ -18,6 +18,7 @@ program hd_tester
   use test_registers, only: run_registers
   use test_rotation, only: run_rotation
   use test_section, only: run_section
+  use test_spline_ring, only: run_spline_ring
   use test_stress, only: run_stress
   use test_table, only: run_table
   use test_text, only: run_text
@@ -29,6 +30,7 @@ program hd_tester
   call run_band()
   call run_fft()
   call run_hertz()
+  call run_spline_ring()
   call run_heights()
   call run_random()
   call run_element()

@@ -1,0 +1,107 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The circular spline as an elastic ring under the forces of its teeth, in closed form by harmonics: a curved beam of rectangular
+!> section with stretch, shear (Timoshenko) and bending. Amplitudes w (radial), v (tangential) and f (turn of the section) of
+!> harmonic n give
+!>   stretch e = (w + n v)/R,   shear g = f - (n w + v)/R,   curvature h = n f/R
+!> and obey  (E A e e^T + k G A g g^T + E I h h^T) (w, v, f) = load / (pi R).
+!> The housing holds the ring's turn and its translation as a whole, by forces spread evenly: harmonic 1 and the tangential part of
+!> harmonic 0 give nothing. Loads act at the teeth, inside of the centre line.
+module hd_spline_ring
+  use hd_kinds, only: dp, pi
+  use hd_scene, only: scene_t
+  use hd_tooth_flanks, only: tooth_angles
+  implicit none
+  private
+  public :: spline_ring_t, new_spline_ring, ring_compliance, flank_compliance
+
+  integer, parameter :: last = 400                    !< harmonic; what is left falls with its inverse
+  real(dp), parameter :: shear_factor = 5._dp/6._dp   !< k of a rectangle
+
+  type :: spline_ring_t
+    real(dp) :: uniform = 0                     !< radial way of harmonic 0 under a radial force [m/N]
+    real(dp) :: hat(2, 2, 2:last) = 0           !< ways (radial, tangential) of the teeth by force there [m/N]
+  end type spline_ring_t
+
+contains
+
+  !> Harmonics of a ring.
+  pure function new_spline_ring(radius, thickness, width, young, poisson) result(ring)
+    real(dp), intent(in) :: radius      !< of the teeth, the inside [m]
+    real(dp), intent(in) :: thickness   !< radial [m]
+    real(dp), intent(in) :: width       !< axial [m]
+    real(dp), intent(in) :: young       !< E [Pa]
+    real(dp), intent(in) :: poisson     !< nu
+    type(spline_ring_t) :: ring
+    real(dp) :: k(3, 3), centre, rigid(3)
+    integer :: n
+    centre = radius + thickness/2
+    rigid = young*width*thickness*[1._dp, shear_factor/(2*(1 + poisson)), thickness**2/12]
+    ring%uniform = centre/(2*pi*rigid(1))
+    do n = 2, last
+      k = rigid(1)*outer([1._dp, real(n, dp), 0._dp]/centre) + rigid(2)*outer([-n/centre, -1/centre, 1._dp]) + &
+        rigid(3)*outer([0._dp, 0._dp, n/centre])
+      ring%hat(:, :, n) = at_teeth(k, thickness/2)/(pi*centre)
+    end do
+  end function new_spline_ring
+
+  !> a a^T.
+  pure function outer(a) result(product)
+    real(dp), intent(in) :: a(3)
+    real(dp) :: product(3, 3)
+    product = spread(a, 2, 3)*spread(a, 1, 3)
+  end function outer
+
+  !> L^T K^-1 L: a tangential force at a depth d inside of the centre line turns the section by -d.
+  pure function at_teeth(k, d) result(hat)
+    real(dp), intent(in) :: k(3, 3), d
+    real(dp) :: hat(2, 2), inverse(3, 3), l(3, 2), determinant
+    integer :: i, j, p(3), q(3)
+    p = [2, 3, 1]
+    q = [3, 1, 2]
+    do j = 1, 3
+      do i = 1, 3
+        inverse(j, i) = k(p(i), p(j))*k(q(i), q(j)) - k(p(i), q(j))*k(q(i), p(j))
+      end do
+    end do
+    determinant = dot_product(k(1, :), inverse(:, 1))
+    l(:, 1) = [1, 0, 0]
+    l(:, 2) = [0._dp, 1._dp, -d]
+    hat = matmul(transpose(l), matmul(inverse, l))/determinant
+  end function at_teeth
+
+  !> Ways (radial, tangential) of a point under unit forces (radial, tangential) at another [m/N].
+  pure function ring_compliance(ring, angle) result(c)
+    type(spline_ring_t), intent(in) :: ring  !< ring
+    real(dp), intent(in) :: angle            !< of the point, less that of the force [rad]
+    real(dp) :: c(2, 2)
+    integer :: n
+    c = 0
+    c(1, 1) = ring%uniform
+    do n = 2, last
+      c(1, 1) = c(1, 1) + ring%hat(1, 1, n)*cos(n*angle)
+      c(2, 2) = c(2, 2) + ring%hat(2, 2, n)*cos(n*angle)
+      c(2, 1) = c(2, 1) + ring%hat(2, 1, n)*sin(n*angle)
+      c(1, 2) = c(1, 2) - ring%hat(1, 2, n)*sin(n*angle)
+    end do
+  end function ring_compliance
+
+  !> Ways of all flanks along their normals under unit forces along them, in the order of hd_tooth_flanks [m/N].
+  pure function flank_compliance(scene) result(c)
+    type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
+    real(dp) :: c(2*scene%tooth_pairs, 2*scene%tooth_pairs)
+    type(spline_ring_t) :: ring
+    real(dp) :: theta(scene%tooth_pairs), normal(2, 2), angle
+    integer :: i, j
+    ring = new_spline_ring(scene%bore_radius + scene%rim_thickness, scene%spline_thickness, &
+      merge(scene%spline_width, scene%rim_length, scene%spline_width > 0), scene%flexspline_e, scene%flexspline_nu)
+    theta = tooth_angles(scene)
+    angle = scene%pressure_angle_deg*pi/180
+    normal(:, 1) = [sin(angle), cos(angle)]
+    normal(:, 2) = [sin(angle), -cos(angle)]
+    do j = 1, scene%tooth_pairs
+      do i = 1, scene%tooth_pairs
+        c(2*i - 1:2*i, 2*j - 1:2*j) = matmul(transpose(normal), matmul(ring_compliance(ring, theta(i) - theta(j)), normal))
+      end do
+    end do
+  end function flank_compliance
+end module hd_spline_ring

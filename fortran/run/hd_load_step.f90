@@ -388,14 +388,11 @@ contains
     cause = 'no convergence'
     tries = to_text(run%scene%max_cuts)//' halvings'
     if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too'
-    if (run%period > 0) then
-      cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
-    else if (proportional(run)) then
-      tries = tries//' (raise solver.max_iterations)'
-    end if
+    if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
     if (run%scene%support == 'drive' .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
       ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
       'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
+    if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
     call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
       ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
       tries//'; history.csv shows the residuals, the last converged state is kept'//advice)

@@ -111,10 +111,11 @@ contains
     if (level) call level_plane(flat, tilt)
     call new_ring_table(flat, dx, dy, t, error)
     if (allocated(error)) return
-    if (any(t%axis > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
+    if (any(t%leak > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
       axis = t%axis
       do k = 1, 2
-        if (axis(k) > offsets) call remove_offsets(flat, k, b%seams)
+        if (t%leak(k) > offsets) call remove_offsets(flat, k, b%seams)
+        if (axis(k) <= offsets) b%seams%jitter(k) = 0   ! of a smooth map, whose long waves leak along the axes: no jitter
       end do
       call fill_holes(flat, hole)
       call new_ring_table(flat, dx, dy, t, error)

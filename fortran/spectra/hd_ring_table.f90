@@ -28,7 +28,8 @@ module hd_ring_table
     real(dp), allocatable :: m(:)             !< number of modes
     real(dp), allocatable :: width2(:)        !< mean square of ln f about the ring's
     real(dp), allocatable :: scatter(:)       !< mean square of the modes' power over square of its mean; 2 of a Gaussian field
-    real(dp) :: axis(2) = 1                   !< power of waves along x and y alone, over that of their rings
+    real(dp) :: axis(2) = 1                   !< power of waves along x and y alone, over that of their rings or of the taper's leak
+    real(dp) :: leak(2) = 1                   !< the same over that of their rings alone
     integer, allocatable :: kx(:), ky(:), ring(:) !< modes of low frequency and their rings
     real(dp), allocatable :: kernel(:, :)     !< power of the taper at 1/per_bin modes about 0, along x and y; sums are 1
   end type ring_table_t
@@ -171,6 +172,7 @@ contains
     integer, intent(in) :: place(:)           !< of the rings in t, 0 where one was dropped
     integer :: i, j, on_axis(2)
     t%axis = 0
+    t%leak = 0
     on_axis = 0
     do i = 5, size(power, 1)
       call add(1, (i - 1) / t%side(1), power(i, 1))
@@ -179,6 +181,7 @@ contains
       call add(2, (j - 1) / t%side(2), power(1, j))
     end do
     t%axis = t%axis / max(on_axis, 1)
+    t%leak = t%leak / max(on_axis, 1)
   contains
     !> One mode beside its ring.
     subroutine add(k, f, value)
@@ -190,6 +193,7 @@ contains
       if (q == 0) return
       if (.not. t%p(q) > 0) return
       t%axis(k) = t%axis(k) + value / max(t%p(q), t%p(1) * (t%f(1) / f)**6)
+      t%leak(k) = t%leak(k) + value / t%p(q)
       on_axis(k) = on_axis(k) + 1
     end subroutine add
   end subroutine weigh_axes

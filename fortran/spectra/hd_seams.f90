@@ -8,6 +8,7 @@ module hd_seams
   public :: seams_t, remove_seams, remove_offsets
 
   real(dp), parameter :: far_out = 7          !< a seam's step beside its neighbours', in robust standard deviations of all
+  real(dp), parameter :: sharp = 3            !< that over the largest of the four beside it
   integer, parameter :: most = 8              !< seams per direction; more are a texture
   integer, parameter :: apart = 8             !< least points between seams and to the edge of the map
   integer, parameter :: shortest = 48         !< least points along a seam
@@ -72,7 +73,7 @@ contains
   function seams_of(z) result(at)
     real(dp), intent(in) :: z(:, :)         !< heights [m]
     integer, allocatable :: at(:)
-    real(dp), allocatable :: step(:, :), weight(:), rest(:)
+    real(dp), allocatable :: step(:, :), weight(:), rest(:), bend(:)
     integer :: parts, k, i, n, first, last
     n = size(z, 1) - 1
     allocate (at(0))
@@ -91,6 +92,10 @@ contains
         step(:, k) = alone(step(:, k))
       end do
       rest = reshape(abs(step(apart:n + 1 - apart, :)), [parts * (n + 2 - 2 * apart)])
+      do k = 1, parts                                       ! a smooth surface bends over several points, a seam between two
+        bend = abs(step(:, k))
+        where (bend < sharp * max(eoshift(bend, 1), eoshift(bend, -1), eoshift(bend, 2), eoshift(bend, -2))) step(:, k) = 0
+      end do
       weight = max(weight, maxval(abs(step), 2) / max(1.4826_dp * median(rest), tiny(1._dp)))
       deallocate (step)
       parts = 2 * parts

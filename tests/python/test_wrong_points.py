@@ -139,3 +139,12 @@ def test_the_command_levels_seams(tmp_path, capsys):
     assert "mended    1 seams across x" in capsys.readouterr().out
     assert [f["areal"]["mended"] == [] for f in found] == [True, False] and found[0]["seams"] == [1, 0]
     assert found[1]["areal"]["sq_m"] == pytest.approx(want, rel=0.05) and found[0]["areal"]["sq_m"] > 1.05 * want
+
+
+def test_smooth_maps_have_no_seams():
+    """Ten smooth maps, whose slope changes over many points, show no seam and are called smooth."""
+    from blind_generators import NOT_FRACTAL
+
+    for seed in range(2000, 2010):
+        f = roughness.fit(NOT_FRACTAL["smooth"](128, np.random.default_rng(seed)), DX)
+        assert f.seams == (0, 0) and f.spikes == 0 and f.kind == "smooth"

@@ -30,6 +30,7 @@ module hd_border
     integer :: modes = 0                         !< motions
     real(dp) :: scale = 0                        !< of their unknowns [m/N]
     type(symmetry_t) :: symmetry                 !< that these motions have
+    integer :: serial = 0                        !< of the pairs behind `side`
     integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
@@ -57,6 +58,7 @@ contains
     if (allocated(problem%struts)) border%struts = size(problem%struts)
     n = border%struts
     border%symmetry = symmetry
+    border%serial = problem%mortar%serial
     call list_modes(problem, border)
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
     allocate (f(3, problem%n), u(3, problem%n), v(3, problem%n), border%held(border%modes))

@@ -99,7 +99,7 @@ contains
     self%library = self%compliance%library
     if (allocated(error) .or. .not. (allocated(problem%struts) .or. (allocated(problem%loose) .and. self%compliance%fast))) return
     if (allocated(self%border)) then
-      if (self%border%symmetry == self%symmetry) return
+      if (self%border%symmetry == self%symmetry .and. self%border%serial == problem%mortar%serial) return
       deallocate (self%border)
     end if
     allocate (self%border)

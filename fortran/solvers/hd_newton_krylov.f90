@@ -65,6 +65,7 @@ contains
     self%near%most_images = self%most_images
     self%near%demanded = self%demanded
     if (allocated(self%round)) then
+      call follow_pairs(self%round, problem%mortar)
       call self%near%begin(self%round, load, state, error)
     else
       call self%near%begin(problem, load, state, error)
@@ -98,10 +99,7 @@ contains
     call self%sharing%take_law(self%dw, self%dt)
     if (.not. allocated(self%exact)) then
       if (allocated(self%round)) then
-        if (self%round%mortar%serial /= problem%mortar%serial) then
-          self%round%mortar = problem%mortar
-          deallocate (self%round%mortar%turn, self%round%mortar%carry, self%round%mortar%offset)
-        end if
+        call follow_pairs(self%round, problem%mortar)
         call self%near%update(self%round, in_rest_frames(problem%mortar, self%dw), in_rest_frames(problem%mortar, self%dt), error)
       else
         call self%near%update(problem, self%dw, self%dt, error)
@@ -116,6 +114,15 @@ contains
       call self%exact%update(problem, dw, dt, error)
     end if
   end subroutine update_newton_krylov
+
+  !> Couple the bodies at rest as they are coupled now.
+  subroutine follow_pairs(round, mortar)
+    type(problem_t), intent(inout) :: round  !< bodies at rest
+    type(mortar_t), intent(in) :: mortar     !< present coupling
+    if (round%mortar%serial == mortar%serial) return
+    round%mortar = mortar
+    deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
+  end subroutine follow_pairs
 
   !> Derivatives by displacements and tractions in the frames of the bodies at rest, which `round` has.
   pure function in_rest_frames(mortar, d) result(e)

@@ -32,7 +32,7 @@ NAMES = {"k_ts_tangent_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", 
 POWER = 1.5
 LIMIT_MB = 300
 LIMIT_S = 900
-LONGEST = 60
+LONGEST = 100
 QUICK = 10
 SETTLED = 0.25
 

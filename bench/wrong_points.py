@@ -12,7 +12,7 @@ from functools import cache
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from blind_generators import field, line
+from blind_generators import clumps, field, line
 
 from common import RESULTS, commit, put, read_record, save_figure, table, write_record
 from hdengine.surfaces import roughness, specimen
@@ -32,14 +32,6 @@ def many_spikes(z, rng):
     wrong = np.zeros(z.shape, dtype=bool)
     wrong.flat[rng.choice(z.size, z.size // 200, replace=False)] = True
     z[wrong] += z.std() * rng.uniform(1, 5, wrong.sum()) * rng.choice([-1, 1], wrong.sum())
-    return wrong
-
-
-def clumps(z, rng):
-    wrong = np.zeros(z.shape, dtype=bool)
-    for i, j in rng.integers(0, min(z.shape) - 2, (20, 2)):
-        wrong[i:i + 2, j:j + 2] = True
-    z[wrong] += 3 * z.std()
     return wrong
 
 

@@ -8,6 +8,8 @@
 !> harmonic 0 give nothing. Loads act at the teeth, inside of the centre line.
 module hd_spline_ring
   use hd_kinds, only: dp, pi
+  use hd_error, only: error_t
+  use hd_lapack, only: solve_dense
   use hd_scene, only: scene_t
   use hd_tooth_flanks, only: tooth_angles
   implicit none
@@ -25,7 +27,7 @@ module hd_spline_ring
 contains
 
   !> Harmonics of a ring.
-  pure function new_spline_ring(radius, thickness, width, young, poisson) result(ring)
+  function new_spline_ring(radius, thickness, width, young, poisson) result(ring)
     real(dp), intent(in) :: radius      !< of the teeth, the inside [m]
     real(dp), intent(in) :: thickness   !< radial [m]
     real(dp), intent(in) :: width       !< axial [m]
@@ -52,21 +54,16 @@ contains
   end function outer
 
   !> L^T K^-1 L: a tangential force at a depth d inside of the centre line turns the section by -d.
-  pure function at_teeth(k, d) result(hat)
+  function at_teeth(k, d) result(hat)
     real(dp), intent(in) :: k(3, 3), d
-    real(dp) :: hat(2, 2), inverse(3, 3), l(3, 2), determinant
-    integer :: i, j, p(3), q(3)
-    p = [2, 3, 1]
-    q = [3, 1, 2]
-    do j = 1, 3
-      do i = 1, 3
-        inverse(j, i) = k(p(i), p(j))*k(q(i), q(j)) - k(p(i), q(j))*k(q(i), p(j))
-      end do
-    end do
-    determinant = dot_product(k(1, :), inverse(:, 1))
+    real(dp) :: hat(2, 2), a(3, 3), l(3, 2), x(3, 2)
+    type(error_t), allocatable :: error   ! never: the matrix is positive definite
+    a = k
     l(:, 1) = [1, 0, 0]
     l(:, 2) = [0._dp, 1._dp, -d]
-    hat = matmul(transpose(l), matmul(inverse, l))/determinant
+    x = l
+    call solve_dense(a, x, error)
+    hat = matmul(transpose(l), x)
   end function at_teeth
 
   !> Ways (radial, tangential) of a point under unit forces (radial, tangential) at another [m/N].
@@ -86,7 +83,7 @@ contains
   end function ring_compliance
 
   !> Ways of all flanks along their normals under unit forces along them, in the order of hd_tooth_flanks [m/N].
-  pure function flank_compliance(scene) result(c)
+  function flank_compliance(scene) result(c)
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
     real(dp) :: c(2*scene%tooth_pairs, 2*scene%tooth_pairs)
     type(spline_ring_t) :: ring

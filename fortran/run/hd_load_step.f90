@@ -27,6 +27,7 @@ module hd_load_step
   !> Where a torque begins or turns back, shear at the bound is taken a little below it: these points stick first, all of them. At
   !> the bound rounding would say which.
   real(dp), parameter :: below_bound = 1e-6_dp
+  real(dp), parameter :: some_friction = 1e-3_dp  !< capacity over the torque carried while sliding: below it there was none
   real(dp), parameter :: nearly = 0.95_dp    !< share of its capacity from which friction is said to be used up
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
@@ -112,7 +113,7 @@ contains
   pure logical function unpressed(run, slip_torque)
     type(run_t), intent(in) :: run         !< run before a torque step
     real(dp), intent(in) :: slip_torque    !< carried while they slid [N m]
-    unpressed = begins(run%position - 1) .and. run%sums%friction_capacity < 1e-3_dp*slip_torque
+    unpressed = begins(run%position - 1) .and. run%sums%friction_capacity < some_friction*slip_torque
   end function unpressed
 
   !> Friction alone holds the torque, and is used up: under large displacements pairs then move on without end.

@@ -13,7 +13,7 @@ from hdengine.surfaces import roughness
 from hdengine.surfaces.specimen import Specimen, clean
 
 sys.path.insert(0, str(ROOT / "bench"))
-from blind_generators import field  # noqa: E402
+from blind_generators import NOT_FRACTAL, clumps, field  # noqa: E402
 
 DX = 1e-6
 
@@ -21,15 +21,6 @@ DX = 1e-6
 def rough(seed, n=128, **keys):
     """A map of D = 2.5 with detail finer than the spacing."""
     return field(n, DX, 2.5, np.random.default_rng(seed), **{"finer": 2, **keys})
-
-
-def clumps(z, rng):
-    """Raise twenty clumps of 2 x 2 points by 3 Sq; where."""
-    wrong = np.zeros(z.shape, dtype=bool)
-    for i, j in rng.integers(1, min(z.shape) - 3, (20, 2)):
-        wrong[i:i + 2, j:j + 2] = True
-    z[wrong] += 3 * z.std()
-    return wrong
 
 
 def test_small_clumps_are_wrong_points():
@@ -143,8 +134,6 @@ def test_the_command_levels_seams(tmp_path, capsys):
 
 def test_smooth_maps_have_no_seams():
     """Ten smooth maps, whose slope changes over many points, show no seam and are called smooth."""
-    from blind_generators import NOT_FRACTAL
-
     for seed in range(2000, 2010):
         f = roughness.fit(NOT_FRACTAL["smooth"](128, np.random.default_rng(seed)), DX)
         assert f.seams == (0, 0) and f.spikes == 0 and f.kind == "smooth"

@@ -6,7 +6,7 @@ subroutine spectrum_joint(q, height, e_star, hardness, pressure, k, area, n, m, 
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_rough_contact, only: contact_at
-  use hd_spectrum, only: spectrum_t, sampled_spectrum
+  use hd_spectrum, only: power_spectrum_t, sampled_spectrum
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: n, m
@@ -17,7 +17,7 @@ subroutine spectrum_joint(q, height, e_star, hardness, pressure, k, area, n, m, 
   !f2py integer(c_int), intent(hide), depend(q) :: n = len(q)
   !f2py integer(c_int), intent(hide), depend(pressure) :: m = len(pressure)
   !f2py threadsafe
-  type(spectrum_t) :: spectrum
+  type(power_spectrum_t) :: spectrum
   type(error_t), allocatable :: error
   k = 0
   area = 0
@@ -31,7 +31,7 @@ subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_rough_contact, only: contact_at
-  use hd_spectrum, only: spectrum_t, fractal_spectrum
+  use hd_spectrum, only: power_spectrum_t, fractal_spectrum
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: m
@@ -41,7 +41,7 @@ subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(pressure) :: m = len(pressure)
   !f2py threadsafe
-  type(spectrum_t) :: spectrum
+  type(power_spectrum_t) :: spectrum
   type(error_t), allocatable :: error
   k = 0
   area = 0

@@ -53,7 +53,7 @@ contains
     character(len=*), intent(in) :: name    !< wanted
     integer :: i
     value_of = ieee_value(1._dp, ieee_quiet_nan)
-    i = place(names, name)
+    i = position_of(names, name)
     if (i > 0 .and. i <= size(values)) value_of = values(i)
   end function value_of
 
@@ -64,18 +64,18 @@ contains
     character(len=*), intent(in) :: name    !< where
     real(dp), intent(in) :: x               !< value
     integer :: i
-    i = place(names, name)
+    i = position_of(names, name)
     if (i > 0 .and. i <= size(values)) values(i) = x
   end subroutine set_value
 
   !> Place of a name, 0 if it is not there.
-  pure integer function place(names, name) result(i)
+  pure integer function position_of(names, name) result(i)
     character(len=*), intent(in) :: names, name   !< list, one of it
     integer :: first
     first = index(','//names//',', ','//name//',')
     i = 0
     if (first > 0) i = 1 + count_commas(names(:first - 1))
-  end function place
+  end function position_of
 
   !> Commas in a text.
   pure integer function count_commas(text) result(n)

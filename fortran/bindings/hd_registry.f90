@@ -10,10 +10,10 @@ module hd_registry
   public :: put_run, find_run, drop_run, put_lock, drop_lock, leave_locks
 
   integer, parameter :: capacity = 64   !< runs open at the same time
-  type :: slot_t
+  type :: run_slot_t
     type(run_t), allocatable :: run
-  end type slot_t
-  type(slot_t), save, target :: slots(capacity)
+  end type run_slot_t
+  type(run_slot_t), save, target :: slots(capacity)
   type(folder_lock_t), save :: locks(capacity)
   logical, save :: taken(capacity) = .false.
 

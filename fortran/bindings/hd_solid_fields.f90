@@ -35,10 +35,10 @@ module hd_solid_fields
     procedure :: solve => solve_solid
   end type solid_t
 
-  type :: slot_t
+  type :: solid_slot_t
     type(solid_t), allocatable :: solid
-  end type slot_t
-  type(slot_t), save, target :: slots(capacity)
+  end type solid_slot_t
+  type(solid_slot_t), save, target :: slots(capacity)
 
 contains
 
@@ -92,7 +92,7 @@ contains
     real(dp), intent(in) :: values(:)                 !< numbers, first index fastest
     type(error_t), allocatable, intent(out) :: error  !< no such field
     integer :: i
-    i = place(self, name)
+    i = index_of(self, name)
     if (i == 0) then
       call raise(error, code_input, "a solid problem has no field '"//name//"'; valid: "//common_names//','//contact_names)
     else
@@ -106,7 +106,7 @@ contains
     character(len=*), intent(in) :: name    !< field
     real(dp), allocatable :: values(:)
     integer :: i
-    i = place(self, name)
+    i = index_of(self, name)
     if (i > 0) then
       if (allocated(self%fields(i)%values)) values = self%fields(i)%values
     end if
@@ -114,13 +114,13 @@ contains
   end function field
 
   !> Number of a field, 0 if there is none of that name.
-  pure integer function place(self, name) result(i)
+  pure integer function index_of(self, name) result(i)
     class(solid_t), intent(in) :: self      !< problem
     character(len=*), intent(in) :: name    !< field
     do i = size(self%fields), 1, -1
       if (self%fields(i)%name == name) return
     end do
-  end function place
+  end function index_of
 
   !> Solve; results become fields.
   subroutine solve_solid(self, error)

@@ -13,7 +13,7 @@ module hd_scene_joint
   use hd_micro_slip, only: sampled_shares
   use hd_rough_contact, only: contact_at
   use hd_scene, only: scene_t
-  use hd_spectrum, only: spectrum_t, fractal_spectrum, sampled_spectrum
+  use hd_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
   implicit none
   private
   public :: scene_joint, tabulate_joint
@@ -52,7 +52,7 @@ contains
     type(scene_t), intent(in) :: scene                !< scene
     type(joint_t), intent(inout) :: joint             !< gets its law
     type(error_t), allocatable, intent(out) :: error  !< spectrum out of range
-    type(spectrum_t) :: spectrum
+    type(power_spectrum_t) :: spectrum
     type(columns_t) :: columns
     real(dp), allocatable :: q(:), height(:), p(:), k(:), area(:)
     real(dp) :: low, high

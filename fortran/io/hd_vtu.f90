@@ -8,14 +8,14 @@ module hd_vtu
   use hd_text, only: to_text, exact
   implicit none
   private
-  public :: field_t, write_vtu, write_pvd, read_pvd
+  public :: vtu_field_t, write_vtu, write_pvd, read_pvd
 
   !> A named field on points or cells; `value` is (components, points or cells).
-  type :: field_t
+  type :: vtu_field_t
     character(len=:), allocatable :: name
     real(dp), allocatable :: value(:, :)
     logical :: on_cells = .false.
-  end type field_t
+  end type vtu_field_t
 
   !> A file being written: what was declared so far follows in the appended data.
   type :: open_file_t
@@ -33,8 +33,8 @@ contains
     real(dp), intent(in) :: points(:, :)              !< (3, points) [m]
     integer, intent(in) :: cells(:, :)                !< nodes from 1 (nodes, cells)
     integer, intent(in) :: cell_type                  !< VTK number: 9 quad, 12 hexahedron, 25 quadratic hexahedron
-    type(field_t), intent(in) :: fields(:)            !< fields
-    type(field_t), intent(in) :: of_grid(:)           !< numbers of the whole grid: value (1, 1)
+    type(vtu_field_t), intent(in) :: fields(:)            !< fields
+    type(vtu_field_t), intent(in) :: of_grid(:)           !< numbers of the whole grid: value (1, 1)
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     type(open_file_t) :: file
     integer :: i
@@ -102,7 +102,7 @@ contains
   !> All fields on points or on cells.
   subroutine declare_fields(file, fields, on_cells)
     type(open_file_t), intent(inout) :: file    !< file
-    type(field_t), intent(in) :: fields(:)      !< fields
+    type(vtu_field_t), intent(in) :: fields(:)      !< fields
     logical, intent(in) :: on_cells             !< which of them
     integer :: f
     do f = 1, size(fields)
@@ -114,7 +114,7 @@ contains
   !> Their numbers.
   subroutine append_fields(file, fields, on_cells)
     type(open_file_t), intent(inout) :: file    !< file
-    type(field_t), intent(in) :: fields(:)      !< fields
+    type(vtu_field_t), intent(in) :: fields(:)      !< fields
     logical, intent(in) :: on_cells             !< which of them
     integer :: f
     do f = 1, size(fields)

@@ -10,7 +10,7 @@
 !> Yield at the pressure H absorbs: A counts what is still elastic at q, so what has yielded stores no energy (Persson 2001).
 module hd_rough_contact
   use hd_kinds, only: dp, pi
-  use hd_spectrum, only: spectrum_t
+  use hd_spectrum, only: power_spectrum_t
   implicit none
   private
   public :: contact_at, energy_share, share_at_no_contact, share_power
@@ -39,7 +39,7 @@ contains
 
   !> Stiffness per area of full stick, and share of the area that touches, elastic or yielding.
   elemental subroutine contact_at(spectrum, modulus, hardness, pressure, k, area)
-    type(spectrum_t), intent(in) :: spectrum   !< of the equivalent surface
+    type(power_spectrum_t), intent(in) :: spectrum   !< of the equivalent surface
     real(dp), intent(in) :: modulus            !< E* [Pa]
     real(dp), intent(in) :: hardness           !< H of the softer body [Pa]
     real(dp), intent(in) :: pressure           !< 0 < P < H [Pa]

@@ -9,16 +9,16 @@ module hd_spectrum
   use hd_text, only: to_text
   implicit none
   private
-  public :: spectrum_t, fractal_spectrum, sampled_spectrum
+  public :: power_spectrum_t, fractal_spectrum, sampled_spectrum
 
   integer, parameter :: per_octave = 64  !< bands
 
-  type :: spectrum_t
+  type :: power_spectrum_t
     real(dp), allocatable :: q(:)        !< wavenumber in the middle of each band, rising [1/m]
     real(dp), allocatable :: height(:)   !< variance of the heights in it [m^2]
     real(dp), allocatable :: mean(:)     !< sum of |q| times variance: twice the elastic energy of full contact is E*/2 of it [m]
     real(dp), allocatable :: slope(:)    !< variance of the gradient
-  end type spectrum_t
+  end type power_spectrum_t
 
 contains
 
@@ -27,7 +27,7 @@ contains
     real(dp), intent(in) :: d                         !< fractal dimension, 2 < D < 3
     real(dp), intent(in) :: g                         !< roughness G [m]
     real(dp), intent(in) :: longest, shortest         !< wavelengths L and L_s [m]
-    type(spectrum_t), intent(out) :: spectrum         !< spectrum
+    type(power_spectrum_t), intent(out) :: spectrum         !< spectrum
     type(error_t), allocatable, intent(out) :: error  !< out of range
     real(dp), allocatable :: f(:)
     real(dp) :: a
@@ -65,7 +65,7 @@ contains
   subroutine sampled_spectrum(q, height, spectrum, error)
     real(dp), intent(in) :: q(:)                      !< rising, > 0 [1/m]
     real(dp), intent(in) :: height(:)                 !< >= 0, not all 0 [m^2]
-    type(spectrum_t), intent(out) :: spectrum         !< spectrum
+    type(power_spectrum_t), intent(out) :: spectrum         !< spectrum
     type(error_t), allocatable, intent(out) :: error  !< not rising, negative, empty
     integer :: n
     n = size(q)

@@ -82,14 +82,14 @@ contains
       v_2 = sign * uy_2(j)
       p%phase(k) = sign * phase(j)
       p%amplitude(k) = -0.5_dp * amplitude(j)
-      p%high(k) = whole(v * 536870912._dp) / 536870912._dp   ! a multiple of 2^-29: whole multiples up to 2^23 are exact
+      p%high(k) = rounded(v * 536870912._dp) / 536870912._dp   ! a multiple of 2^-29: whole multiples up to 2^23 are exact
       p%low(k) = (v - p%high(k)) + v_2
       u = u * p%x%fine - 0.5_dp * p%x%width
-      first = whole(u + 0.5_dp)
+      first = rounded(u + 0.5_dp)
       p%sx(k) = 2 * (first - u) - 1
       p%kx(k) = int(first) + widest
       u = v * p%y%fine - 0.5_dp * p%y%width
-      first = whole(u + 0.5_dp)
+      first = rounded(u + 0.5_dp)
       p%sy(k) = 2 * (first - u) - 1
       p%ky(k) = int(first) + merge(p%y%fine, 0, first < 0)
     end do
@@ -105,8 +105,8 @@ contains
 
   !> Nearest whole number, for sizes below 2^51: unlike anint a few operations that compilers
   !> vectorise; here again because they do not across files.
-  elemental real(dp) function whole(x)
+  elemental real(dp) function rounded(x)
     real(dp), intent(in) :: x    !< number
-    whole = (x + 6755399441055744._dp) - 6755399441055744._dp
-  end function whole
+    rounded = (x + 6755399441055744._dp) - 6755399441055744._dp
+  end function rounded
 end module hd_nufft_waves

@@ -17,7 +17,7 @@ module hd_output
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
-  use hd_vtu, only: field_t, write_vtu, write_pvd, read_pvd
+  use hd_vtu, only: vtu_field_t, write_vtu, write_pvd, read_pvd
   implicit none
   private
   public :: output_t, step_t, check_folder, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -238,7 +238,7 @@ contains
     type(state_t), intent(in) :: state                !< its state
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     character(len=40) :: name
-    type(field_t) :: fields(8), of_grid(3)
+    type(vtu_field_t) :: fields(8), of_grid(3)
     real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:)
     real(dp) :: time
     integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
@@ -264,18 +264,18 @@ contains
           end do
         end associate
       end do
-      fields(1) = field_t('displacement_m', u, .false.)
-      fields(2) = field_t('body', tag, .true.)
+      fields(1) = vtu_field_t('displacement_m', u, .false.)
+      fields(2) = vtu_field_t('body', tag, .true.)
       if (.not. allocated(problem%lagrangian)) then  ! stresses of small displacements
-        fields(3) = field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
-        fields(4) = field_t('principal_stresses_pa', principal_stresses(stress), .false.)
-        fields(5) = field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
+        fields(3) = vtu_field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
+        fields(4) = vtu_field_t('principal_stresses_pa', principal_stresses(stress), .false.)
+        fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
       end if
       ! ParaView's time: the share of the assembly less one, then the share of the torque steps
       time = step%load_factor - merge(1, 0, step%phase == 'assembly')
-      of_grid(1) = field_t('TimeValue', reshape([time], [1, 1]))
-      of_grid(2) = field_t('torque_nm', reshape([step%torque], [1, 1]))
-      of_grid(3) = field_t('step', reshape([real(step%number, dp)], [1, 1]))
+      of_grid(1) = vtu_field_t('TimeValue', reshape([time], [1, 1]))
+      of_grid(2) = vtu_field_t('torque_nm', reshape([step%torque], [1, 1]))
+      of_grid(3) = vtu_field_t('step', reshape([real(step%number, dp)], [1, 1]))
       name = grid_name(step%number)
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
         fields(:merge(2, 5, allocated(problem%lagrangian))), of_grid, error)
@@ -286,14 +286,14 @@ contains
       place(pack(drive%face%nodes(:4, :), .true.)) = 1
       used = pack([(b, b=1, problem%n)], place > 0)
       place(used) = [(b, b=1, size(used))]
-      fields(1) = field_t('displacement_m', u(:, used), .false.)
-      fields(2) = field_t('pressure_pa', facets%traction(1:1, :), .true.)
-      fields(3) = field_t('shear_pa', facets%traction(2:3, :), .true.)
-      fields(4) = field_t('gap_m', reshape(facets%gap, [1, size(facets%gap)]), .true.)
-      fields(5) = field_t('slip_m', facets%slip, .true.)
-      fields(6) = field_t('state_0_open_1_stick_2_slip', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
-      fields(7) = field_t('k_n_n_per_m', reshape(facets%k_n, [1, size(facets%gap)]), .true.)
-      fields(8) = field_t('k_t_n_per_m', reshape(facets%k_t, [1, size(facets%gap)]), .true.)
+      fields(1) = vtu_field_t('displacement_m', u(:, used), .false.)
+      fields(2) = vtu_field_t('pressure_pa', facets%traction(1:1, :), .true.)
+      fields(3) = vtu_field_t('shear_pa', facets%traction(2:3, :), .true.)
+      fields(4) = vtu_field_t('gap_m', reshape(facets%gap, [1, size(facets%gap)]), .true.)
+      fields(5) = vtu_field_t('slip_m', facets%slip, .true.)
+      fields(6) = vtu_field_t('state_0_open_1_stick_2_slip', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
+      fields(7) = vtu_field_t('k_n_n_per_m', reshape(facets%k_n, [1, size(facets%gap)]), .true.)
+      fields(8) = vtu_field_t('k_t_n_per_m', reshape(facets%k_t, [1, size(facets%gap)]), .true.)
       call write_vtu(output%folder//'/contact_'//padded(step%number)//'.vtu', x(:, used), &
         reshape(place(pack(drive%face%nodes(:4, :), .true.)), [4, size(facets%gap)]), 9, fields, of_grid, error)
       if (allocated(error)) return

@@ -54,7 +54,7 @@ contains
       if (n > 0) then
         if (hypot(r(i) - point(1, n), z(i) - point(2, n)) <= same*length) then
           twice = twice + 1
-          if (twice > 1) fault = place(point(:, n))//' stands three times'
+          if (twice > 1) fault = at_point(point(:, n))//' stands three times'
           t(2, n) = thickness(i)
           rho(n) = max(rho(n), fillet(i))
           cycle
@@ -83,7 +83,7 @@ contains
     do i = 1, n - 1
       length = norm2(point(:, i + 1) - point(:, i))
       if (reach(i) + reach(i + 1) > length*(1 + same)) then
-        fault = 'the fillets at '//place(point(:, i))//' and '//place(point(:, i + 1))//' do not fit between them'
+        fault = 'the fillets at '//at_point(point(:, i))//' and '//at_point(point(:, i + 1))//' do not fit between them'
         return
       end if
       p = piece_t(from=point(:, i) + reach(i)*d(:, i), to=point(:, i + 1) - reach(i + 1)*d(:, i), &
@@ -106,12 +106,12 @@ contains
     real(dp), intent(in) :: turn       !< [rad]
     character(len=:), allocatable, intent(inout) :: fault  !< gets it
     if (abs(turn) > sharpest) then
-      fault = 'the wall turns back at '//place(point)
+      fault = 'the wall turns back at '//at_point(point)
     else if (abs(turn) < straight .and. abs(t(1) - t(2)) > 1e-6_dp*maxval(t)) then
-      fault = 'the thickness jumps from '//to_text(t(1))//' to '//to_text(t(2))//' m at '//place(point)// &
+      fault = 'the thickness jumps from '//to_text(t(1))//' to '//to_text(t(2))//' m at '//at_point(point)// &
         ', where the wall runs straight on: give it in two points apart'
     else if (turn < 0 .and. rho > 0 .and. rho <= maxval(t)*(1 + 1e-9_dp)) then
-      fault = 'the fillet of '//to_text(rho)//' m at '//place(point)//' is not above the thickness '//to_text(maxval(t))// &
+      fault = 'the fillet of '//to_text(rho)//' m at '//at_point(point)//' is not above the thickness '//to_text(maxval(t))// &
         ' m, where the wall bends outwards: its outside would have no radius left'
     end if
   end subroutine check_corner
@@ -206,10 +206,10 @@ contains
       do i = merge(0, 1, k == 1), j
         n = n + 1
         call meridian%at(k, real(i, dp)/j, inner(:, n), outer(:, n))
-        if (outer(1, n) <= 0) fault = 'the outside reaches the axis at '//place(inner(:, n))
+        if (outer(1, n) <= 0) fault = 'the outside reaches the axis at '//at_point(inner(:, n))
         if (n == 1) cycle
         if (cross(inner(:, n - 1), outer(:, n - 1), outer(:, n)) <= 0 .or. &
-          cross(inner(:, n - 1), outer(:, n), inner(:, n)) <= 0) fault = 'the wall turns inside out at '//place(inner(:, n))// &
+          cross(inner(:, n - 1), outer(:, n), inner(:, n)) <= 0) fault = 'the wall turns inside out at '//at_point(inner(:, n))// &
           ': it is too thick for its corners or fillets'
         if (len(fault) > 0) return
       end do
@@ -221,7 +221,7 @@ contains
     do i = 1, 2*n - 2
       do j = i + 2, 2*n - merge(1, 0, i == 1)
         if (.not. meets(line(:, i), line(:, i + 1), line(:, j), line(:, j + 1))) cycle
-        fault = 'the outline meets itself between '//place(line(:, i))//' and '//place(line(:, j))
+        fault = 'the outline meets itself between '//at_point(line(:, i))//' and '//at_point(line(:, j))
         return
       end do
     end do
@@ -241,9 +241,9 @@ contains
   end function cross
 
   !> Place for a message.
-  pure function place(x) result(s)
+  pure function at_point(x) result(s)
     real(dp), intent(in) :: x(2)  !< r, z [m]
     character(len=:), allocatable :: s
     s = 'r, z = '//to_text(x(1))//', '//to_text(x(2))//' m'
-  end function place
+  end function at_point
 end module hd_meridian

@@ -19,11 +19,11 @@ module hd_spectral_fit
   real(dp), parameter :: excused = 0.02_dp              !< rms departure from the model that no test is asked about
   integer, parameter :: fine = 7, coarse = 3            !< passes of the search over probe and share
 
-  !> One point of the likelihood.
-  type :: point_t
+  !> One trial of the likelihood.
+  type :: trial_t
     real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], share that folds back
     real(dp) :: deviance = huge(0._dp)                      !< twice the ln likelihood below that of the data themselves
-  end type point_t
+  end type trial_t
 
   !> What a search leaves alone.
   type :: fixed_t
@@ -66,7 +66,7 @@ contains
     type(spectral_model_t) :: m
     type(spectral_fit_t) :: trial
     type(fixed_t) :: fixed
-    type(point_t) :: best, b
+    type(trial_t) :: best, b
     real(dp) :: widths(size(feet), size(tops))
     integer :: i, j, k, at(2), top
     fixed%noise = noise
@@ -123,7 +123,7 @@ contains
     type(fixed_t), intent(in) :: fixed            !< what is known
     type(spectral_fit_t), intent(inout) :: r      !< two, as_well and crossed are set
     type(spectral_fit_t) :: whole
-    type(point_t) :: b
+    type(trial_t) :: b
     call window(t, t%f(1), t%f(size(t%f)), whole)
     if (.not. (r%probe > 0 .or. r%noise_variance > 0) .and. r%accepted) return
     b = most_likely(t, m, whole, fixed, fine)
@@ -143,7 +143,7 @@ contains
     type(spectral_model_t), intent(in) :: m   !< tables
     type(spectral_fit_t), intent(in) :: r     !< window
     type(fixed_t), intent(in) :: fixed        !< what is known
-    type(point_t) :: best, b
+    type(trial_t) :: best, b
     type(fixed_t) :: some
     real(dp) :: cost, least
     integer :: i, j, k
@@ -182,7 +182,7 @@ contains
     type(spectral_fit_t), intent(in) :: r     !< window
     type(fixed_t), intent(in) :: fixed        !< what is known
     integer, intent(in) :: passes             !< of the inner search
-    type(point_t) :: best, x(17)
+    type(trial_t) :: best, x(17)
     real(dp) :: low, high
     integer :: i, pass, k
     low = m%n_low
@@ -200,7 +200,7 @@ contains
   end function most_likely
 
   !> The most likely point at one slope: probe and share on grids that close in, amplitude and noise solved for.
-  pure type(point_t) function best_at(t, m, r, fixed, passes, n) result(best)
+  pure type(trial_t) function best_at(t, m, r, fixed, passes, n) result(best)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< tables
     type(spectral_fit_t), intent(in) :: r     !< window
@@ -208,7 +208,7 @@ contains
     integer, intent(in) :: passes             !< how often the grid closes in
     real(dp), intent(in) :: n                 !< slope
     type(slope_t) :: s
-    type(point_t) :: x
+    type(trial_t) :: x
     real(dp), dimension(r%last - r%first + 1) :: straight, folded
     real(dp) :: most, low, high, left, right
     integer :: pass, i, j
@@ -256,7 +256,7 @@ contains
     real(dp), intent(in) :: p(:), m(:)        !< power, independent modes of the rings
     real(dp), intent(in) :: x(:)              !< shape
     real(dp), intent(in) :: known             !< noise power, or negative
-    type(point_t), intent(inout) :: b         !< a, v and deviance are set
+    type(trial_t), intent(inout) :: b         !< a, v and deviance are set
     real(dp) :: a, v, w(size(p)), xx, x1, one, px, p1, det, deviance, old
     integer :: i
     b%v = max(known, 0._dp)
@@ -303,7 +303,7 @@ contains
   !> Goodness of fit of a window.
   subroutine judge(t, b, r, noise)
     type(ring_table_t), intent(in) :: t           !< rings
-    type(point_t), intent(in) :: b                !< most likely point
+    type(trial_t), intent(in) :: b                !< most likely point
     type(spectral_fit_t), intent(inout) :: r      !< window
     real(dp), intent(in) :: noise                 !< known noise or negative
     real(dp) :: more
@@ -320,12 +320,12 @@ contains
   subroutine complete(t, m, b, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
-    type(point_t), intent(in) :: b                !< most likely point
+    type(trial_t), intent(in) :: b                !< most likely point
     type(fixed_t), intent(in) :: fixed            !< what is known
     type(spectral_fit_t), intent(inout) :: r      !< result
     real(dp), dimension(r%last - r%first + 1) :: straight, folded
     real(dp) :: more, variance, bend
-    type(point_t) :: c
+    type(trial_t) :: c
     c = simplest(t, m, r, fixed)
     r%d = d_of(t, c%n)
     r%ln_g = ln_g_of(t, c%n, log(c%a))
@@ -351,14 +351,14 @@ contains
   subroutine profile(t, m, b, fixed, r, limit, x, bend)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
-    type(point_t), intent(in) :: b                !< most likely point
+    type(trial_t), intent(in) :: b                !< most likely point
     type(fixed_t), intent(in) :: fixed            !< what is known
     type(spectral_fit_t), intent(in) :: r         !< window
     real(dp), intent(in) :: limit                 !< of the deviance above the least
     real(dp), intent(out) :: x(2, 2)              !< low and high of D and ln G
     real(dp), intent(out) :: bend                 !< change of ln G with D along the profile
     integer, parameter :: count_of = 12
-    type(point_t) :: p
+    type(trial_t) :: p
     real(dp) :: bound(2), in, out, room, each, lng, d(count_of + 1), g(count_of + 1)
     integer :: side, i
     do side = 1, 2

@@ -51,16 +51,16 @@ contains
   subroutine place_files(f, input)
     type(surface_fit_t), intent(inout) :: f          !< fit
     character(len=*), intent(in) :: input        !< name of the input
-    call place(f%first_file)
-    call place(f%second_file)
+    call find_beside(f%first_file)
+    call find_beside(f%second_file)
   contains
-    subroutine place(path)
+    subroutine find_beside(path)
       character(len=*), intent(inout) :: path    !< file
       character(len=:), allocatable :: beside
       if (len_trim(path) == 0) return
       beside = input(:index(input, '/', back=.true.))//trim(path)
       if (path_kind(trim(path)) /= path_file .and. path_kind(beside) == path_file .and. len(beside) <= len(path)) path = beside
-    end subroutine place
+    end subroutine find_beside
   end subroutine place_files
 
   !> Read the specimens of a fit.

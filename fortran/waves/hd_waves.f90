@@ -255,16 +255,16 @@ contains
   end subroutine turns_on_grid
 
   !> Nearest whole number, for sizes below 2^51: unlike anint a few operations that compilers vectorise.
-  elemental real(dp) function whole(x)
+  elemental real(dp) function rounded(x)
     real(dp), intent(in) :: x    !< number
-    whole = (x + 6755399441055744._dp) - 6755399441055744._dp
-  end function whole
+    rounded = (x + 6755399441055744._dp) - 6755399441055744._dp
+  end function rounded
 
   !> Turns as a multiple of 2^-29 and the rest, so that whole multiples up to 2^23 of the first part are exact.
   elemental subroutine split_turns(u, u_2, high, low)
     real(dp), intent(in) :: u, u_2         !< turns, at most 1, in two parts
     real(dp), intent(out) :: high, low     !< u = high + low
-    high = whole(u * 536870912._dp) / 536870912._dp
+    high = rounded(u * 536870912._dp) / 536870912._dp
     low = (u - high) + u_2
   end subroutine split_turns
 end module hd_waves

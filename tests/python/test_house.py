@@ -125,6 +125,12 @@ def test_procedures_are_short(path):
     assert begun == []
 
 
+def test_types_have_names_of_their_own():
+    """No two modules define a type of one name."""
+    names = [name for path in SOURCES for name in re.findall(r"^\s*type(?:\s*,[^:\n]*)?\s*::\s*(\w+)$", path.read_text(), re.M)]
+    assert len(names) > 100 and len(names) == len(set(names)), sorted(name for name in set(names) if names.count(name) > 1)
+
+
 def test_main_is_short():
     """The main program stays under 50 lines."""
     assert len((ROOT / "fortran/app/main.f90").read_text().splitlines()) < 50

@@ -11,7 +11,7 @@ module hd_linear_solver
   public :: linear_solver_t
 
   type, abstract :: linear_solver_t
-    character(len=48) :: name = ''             !< for log and summary
+    character(len=64) :: name = ''             !< for log and summary
     integer :: unknowns = 0                    !< size of the system that is factorised
     integer(int64) :: factor_entries = 0       !< entries of its factors
     real(dp) :: flops = 0                      !< operations of the last factorisation

@@ -294,14 +294,15 @@ contains
 
   !> Bring the tangents of the struts up to date. While no flank pushes, those that the torque nears to it first count as if they
   !> did, with the pull that this means: a bottom that nothing holds would turn far in one step of Newton's method, and rub the
-  !> contact into a state far from the solution.
+  !> contact into a state far from the solution. So do those that have only just come off: a torque of 0 leaves the bottom where
+  !> it is, and the sign of its rounding errors must not send it across the play.
   subroutine update_struts(problem, load, u, r)
     type(problem_t), intent(inout) :: problem  !< gets strut_rate
     type(load_t), intent(in) :: load           !< load
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
     real(dp), intent(inout), optional :: r(:, :)  !< out-of-balance forces (3, n), get that pull; absent: none counts ahead [N]
     integer :: i
-    real(dp), parameter :: near = 1e-6_dp  !< [m]
+    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
     real(dp), allocatable :: closing(:)
     logical, allocatable :: flank(:)
     if (.not. allocated(problem%struts)) return
@@ -311,7 +312,7 @@ contains
     flank = problem%struts%power < 1.25_dp .and. closing > -1
     if (.not. any(flank) .or. any(flank .and. problem%strut_rate > 0) .or. .not. problem%turning) return
     do i = 1, size(closing)
-      flank(i) = flank(i) .and. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0
+      flank(i) = flank(i) .and. (closing(i) > -just_off .or. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)
     end do
     flank = flank .and. closing >= maxval(closing, mask=flank) - near
     where (flank) problem%strut_rate = problem%struts%rate

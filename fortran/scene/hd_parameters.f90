@@ -336,7 +336,7 @@ contains
       if (associated(p%integer)) p%integer = nint(x(1))
       if (associated(p%real)) p%real = x(1)
       if (associated(p%reals)) p%reals(:n) = x(:n)
-      if (associated(p%count)) p%count = n
+      if (associated(p%count)) p%count = int(n)
     end if
   end subroutine assign_words
 

@@ -49,7 +49,7 @@ contains
     class(linear_solver_t), allocatable, intent(inout) :: near  !< moved away
     type(newton_krylov_t), intent(inout) :: solver               !< new; `round` may be set
     call move_alloc(near, solver%near)
-    solver%name = 'GMRES, '//solver%near%name
+    solver%name = 'GMRES, '//trim(solver%near%name)
     solver%unknowns = solver%near%unknowns
     solver%own_threads = solver%near%own_threads
   end subroutine new_newton_krylov

@@ -16,7 +16,7 @@ module hd_joint
   implicit none
   private
   public :: joint_t, spots_t, response_t, new_joint, spot_ratio, spots_at, joint_load, normal_stiffness, &
-    tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint, pressure_power, at_friction, statistical
+    tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint, pressure_power, at_friction
 
   type :: joint_t
     type(asperity_t) :: asperity
@@ -61,7 +61,7 @@ module hd_joint
 
 contains
 
-  !> Joint from its asperity and its surface.
+  !> Joint from its asperity and its surface; the table of parameters and hdengine.Joint hold the ranges.
   subroutine new_joint(asperity, d, mu, s_min, reference_area, r_m, paper, plastic, joint, error)
     type(asperity_t), intent(in) :: asperity          !< asperity
     real(dp), intent(in) :: d                         !< fractal dimension, 2 < D < 3
@@ -72,20 +72,12 @@ contains
     logical, intent(in) :: paper                      !< closure of Eq. 28
     logical, intent(in) :: plastic                    !< plastic spots unload elastically
     type(joint_t), intent(out) :: joint               !< joint
-    type(error_t), allocatable, intent(out) :: error  !< input out of range
-    if (.not. (d > 2 .and. d < 3)) then
-      call raise(error, code_input, 'fractal_dimension is '//to_text(d)//'; valid: 2 < D < 3')
-    else if (.not. s_min > 0) then
-      call raise(error, code_input, 's_min is '//to_text(s_min)//' m^2; valid: > 0 (Eq. 30 diverges at 0)')
-    else if (.not. (asperity%s_ec > 0 .and. asperity%s_ec < huge(1._dp))) then
+    type(error_t), allocatable, intent(out) :: error  !< no area at first yield
+    if (.not. (asperity%s_ec > 0 .and. asperity%s_ec < huge(1._dp))) then
       call raise(error, code_input, 'the area at first yield is '//to_text(asperity%s_ec)// &
         ' m^2: check roughness, asperity_radius, gamma and hardness')
-    else if (.not. mu >= 0) then
-      call raise(error, code_input, 'friction is '//to_text(mu)//'; valid: >= 0')
-    else if (.not. reference_area > 0) then
-      call raise(error, code_input, 'reference_area is '//to_text(reference_area)//' m^2; valid: > 0')
+      return
     end if
-    if (allocated(error)) return
     joint%asperity = asperity
     joint%d = d
     joint%mu = mu
@@ -109,13 +101,6 @@ contains
     capped = joint
     capped%mu = friction
   end function at_friction
-
-  !> The statistical model (Hu et al.) of a joint, whatever its model is.
-  pure type(joint_t) function statistical(joint)
-    type(joint_t), intent(in) :: joint    !< joint
-    statistical = joint
-    if (allocated(statistical%elastic)) deallocate (statistical%elastic)
-  end function statistical
 
   !> Limits and whole integrals of the regimes; the plastic load factor is H s_ec / f_ec.
   pure subroutine prepare_regimes(joint)

@@ -218,3 +218,15 @@ def test_advice_fits_the_shell(tmp_path, capsys):
     assert cli.main(["surface", str(tmp_path / "a.txt"), "--out", str(tmp_path / "o")]) == 2
     said = capsys.readouterr().err
     assert "say --unit um (or mm, nm, m), or --unit mm,um for" in said and "unit=" not in said
+
+
+def test_plan_of_run_and_wrong_words(capsys, tmp_path, monkeypatch):
+    """`run --plan` prints the plan and writes nothing; a word that is no assignment and a count of processes below 1 are refused."""
+    monkeypatch.chdir(tmp_path)
+    scene = str(ROOT / "data/cd14.nml")
+    assert cli.main(["run", scene, "mesh.divisions=24", "mesh.band_facets=4", "run.tolerance=0.3", "--plan"]) == 0
+    assert "tolerance" in capsys.readouterr().out and not list(tmp_path.iterdir())
+    assert cli.main(["run", scene, "torque"]) == 2 and "group.key=value" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        cli.main(["study", scene, "--jobs", "none"])
+    assert "'none' must be a whole number of 1 or more" in capsys.readouterr().err

@@ -242,6 +242,23 @@ def test_boundary_elements_predict():
     assert found.table["k_t_pa_per_m"] / found.table["k_n_pa_per_m"] == pytest.approx(RATIO, rel=0.05)
 
 
+def test_boundary_elements_take_the_sum_of_two_maps():
+    """Two maps give the law of their sum, cut to what both cover; waves beyond the longest are left out; other spacings are refused."""
+    pytest.importorskip("tamaas")
+    a, b = rough(64, 0.7, 16, 6, 3), rough(72, 0.7, 16, 6, 4)
+    same = dict(pressure=[5e7, 3e8], model="boundary_elements", points=64, bodies=Bodies(hardness=1e12))
+    both = predict((a, (1e-6, 1e-6)), (b, (1e-6, 1e-6)), **same).table["k_n_pa_per_m"]
+    total = a + b[:64, :64]
+    assert both == pytest.approx(predict((total, (1e-6, 1e-6)), **same).table["k_n_pa_per_m"], rel=1e-6)
+    wave = 4e-7 * np.cos(2 * np.pi * np.arange(64) / 64)
+    cut = predict((total + wave, (1e-6, 1e-6)), longest=2e-5, **same).table["k_n_pa_per_m"]
+    assert cut == pytest.approx(predict((total, (1e-6, 1e-6)), longest=2e-5, **same).table["k_n_pa_per_m"], rel=0.02)
+    assert predict((total + wave, (1e-6, 1e-6)), **same).table["k_n_pa_per_m"][0] < 0.9 * both[0]
+    with pytest.raises(hdengine.InputError, match="equal spacing"):
+        predict((a, (1e-6, 1e-6)), (b, (2e-6, 2e-6)), **same)
+
+
+
 def test_run_states_every_model(exe, tmp_path):
     """summary.json names the joint's model and what it rests on, and K_TS by it and by Hu et al.; the joint's contact law runs with it."""
     small = ["mesh.divisions=16", "mesh.band_facets=3", "mesh.wall_elements=4", "mesh.bottom_elements=3", "load.assembly_steps=1",

@@ -244,3 +244,24 @@ def test_the_specimens_of_data_are_what_their_script_makes(tmp_path):
     subprocess.run([sys.executable, script], check=True, cwd=tmp_path)
     for name in ("specimen_flexspline.sdf", "specimen_bearing.sdf"):
         assert (tmp_path / name).read_bytes() == (ROOT / "data" / name).read_bytes()
+
+
+@pytest.mark.parametrize("name, keys, says", [
+    ("m.npy", {}, "no lateral size"), ("m.npy", {"unit": "furlong", "spacing": 1e-6}, "furlong"), ("cube.npy", {"spacing": 1e-6}, "shape"),
+    ("g.xml", {"unit": "um"}, "states its unit"), ("g.xml", {"spacing": 1e-6}, "states its size"), ("bare.xml", {"unit": "um"}, "no lateral size"),
+    ("few.xml", {}, "states 3 points and holds 2"), ("cut.xml", {}, "damaged or cut"),
+    ("t.sdf", {}, "states 2 x 2 points and holds 3"), ("words.sdf", {}, "damaged"),
+])
+def test_what_a_file_states_is_not_said_again(tmp_path, name, keys, says):
+    """What a file lacks is asked for, what it states and a caller says again is refused, and counts that do not fit are named."""
+    gauge = ("<SOFTGAUGE><DATAFILE><NUMPOINTS>{}</NUMPOINTS>{}<DATA_POINT_VALUES>{}</DATA_POINT_VALUES></DATAFILE></SOFTGAUGE>")
+    files = {"g.xml": gauge.format(2, "<UNITS>um</UNITS><SPACING>0.5</SPACING>", "1 2"), "bare.xml": gauge.format(2, "", "1 2"),
+             "few.xml": gauge.format(3, "<UNITS>um</UNITS><SPACING>0.5</SPACING>", "1 2"), "cut.xml": "<SOFTGAUGE><DATAFILE>",
+             "t.sdf": "aISO-1.0\nNumPoints = 2\nNumProfiles = 2\nXscale = 1\nYscale = 1\nZscale = 1\n*\n1 2 3\n*\n",
+             "words.sdf": "aISO-1.0\nNumPoints = two\n*\n1\n*\n"}
+    if name in files:
+        (tmp_path / name).write_text(files[name].replace("<SOFT", "<!DOCTYPE DATA SYSTEM 'softgauge.dtd'>\n<SOFT", 1))
+    np.save(tmp_path / "m.npy", np.ones((4, 5)))
+    np.save(tmp_path / "cube.npy", np.ones((4, 5, 6)))
+    with pytest.raises(hdengine.HdengineError, match=says):
+        specimen.read(tmp_path / name, **keys)

@@ -218,13 +218,17 @@ def test_generate_refuses_bad_input(change, says):
 
 
 def test_free_waves_are_summed():
-    """The waves of Eq. 1, summed as free waves by each evaluator, are its surface."""
+    """The waves of Eq. 1, summed as free waves by each evaluator, are its surface, in both precisions; a map without points is refused."""
     w = surface.waves(**SURFACE)
     lists = (w["fx_per_m"], w["fy_per_m"], w["amplitude_m"], w["phase_turns"])
     z = surface.generate((40, 50), 1e-6, **SURFACE)
     for method in ("auto", "direct", "product", "nufft"):
         free = surface.sum_waves(*lists, (40, 50), 1e-6, method=method) + w["offset_m"]
         assert np.allclose(free, z, rtol=0, atol=1e-11 * z.std())
+        assert np.allclose(surface.sum_waves(*lists, (40, 50), 1e-6, method=method, dtype="float32") + w["offset_m"], z, rtol=0,
+                           atol=2e-6 * z.std())
+    with pytest.raises(hdengine.InputError, match="0"):
+        surface.sum_waves(*lists, (0, 50), 1e-6)
     for bad in ([], [1.0, 2.0], ["a"], [float("nan")]):
         with pytest.raises(hdengine.InputError):
             surface.sum_waves([1.0], bad, [1.0], [0.0], 8, 1e-6)

@@ -97,8 +97,6 @@ int hd_path_kind(const char *path)
   return S_ISDIR(s.st_mode) ? 2 : S_ISREG(s.st_mode) ? 1 : 3;
 }
 
-int hd_is_terminal(void) { return isatty(1); }
-
 /* Become another program, the one beside this if there is one, else one of the search path; returns if neither is there. */
 void hd_become(char *const words[])
 {

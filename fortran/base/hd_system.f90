@@ -9,7 +9,7 @@ module hd_system
   private
   public :: wait_passively, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, check_stop, make_directory, rename_file, remove_file, remove_directory, truncate_file, &
-    path_kind, on_terminal, become_program
+    path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -64,9 +64,6 @@ module hd_system
       import :: c_ptr
       type(c_ptr), intent(in) :: words(*)
     end subroutine c_become
-    integer(c_int) function c_tty() bind(c, name='hd_is_terminal')
-      import :: c_int
-    end function c_tty
   end interface
 
 contains
@@ -81,11 +78,6 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< a signal was caught
     if (stop_requested()) call raise(error, code_stopped, 'interrupted')
   end subroutine check_stop
-
-  !> Standard output is a terminal.
-  logical function on_terminal()
-    on_terminal = c_tty() /= 0
-  end function on_terminal
 
   !> Become another program: the one beside this, else one of the search path. Returns only if there is none.
   subroutine become_program(words)

@@ -7,7 +7,7 @@ module hd_cam_table
   use hd_text, only: to_text
   implicit none
   private
-  public :: cam_table_t, read_cam_table, new_cam_table, radius_deviation
+  public :: cam_table_t, read_cam_table, radius_deviation
 
   integer, parameter :: fewest = 8  !< points of a table
 

@@ -13,7 +13,7 @@ module hd_periodic
   use hd_text, only: to_text
   implicit none
   private
-  public :: periodic_surface, check_periodic, mode_amplitude
+  public :: periodic_surface, check_periodic
 
 contains
 

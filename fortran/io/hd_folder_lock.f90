@@ -6,7 +6,7 @@ module hd_folder_lock
   use hd_system, only: make_directory, remove_directory, path_kind, path_absent, path_directory
   implicit none
   private
-  public :: folder_lock_t, lock_name
+  public :: folder_lock_t
 
   character(len=*), parameter :: lock_name = 'hdengine.lock'  !< file of the lock
   integer(c_int), parameter :: no_file = 2, elsewhere = 3     !< as in hd_folder_lock.c; 0 taken, 1 held

@@ -9,7 +9,7 @@ module hd_asperity
   use hd_kinds, only: dp, pi
   implicit none
   private
-  public :: asperity_t, new_asperity, regime_of_area, asperity_by_area, asperity_by_depth
+  public :: asperity_t, new_asperity, asperity_by_area, asperity_by_depth
   public :: load, load_power, stiff, stiff_power, edge
 
   real(dp), parameter :: load_power(4) = [1.5_dp, 1.425_dp/1.136_dp, 1.263_dp/1.146_dp, 1._dp]

@@ -15,7 +15,7 @@ module hd_joint
   use hd_powers, only: expm1, log1p, power_integral, power_partial
   implicit none
   private
-  public :: joint_t, spots_t, response_t, new_joint, spot_ratio, spots_at, joint_load, normal_stiffness, &
+  public :: joint_t, spots_t, response_t, new_joint, spots_at, joint_load, normal_stiffness, &
     tangential_stiffness, find_largest_spot, real_area, spot_shear, evaluate_joint, pressure_power, at_friction
 
   type :: joint_t

@@ -13,7 +13,7 @@ module hd_rough_contact
   use hd_spectrum, only: power_spectrum_t
   implicit none
   private
-  public :: contact_at, energy_share, share_at_no_contact, share_power
+  public :: contact_at
 
   real(dp), parameter :: share_at_no_contact = 0.40_dp   !< a
   real(dp), parameter :: share_power = 0.12_dp           !< e

@@ -7,7 +7,7 @@ module hd_window
   use hd_kinds, only: dp, sp, pi
   implicit none
   private
-  public :: window_t, new_window, window_error, window_gain, window_width, widest
+  public :: window_t, new_window, window_gain, window_width, widest
 
   integer, parameter :: widest = 28    !< largest width
   integer, parameter :: nodes = 24     !< Chebyshev nodes of the fit

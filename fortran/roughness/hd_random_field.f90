@@ -9,7 +9,7 @@ module hd_random_field
   use hd_band_integral, only: band_integral
   implicit none
   private
-  public :: field_covariance, noise_covariance, radial_t, new_radial, radial_value
+  public :: field_covariance, noise_covariance, radial_t, new_radial
 
   integer, parameter :: nodes = 1500
 

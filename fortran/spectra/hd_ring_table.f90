@@ -8,7 +8,7 @@ module hd_ring_table
   use hd_fft, only: forward_real_2d, forward_real
   implicit none
   private
-  public :: ring_table_t, new_ring_table, taper, axis_width, reach, per_bin
+  public :: ring_table_t, new_ring_table, taper, reach, per_bin
 
   integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
   integer, parameter :: reach = 3             !< of the taper's kernel [modes]

@@ -2,7 +2,6 @@
 """Eq. 17-44 as printed by Hu et al. (2023), kept to show where they fail. Nothing in hdengine computes with them."""
 from __future__ import annotations
 
-from math import gamma as gamma_function
 from math import log, pi
 from typing import Any
 
@@ -13,12 +12,6 @@ from numpy.typing import ArrayLike
 def spot_ratio_fit(fractal_dimension: Any) -> Any:
     """Psi of Eq. 17 by the printed fit in D_s = D - 1, up to 0.37 % off."""
     return 5.454 * np.exp(-(fractal_dimension - 1) / 0.628) + 1.499
-
-
-def structure_constant(profile_dimension: Any) -> Any:
-    """Gamma(2 D_s - 3) sin((2 D_s - 3) pi / 2), the literature's constant: infinity times zero at D_s = 1.5."""
-    x = 2 * profile_dimension - 3
-    return gamma_function(x) * np.sin(x * pi / 2)
 
 
 def load_parts(joint: Any, s_l: float) -> np.ndarray:

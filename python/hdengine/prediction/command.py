@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._engine import FileError, InputError
+from .._engine import InputError
 from ..surfaces import specimen
 from .law import PRESSURES, Bodies, predict
 
@@ -55,26 +55,12 @@ def read_map(path: str | Path, unit: Any = None, dx: float | None = None, dy: fl
     Raises
     ------
     InputError, FileError
-        As `specimen.read`; an array that is no map.
+        As `specimen.read`; a profile.
     """
-    path = Path(path)
-    spacing = None if dx is None else (dy or dx, dx)
-    if path.suffix != ".npy":
-        s = specimen.read(path, unit, spacing)
-        return s.heights, s.spacing
-    if not path.is_file():
-        raise FileError(f"{path}: no such file")
-    try:
-        heights = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as e:
-        raise FileError(f"{path.name} cannot be read: {' '.join(str(e).split())[:200]}") from None
-    if heights.ndim != 2 or heights.dtype.kind not in "fiu":
-        raise InputError(f"{path.name} holds an array of shape {heights.shape} and type {heights.dtype}; valid: numbers in two "
-                         "dimensions")
-    if spacing is None or not min(spacing) > 0:
-        raise InputError(f"{path.name} states no size: say --dx, the spacing of its points in m")
-    height_unit = unit[1] if isinstance(unit, tuple) else unit
-    return heights * (specimen._factor(height_unit, path) if height_unit else 1.0), spacing
+    s = specimen.read(path, unit, None if dx is None else (dy or dx, dx))
+    if s.heights.ndim != 2:
+        raise InputError(f"{Path(path).name} holds a profile of {s.heights.size} points; valid: a map, numbers in two dimensions")
+    return s.heights, s.spacing
 
 
 def _say(text, replaces):

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from common import new_axes, styled, write_record
+from common import new_axes, read_record, styled, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, tamaas
 from hdengine.prediction.spectrum import Spectrum, level, of_map
@@ -88,7 +88,7 @@ def judge(folder):
         for name, roll_off in (("roll-off", 256 / 6), ("no roll-off", 256)):
             for seed in (901, 902):
                 z = 1e-7 * rough(256, 3 - d, roll_off, 6, seed)
-                found.append({"surface": f"D {d}, {name}", "seed": seed, "facts": of_map(z, (1e-6, 1e-6))[1], "rows": compare(z, (1e-6, 1e-6), _scaled(lattice(z)), seed == 901)})
+                found.append({"surface": f"D {d}, {name}", "seed": seed, "facts": of_map(z, (1e-6, 1e-6))[1], "rows": compare(z, (1e-6, 1e-6), scaled(lattice(z)), seed == 901)})
                 print(found[-1]["surface"], [round(r["k_n_theory"] / r["k_n_boundary_elements"], 2) for r in found[-1]["rows"]], flush=True)
     for name, unit in MEASURED.items() if folder else ():
         from hdengine.surfaces import specimen
@@ -125,7 +125,7 @@ def bound():
                                                          indent=1) + "\n")
 
 
-def _scaled(s):
+def scaled(s):
     """A spectrum in points as one in metres (spacing 1 um)."""
     return Spectrum(s.q * 1e6, s.height_variance, s.modes)
 
@@ -153,9 +153,8 @@ def draw(found):
 
 def train(refit):
     """Boundary elements on the training maps, unless they are on file, and the constants."""
-    path = RESULTS / "joint_law_training.json"
     if refit:
-        rows = json.loads(path.read_text())["rows"]
+        rows = read_record("joint_law_training")["rows"]
     else:
         rows = []
         for n, hursts, rolls, seeds, contact in (
@@ -167,7 +166,8 @@ def train(refit):
                         z = rough(n, hurst, roll_off, 8, seed)
                         space, p = HalfSpace(z, (1.0, 1.0), 1.0, RATIO), pressures(1.0, contact) / E_STAR
                         k = [space.normal_stiffness(space.press(x) > 0) for x in p]
-                        rows.append({"n": n, "hurst": hurst, "roll_off": roll_off, "seed": seed, "p": list(p), "k": k})
+                        rows.append({"n": n, "hurst": hurst, "roll_off": roll_off, "seed": seed, "p": [float(f"{x:.6g}") for x in p],
+                                     "k": [float(f"{x:.5g}") for x in k]})
                         print(rows[-1], flush=True)
     from scipy.optimize import least_squares
 
@@ -195,8 +195,8 @@ def train(refit):
     error = misfit([0.40, 0.12])
     table = [{"contact": float(f"{contact[decade == d].mean():.2g}"), "mean_ln_error": round(error[decade == d].mean(), 3),
               "std_ln_error": round(error[decade == d].std(), 3)} for d in sorted(set(decade))]
-    path.write_text(json.dumps({"script": "bench/joint_law.py train", "fitted_a_e": [round(c, 4) for c in fitted], "used_a_e": [0.40, 0.12],
-                                "errors_of_used": table, "rows": rows}) + "\n")
+    write_record("joint_law_training", {"fitted_a_e": [round(c, 4) for c in fitted], "used_a_e": [0.40, 0.12], "errors_of_used": table, "rows": rows},
+                 seed=sorted({r["seed"] for r in rows}), peers=(tamaas(),), arguments="train --refit" if refit else "train")
     print(fitted, *table, sep="\n")
 
 

@@ -230,7 +230,7 @@ def joint(quick):
         wide[lo:lo + pixels, lo:lo + pixels] = h
         return np.fft.ifft2(np.fft.ifftshift(wide)).real * factor**2
 
-    spectrum = law._scaled(law.lattice(z0))
+    spectrum = law.scaled(law.lattice(z0))
     pressure = law.pressures(spectrum.slope_rms, (0.03,))[0]
 
     def elements_of(factor, residual=RESIDUAL):

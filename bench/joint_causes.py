@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Why the theory of k_N misses boundary elements without a roll-off, and why k_T/k_N rises with the contact.
 
-seeds  twelve maps of each surface of `joint_law.py judge` without roll-off, none of its seeds: the mean tells a bias, the scatter that of single maps;
-       and D 2.1 with the roll-off moved from the map's length to an eighth of it
+seeds  eight maps of each surface of `joint_law.py judge` without roll-off, none of its seeds: the mean tells a bias, the scatter that of single maps;
+       and D 2.1 with the roll-off moved from the map's length to a quarter of it
 ratio  k_T/k_N of one band-limited map on three grids, and for three of Poisson's ratios on one
 Writes bench/results/joint_causes.json and the tables of docs/evidence/joint_law.md and joint_shear.md.
 Usage: bench/joint_causes.py [seeds] [ratio] [pages]
@@ -11,12 +11,12 @@ Usage: bench/joint_causes.py [seeds] [ratio] [pages]
 import sys
 
 import numpy as np
+from joint_law import CONTACT, E_STAR, compare, lattice, pressures, rough, scaled
 
 from common import RESULTS, put, read_record, table, write_record
 from hdengine.prediction.half_space import HalfSpace, corrected_area, tamaas
-from joint_law import CONTACT, E_STAR, compare, lattice, pressures, rough, scaled
 
-SEEDS = range(1001, 1013)
+SEEDS = range(1001, 1009)
 
 
 def ratios(d, roll_off, seed):
@@ -73,7 +73,7 @@ def pages(found):
          *(f"{m:.2f} ± {2 * e * m:.2f} ({100 * s:.0f} %)" for m, e, s in zip(r["mean_ratio"], r["error_of_mean_ln"], r["std_ln_of_one_map"])))
         for r in found["seeds"]]), "evidence/joint_law")
     cases = sorted({(r["points"], r["poisson"]) for r in found["ratio"]}, key=lambda c: (c[1], c[0]))
-    put("joint-ratio", table(("points a side", "ν", "(ν/(2 - ν))²", "k_T/k_N over its limit at 1 %", "7 %", "26 % contact"), [
+    put("joint-ratio", table(("points a side", "ν", "(ν/(2 - ν))²", "k_T/k_N over κ at 1.6 % of contact", "10 %", "33 %"), [
         (n, nu, f"{(nu / (2 - nu))**2:.3f}", *(f"{r['over_limit']:.4f}" for r in found["ratio"] if (r["points"], r["poisson"]) == (n, nu)))
         for n, nu in cases]), "evidence/joint_shear")
 
@@ -84,7 +84,7 @@ def main():
     if "ratio" in todo:
         found["ratio"] = grid_rows()
     if "seeds" in todo:
-        found["seeds"] = [over_seeds(d, 256) for d in (2.1, 2.3, 2.5, 2.7, 2.9)] + [over_seeds(2.1, 256 / n) for n in (2, 4, 8)]
+        found["seeds"] = [over_seeds(d, 256) for d in (2.1, 2.5, 2.9)] + [over_seeds(2.1, 256 / n) for n in (2, 4)]
     if {"ratio", "seeds"} & set(todo):
         write_record("joint_causes", found, seed=[31, *SEEDS], peers=(tamaas(),))
     if "pages" in todo:

@@ -8,10 +8,10 @@ Usage: bench/tangent_indices.py [--base N] [--work DIR] | pages
 """
 import argparse
 import tempfile
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
-import SALib
 from SALib.analyze import sobol as analysis
 from SALib.sample import sobol as sampling
 
@@ -19,10 +19,18 @@ import hdengine
 from common import ROOT, put, read_record, table, write_record
 from hdengine import uncertainty
 
-MESH = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
+FIXED = {"joint.model": "spectrum", "mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
 JOINT = {key: uncertainty.JOINT[key] for key in ("joint.fractal_dimension", "joint.roughness", "joint.hardness")}  # what the model spectrum takes
 RANGES = JOINT | uncertainty.DRIVE
 COLUMN = "k_ts_tangent_nm_per_rad"
+
+
+def tangent(scene, keys, work):
+    """Tangent of one point, kept in a file of the folder so that a stopped call goes on where it was."""
+    kept = work / f"tangent_{hash(tuple(keys.values())):x}"
+    if not kept.exists():
+        kept.write_text(repr(hdengine.run(scene, work / "point.out", True, **FIXED, **keys).summary["results"][COLUMN]))
+    return float(kept.read_text())
 
 
 def measure(base, work, seed=1):
@@ -30,22 +38,16 @@ def measure(base, work, seed=1):
     scene = str(ROOT / "data/cd14.nml")
     problem = {"num_vars": len(RANGES), "names": list(RANGES), "bounds": [list(r[:2]) for r in RANGES.values()]}
     points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
-    study = hdengine.Study(scene, together={key: [float(x) for x in points[:, i]] for i, key in enumerate(RANGES)}, fixed=MESH, rows="last")
-    found = study.run(Path(work) / "points.out", show=False)
-    value = {row["point"]: row[COLUMN] for row in found.rows if row["status"] == "done"}
-    y = np.array([value.get(i, np.nan) for i in range(len(points))])
-    failed = int(np.isnan(y).sum())
-    if failed:
-        raise SystemExit(f"{failed} of {len(y)} points have no tangent")
+    y = np.array([tangent(scene, dict(zip(RANGES, map(float, point))), Path(work)) for point in points])
     s = analysis.analyze(problem, np.log(y), calc_second_order=False, seed=seed)
-    one = uncertainty.one_at_a_time(scene, RANGES, MESH).run(Path(work) / "one.out", show=False)
+    one = uncertainty.one_at_a_time(scene, RANGES, FIXED).run(Path(work) / "one.out", show=False)
     middle, ends = uncertainty.drive_tornado(one, RANGES, COLUMN)
-    factors = uncertainty.drive_factors(middle, ends, hdengine.read_scene(scene, **MESH), RANGES)
+    factors = uncertainty.drive_factors(middle, ends, hdengine.read_scene(scene, **FIXED), RANGES)
     _, shares = uncertainty.drive_bands(factors, middle)
     product = middle * np.prod(list(factors.values()), axis=0)
     rows = [{"input": key, **{name: round(float(s[name][i]), 4) for name in ("S1", "S1_conf", "ST", "ST_conf")}, "share_by_factors": round(shares[key], 4)}
             for i, key in enumerate(RANGES)]
-    return {"mesh": MESH, "points": len(y), "base": base, "sum_of_first_order": round(float(s["S1"].sum()), 4),
+    return {"fixed": FIXED, "points": len(y), "base": base, "sum_of_first_order": round(float(s["S1"].sum()), 4),
             "median_nm_per_rad": float(f"{np.median(y):.5g}"), "band_95_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(y, (0.025, 0.975))],
             "band_95_by_factors_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(product, (0.025, 0.975))],
             "indices": sorted(rows, key=lambda r: -r["ST"])}
@@ -61,11 +63,13 @@ def pages(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", nargs="?", choices=("pages",))
-    parser.add_argument("--base", type=int, default=128, help="power of 2")
+    parser.add_argument("--base", type=int, default=64, help="power of 2")
     parser.add_argument("--work", help="folder of the runs (kept, and continued when called again)")
     args = parser.parse_args()
     if args.what != "pages":
-        write_record("tangent_indices", measure(args.base, args.work or tempfile.mkdtemp()), seed=1, peers=(SALib,))
+        work = Path(args.work or tempfile.mkdtemp())
+        work.mkdir(exist_ok=True)
+        write_record("tangent_indices", measure(args.base, work), seed=1, salib=metadata.version("SALib"))
     pages(read_record("tangent_indices"))
 
 

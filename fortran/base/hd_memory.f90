@@ -44,7 +44,7 @@ contains
     real(dp) :: free
     free = free_memory_mb()
     if (free > 0 .and. mb > free) call raise(error, code_memory, what//': '//to_text(nint(mb, i8))//' MB are needed, '// &
-      to_text(nint(free, i8))//' MB are free')
+      to_text(nint(free, i8))//' MB are free; make it smaller, or free memory')
   end subroutine need_memory
 
   !> Least limit of the control group of this process and of those around it, version 2 or 1; -1: none [bytes].

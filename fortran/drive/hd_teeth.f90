@@ -131,7 +131,8 @@ contains
       closed = now
     end do
     if (any(now .neqv. closed)) then
-      call raise(error, code_not_converged, 'the set of teeth in contact does not settle')
+      call raise(error, code_not_converged, &
+        'the set of teeth in contact does not settle: change load.tooth_clearance or load.torque a little')
       return
     end if
     state = teeth%assembled

@@ -92,7 +92,7 @@ contains
       if (bytes > 0) read (unit, iostat=status) text
       close (unit)
     end if
-    if (status /= 0) call raise(error, code_file, "input file '"//path//"' cannot be read")
+    if (status /= 0) call raise(error, code_file, "input file '"//path//"' cannot be read: check its permissions")
   end subroutine read_text
 
   !> Where the lines begin; carriage returns, tabs and a byte-order mark become blanks.

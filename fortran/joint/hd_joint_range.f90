@@ -38,7 +38,8 @@ contains
     if (allocated(joint%elastic)) then
       associate (last => exp(joint%elastic%normal%log_p(size(joint%elastic%normal%log_p))))
         if (pressure > last*(1 + 1e-9_dp)) call push(lines, 'the largest pressure, '//to_text(pressure)// &
-          ' Pa, exceeds the last of the joint, '//to_text(last)//' Pa: k_N counts as constant above that')
+          ' Pa, exceeds the last of the joint, '//to_text(last)//' Pa: k_N counts as constant above that. '// &
+          'Read the tangent, or extend the table of the joint (joint.table_file) to it')
       end associate
       return
     end if
@@ -46,21 +47,24 @@ contains
     s_l = s%sigma*joint%asperity%s_ec
     base = pi*joint%r_m**2
     if (.not. s%excess > 0) then
-      call push(lines, 'no largest spot carries '//rounded(pressure)//' Pa: the pressure is not below 0.99 H')
+      call push(lines, 'no largest spot carries '//rounded(pressure)//' Pa: the pressure is not below 0.99 H. '// &
+        'Raise joint.hardness if it is higher, or lower the load')
       return
     end if
     if (s_l > base) call push(lines, 'the largest spot, '//rounded(s_l)//' m^2, exceeds the base of an asperity, pi r_m^2 = '// &
       rounded(base)//' m^2: K_N and K_T are extrapolated. Take joint.model = ''spectrum'', fit asperity_radius and s_min to a '// &
       'stiffness (docs/howto/calibrate.md), or raise asperity_radius to '//rounded(1.001_dp*sqrt(s_l/pi))//' m')
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
-      to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '//to_text(joint%reference_area)//' m^2')
+      to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '// &
+      to_text(joint%reference_area)//' m^2: the model has ended; take joint.model = ''spectrum''')
     if (joint%first == 4 .and. .not. joint%plastic) then
       call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0. '// &
-        "Raise s_min, or count plastic spots as elastic (joint.plastic_spots = 'elastic', plastic=True in Python)")
+        "Lower s_min, or count plastic spots as elastic (joint.plastic_spots = 'elastic', plastic=True in Python)")
     end if
     power = pressure_power(joint, pressure, (1 - 1e-6_dp)*joint%mu*pressure)
     if (power < 0) call push(lines, 'K_T about to slip falls as the pressure grows, d ln K_T / d ln p = '//to_text(power)// &
-      ': more pressure looks softer in Eq. 45')
-    if (s%excess < 1e-6_dp) call push(lines, 's_min is not below the largest spot by more than 1e-6: the stiffness rests on s_min')
+      ': more pressure looks softer in Eq. 45. Read the tangent')
+    if (s%excess < 1e-6_dp) &
+      call push(lines, 's_min is not below the largest spot by more than 1e-6: the stiffness rests on s_min. Lower joint.s_min')
   end subroutine range_warnings
 end module hd_joint_range

@@ -72,9 +72,11 @@ contains
     if (n < 2) then
       call raise(error, code_input, 'the spectrum has '//to_text(n)//' bands; valid: 2 or more')
     else if (.not. (q(1) > 0 .and. all(q(2:) > q(:n - 1)))) then
-      call raise(error, code_input, 'the wavenumbers of the spectrum must be above 0 and rise')
+      call raise(error, code_input, 'wavenumbers of the spectrum from '//to_text(q(1))//' to '//to_text(q(n))// &
+        ' 1/m; valid: above 0, each larger than the one before')
     else if (.not. (all(height >= 0) .and. sum(height) > 0 .and. sum(height) < huge(1._dp))) then
-      call raise(error, code_input, 'the variances of the spectrum must not be negative, and not all 0')
+      call raise(error, code_input, 'variances of the spectrum from '//to_text(minval(height))//' to '// &
+        to_text(maxval(height))//' m^2; valid: 0 or more, finite, not all 0')
     end if
     if (allocated(error)) return
     spectrum%q = q

@@ -50,7 +50,8 @@ contains
     type(error_t), allocatable, intent(out) :: error    !< not positive definite
     integer :: info
     call dpbtrf('U', size(u, 2), size(u, 1) - 1, u, size(u, 1), info)
-    if (info > 0) call raise(error, code_linear_solver, 'the stiffness matrix is singular: a body is not held')
+    if (info > 0) call raise(error, code_linear_solver, &
+      'the stiffness matrix is singular: a body is not held; check load.support and contact.mode')
   end subroutine factorise_band
 
   !> Solve for two right-hand sides in place.

@@ -240,9 +240,11 @@ contains
     run%record%level = plan%level
     run%record%reasons = plan%reasons
     if (plan%level == 0) then
-      call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error')
+      call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error. The '// &
+        'log says why no finer mesh was run')
     else if (.not. plan%met) then
-      call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '//worst(plan%estimate, 'is'))
+      call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '// &
+        worst(plan%estimate, 'is')//'. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine new_planned_run
 

@@ -32,6 +32,15 @@ contains
     end if
   end subroutine check_map
 
+  !> Refuse lags below 1 and a step that leads nowhere.
+  subroutine check_lags(step, lags, error)
+    integer, intent(in) :: step(2)                    !< step in points (x, y)
+    integer, intent(in) :: lags(:)                    !< multiples of the step
+    type(error_t), allocatable, intent(out) :: error  !< what is wrong
+    if (any(lags < 1) .or. step(2) < 0 .or. all(step == 0)) call raise(error, code_input, 'least lag '//to_text(minval(lags))// &
+      ' along the step ('//to_text(step(1))//', '//to_text(step(2))//'); valid: lags >= 1, a step with y >= 0 that is not (0, 0)')
+  end subroutine check_lags
+
   !> S at multiples of a step: (1, 0) along the rows, (0, 1) along the columns, any other whole numbers for an oblique line.
   subroutine structure_line(z, step, lags, s, count, error)
     real(dp), intent(in), contiguous :: z(:, :)       !< heights (nx, ny) [m]
@@ -42,10 +51,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< memory, lags
     logical :: holes
     integer :: i
-    if (any(lags < 1) .or. step(2) < 0 .or. all(step == 0)) then
-      call raise(error, code_input, 'lags must be whole numbers >= 1 along a step that is not zero')
-      return
-    end if
+    call check_lags(step, lags, error)
+    if (allocated(error)) return
     holes = has_holes(z)
     if (all(step == [1, 0])) then
       call along_rows(z, lags, holes, s, count, error)
@@ -160,10 +167,8 @@ contains
     real(dp), intent(out) :: count(:)                 !< numbers of triples
     type(error_t), allocatable, intent(out) :: error  !< lags
     integer :: i
-    if (any(lags < 1) .or. step(2) < 0 .or. all(step == 0)) then
-      call raise(error, code_input, 'lags must be whole numbers >= 1 along a step that is not zero')
-      return
-    end if
+    call check_lags(step, lags, error)
+    if (allocated(error)) return
     s = 0
     count = 0
     do i = 1, size(lags)

@@ -407,7 +407,7 @@ contains
       if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 lies on points '// &
         'that slip, each counted at its stiffness just below slip: k_ts_tangent_nm_per_rad is what a test would measure')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
-        'further torque did not settle, or the linear solver did not reach its accuracy')
+        'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
       if (s%pressure_max > run%joint%asperity%hardness) then
         call push(run%record%warnings, 'the peak pressure at a node, '//rounded(s%pressure_max)//' Pa, is above the hardness '// &
           to_text(run%joint%asperity%hardness)//' Pa'//edge_advice(s))
@@ -416,7 +416,7 @@ contains
           'strength '//to_text(scene%yield_strength)//' Pa'//edge_advice(s))
       end if
       if (run%record%planned_tolerance > 0 .and. .not. s%pressure_middle > 0) call push(run%record%warnings, &
-        'the middle of the band is not in contact: nothing is promised of its pressure')
+        'the middle of the band is not in contact: nothing is promised of its pressure. Read the normal force')
     end associate
   end subroutine push_stiffness_warnings
 

@@ -110,7 +110,8 @@ contains
       opening(problem%mortar%node, s) = state%gap
       contact(problem%mortar%node, s) = state%contact
       if (.not. converged) call raise(error, code_not_converged, 'load step '//to_text(s)//' did not converge in '// &
-        to_text(limit)//' iterations: residual '//to_text(rows(size(rows))%residual))
+        to_text(limit)//' iterations: residual '//to_text(rows(size(rows))%residual)// &
+        '; take smaller load steps or more iterations')
     end do
     call matrix%release()
   end subroutine solid_steps

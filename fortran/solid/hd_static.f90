@@ -41,7 +41,8 @@ contains
       u = unpack(b(:, 1), equation > 0, u)
       r = force - multiply(problem%stiffness, u)
       if (.not. allocated(error) .and. .not. norm2(pack(r, equation > 0)) < 1e-6_dp*(norm2(force) + norm2(r)) + tiny(1._dp)) then
-        call raise(error, code_linear_solver, 'out-of-balance forces remain after the solution: a body is not held')
+        call raise(error, code_linear_solver, &
+          'out-of-balance forces remain after the solution: a body is not held; fix more of its nodes')
       end if
     end if
     call mumps%release()

@@ -8,6 +8,7 @@ module hd_spectral_fit
   use hd_ring_table, only: ring_table_t
   use hd_crossover, only: crossover_t, find_crossover
   use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of
+  use hd_text, only: to_text
   implicit none
   private
   public :: spectral_fit_t, fit_spectrum
@@ -72,8 +73,8 @@ contains
     fixed%noise = noise
     top = 1
     if (size(t%f) < 6) then
-      call raise(error, code_input, 'the map is too small for a spectrum: six rings of four modes are needed, about 24 x 24 '// &
-        'points (a line: 64)')
+      call raise(error, code_input, 'the map is too small for a spectrum: it gives '//to_text(size(t%f))//' rings of four '// &
+        'modes; valid: six or more, about 24 x 24 points (a line: 64)')
       return
     end if
     m = new_spectral_model(t)
@@ -102,7 +103,8 @@ contains
       if (trial%accepted .or. present(from)) exit
     end do
     if (r%last == 0) then
-      call raise(error, code_input, 'the window holds less than six rings of the spectrum')
+      call raise(error, code_input, 'no window of frequencies holds six rings of the spectrum; valid: a larger map, or a '// &
+        'wider band')
       return
     end if
     if (top > 1 .and. top < size(tops) .and. r%accepted .and. .not. present(from)) then

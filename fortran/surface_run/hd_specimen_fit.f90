@@ -69,7 +69,7 @@ contains
     type(specimen_t), allocatable, intent(out) :: s(:)          !< one or two
     type(error_t), allocatable, intent(out) :: error            !< files, spacing
     if (len_trim(f%first_file) == 0) then
-      call raise(error, code_input, 'fit.second_file without fit.first_file')
+      call raise(error, code_input, "fit.second_file = '"//trim(f%second_file)//"' without fit.first_file: name the first too")
       return
     end if
     allocate (s(merge(2, 1, len_trim(f%second_file) > 0)))

@@ -126,7 +126,8 @@ contains
     allocate (s(1)%z(m%nx, m%ny), stat=status)
     if (status == 0 .and. m%precision == 'single') allocate (z_4(m%nx, m%ny), stat=status)
     if (status /= 0) then
-      call raise(error, code_memory, 'not enough memory for the heights')
+      call raise(error, code_memory, 'not enough memory for heights of '//to_text(m%nx)//' x '//to_text(m%ny)// &
+        ' points: lower surface.nx and surface.ny')
       return
     end if
     clock = wall_seconds()

@@ -152,7 +152,8 @@ def _plot(args):
         result = Result(folder)
         paths = [result.write_torsion(), *plot_run(result)]
     else:
-        raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json)")
+        raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
+                        "valid: a folder that hdengine.x or hdengine study wrote")
     print(result)
     for path in paths:
         print(f"written: {path}")

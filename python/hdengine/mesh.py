@@ -46,7 +46,7 @@ class Mesh:
             raise InputError(f"cells have {self.cells.shape[1]} nodes: must have 8 or 20")
         if self.cells.min() < 0 or self.cells.max() >= len(self.points):
             worst = self.cells.min() if self.cells.min() < 0 else self.cells.max()
-            raise InputError(f"cells name node {worst}, there are {len(self.points)} nodes, from 0")
+            raise InputError(f"cells name node {worst}; valid: 0 to {len(self.points) - 1}")
         ordered = np.sort(self.cells, axis=1)
         twice = (ordered[:, 1:] == ordered[:, :-1]).any(1)
         if twice.any():

@@ -347,7 +347,8 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     result = Result(folder)
     field = ContactField(result)
     if not field.k_ts() > 0:
-        raise InputError(f"K_TS of '{folder}' is 0: nothing to vary")
+        raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "
+                         "Take joint.model='spectrum', or a load under which the faces touch")
     joint, base, ends = joint_tornado(field), None, None
     figures = {"tornado_joint.png": plot_tornado(field.k_ts(), joint, JOINT, "Joint, contact field kept")}
     found = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint}

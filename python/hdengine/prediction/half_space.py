@@ -176,7 +176,9 @@ class HalfSpace:
             if rr < goal:
                 return float(t.mean() if direction is None else t[..., direction].mean())
             d = r + rr / old * d
-        raise NotConvergedError("stiffness by boundary elements: the linear solve did not reach its residual")
+        raise NotConvergedError("stiffness by boundary elements: the linear solve kept a residual of "
+                                f"{(rr / goal)**0.5 * STIFFNESS_RESIDUAL:.2g} instead of "
+                                f"{STIFFNESS_RESIDUAL:g}; take a map of fewer points, or --model spectrum")
 
 
 def _with_mean(p, mean, most):

@@ -80,7 +80,8 @@ class Slider:
                 later = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
                 ahead, momentum = new + (momentum - 1) / later * (new - t), later
             t = new
-        raise NotConvergedError(f"shear by boundary elements: residual {self.error:.2g} instead of {self._residual:g}")
+        raise NotConvergedError(f"shear by boundary elements: residual {self.error:.2g} instead of {self._residual:g}; "
+                                    "take smaller steps of displacement")
 
     def _inside(self, t):
         """Nearest tractions inside the circles; none where nothing touches."""

@@ -23,6 +23,7 @@ from ..surfaces.run import SurfaceResult
 from .sketch import draw_scene
 
 _CAPTIONS = {
+    "loop.png": "Angle of the output over the torque.",
     "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
     "pressure_band.png": "Contact pressure on the unrolled band, last step.",
     "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",
@@ -232,9 +233,11 @@ def _band_of(result, k):
     else:
         known.append("mesh: no tolerance was promised, its share of the error is not known (<code>run.tolerance</code>)")
     if path.is_file():
-        bands = read_json(path, "bands_95_nm_per_rad")["bands_95_nm_per_rad"]
+        found = read_json(path, "bands_95_nm_per_rad")
+        name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
+            ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
         low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
-        known.append(f"inputs: 95 % of K_TS by Eq. 45 lie from {low:.3g} to {high:.3g} N m/rad")
+        known.append(f"inputs: 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}")
     else:
         known.append("inputs: not varied (<code>hdengine sensitivity</code> does)")
     return "Band: " + "; ".join(known) + "."
@@ -246,15 +249,30 @@ def _engineering(k):
     return f"{scale * k:.3g} {unit}"
 
 
+def _answer_of_drive(results):
+    """The headline of a whole drive: K1 to K3 of its loop, hysteresis and lost motion."""
+    slopes = [(f"K{i}", results.get(f"k{i}_nm_per_rad")) for i in (1, 2, 3)]
+    text = '<p>Torsional stiffness of the drive, as catalogues define it</p><p class="value">' + ", ".join(
+        f"{name} {_engineering(k)}" for name, k in slopes if k) + "</p>"
+    between = 180 * 3600 / np.pi / results["k2_nm_per_rad"]
+    text += f"<p>Between T1 and T2 one more newton metre turns the output by {between:.3g} arcsec.</p>"
+    lost = [f"{name} {180 * 60 / np.pi * results[key]:.3g} arcmin" for name, key in (
+        ("hysteresis", "hysteresis_rad"), ("lost motion", "lost_motion_rad")) if results.get(key) is not None]
+    return text + f"<p>{' and '.join(lost).capitalize()}.</p>" + (
+        "<p>Band: mesh and inputs were not varied; run a finer mesh, and a study over the inputs that are not known.</p>")
+
+
 def _answer(result):
     """The headline: the stiffness, its meaning for a drive, what is known of its error."""
     results, torque = result.summary["results"], result.torque_nm[-1]
+    if (results.get("k2_nm_per_rad") or 0) > 0:
+        return _answer_of_drive(results)
     if result.against_teeth:
         k, name = result.secant_stiffness()[-1], "K_FTS, cup against the teeth (torque over rotation)"
     else:
         found = [(results.get(key), name) for key, name in (
-            ("k_ts_tangent_nm_per_rad", "K_TS of the contact, tangent of the coupled joint"),
-            ("k_ts_nm_per_rad", "K_TS of the contact, by Eq. 45"))]
+            ("k_ts_tangent_nm_per_rad", "Torsional stiffness of the contact, K_TS, tangent"),
+            ("k_ts_nm_per_rad", "Torsional stiffness of the contact, K_TS, by Eq. 45"))]
         k, name = next(((v, n) for v, n in found if v is not None), (float("nan"), found[-1][1]))
     if not np.isfinite(k) or not k > 0:
         return f'<p>{name} at {torque:.4g} N m</p><p class="value">no value</p><p>There is no torque, or nothing that turns.</p>'
@@ -277,7 +295,7 @@ def _run_parts(result, picture):
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
     made = {p.name: p for p in plot_run(result)}
-    chosen = [n for n in ("pressure_band.png", "torsion.png", "positions.png") if n in made]
+    chosen = [n for n in ("loop.png", "pressure_band.png", "torsion.png", "positions.png") if n in made][:3]
     yield "Pictures", "".join(_image(made.pop(n), _CAPTIONS[n]) for n in chosen)
     stiffness, k, note = _stiffness(result)
     yield "All results", _pairs({
@@ -421,4 +439,5 @@ def parts_of(folder: Path, picture: bool) -> tuple[str, list]:
         return result.summary["title"], [*_run_parts(result, picture)]
     if (folder / "comparison.json").is_file():
         return "hdengine beside Hu et al. (2023)", [*_collection_parts(folder)]
-    raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json)")
+    raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
+                        "valid: a folder that hdengine.x or hdengine study wrote")

@@ -66,8 +66,8 @@ def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
     path = Path(path)
     if path.suffix.lower() != ".toml":
         groups = namelist.read(path)
-        warnings.warn(f"'{path}' is a study in the form of a namelist; write it as TOML (docs/study.md): the next release reads no "
-                      "other", DeprecationWarning, stacklevel=3)
+        warnings.warn(f"'{path}' is a study in the form of a namelist; write it as TOML (docs/howto/study.md): the next "
+                      "release reads no other", DeprecationWarning, stacklevel=3)
         text, mark = "", "&"
     else:
         text, mark = _text(path), ""

@@ -127,7 +127,7 @@ def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel
     try:
         import SurfaceTopography
     except ImportError as e:
-        raise InputError(f"reading {path.name} needs the package SurfaceTopography: pip install hdengine[io]") from e
+        raise InputError(f"reading {path.name} needs the package SurfaceTopography: pip install 'hdengine[io]'") from e
     try:
         reader = SurfaceTopography.open_topography(str(path))
         info = reader.channels[channel] if channel is not None else reader.default_channel

@@ -66,6 +66,7 @@ BENCHES = (
     Bench("paper_comparison.py", "the paper's figures and trends", 15),
     Bench("tooth_causes.py", "K_FTS and the catalogue", 3),
     Bench("joint_law.py", "the joint law beside boundary elements", 5, full=("judge",)),
+    Bench("joint_causes.py", "the joint law: bias or scatter, k_T/k_N over the contact", 15),
     Bench("joint_second.py", "boundary elements beside ContactMechanics", 0.3),
     Bench("joint_shear.py", "shear with friction beside the law", 15),
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
@@ -83,6 +84,7 @@ BENCHES = (
     Bench("wrong_points.py", "wrong points, seams and jitter of maps", 12),
     Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
     Bench("sensitivity.py", "what K_TS depends on", 10),
+    Bench("tangent_indices.py", "Sobol indices of the tangent", 15),
 )
 
 

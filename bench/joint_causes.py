@@ -11,7 +11,7 @@ Usage: bench/joint_causes.py [seeds] [ratio] [pages]
 import sys
 
 import numpy as np
-from joint_law import CONTACT, E_STAR, compare, lattice, pressures, rough, scaled
+from joint_law import E_STAR, compare, lattice, pressures, rough, scaled
 
 from common import RESULTS, put, read_record, table, write_record
 from hdengine.prediction.half_space import HalfSpace, corrected_area, tamaas
@@ -67,7 +67,8 @@ def grid_rows():
 
 def pages(found):
     """Tables of the pages."""
-    head = ("D, roll-off over the map", *(f"{100 * c:.2g} %" for c in CONTACT))
+    contact = 100 * np.mean([r["contact"] for r in found["seeds"]], axis=0)
+    head = ("D, roll-off over the map", *(f"{c:.0f} %" if c > 3 else f"{c:.1f} %" for c in contact))
     put("joint-seeds", table(head, [
         (f"{r['fractal_dimension']}, {'none' if r['roll_off_over_map'] == 1 else f'''1/{1 / r['roll_off_over_map']:.0f}'''}",
          *(f"{m:.2f} ± {2 * e * m:.2f} ({100 * s:.0f} %)" for m, e, s in zip(r["mean_ratio"], r["error_of_mean_ln"], r["std_ln_of_one_map"])))

@@ -79,8 +79,8 @@ class Record:
                  angle_error_rad: float = 2 * ARCSEC, pieces: int = 12) -> None:
         self.torque_nm, self.angle_rad = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
         if self.torque_nm.shape != self.angle_rad.shape or len(self.torque_nm) < 20:
-            raise InputError(f"the record has {self.torque_nm.size} torques and {self.angle_rad.size} angles; "
-                             "valid: as many of both, 20 or more")
+            raise InputError("a record needs as many torques as angles, 20 or more; "
+                             f"it has {self.torque_nm.size} torques and {self.angle_rad.size} angles")
         self.torque_error_nm, self.angle_error_rad, self.pieces = torque_error_nm, angle_error_rad, pieces
         self._drawn: dict[tuple, list] = {}
         self.branches = self._split()

@@ -64,7 +64,8 @@ contains
     power = pressure_power(joint, pressure, (1 - 1e-6_dp)*joint%mu*pressure)
     if (power < 0) call push(lines, 'K_T about to slip falls as the pressure grows, d ln K_T / d ln p = '//to_text(power)// &
       ': more pressure looks softer in Eq. 45. Read the tangent')
-    if (s%excess < 1e-6_dp) &
+    if (s%excess < 1e-6_dp) then
       call push(lines, 's_min is not below the largest spot by more than 1e-6: the stiffness rests on s_min. Lower joint.s_min')
+    end if
   end subroutine range_warnings
 end module hd_joint_range

@@ -92,7 +92,7 @@ def rings(quick, ratio, start_angle):
             points.append(Point(f"mortar, {element}", setting, float(found["displacement_rms"]), time.process_time() - start,
                                 default=element == "hex8i" and n == 48))
             for method in peers():
-                told = method == "mortar"
+                told = method != "n2s"   # which does not read *CLEARANCE
                 if n <= 48:
                     points.append(peer_point(f"{method}, {solid_name}", setting, *peer_contact.press_fit(
                         method, told, n, outer, element, n // 8, start_angle, stiffness=STIFFNESS, limit=PATIENCE)))

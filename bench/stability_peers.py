@@ -35,8 +35,8 @@ def fit_ours(ratio, interference):
 
 
 def fit_peer(method, ratio, interference):
-    """The same by CalculiX; mortar contact is told the interference, the others see it as shape."""
-    found, error = peer_contact.press_fit(method, method == "mortar", 24, round(24 * ratio), "hex8i", 3, 0.3, interference, stiffness=STIFFNESS,
+    """The same by CalculiX; n2s sees the interference as shape, the others are told it."""
+    found, error = peer_contact.press_fit(method, method != "n2s", 24, round(24 * ratio), "hex8i", 3, 0.3, interference, stiffness=STIFFNESS,
                                           limit=PATIENCE)
     return verdict(error, found.seconds, found.trouble)
 
@@ -69,7 +69,7 @@ def torque_peer(method, friction, travel):
     """The same by CalculiX, with the increments it takes by itself."""
     bodies, faces, polar, _, fixed, u, outside, capacity = torque_problem(friction, travel)
     points, n0 = np.vstack([b.mesh.points for b in bodies]), len(bodies[0].mesh.points)
-    told = method == "mortar"
+    told = method != "n2s"
     if not told:
         moved = np.flatnonzero((np.abs(polar[:, 0] - 20e-3) < 1e-9) & (np.arange(len(polar)) >= n0))
         points[moved, :2] *= 1 - 10e-6 / polar[moved, :1]

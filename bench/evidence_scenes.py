@@ -3,6 +3,7 @@
 from statistics import median
 
 from evidence_words import percent, rounded, short
+from promised_scenes import NAMES, is_judged, judged, judged_results
 
 from common import read_record, read_rows
 
@@ -217,34 +218,58 @@ def hard_scenes():
          f"{1e6 * x['rotation_rad']:.1f}", f"{x['friction_capacity_nm']:.1f}") for r in read_record("peer_scenes") for x in [r["results"]] if r["code"] == 0]
 
 
+def promised_rows():
+    """Random scenes of the record."""
+    return list(read_rows("promised_scenes", "scene").values())
+
+
+def tolerances(rows):
+    """Tolerances that were asked, the widest first."""
+    return sorted({run["tolerance"] for row in rows for run in row["runs"]}, reverse=True)
+
+
 def promises():
     """Promised and kept by tolerance."""
-    rows = [run for row in read_rows("promised_scenes", "scene").values() for run in row["runs"]]
-    out = []
-    for tolerance in sorted({run["tolerance"] for run in rows}, reverse=True):
-        mine = [run for run in rows if run["tolerance"] == tolerance]
-        made = [run for run in mine if run["met"] == "yes"]
-        judged = [run for run in made if "true_error" in run]
-        worst = [max(run["true_error"].values()) for run in judged]
-        cautious = median(max(run["estimate"].values()) / w for run, w in zip(judged, worst))
-        out.append((f"{100 * tolerance:g} %", len(mine), len(made), len(judged), sum(w <= tolerance for w in worst),
-                    percent(median(worst), sign=""), percent(max(worst), sign=""), f"{cautious:.1f}",
-                    percent(median(max(run["true_error_of_mesh"].values()) for run in judged), sign=""), f"{median(run['seconds'] for run in made):.0f}"))
+    rows, out = promised_rows(), []
+    for tolerance in tolerances(rows):
+        made = [run for row in rows for run in judged(row) if run["tolerance"] == tolerance]
+        whole = [run for run in made if is_judged(run)]
+        worst = [max(run["true_error"].values()) for run in whole]
+        cautious = median(max(run["estimate"].values()) / w for run, w in zip(whole, worst))
+        out.append((f"{100 * tolerance:g} %", sum(run["tolerance"] == tolerance for row in rows for run in row["runs"]), len(made), len(whole),
+                    sum(w <= tolerance for w in worst), percent(median(worst), sign=""), percent(max(worst), sign=""), f"{cautious:.1f}",
+                    percent(median(max(run["true_error_of_mesh"].values()) for run in whole), sign=""), f"{median(run['seconds'] for run in made):.0f}"))
     return ("tolerance", "scenes", "promised", "judged", "kept", "median error", "largest error", "estimate over error, median",
             "median error of the mesh", "median CPU s"), out
 
 
+def promised_groups():
+    """Promises kept of those judged, and results within the tolerance of those judged, by what the scenes are."""
+    rows, out = promised_rows(), []
+    for words, key, value in (("small displacements", "solver.kinematics", "linear"), ("large displacements", "solver.kinematics", "nonlinear"),
+                              ("bottom held, `hub`", "load.support", "hub"), ("bottom free, `bearing`", "load.support", "bearing"),
+                              ("hard contact", "contact.law", "hard"), ("joint as contact law, `joint`", "contact.law", "joint"),
+                              ("the same, shear stiffness that does not fall, `joint_elastic`", "contact.law", "joint_elastic")):
+        mine = [row for row in rows if row["keys"][key] == value]
+        made = [run for row in mine for run in judged(row)]
+        whole = [run for run in made if is_judged(run)]
+        results = [(run["tolerance"], e) for run in made for e in run["true_error"].values()]
+        out.append((words, len(mine), len(made), len(whole), sum(max(run["true_error"].values()) <= run["tolerance"] for run in whole), len(results),
+                    sum(e <= t for t, e in results)))
+    return ("scenes with", "scenes", "promised", "judged", "kept", "results judged", "within the tolerance"), out
+
+
 def promised_results():
     """Errors of what is promised, by result and tolerance."""
-    rows, out = list(read_rows("promised_scenes", "scene").values()), []
-    names = {"k_ts_tangent_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", "normal_force_n": "normal force", "pressure_mid_mean_pa": "mid-band pressure"}
-    for tolerance in sorted({run["tolerance"] for row in rows for run in row["runs"]}, reverse=True):
-        for name, words in names.items():
-            pairs = [(run["true_error"][name], run["estimate"][name]) for row in rows for run in row["runs"]
-                     if run["tolerance"] == tolerance and name in run.get("true_error", {}) and run["met"] == "yes"]
-            out.append((f"{100 * tolerance:g} %", words, len(pairs), percent(median(t for t, _ in pairs), sign=""),
-                        percent(max(t for t, _ in pairs), sign=""), sum(t > e for t, e in pairs), sum(t > tolerance for t, _ in pairs)))
-    return ("tolerance", "result", "judged", "median error", "largest error", "above its estimate", "above the tolerance"), out
+    rows, out = promised_rows(), []
+    for tolerance in tolerances(rows):
+        for name, words in NAMES.items():
+            pairs = [(estimate, error) for n, estimate, error in judged_results(rows, tolerance) if n == name]
+            out.append((f"{100 * tolerance:g} %", words, len(pairs), percent(median(e for _, e in pairs), sign=""),
+                        percent(max(e for _, e in pairs), sign=""), f"{median(a / max(e, 1e-5) for a, e in pairs):.1f}",
+                        sum(e > a for a, e in pairs), sum(e > tolerance for _, e in pairs)))
+    return ("tolerance", "result", "judged", "median error", "largest error", "estimate over error, median", "above its estimate",
+            "above the tolerance"), out
 
 
 # --- the joint law

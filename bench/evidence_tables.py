@@ -62,6 +62,7 @@ TABLES = {  # marker: page, record, builder
     "options": ("robustness", "random_scenes", scenes.options),
     "hard-scenes": ("robustness", "peer_scenes", scenes.hard_scenes),
     "promises": ("planner_promises", "promised_scenes", scenes.promises),
+    "promised-groups": ("planner_promises", "promised_scenes", scenes.promised_groups),
     "promised-results": ("planner_promises", "promised_scenes", scenes.promised_results),
 }
 

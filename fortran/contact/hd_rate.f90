@@ -1,6 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> First change of a contact problem from a converged state under a small further load: linear but for points that turn from
-!> slip to stick, which are found in a few solves.
+!> slip to stick or whose shear turns, which are found in a few solves.
+!>
+!> Neighbours that all turn at once overshoot and would turn back for ever. Where the number of points that turn does not fall,
+!> their drives go only half the way, and further halves until a state changes. Points may go on turning in the end if the work by
+!> which they miss their law is below the accuracy.
 module hd_rate
   use hd_kinds, only: dp
   use hd_checked_solve, only: solve_refined
@@ -9,12 +13,13 @@ module hd_rate
   use hd_mortar, only: relative_displacement
   use hd_newton, only: idle_components
   use hd_problem, only: problem_t
-  use hd_rate_law, only: rate_point_t, rate_rows, next_state, rate_stick, rate_slip
+  use hd_rate_law, only: rate_point_t, rate_rows, rate_drive, asked_state, missed_work, rate_stick, rate_slip
   implicit none
   private
   public :: respond_by_rates
 
-  integer, parameter :: most = 12             !< sets of states
+  integer, parameter :: most = 24             !< sets of states
+  integer, parameter :: halves = 10           !< of the way of the drives, at most
   integer, parameter :: refinements = 11      !< solves for the last of them
   real(dp), parameter :: coarse = 1e-3_dp     !< relative accuracy of inner iterations while states are sought,
   real(dp), parameter :: accuracy = 1e-6_dp   !< and of the solution
@@ -32,11 +37,13 @@ contains
     real(dp), intent(out) :: du(:, :)                    !< change (3, n)
     logical, intent(out) :: settled                      !< the states found are those assumed, the solution is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(rate_point_t) :: next, before(size(points))
+    type(rate_point_t) :: next(size(points))
     real(dp), dimension(3, 3, size(points)) :: dw, dt
     real(dp), dimension(3, size(points)) :: traction, w
-    logical :: idle(3, size(points)), accurate, same, repeated, last
-    integer :: c, i, j, k, newtons
+    real(dp), dimension(size(points)) :: drive, new
+    real(dp) :: missed
+    logical :: idle(3, size(points)), accurate, last, negligible
+    integer :: before, c, i, j, k, newtons, turned
     idle = idle_components(problem)
     newtons = solver%inner   ! its inner steps are counted for Newton's method alone
     du = 0
@@ -58,18 +65,31 @@ contains
       solver%inner = newtons
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, du)
-      same = .true.
-      repeated = k > 1
       do j = 1, size(points)
-        next = next_state(points(j), friction, w(2:, j), traction(:, j))
-        same = same .and. alike(next, points(j))
-        repeated = repeated .and. alike(next, before(j))
-        before(j) = points(j)
-        points(j) = next
+        new(j) = rate_drive(points(j), friction, problem%law%scale, w(2:, j), traction(:, j))
       end do
-      settled = same .and. accurate
-      if (last .and. (same .or. repeated)) return
-      last = same .or. repeated
+      next = asked_state(points, new)
+      turned = count(.not. alike(next, points))
+      missed = 0
+      do j = 1, size(points)
+        if (.not. alike(next(j), points(j))) missed = missed + &
+          problem%mortar%area(j)*missed_work(next(j), friction, w(2:, j), traction(:, j))
+      end do
+      negligible = missed <= of_work*abs(sum(force*du))
+      settled = accurate .and. negligible
+      if (last .and. (settled .or. k >= most)) return
+      last = negligible .or. k >= most - 1
+      if (negligible) cycle
+      if (k == 1 .or. turned < before) then
+        drive = new
+      else
+        do i = 1, halves
+          drive = (drive + new)/2
+          if (.not. all(alike(asked_state(points, drive), points))) exit
+        end do
+      end if
+      before = turned
+      points = asked_state(points, drive)
     end do
   end subroutine respond_by_rates
 

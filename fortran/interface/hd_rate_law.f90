@@ -11,7 +11,7 @@ module hd_rate_law
   use hd_kinds, only: dp
   implicit none
   private
-  public :: rate_point_t, rate_rows, next_state, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
+  public :: rate_point_t, rate_rows, rate_drive, asked_state, missed_work, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
 
   integer, parameter :: rate_open = 0, rate_stick = 1, rate_slip = 2
   integer, parameter :: rate_glued = 3  !< neither gap nor slip
@@ -68,24 +68,50 @@ contains
     end if
   end subroutine rate_rows
 
-  !> State that the rates of a point ask for.
-  pure function next_state(point, friction, slip, traction) result(next)
+  !> Drive of a point: what its rates ask for is `asked_state` of it. Linear in the rates, and the same whatever the state was in which
+  !> they were found: in stick the shear beyond the bound mu p, in slip the slip that goes along the shear, times a stiffness.
+  pure real(dp) function rate_drive(point, friction, scale, slip, traction) result(z)
     type(rate_point_t), intent(in) :: point  !< point
+    real(dp), intent(in) :: friction         !< mu
+    real(dp), intent(in) :: scale            !< c of the contact law [Pa/m]
+    real(dp), intent(in) :: slip(2)          !< ds
+    real(dp), intent(in) :: traction(3)      !< dp, dtau
+    real(dp) :: along
+    z = 0
+    if (point%state /= rate_stick .and. point%state /= rate_slip) return
+    along = dot_product(point%direction, traction(2:))
+    z = along - scale*(dot_product(point%direction, slip) + along/point%k_0)
+    if (point%at_bound) z = z - friction*traction(1)
+  end function rate_drive
+
+  !> A point in the state that its drive asks for: a point at the bound slips or sticks, the shear of another one grows or shrinks.
+  elemental function asked_state(point, drive) result(next)
+    type(rate_point_t), intent(in) :: point  !< point
+    real(dp), intent(in) :: drive            !< of `rate_drive`
+    type(rate_point_t) :: next
+    next = point
+    if (point%state /= rate_stick .and. point%state /= rate_slip) return
+    if (point%at_bound) then
+      next%state = merge(rate_slip, rate_stick, drive > 0)
+      next%grows = .false.
+    else
+      next%grows = .not. drive < 0
+    end if
+  end function asked_state
+
+  !> Work per area by which rates miss the law of a point along its shear.
+  pure real(dp) function missed_work(point, friction, slip, traction) result(work)
+    type(rate_point_t), intent(in) :: point  !< point in the state its rates ask for
     real(dp), intent(in) :: friction         !< mu
     real(dp), intent(in) :: slip(2)          !< ds
     real(dp), intent(in) :: traction(3)      !< dp, dtau
-    type(rate_point_t) :: next
-    real(dp) :: along
-    next = point
-    if (point%state /= rate_stick .and. point%state /= rate_slip) return
+    real(dp) :: along, moved
     along = dot_product(point%direction, traction(2:))
-    if (point%state == rate_slip) then  ! slip drags the shear along: it goes against its direction
-      if (-dot_product(point%direction, slip) - along/point%k_0 < 0) next%state = rate_stick
-      next%grows = .false.
-    else if (point%at_bound) then
-      if (along > friction*traction(1)) next%state = rate_slip
+    moved = dot_product(point%direction, slip)
+    if (point%state == rate_slip) then
+      work = abs((along - friction*traction(1))*moved)
     else
-      next%grows = .not. along < 0
+      work = abs(along*(moved + along/merge(point%k_t, point%k_0, point%grows)))
     end if
-  end function next_state
+  end function missed_work
 end module hd_rate_law

@@ -10,6 +10,7 @@ module test_interface
   use hd_kinds, only: dp
   use hd_micro_slip, only: sampled_shares
   use hd_problem, only: load_t, problem_t, state_t
+  use hd_rate_law, only: asked_state, missed_work, rate_drive, rate_point_t, rate_slip, rate_stick
   use test_contact, only: block, block_face, new_problem_of, solve
   implicit none
   private
@@ -26,6 +27,7 @@ contains
     call shear_loop()
     call mindlin_curve()
     call turning_shear()
+    call asked_states()
     call pressed_blocks()
   end subroutine run_interface
 
@@ -221,6 +223,36 @@ contains
     call check(error(1) < 0.01_dp .and. error(3) < 1e-3_dp, 'the shear of a slipping point turns into the new direction')
     call check(all(error(2:)/error(:2) < 0.3_dp), 'the turn of the shear is of second order in the steps')
   end subroutine turning_shear
+
+  !> Whatever state the rates of a point at its bound were found in, they ask for the state that obeys Coulomb's law, in which nothing
+  !> of it is missed.
+  subroutine asked_states()
+    real(dp), parameter :: mu = 0.2_dp, k_0 = 3e13_dp, moves(4) = [-2e-9_dp, -1e-9_dp, 1e-10_dp, 1e-9_dp], &
+      presses(3) = [-3e4_dp, 0._dp, 2e5_dp]
+    type(rate_point_t) :: point, next
+    real(dp) :: slip(2), traction(3)
+    integer :: i, j, state, want
+    logical :: alike, obeyed
+    alike = .true.
+    obeyed = .true.
+    do i = 1, size(moves)
+      do j = 1, size(presses)
+        want = merge(rate_slip, rate_stick, -k_0*moves(i) > mu*presses(j))
+        do state = rate_stick, rate_slip
+          point = rate_point_t(state=state, at_bound=.true., direction=[0.6_dp, 0.8_dp], k_n=k_0, k_t=k_0/100, k_0=k_0, grows=.false.)
+          slip = moves(i)*point%direction
+          traction(1) = presses(j)
+          traction(2:) = merge(mu*presses(j), -k_0*moves(i), state == rate_slip)*point%direction
+          next = asked_state(point, rate_drive(point, mu, 1e12_dp, slip, traction))
+          alike = alike .and. next%state == want
+          if (state == want) obeyed = obeyed .and. missed_work(next, mu, slip, traction) < 1e-12_dp*abs(k_0*moves(i)**2)
+          if (state /= want) obeyed = obeyed .and. missed_work(next, mu, slip, traction) > 1e-6_dp*abs(k_0*moves(i)**2)
+        end do
+      end do
+    end do
+    call check(alike, 'the state that rates ask for does not depend on the state they were found in')
+    call check(obeyed, 'work misses the law in the wrong state alone')
+  end subroutine asked_states
 
   !> Blocks whose meshes do not match, pressed by 80 MPa on an exponential joint, come closer by h ln(p / p_0) more than hard ones.
   subroutine pressed_blocks()

@@ -228,6 +228,16 @@ def tolerances(rows):
     return sorted({run["tolerance"] for row in rows for run in row["runs"]}, reverse=True)
 
 
+def shown(reduce, values, form=lambda v: percent(v, sign="")):
+    """A median or a maximum in words, "-" of nothing."""
+    return form(reduce(values)) if values else "-"
+
+
+def ratio(value):
+    """An estimate over an error."""
+    return f"{value:.1f}"
+
+
 def promises():
     """Promised and kept by tolerance."""
     rows, out = promised_rows(), []
@@ -235,10 +245,11 @@ def promises():
         made = [run for row in rows for run in judged(row) if run["tolerance"] == tolerance]
         whole = [run for run in made if is_judged(run)]
         worst = [max(run["true_error"].values()) for run in whole]
-        cautious = median(max(run["estimate"].values()) / w for run, w in zip(whole, worst))
+        cautious = [max(run["estimate"].values()) / w for run, w in zip(whole, worst)]
+        of_mesh = [max(run["true_error_of_mesh"].values()) for run in whole]
         out.append((f"{100 * tolerance:g} %", sum(run["tolerance"] == tolerance for row in rows for run in row["runs"]), len(made), len(whole),
-                    sum(w <= tolerance for w in worst), percent(median(worst), sign=""), percent(max(worst), sign=""), f"{cautious:.1f}",
-                    percent(median(max(run["true_error_of_mesh"].values()) for run in whole), sign=""), f"{median(run['seconds'] for run in made):.0f}"))
+                    sum(w <= tolerance for w in worst), shown(median, worst), shown(max, worst), shown(median, cautious, ratio), shown(median, of_mesh),
+                    f"{median(run['seconds'] for run in made):.0f}"))
     return ("tolerance", "scenes", "promised", "judged", "kept", "median error", "largest error", "estimate over error, median",
             "median error of the mesh", "median CPU s"), out
 
@@ -265,9 +276,9 @@ def promised_results():
     for tolerance in tolerances(rows):
         for name, words in NAMES.items():
             pairs = [(estimate, error) for n, estimate, error in judged_results(rows, tolerance) if n == name]
-            out.append((f"{100 * tolerance:g} %", words, len(pairs), percent(median(e for _, e in pairs), sign=""),
-                        percent(max(e for _, e in pairs), sign=""), f"{median(a / max(e, 1e-5) for a, e in pairs):.1f}",
-                        sum(e > a for a, e in pairs), sum(e > tolerance for _, e in pairs)))
+            errors = [e for _, e in pairs]
+            out.append((f"{100 * tolerance:g} %", words, len(pairs), shown(median, errors), shown(max, errors),
+                        shown(median, [a / max(e, 1e-5) for a, e in pairs], ratio), sum(e > a for a, e in pairs), sum(e > tolerance for e in errors)))
     return ("tolerance", "result", "judged", "median error", "largest error", "estimate over error, median", "above its estimate",
             "above the tolerance"), out
 

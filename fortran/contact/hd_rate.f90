@@ -77,7 +77,7 @@ contains
       end do
       negligible = missed <= of_work*abs(sum(force*du))
       settled = accurate .and. negligible
-      if (last .and. (settled .or. k >= most)) return
+      if (last .and. (negligible .or. k >= most)) return
       last = negligible .or. k >= most - 1
       if (negligible) cycle
       if (k == 1 .or. turned < before) then

@@ -68,8 +68,8 @@ contains
     end if
   end subroutine rate_rows
 
-  !> Drive of a point: what its rates ask for is `asked_state` of it. Linear in the rates, and the same whatever the state was in which
-  !> they were found: in stick the shear beyond the bound mu p, in slip the slip that goes along the shear, times a stiffness.
+  !> Drive of a point: what its rates ask for is `asked_state` of it. Linear in the rates, and of one sign whatever the state was in
+  !> which they were found: in stick the shear beyond the bound mu p, in slip the slip that goes along the shear, times a stiffness.
   pure real(dp) function rate_drive(point, friction, scale, slip, traction) result(z)
     type(rate_point_t), intent(in) :: point  !< point
     real(dp), intent(in) :: friction         !< mu
@@ -99,7 +99,7 @@ contains
     end if
   end function asked_state
 
-  !> Work per area by which rates miss the law of a point along its shear.
+  !> Work per area by which rates miss the law of a point along its shear: to first order, what that changes of an answer.
   pure real(dp) function missed_work(point, friction, slip, traction) result(work)
     type(rate_point_t), intent(in) :: point  !< point in the state its rates ask for
     real(dp), intent(in) :: friction         !< mu

@@ -224,13 +224,13 @@ contains
     call check(all(error(2:)/error(:2) < 0.3_dp), 'the turn of the shear is of second order in the steps')
   end subroutine turning_shear
 
-  !> Whatever state the rates of a point at its bound were found in, they ask for the state that obeys Coulomb's law, in which nothing
-  !> of it is missed.
+  !> Whatever state the rates of a point at its bound were found in, they ask for the state that obeys Coulomb's law; work misses it in
+  !> the other state alone.
   subroutine asked_states()
     real(dp), parameter :: mu = 0.2_dp, k_0 = 3e13_dp, moves(4) = [-2e-9_dp, -1e-9_dp, 1e-10_dp, 1e-9_dp], &
-      presses(3) = [-3e4_dp, 0._dp, 2e5_dp]
+      presses(3) = [-3e4_dp, 1e4_dp, 2e5_dp]
     type(rate_point_t) :: point, next
-    real(dp) :: slip(2), traction(3)
+    real(dp) :: slip(2), traction(3), missed
     integer :: i, j, state, want
     logical :: alike, obeyed
     alike = .true.
@@ -239,14 +239,15 @@ contains
       do j = 1, size(presses)
         want = merge(rate_slip, rate_stick, -k_0*moves(i) > mu*presses(j))
         do state = rate_stick, rate_slip
-          point = rate_point_t(state=state, at_bound=.true., direction=[0.6_dp, 0.8_dp], k_n=k_0, k_t=k_0/100, k_0=k_0, grows=.false.)
+          point = rate_point_t(state=state, at_bound=.true., direction=[0.6_dp, 0.8_dp], k_n=k_0, k_t=k_0/100, &
+            k_0=k_0, grows=.false.)
           slip = moves(i)*point%direction
           traction(1) = presses(j)
           traction(2:) = merge(mu*presses(j), -k_0*moves(i), state == rate_slip)*point%direction
           next = asked_state(point, rate_drive(point, mu, 1e12_dp, slip, traction))
           alike = alike .and. next%state == want
-          if (state == want) obeyed = obeyed .and. missed_work(next, mu, slip, traction) < 1e-12_dp*abs(k_0*moves(i)**2)
-          if (state /= want) obeyed = obeyed .and. missed_work(next, mu, slip, traction) > 1e-6_dp*abs(k_0*moves(i)**2)
+          missed = missed_work(next, mu, slip, traction)/abs(k_0*moves(i)**2)
+          obeyed = obeyed .and. merge(missed < 1e-12_dp, missed > 1e-6_dp, state == want)
         end do
       end do
     end do

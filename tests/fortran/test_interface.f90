@@ -224,8 +224,8 @@ contains
     call check(all(error(2:)/error(:2) < 0.3_dp), 'the turn of the shear is of second order in the steps')
   end subroutine turning_shear
 
-  !> Whatever state the rates of a point at its bound were found in, they ask for the state that obeys Coulomb's law; work misses it in
-  !> the other state alone.
+  !> Whatever state the rates of a point at its bound were found in, they ask for the state that obeys Coulomb's law; work misses it
+  !> in the other state alone.
   subroutine asked_states()
     real(dp), parameter :: mu = 0.2_dp, k_0 = 3e13_dp, moves(4) = [-2e-9_dp, -1e-9_dp, 1e-10_dp, 1e-9_dp], &
       presses(3) = [-3e4_dp, 1e4_dp, 2e5_dp]

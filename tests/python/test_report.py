@@ -146,7 +146,7 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     head = write_report(tmp_path / "r", picture=False).read_text().split("<nav>")[0]
     found = run.summary["results"]
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head
-    assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head and 'alt="Angle of the output' in head
+    assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head and 'alt="Torque over the angle' in head
 
 
 def test_small_multiples_of_any_number_of_steps(tmp_path):

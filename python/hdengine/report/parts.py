@@ -23,7 +23,7 @@ from ..surfaces.run import SurfaceResult
 from .sketch import draw_scene
 
 _CAPTIONS = {
-    "loop.png": "Angle of the output over the torque.",
+    "loop.png": "Torque over the angle of the output, and the largest forces of a ball and a pair of teeth.",
     "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
     "pressure_band.png": "Contact pressure on the unrolled band, last step.",
     "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",

@@ -119,7 +119,8 @@ def main():
     parser.add_argument("--tables", action="store_true", help="write pages and figures from the record")
     options = parser.parse_args()
     path = RESULTS / "pareto.json"
-    old = {c["name"]: c for c in json.loads(path.read_text())["charts"]} if path.exists() else {}
+    whole = json.loads(path.read_text()) if path.exists() else {"charts": []}
+    old = {c["name"]: c for c in whole["charts"]}
     if options.tables:
         write_pages([*old.values()])
         return
@@ -138,7 +139,8 @@ def main():
             p["memory_mb"] = None if p["memory_mb"] is None or np.isnan(p["memory_mb"]) else p["memory_mb"]
     known = charted()
     scene = {key: value for key, value in read_scene().items() if key in known}
-    write_record("pareto", {"charts": charts, "defaults": scene})
+    kept = {"commit": whole["provenance"]["commit"]} if options.charts and old else {}  # of the charts that were not measured
+    write_record("pareto", {"charts": charts, "defaults": scene}, **kept)
     write_pages(charts)
 
 

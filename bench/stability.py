@@ -112,7 +112,7 @@ def units(quick):
         keys = [f"geometry.{k}={v * length:.9g}" for k, v in lengths.items()]
         keys += [f"wave_generator.w={0.2e-3 * length:.9g}", f"wave_generator.interference={1e-5 * length:.9g}",
                  f"material.flexspline_e={209e9 * stress:.9g}", f"material.ring_e={219e9 * stress:.9g}",
-                 f"material.yield_strength={835e6 * stress:.9g}", f"load.torque={5 * stress * length**3:.9g}",
+                 f"material.yield_strength={835e6 * stress:.9g}", f"load.torque={5 * stress * length**3:.9g}", f"load.support_stiffness={100 * stress * length:.9g}",
                  f"output.positions=0,{5e-3 * length:.6g},{10e-3 * length:.6g}"]
         verdict, words = scene(*keys)
         if verdict == RIGHT:
@@ -234,7 +234,8 @@ def main():
     if unknown:
         parser.error(f"no map {', '.join(sorted(unknown))}; valid: {', '.join(m.__name__ for m in MAPS)}")
     path = RESULTS / "stability.json"
-    old = {m["name"]: m for m in json.loads(path.read_text())["maps"]} if path.exists() else {}
+    whole = json.loads(path.read_text()) if path.exists() else {"maps": []}
+    old = {m["name"]: m for m in whole["maps"]}
     if options.tables:
         draw([*old.values()])
         put("maps", summary_table([*old.values()]), "evidence/stability")
@@ -248,7 +249,8 @@ def main():
         start = time.time()
         maps.append(measure(make, options.quick))
         print(make.__name__, dict(Counter(v for row in maps[-1]["verdict"] for v in row)), f"{time.time() - start:.0f} s", flush=True)
-    write_record("stability", {"maps": maps})
+    kept = {"commit": whole["provenance"]["commit"]} if options.maps and old else {}  # of the maps that were not measured
+    write_record("stability", {"maps": maps}, **kept)
     draw(maps)
     put("maps", summary_table(maps), "evidence/stability")
 

@@ -80,7 +80,7 @@ BENCHES = (
     Bench("drive_turning.py", "angle error and ripple over a turn", 20),
     Bench("random_drives.py", "random whole drives: converged or refused", 23),
     Bench("fit_statistics.py", "fits of D and G over seeds", 3),
-    Bench("blind_fit.py", "the fit told nothing, on maps not ours", 13),
+    Bench("blind_fit.py", "the fit told nothing, on maps not ours", 30),
     Bench("wrong_points.py", "wrong points, seams and jitter of maps", 12),
     Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
     Bench("sensitivity.py", "what K_TS depends on", 10),

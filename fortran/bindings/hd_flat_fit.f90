@@ -6,7 +6,6 @@ module hd_flat_fit
   use hd_expectation, only: band_spectrum_t
   use hd_measurement, only: measure, measurement_t
   use hd_named_values, only: fit_option_names, fit_names, value_of, set_value
-  use hd_seams, only: seams_t
   use hd_surface_fit, only: fit_options_t
   use hd_wave_sum, only: ridges_t
   implicit none
@@ -54,7 +53,7 @@ contains
     call enter('tilt_y', m%tilt(2))
     call enter('verdict', real(m%verdict%kind, dp))
     call enter('size', real(min(size(m%o%s), room), dp))
-    call enter_faults(m%spikes, m%seams)
+    call enter_faults
     call enter_spectrum
     if (.not. allocated(m%fit%curve)) return
     associate (f => m%fit)
@@ -88,21 +87,20 @@ contains
       call enter('ln_g_high'//kind, interval(2, 2))
     end subroutine enter_interval
 
-    subroutine enter_faults(spikes, seams)
-      integer, intent(in) :: spikes
-      type(seams_t), intent(in) :: seams
-      call enter('spikes', real(spikes, dp))
-      call enter('seams_x', real(seams%count(1), dp))
-      call enter('seams_y', real(seams%count(2), dp))
-      call enter('seam_step', seams%largest)
-      call enter('jitter_x', seams%jitter(1))
-      call enter('jitter_y', seams%jitter(2))
+    subroutine enter_faults
+      call enter('spikes', real(m%spikes, dp))
+      call enter('wrong_from', m%seen(1))
+      call enter('clumps_from', m%seen(2))
+      call enter('seams_x', real(m%seams%count(1), dp))
+      call enter('seams_y', real(m%seams%count(2), dp))
+      call enter('seam_step', m%seams%largest)
+      call enter('jitter_x', m%seams%jitter(1))
+      call enter('jitter_y', m%seams%jitter(2))
     end subroutine enter_faults
 
     subroutine enter_spectrum
       associate (b => m%blind, f => m%blind%fit)
         if (.not. allocated(b%rings%f)) return
-        call enter_faults(b%spikes, b%seams)
         call enter('holes', real(b%holes, dp))
         call enter('axis_x', b%rings%axis(1))
         call enter('axis_y', b%rings%axis(2))
@@ -112,9 +110,11 @@ contains
         call enter('fold', f%fold)
         call enter('f_lo', f%f_lo)
         call enter('f_hi', f%f_hi)
-        call enter('second_d', b%above%d)
-        call enter('second_f_lo', b%above%f_lo)
-        call enter('second_f_hi', b%above%f_hi)
+        do i = 1, merge(2, 1, m%verdict%name == 'crossover')
+          call enter('range_d_'//achar(iachar('0') + i), b%ranges(1, i))
+          call enter('range_low_'//achar(iachar('0') + i), b%ranges(2, i))
+          call enter('range_high_'//achar(iachar('0') + i), b%ranges(3, i))
+        end do
       end associate
     end subroutine enter_spectrum
   end subroutine fit_numbers

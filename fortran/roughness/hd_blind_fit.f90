@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Fit of maps that nothing is known of: wrong points masked, holes filled, power over rings of frequency fitted, and the same
-!> verdict, D, G and S over the lags as the fits of the structure function have.
+!> Fit of clean maps that nothing else is known of: holes filled, power over rings of frequency fitted, and the same verdict, D, G
+!> and S over the lags as the fits of the structure function have.
 module hd_blind_fit
   use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
@@ -8,10 +8,12 @@ module hd_blind_fit
   use hd_observation, only: observation_t, level_plane
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
-  use hd_holes, only: mask_spikes, fill_holes, synthetic
-  use hd_seams, only: seams_t, remove_seams, remove_offsets
+  use hd_cleaning, only: cleaned_t, crop
+  use hd_holes, only: fill_holes, synthetic
+  use hd_seams, only: remove_offsets
   use hd_ring_table, only: ring_table_t, new_ring_table
   use hd_spectral_fit, only: spectral_fit_t, fit_spectrum
+  use hd_spectral_model, only: shares
   use hd_surface_fit, only: fit_t
   use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated
   implicit none
@@ -28,9 +30,9 @@ module hd_blind_fit
     type(ring_table_t) :: rings               !< power over frequency
     type(spectral_fit_t) :: fit               !< its fit
     type(spectral_fit_t) :: above             !< fit of what lies above the window, if its last ring is not 0
-    integer :: spikes = 0, holes = 0          !< points masked; points filled, spikes among them
-    type(seams_t) :: seams                    !< steps of stitching, jitter of rows: taken off
-    real(dp) :: spike_share = 0, hole_share = 0 !< of all points
+    integer :: holes = 0                      !< points filled, wrong ones among them
+    real(dp) :: spike_share = 0               !< wrong points over all
+    real(dp), allocatable :: ranges(:, :)     !< D, shortest and longest wavelength [m] of one range, of a crossover two (3, ranges)
     real(dp) :: tail = 0                      !< largest excess kurtosis of second differences, in 5 of its standard errors
     real(dp) :: excess = 0                    !< that kurtosis
     integer :: tail_lag = 0                   !< its step [points]
@@ -39,25 +41,24 @@ module hd_blind_fit
 
 contains
 
-  !> Fit one map, or two that are pressed together (`other` with one point stands for none): both are cropped to the common size.
-  subroutine fit_blind(z, other, dx, dy, level, mask, noise, band, b, error)
-    real(dp), intent(in), contiguous :: z(:, :), other(:, :)  !< heights (nx, ny) [m]
+  !> Fit one map, or two that are pressed together (`other` may be empty): both are cropped to the common size.
+  subroutine fit_blind(map, other, dx, dy, level, noise, band, b, error)
+    type(cleaned_t), intent(inout) :: map, other              !< maps without wrong points; offsets and seams found here are added
     real(dp), intent(in) :: dx, dy                            !< spacing [m]
     logical, intent(in) :: level                              !< take the planes off
-    logical, intent(in) :: mask                               !< take single wrong points for holes
     real(dp), intent(in) :: noise                             !< known noise, rms [m]; negative: fitted
     real(dp), intent(in) :: band(2)                           !< window wanted [1/m]; 0: looked for
     type(blind_t), intent(out) :: b                           !< result
     type(error_t), allocatable, intent(out) :: error          !< too small
     type(ring_table_t) :: first, second
     integer :: n(2), last
-    n = shape(z)
-    if (size(other) > 1) n = min(n, shape(other))
-    call take_spectrum(z, n, dx, dy, level, mask, b, first, error)
+    n = shape(map%z)
+    if (allocated(other%z)) n = min(n, shape(other%z))
+    call take_spectrum(map, n, dx, dy, level, b, first, error)
     if (allocated(error)) return
     b%rings = first
-    if (size(other) > 1) then
-      call take_spectrum(other, n, dx, dy, level, mask, b, second, error)
+    if (allocated(other%z)) then
+      call take_spectrum(other, n, dx, dy, level, b, second, error)
       if (allocated(error)) return
       associate (t => b%rings)
         t%m = (t%p + second%p)**2 / (t%p**2 / t%m + second%p**2 / second%m)
@@ -79,43 +80,38 @@ contains
         if (allocated(error)) deallocate (error)
       end if
     end if
+    if (.not. allocated(error)) call find_ranges(b)
   end subroutine fit_blind
 
-  !> Clean one map and take its spectrum.
-  subroutine take_spectrum(map, n, dx, dy, level, mask, b, t, error)
-    real(dp), intent(in), contiguous :: map(:, :)     !< heights [m]
+  !> Spectrum of one map.
+  subroutine take_spectrum(map, n, dx, dy, level, b, t, error)
+    type(cleaned_t), intent(inout) :: map             !< heights without wrong points, cropped; offsets and seams are added
     integer, intent(in) :: n(2)                       !< points of the middle that is kept
     real(dp), intent(in) :: dx, dy                    !< spacing [m]
-    logical, intent(in) :: level, mask                !< take the plane off, wrong points for holes
-    type(blind_t), intent(inout) :: b                 !< spikes, holes, seams and tails are added
+    logical, intent(in) :: level                      !< take the plane off
+    type(blind_t), intent(inout) :: b                 !< holes and tails are added
     type(ring_table_t), intent(out) :: t              !< rings
     type(error_t), allocatable, intent(out) :: error  !< too small
     type(ring_table_t) :: full, filled
     real(dp), allocatable :: flat(:, :), mock(:, :)
     logical, allocatable :: hole(:, :)
     real(dp) :: tilt(2), slope, axis(2)
-    integer :: spikes, k
-    flat = map((size(map, 1) - n(1)) / 2 + 1:(size(map, 1) - n(1)) / 2 + n(1), &
-      (size(map, 2) - n(2)) / 2 + 1:(size(map, 2) - n(2)) / 2 + n(2))
+    integer :: k
+    b%spike_share = max(b%spike_share, map%spikes / real(size(map%z, kind=i8), dp))
+    call crop(map, n)
+    flat = map%z
     if (level) call level_plane(flat, tilt)
-    call remove_seams(flat, b%seams)
-    if (level) call level_plane(flat, tilt)
-    spikes = 0
-    if (mask) call mask_spikes(flat, spikes, b%seams%x)
     hole = .not. abs(flat) <= huge(tilt)
     call fill_holes(flat, hole)
-    b%spikes = b%spikes + spikes
     b%holes = b%holes + int(count(hole, kind=i8))
-    b%spike_share = max(b%spike_share, spikes / real(size(flat, kind=i8), dp))
-    b%hole_share = max(b%hole_share, count(hole, kind=i8) / real(size(flat, kind=i8), dp))
     if (level) call level_plane(flat, tilt)
     call new_ring_table(flat, dx, dy, t, error)
     if (allocated(error)) return
     if (any(t%leak > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
       axis = t%axis
       do k = 1, 2
-        if (t%leak(k) > offsets) call remove_offsets(flat, k, b%seams)
-        if (axis(k) <= offsets) b%seams%jitter(k) = 0   ! of a smooth map, whose long waves leak along the axes: no jitter
+        if (t%leak(k) > offsets) call remove_offsets(flat, k, map%seams)
+        if (axis(k) <= offsets) map%seams%jitter(k) = 0   ! of a smooth map, whose long waves leak along the axes: no jitter
       end do
       call fill_holes(flat, hole)
       call new_ring_table(flat, dx, dy, t, error)
@@ -209,33 +205,35 @@ contains
       else if (.not. f%accepted .and. f%misfit > 0.1_dp) then
         v%name = 'bent'
         v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
-      else if (f%crossed) then
+      else if (size(b%ranges, 2) == 2) then
         v%name = 'crossover'
-        v%reason = two_laws(b)
-      else if (b%above%last > 0 .and. b%above%accepted .and. (b%above%interval(1, 1) > r%interval(2, 1) &
-        .or. b%above%interval(2, 1) < r%interval(1, 1))) then
-        v%name = 'crossover'
-        v%reason = 'D = '//to_text(r%d)//' for wavelengths of '//to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m and '// &
-          to_text(b%above%d)//' for '//to_text(1 / b%above%f_hi)//' to '//to_text(1 / b%above%f_lo)//' m'
+        v%reason = 'D = '//to_text(b%ranges(1, 1))//' for wavelengths of '//to_text(b%ranges(2, 1))//' to '// &
+          to_text(b%ranges(3, 1))//' m and '//to_text(b%ranges(1, 2))//' for '//to_text(b%ranges(2, 2))//' to '// &
+          to_text(b%ranges(3, 2))//' m'
       else
         v%kind = fractal
         v%reason = 'the spectrum follows the model for wavelengths of '// &
           to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m'
-        if (f%as_well) v%reason = v%reason//'; so does a crossover: '//two_laws(b)
         if (r%interval(1, 1) < 2.005_dp) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
       end if
     end associate
   end subroutine judge_blind
 
-  !> Both laws in words.
-  pure function two_laws(b) result(words)
-    type(blind_t), intent(in) :: b            !< fit
-    character(len=:), allocatable :: words
-    associate (two => b%fit%two)
-      words = 'D = '//to_text(0.5_dp * (6 + b%rings%dim - two%n(1)))//' for wavelengths above '//to_text(1 / two%f)// &
-        ' m and '//to_text(0.5_dp * (6 + b%rings%dim - two%n(2)))//' below'
+  !> The ranges of a crossover: two laws that meet, or two windows of unlike D. Else one range, the window.
+  pure subroutine find_ranges(b)
+    type(blind_t), intent(inout) :: b         !< fits; ranges are set
+    real(dp) :: d(2)
+    associate (f => b%fit, g => b%above, t => b%rings)
+      b%ranges = reshape([f%d, 1 / f%f_hi, 1 / f%f_lo], [3, 1])
+      if (f%crossed) then
+        d = 0.5_dp * (6 + t%dim - f%two%n)
+        b%ranges = reshape([d(1), 1 / f%two%f, 1 / t%f(1), d(2), 1 / t%f(size(t%f)), 1 / f%two%f], [3, 2])
+      else if (g%last > 0 .and. g%accepted .and. (g%interval(1, 1) > f%interval(2, 1) .or. &
+        g%interval(2, 1) < f%interval(1, 1))) then
+        b%ranges = reshape([b%ranges(:, 1), g%d, 1 / g%f_hi, 1 / g%f_lo], [3, 2])
+      end if
     end associate
-  end function two_laws
+  end subroutine find_ranges
 
   !> Frequency where the power law and the noise are equal [1/m].
   pure real(dp) function noise_meets(b) result(f)
@@ -253,7 +251,7 @@ contains
     type(blind_t), intent(in) :: b            !< fit of the spectrum
     type(fit_t), intent(inout) :: r           !< curves are set
     integer, parameter :: n = 600
-    real(dp) :: f, low, high, a, scale, cov(size(o%lag), size(o%lag)), g(2)
+    real(dp) :: f, low, high, a, scale, cov(size(o%lag), size(o%lag)), g(2), finer(2)
     type(radial_t) :: t
     integer :: i, k, kind
     kind = merge(kind_profile, kind_isotropic, b%rings%dim == 1)
@@ -261,6 +259,7 @@ contains
     a = 6 - 2 * r%d
     low = 1 / max(o%nx * o%dx, o%ny * o%dy)
     high = merge(5._dp, 1._dp, b%fit%fold > 0) * b%rings%nyquist
+    finer = shares(b%fit%fold)
     allocate (r%curve(size(o%lag)), r%sd_sample(size(o%lag)), r%sd_curve(size(o%lag)))
     r%curve = 2 * r%noise_variance
     do i = 1, n
@@ -268,7 +267,7 @@ contains
       do k = 1, size(o%lag)
         r%curve(k) = r%curve(k) + scale * log(high / low) / n * f**(-a) * exp(-(2 * pi * b%fit%probe * f)**2) &
           * (1 - merge(cos(2 * pi * f * o%tau(k)), bessel_j0(2 * pi * f * o%tau(k)), kind == kind_profile)) &
-          * merge(1._dp, b%fit%fold, f <= b%rings%nyquist)
+          * merge(1._dp, merge(sum(finer), finer(2), f < 2 * b%rings%nyquist), f <= b%rings%nyquist)
       end do
     end do
     t = new_radial(kind, r%d, scale, low, 2 * b%rings%nyquist, min(o%dx, o%dy), 2 * hypot(o%nx * o%dx, o%ny * o%dy))

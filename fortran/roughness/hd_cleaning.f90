@@ -8,28 +8,39 @@ module hd_cleaning
   use hd_seams, only: seams_t, remove_seams
   implicit none
   private
-  public :: clean_map
+  public :: cleaned_t, clean_map, crop
+
+  !> A map without its faults.
+  type :: cleaned_t
+    real(dp), allocatable :: z(:, :)    !< heights (nx, ny), steps levelled; NaN where points are wrong or missing [m]
+    integer :: spikes = 0               !< wrong points
+    real(dp) :: seen(2) = 0             !< height over its surroundings from which on a single point, a clump is taken for wrong [m]
+    type(seams_t) :: seams              !< steps of stitching
+  end type cleaned_t
 
 contains
 
   !> Clean a map in place; its plane stays.
-  subroutine clean_map(z, mend, mask, fill, seams, spikes)
+  subroutine clean_map(z, mend, mask, fill, seams, spikes, seen)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
     logical, intent(in) :: mend                       !< level the tiles between steps of stitching
     logical, intent(in) :: mask                       !< take wrong points for holes
     logical, intent(in) :: fill                       !< fill holes, with what bends least
     type(seams_t), intent(inout) :: seams             !< steps
     integer, intent(out) :: spikes                    !< wrong points
+    real(dp), intent(out), optional :: seen(2)        !< height from which on a single point, a clump is taken for wrong [m]
     real(dp), allocatable :: flat(:, :)
     logical, allocatable :: hole(:, :)
-    real(dp) :: tilt(2), offset
+    real(dp) :: tilt(2), offset, least(2)
     integer :: at(2), i, j
     spikes = 0
+    least = 0
     if (mend) call remove_seams(z, seams)
     flat = z
     call level_plane(flat, tilt)
     if (.not. allocated(seams%x)) seams%x = [integer ::]
-    if (mask) call mask_spikes(flat, spikes, seams%x)
+    if (mask) call mask_spikes(flat, spikes, seams%x, least)
+    if (present(seen)) seen = least
     hole = .not. abs(flat) <= huge(tilt)
     where (hole) z = ieee_value(tilt(1), ieee_quiet_nan)
     if (.not. fill .or. .not. any(hole)) return
@@ -42,4 +53,16 @@ contains
       end do
     end do
   end subroutine clean_map
+
+  !> Keep the middle of a map.
+  subroutine crop(c, n)
+    type(cleaned_t), intent(inout) :: c   !< map and its seams
+    integer, intent(in) :: n(2)           !< points kept
+    integer :: off(2)
+    if (all(shape(c%z) == n)) return
+    off = (shape(c%z) - n) / 2
+    c%z = c%z(off(1) + 1:off(1) + n(1), off(2) + 1:off(2) + n(2))
+    c%seams%x = pack(c%seams%x - off(1), c%seams%x > off(1) .and. c%seams%x < off(1) + n(1))
+    c%seams%y = pack(c%seams%y - off(2), c%seams%y > off(2) .and. c%seams%y < off(2) + n(2))
+  end subroutine crop
 end module hd_cleaning

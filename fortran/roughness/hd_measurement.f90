@@ -4,8 +4,8 @@ module hd_measurement
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_observation, only: observation_t, observe, level_plane, add_observation
-  use hd_cleaning, only: clean_map
-  use hd_seams, only: seams_t
+  use hd_cleaning, only: cleaned_t, clean_map
+  use hd_seams, only: seams_t, add_seams
   use hd_structure_function, only: check_map
   use hd_blind_fit, only: blind_t, fit_blind, judge_blind
   use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_spectrum
@@ -23,6 +23,7 @@ module hd_measurement
     real(dp) :: tilt(2) = 0         !< height per point of the plane of the first map [m]
     type(blind_t) :: blind          !< of a map that nothing was known of: spectrum, probe, wrong points
     integer :: spikes = 0           !< wrong points, taken for holes
+    real(dp) :: seen(2) = 0         !< height over its surroundings from which on a single point, a clump is taken for wrong [m]
     type(seams_t) :: seams          !< steps of stitching, levelled
     logical :: of_lines = .false.   !< single waves stand out, so S was fitted and not the spectrum
   end type measurement_t
@@ -43,26 +44,31 @@ contains
     type(band_spectrum_t) :: model
     type(observation_t) :: o
     type(verdict_t) :: v
+    type(cleaned_t) :: first_map, second_map
     real(dp) :: tilt(2), band(2)
-    integer :: spikes
     logical :: diagonals
     model = p
     diagonals = model%model == model_isotropic .or. model%model == model_spectrum
-    call look(z, dx, dy, first, last, level, diagonals, options%mask, m%o, m%verdict, m%tilt, m%spikes, m%seams, error)
+    call look(z, dx, dy, first, last, level, diagonals, options%mask, m%o, m%verdict, m%tilt, first_map, error)
     if (allocated(error)) return
     if (size(other) > 1) then
-      call look(other, dx, dy, first, last, level, diagonals, options%mask, o, v, tilt, spikes, m%seams, error)
+      call look(other, dx, dy, first, last, level, diagonals, options%mask, o, v, tilt, second_map, error)
       if (allocated(error)) return
-      m%spikes = m%spikes + spikes
       call add_observation(m%o, o, error)
       if (allocated(error)) return
       call join(m%verdict, v)
     end if
+    m%spikes = first_map%spikes + second_map%spikes
+    m%seen = max(first_map%seen, second_map%seen)
+    m%seams = first_map%seams
+    call add_seams(m%seams, second_map%seams)
     if (.not. all(m%o%s > 0)) return
     if (model%model == model_spectrum) then
       band = merge([p%f_lo, p%f_hi], 0._dp, options%told_band)
-      call fit_blind(z, other, dx, dy, level, options%mask, merge(options%noise, -1._dp, options%noise > 0), band, m%blind, error)
+      call fit_blind(first_map, second_map, dx, dy, level, merge(options%noise, -1._dp, options%noise > 0), band, m%blind, error)
       if (allocated(error)) return
+      m%seams = first_map%seams
+      call add_seams(m%seams, second_map%seams)
       m%of_lines = m%blind%of_lines .or. m%blind%fit%last == 0
       if (.not. m%of_lines) then
         call judge_blind(m%o, m%blind, m%fit, m%verdict)
@@ -76,7 +82,7 @@ contains
   end subroutine measure
 
   !> One map: plane, structure function, first judgement.
-  subroutine look(z, dx, dy, first, last, level, diagonals, mask, o, v, tilt, spikes, seams, error)
+  subroutine look(z, dx, dy, first, last, level, diagonals, mask, o, v, tilt, clean, error)
     real(dp), intent(in), contiguous :: z(:, :)         !< heights (nx, ny) [m]
     real(dp), intent(in) :: dx, dy                      !< spacing [m]
     integer, intent(in) :: first, last                  !< window of lags in points
@@ -86,22 +92,20 @@ contains
     type(observation_t), intent(out) :: o               !< S
     type(verdict_t), intent(out) :: v                   !< what the map is
     real(dp), intent(out) :: tilt(2)                    !< of the plane [m per point]
-    integer, intent(out) :: spikes                      !< wrong points
-    type(seams_t), intent(inout) :: seams               !< steps of stitching are added
+    type(cleaned_t), intent(out) :: clean               !< the map without wrong points and steps
     type(error_t), allocatable, intent(out) :: error    !< bad map
-    real(dp), allocatable :: flat(:, :), clean(:, :)
+    real(dp), allocatable :: flat(:, :)
     real(dp) :: rest(2)
     tilt = 0
-    spikes = 0
     call check_map(z, dx, dy, error)
     if (allocated(error)) return
     flat = z
     call level_plane(flat, tilt)
-    clean = z
-    if (level) clean = flat
-    call clean_map(clean, .true., mask, .false., seams, spikes)
-    if (level .and. spikes + sum(seams%count) > 0) call level_plane(clean, rest)
-    call observe(clean, dx, dy, first, last, level, diagonals, o, error)
+    clean%z = z
+    if (level) clean%z = flat
+    call clean_map(clean%z, .true., mask, .false., clean%seams, clean%spikes, clean%seen)
+    if (level .and. clean%spikes + sum(clean%seams%count) > 0) call level_plane(clean%z, rest)
+    call observe(clean%z, dx, dy, first, last, level, diagonals, o, error)
     if (allocated(error)) return
     call judge_map(z, flat, first, v, error)
     if (v%name == 'constant' .or. (level .and. v%name == 'plane')) o%s = 0   ! what is left is rounding

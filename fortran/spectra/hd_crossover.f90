@@ -4,12 +4,13 @@
 module hd_crossover
   use hd_kinds, only: dp
   use hd_ring_table, only: ring_table_t
-  use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope
+  use hd_spectral_model, only: spectral_model_t, slope_t, at_slope, mixed
   implicit none
   private
   public :: crossover_t, find_crossover
 
   real(dp), parameter :: apart = 0.8_dp         !< least difference of the slopes: 0.4 of D
+  real(dp), parameter :: span = 2               !< least factor of frequency that either law holds over
 
   !> What was found.
   type :: crossover_t
@@ -22,20 +23,19 @@ module hd_crossover
 contains
 
   !> The most likely two laws: slopes, place and share on grids that close in, the amplitude solved for.
-  function find_crossover(t, first, last) result(best)
+  function find_crossover(t, m, first, last) result(best)
     type(ring_table_t), intent(in) :: t         !< rings
+    type(spectral_model_t), intent(in) :: m     !< its tables
     integer, intent(in) :: first, last          !< rings to look at
     type(crossover_t) :: best, around
-    type(spectral_model_t) :: m
     type(slope_t) :: s(11)
     integer :: pass, i
     real(dp) :: low, high, wide
-    m = new_spectral_model(t)
     do i = 1, size(s)
       s(i) = at_slope(m, m%n_low + (i - 1) * (m%n_high - m%n_low) / (size(s) - 1))
     end do
-    low = log(1.6_dp * t%f(first))
-    high = log(t%f(last) / 1.6_dp)
+    low = log(span * t%f(first))
+    high = log(t%f(last) / span)
     if (high <= low) return
     call search(s, low, high, 13)
     do pass = 1, 3
@@ -43,7 +43,8 @@ contains
       wide = (m%n_high - m%n_low) / 10 / 2**pass
       s(:5) = [(at_slope(m, min(max(around%n(1) + (i - 3) * wide, m%n_low), m%n_high)), i=1, 5)]
       s(6:10) = [(at_slope(m, min(max(around%n(2) + (i - 3) * wide, m%n_low), m%n_high)), i=1, 5)]
-      call search(s(:10), log(around%f) - (high - low) / 6 / 2**pass, log(around%f) + (high - low) / 6 / 2**pass, 7)
+      wide = (high - low) / 6 / 2**pass
+      call search(s(:10), max(low, log(around%f) - wide), min(high, log(around%f) + wide), 7)
     end do
   contains
     !> Best of a grid.
@@ -51,7 +52,8 @@ contains
       type(slope_t), intent(in) :: s(:)         !< slopes to pair
       real(dp), intent(in) :: low, high         !< ln of the place
       integer, intent(in) :: places             !< points between
-      real(dp), dimension(last - first + 1) :: e, fold, ratio, w
+      real(dp), dimension(last - first + 1) :: e, ratio, w
+      real(dp) :: fold(last - first + 1, 2)
       type(crossover_t) :: x
       integer :: i, j, k, l
       w = t%m(first:last) / t%kappa
@@ -62,10 +64,10 @@ contains
             if (abs(s(i)%n - s(j)%n) < apart) cycle
             x%n = [s(i)%n, s(j)%n]
             ratio = s(i)%main(first:last) * (1 + (t%f(first:last) / x%f)**2)**(0.5_dp * (x%n(1) - x%n(2)))
-            fold = exp(s(j)%folded(first:last, 1)) * x%f**(x%n(2) - x%n(1))
+            fold = exp(s(j)%folded(first:last, 1, :)) * x%f**(x%n(2) - x%n(1))
             do l = 0, 2
               x%alpha = 0.5_dp * l
-              e = ratio + x%alpha * fold
+              e = mixed(ratio, fold, x%alpha)
               e = e * (sum(w * t%p(first:last) / e) / sum(w))
               x%deviance = 2 * sum(w * (t%p(first:last) / e - 1 - log(t%p(first:last) / e)))
               if (x%deviance < best%deviance) best = x

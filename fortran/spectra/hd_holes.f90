@@ -19,15 +19,18 @@ contains
 
   !> Points far from those around them become holes: single ones by their neighbours, clumps by the rings at twice and three times
   !> the distance. Far: beyond six robust standard deviations, half of it from all around but one. Jitter of rows does not count.
-  subroutine mask_spikes(z, found, seams)
+  subroutine mask_spikes(z, found, seams, least)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
     integer, intent(out) :: found                     !< points masked
     integer, intent(in) :: seams(:)                   !< last points before steps of stitching across x
+    real(dp), intent(out) :: least(2)                 !< height from which on single points, clumps are far [m]
     integer, parameter :: reach(8) = [1, 1, 1, 2, 2, 3, 2, 1]
     real(dp), allocatable :: work(:, :)
     integer, allocatable :: cuts(:)
     logical, allocatable :: bad(:, :), all_bad(:, :)
+    real(dp) :: limit
     integer :: pass, i, j, single
+    least = 0
     work = z
     cuts = [0, seams, size(z, 1)]
     do i = 1, size(cuts) - 1
@@ -39,7 +42,9 @@ contains
       if (any(reach(:pass - 1) == reach(pass))) then
         if (.not. any(bad)) cycle                       ! nothing has changed since
       end if
-      bad = far_points(work, reach(pass))
+      call find_far_points(work, reach(pass), bad, limit)
+      if (reach(pass) == 1 .and. pass == 1) least(1) = limit
+      if (reach(pass) == maxval(reach)) least(2) = limit
       where (bad) work = ieee_value(1._dp, ieee_quiet_nan)
       all_bad = all_bad .or. bad
     end do
@@ -81,74 +86,101 @@ contains
   end function change
 
   !> Points beyond six robust standard deviations of those with as many pairs around them (at edges and holes pairs are missing).
-  function far_points(z, reach) result(bad)
+  subroutine find_far_points(z, reach, bad, limit)
     real(dp), intent(in), contiguous :: z(:, :)       !< heights [m]
     integer, intent(in) :: reach                      !< 1: neighbours; 2, 3: rings around them
-    logical, allocatable :: bad(:, :)
+    logical, intent(out) :: bad(:, :)                 !< those
+    real(dp), intent(out) :: limit                    !< how far they stand at least, of most points [m]
     integer, parameter :: enough = 200                !< points to tell a deviation by
     real(dp), parameter :: rounding = 100 * epsilon(1._dp)    !< of heights a plane was taken off, over the largest
-    real(dp), allocatable :: away(:, :), near(:, :)
-    integer, allocatable :: pairs(:, :)
-    real(dp) :: scale, least
+    real(dp), allocatable :: away(:, :), near(:, :), wide(:, :)
+    integer, allocatable :: pairs(:, :), step(:, :)
+    real(dp) :: scale, least, whole
     integer :: i, j, k
     allocate (away(size(z, 1), size(z, 2)), near(size(z, 1), size(z, 2)), pairs(size(z, 1), size(z, 2)))
-    allocate (bad(size(z, 1), size(z, 2)), source=.false.)
+    step = half_ring(reach, size(z, 2) == 1)
+    i = maxval(abs(step(1, :)))
+    j = maxval(step(2, :))
+    allocate (wide(1 - i:size(z, 1) + i, 1 - j:size(z, 2) + j), source=ieee_value(scale, ieee_quiet_nan))
+    wide(1:size(z, 1), 1:size(z, 2)) = z
     !$omp parallel do private(i)
     do j = 1, size(z, 2)
       do i = 1, size(z, 1)
-        call distance(z, i, j, reach, away(i, j), near(i, j), pairs(i, j))
+        call distance(wide, lbound(wide, 1), lbound(wide, 2), i, j, step, away(i, j), near(i, j), pairs(i, j))
       end do
     end do
+    bad = .false.
     least = rounding * maxval(abs(z), abs(z) <= huge(least))  ! of flat plateaus only rounding is left: no scatter to tell by
     scale = 0
+    whole = 0
     do k = maxval(pairs), 1, -1
       if (count(pairs == k, kind=i8) >= enough .or. .not. scale > 0) scale = 1.4826_dp * median(pack(abs(away), pairs == k))
+      if (.not. whole > 0) whole = scale
       if (.not. scale > least) cycle
       bad = bad .or. (pairs == k .and. abs(away) > far_out * scale .and. near > 0.5_dp * abs(away))
     end do
-  end function far_points
+    limit = far_out * whole
+  end subroutine find_far_points
 
-  !> Height over those around: the median of the means of opposite pairs, which a slope does not move. Of a map the pairs lie on
-  !> the square ring at a distance, of a line they are the next two. And how far off all but one of them it is at least: a point at
-  !> an edge or a corner of a plateau has others at its height.
-  pure subroutine distance(z, i, j, reach, away, second, pairs)
-    real(dp), intent(in) :: z(:, :)         !< heights [m]
-    integer, intent(in) :: i, j, reach      !< place, distance of the ring
+  !> Steps to one of each pair of opposite points: of a map on the square ring at a distance, of a line the next two.
+  pure function half_ring(reach, line) result(step)
+    integer, intent(in) :: reach              !< distance of the ring
+    logical, intent(in) :: line               !< a single row
+    integer, allocatable :: step(:, :)
+    integer :: k, l
+    allocate (step(2, 0))
+    if (line) step = reshape([2 * reach - 1, 0, 2 * reach, 0], [2, 2])
+    do l = 0, merge(-1, reach, line)
+      do k = merge(1, -reach, l == 0), reach
+        if (max(abs(k), l) == reach) step = reshape([step, k, l], [2, size(step, 2) + 1])
+      end do
+    end do
+  end function half_ring
+
+  !> Height over those around: the median of the means of opposite pairs, which a slope does not move. And how far off all but one
+  !> of them it is at least: a point at an edge or a corner of a plateau has others at its height.
+  pure subroutine distance(z, x, y, i, j, step, away, second, pairs)
+    integer, intent(in) :: x, y             !< first indices of z
+    real(dp), intent(in) :: z(x:, y:)       !< heights with a margin of NaN [m]
+    integer, intent(in) :: i, j             !< place
+    integer, intent(in) :: step(:, :)       !< to one of each pair
     real(dp), intent(out) :: away, second   !< over the pairs; second smallest difference [m]
     integer, intent(out) :: pairs           !< number of pairs; 0 where there is nothing to tell by
-    real(dp) :: mean(12), apart(24), both(2)
-    integer :: n, m, k, l, wide, first
-    wide = merge(2 * reach, reach, size(z, 2) == 1)
-    first = merge(wide - 1, reach, size(z, 2) == 1)
+    real(dp) :: mean(12), first, both(2), apart
+    integer :: n, k, m, l
     n = 0
     pairs = 0
     away = 0
-    second = 0
+    first = huge(first)
+    second = huge(second)
     if (.not. abs(z(i, j)) <= huge(away)) return
-    do l = 0, merge(0, reach, size(z, 2) == 1)
-      do k = merge(1, -wide, l == 0), wide
-        if (max(abs(k), l) < first) cycle
-        both = [height(i + k, j + l), height(i - k, j - l)]
-        m = count(abs(both) <= huge(both))
-        apart(n + 1:n + m) = abs(z(i, j) - pack(both, abs(both) <= huge(both)))
-        n = n + m
-        if (m < 2) cycle
-        pairs = pairs + 1
-        mean(pairs) = 0.5_dp * sum(both)
+    do k = 1, size(step, 2)
+      both = [z(i + step(1, k), j + step(2, k)), z(i - step(1, k), j - step(2, k))]
+      m = 0
+      do l = 1, 2
+        apart = abs(z(i, j) - both(l))
+        if (.not. apart <= huge(apart)) cycle
+        m = m + 1
+        if (apart < first) then
+          second = first
+          first = apart
+        else if (apart < second) then
+          second = apart
+        end if
       end do
+      n = n + m
+      if (m < 2) cycle
+      apart = 0.5_dp * (both(1) + both(2))
+      do l = pairs, 1, -1                     ! in order
+        if (mean(l) <= apart) exit
+        mean(l + 1) = mean(l)
+      end do
+      mean(l + 1) = apart
+      pairs = pairs + 1
     end do
     if (n < 3) pairs = 0
-    if (pairs == 0) return
-    away = z(i, j) - median(mean(:pairs))
-    apart(minloc(apart(:n), 1)) = huge(second)
-    second = minval(apart(:n))
-  contains
-    !> Height of a place; NaN outside.
-    pure real(dp) function height(a, b)
-      integer, intent(in) :: a, b     !< place
-      height = ieee_value(height, ieee_quiet_nan)
-      if (a >= 1 .and. a <= size(z, 1) .and. b >= 1 .and. b <= size(z, 2)) height = z(a, b)
-    end function height
+    if (pairs > 0) away = z(i, j) - 0.5_dp * (mean((pairs + 1) / 2) + mean(pairs / 2 + 1))
+    if (pairs == 0) second = 0
   end subroutine distance
 
   !> Median, by partition; 0 of nothing.

@@ -5,7 +5,7 @@ module hd_seams
   use hd_holes, only: median
   implicit none
   private
-  public :: seams_t, remove_seams, remove_offsets
+  public :: seams_t, remove_seams, remove_offsets, add_seams
 
   real(dp), parameter :: far_out = 7          !< a seam's step beside its neighbours', in robust standard deviations of all
   real(dp), parameter :: sharp = 3            !< that over the largest of the four beside it
@@ -32,6 +32,15 @@ contains
     s%y = s%x
     call remove_more(z, s)
   end subroutine remove_seams
+
+  !> Count those of another map too.
+  pure subroutine add_seams(s, other)
+    type(seams_t), intent(inout) :: s     !< seams of one map, then of both; places stay those of the first
+    type(seams_t), intent(in) :: other    !< seams of the other
+    s%count = s%count + other%count
+    s%largest = max(s%largest, other%largest)
+    s%jitter = max(s%jitter, other%jitter)
+  end subroutine add_seams
 
   !> The same for a map whose seams are known in part.
   subroutine remove_more(z, s)

@@ -7,7 +7,7 @@ module hd_spectral_fit
   use hd_error, only: error_t, raise, code_input
   use hd_ring_table, only: ring_table_t
   use hd_crossover, only: crossover_t, find_crossover
-  use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of
+  use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed
   use hd_text, only: to_text
   implicit none
   private
@@ -22,7 +22,7 @@ module hd_spectral_fit
 
   !> One trial of the likelihood.
   type :: trial_t
-    real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], share that folds back
+    real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], detail that folds back
     real(dp) :: deviance = huge(0._dp)                      !< twice the ln likelihood below that of the data themselves
   end type trial_t
 
@@ -51,8 +51,7 @@ module hd_spectral_fit
     real(dp), allocatable :: model(:)         !< expected power of the rings of the window
     integer :: first = 0, last = 0            !< rings of the window
     type(crossover_t) :: two                  !< two laws over all rings
-    logical :: as_well = .false.              !< they explain all rings at least as well as a single law
-    logical :: crossed = .false.              !< and so much better that chance does it once in twenty
+    logical :: crossed = .false.              !< they are the likelier explanation of all rings
   end type spectral_fit_t
 
 contains
@@ -117,25 +116,24 @@ contains
     if (.not. present(from)) call look_for_two(t, m, fixed, r)
   end subroutine fit_spectrum
 
-  !> Whether two power laws are a likelier explanation of all rings than one with probe, noise and finer detail, where it needs
-  !> probe or noise: both have five unknowns.
+  !> Whether two power laws are a likelier explanation of all rings than one with probe, noise and finer detail, where that needs
+  !> probe or noise. Both have five unknowns. Of laws that bend down the likelier explanation counts. Two that bend up must be
+  !> likelier by what chance does once in twenty, for noise over finer detail bends up twice.
   subroutine look_for_two(t, m, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
     type(fixed_t), intent(in) :: fixed            !< what is known
-    type(spectral_fit_t), intent(inout) :: r      !< two, as_well and crossed are set
+    type(spectral_fit_t), intent(inout) :: r      !< two and crossed are set
     type(spectral_fit_t) :: whole
     type(trial_t) :: b
     call window(t, t%f(1), t%f(size(t%f)), whole)
     if (.not. (r%probe > 0 .or. r%noise_variance > 0) .and. r%accepted) return
     b = most_likely(t, m, whole, fixed, fine)
-    r%two = find_crossover(t, 1, size(t%f))
-    if (b%deviance < r%two%deviance) return
-    r%crossed = b%deviance - r%two%deviance > quantile
+    r%two = find_crossover(t, m, 1, size(t%f))
+    if (b%deviance < r%two%deviance + merge(quantile, 0._dp, r%two%n(2) < r%two%n(1))) return
     b%deviance = r%two%deviance
     call judge(t, b, whole, -1._dp)
-    r%as_well = whole%accepted .or. whole%misfit < 2.5_dp * excused
-    r%crossed = r%crossed .and. r%as_well
+    r%crossed = whole%accepted .or. whole%misfit < 2.5_dp * excused
   end subroutine look_for_two
 
   !> The simplest explanation: of all with and without noise, probe and finer detail, the least deviance plus 2 for each that is
@@ -211,7 +209,7 @@ contains
     real(dp), intent(in) :: n                 !< slope
     type(slope_t) :: s
     type(trial_t) :: x
-    real(dp), dimension(r%last - r%first + 1) :: straight, folded
+    real(dp) :: straight(r%last - r%first + 1), folded(r%last - r%first + 1, 2)
     real(dp) :: most, low, high, left, right
     integer :: pass, i, j
     s = at_slope(m, n)
@@ -226,10 +224,10 @@ contains
         call power_of(m, s, x%sigma, r%first, r%last, straight, folded)
         do j = 0, 2
           x%alpha = left + j * (right - left) / 2
-          call solve(t%p(r%first:r%last), t%m(r%first:r%last) / t%kappa, straight + x%alpha * folded, &
+          call solve(t%p(r%first:r%last), t%m(r%first:r%last) / t%kappa, mixed(straight, folded, x%alpha), &
             noise_power(t, fixed%noise), x)
           if (x%deviance < best%deviance) best = x
-          if (maxval(folded / straight) < 1e-3_dp .or. left == right) exit
+          if (maxval(folded(:, 2) / straight) < 1e-3_dp .or. left == right) exit
         end do
         if (fixed%sharp) exit
       end do
@@ -325,7 +323,7 @@ contains
     type(trial_t), intent(in) :: b                !< most likely point
     type(fixed_t), intent(in) :: fixed            !< what is known
     type(spectral_fit_t), intent(inout) :: r      !< result
-    real(dp), dimension(r%last - r%first + 1) :: straight, folded
+    real(dp) :: straight(r%last - r%first + 1), folded(r%last - r%first + 1, 2)
     real(dp) :: more, variance, bend
     type(trial_t) :: c
     c = simplest(t, m, r, fixed)
@@ -335,7 +333,7 @@ contains
     r%fold = c%alpha
     r%noise_variance = c%v / (t%step(1) * merge(t%step(2), 1._dp, t%dim == 2))
     call power_of(m, at_slope(m, c%n), c%sigma, r%first, r%last, straight, folded)
-    r%model = c%a * (straight + c%alpha * folded) + c%v
+    r%model = c%a * mixed(straight, folded, c%alpha) + c%v
     r%scatter = sum(t%m(r%first:r%last) * (t%scatter(r%first:r%last) - 1)) / sum(t%m(r%first:r%last))
     more = max(1._dp, r%deviance / r%freedom) * max(1._dp, r%scatter)
     call profile(t, m, b, fixed, r, quantile, r%sampling, bend)

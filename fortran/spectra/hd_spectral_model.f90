@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Expected power of rings: a power law f^-n of waves beyond the map and finer than the spacing, seen through a Gaussian probe,
-!> a taper and a grid. What is finer than the spacing folds back: with a share alpha, for an instrument may have averaged it away.
+!> a taper and a grid. What is finer than the spacing folds back, as far as alpha says: an instrument may have averaged it away.
 !>
-!> E p = A [ (f^-n * kernel) B(f) + alpha sum_(k /= 0) |f + k / step|^-n B(|f + k / step|) ] + v, B(f) = exp(-(2 pi sigma f)^2):
+!> E p = A [ (f^-n B(f)) * kernel + sum_(k /= 0) h_k |f + k / step|^-n B(|f + k / step|) ] + v, B(f) = exp(-(2 pi sigma f)^2);
+!> h_k rises with alpha: 0 at 0; 1 at 0.5 for detail down to half the spacing, at 1 for all down to a fifth (a line: a seventeenth):
 !> the expectation of the periodogram itself, not the spectrum (Sykulski et al. 2019, Biometrika 106; Guillaumin et al. 2022,
 !> J. R. Stat. Soc. B 84).
 module hd_spectral_model
@@ -10,7 +11,7 @@ module hd_spectral_model
   use hd_ring_table, only: ring_table_t, reach, per_bin
   implicit none
   private
-  public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of
+  public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed, shares
 
   integer, parameter :: nodes = 41            !< over n
   integer, parameter :: blurs = 13            !< over sigma^2
@@ -21,15 +22,18 @@ module hd_spectral_model
     real(dp) :: n_low = 0, n_high = 0         !< slopes of D = 3 and D = 2, nearly
     real(dp) :: spacing = 0                   !< geometric mean of both [m]
     real(dp), allocatable :: f(:)             !< frequencies [1/m]
+    real(dp), allocatable :: wide(:)          !< half the mean square of ln f about a ring's
+    real(dp) :: square = 0                    !< what the taper adds of a second derivative [1/m^2]
+    integer :: dim = 2                        !< 1: a single row
     real(dp), allocatable :: main(:, :)       !< ln of f^-n under the taper (rings, nodes)
-    real(dp), allocatable :: folded(:, :, :)  !< ln of what folds back (rings, nodes, blurs)
+    real(dp), allocatable :: folded(:, :, :, :) !< ln of what folds back (rings, blurs, nearer and all detail, nodes)
   end type spectral_model_t
 
   !> The tables at one slope.
   type :: slope_t
     real(dp) :: n = 0                         !< slope
     real(dp), allocatable :: main(:)          !< (rings)
-    real(dp), allocatable :: folded(:, :)     !< ln (rings, blurs)
+    real(dp), allocatable :: folded(:, :, :)  !< ln (rings, blurs, nearer and all detail)
   end type slope_t
 
 contains
@@ -38,39 +42,39 @@ contains
   function new_spectral_model(t) result(m)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t) :: m
-    real(dp) :: n
-    integer :: i, j
+    real(dp) :: slopes(nodes)
+    integer :: i
     m%n_low = t%dim + 0.004_dp                ! n = 8 - 2D (line: 7 - 2D), D from 2.002 to 2.998
     m%n_high = t%dim + 1.996_dp
     m%spacing = t%step(1)
     if (t%dim == 2) m%spacing = sqrt(product(t%step))
     m%f = t%f
-    allocate (m%main(size(t%f), nodes), m%folded(size(t%f), nodes, blurs))
-    !$omp parallel do private(n, j)
+    m%dim = t%dim
+    m%wide = 0.5_dp * t%width2
+    do i = -reach * per_bin, reach * per_bin
+      m%square = m%square + (real(i, dp) / per_bin)**2 * merge(0.25_dp * sum(t%kernel(i, :) / t%side**2), &
+        0.5_dp * t%kernel(i, 1) / t%side(1)**2, t%dim == 2)
+    end do
+    slopes = m%n_low + [(i, i=0, nodes - 1)] * (m%n_high - m%n_low) / (nodes - 1)
+    allocate (m%main(size(t%f), nodes), m%folded(size(t%f), blurs, 2, nodes))
+    !$omp parallel do
     do i = 1, nodes
-      n = m%n_low + (i - 1) * (m%n_high - m%n_low) / (nodes - 1)
-      m%main(:, i) = main_of(t, n)
-      do j = 1, blurs
-        m%folded(:, i, j) = log(folded_of(t, n, (j - 1) * most_blur * m%spacing / (blurs - 1)))
-      end do
+      m%main(:, i) = main_of(t, m, slopes(i))
+    end do
+    !$omp parallel do schedule(dynamic)
+    do i = 1, size(t%f)
+      m%folded(i, :, :, :) = log(folded_of(t, i, slopes, m%spacing))
     end do
   end function new_spectral_model
 
   !> ln of f^-n as the taper sees it: its power summed over the kernel for single low modes, to second order elsewhere.
-  pure function main_of(t, n) result(v)
+  pure function main_of(t, m, n) result(v)
     type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< widths
     real(dp), intent(in) :: n                 !< slope
-    real(dp) :: v(size(t%f)), part(size(t%f)), square, total, fx, fy
+    real(dp) :: v(size(t%f)), part(size(t%f)), total, fx, fy
     integer :: i, kx, ky
-    square = 0
-    do i = -reach * per_bin, reach * per_bin
-      if (t%dim == 2) then
-        square = square + 0.25_dp * n**2 * (real(i, dp) / per_bin)**2 * sum(t%kernel(i, :) / t%side**2)
-      else
-        square = square + 0.5_dp * n * (n + 1) * (real(i, dp) / per_bin)**2 * t%kernel(i, 1) / t%side(1)**2
-      end if
-    end do
-    v = -n * log(t%f) + log(1 + square / t%f**2) + 0.5_dp * n**2 * t%width2
+    v = -n * log(t%f) + log(1 + m%square * merge(n**2, n * (n + 1), t%dim == 2) / t%f**2) + m%wide * n**2
     if (size(t%ring) == 0) return
     part = 0
     do i = 1, size(t%ring)
@@ -91,35 +95,59 @@ contains
     where (part > 0) v = log(part / t%m)
   end function main_of
 
-  !> What folds back from above the grid: two cells each way (line: eight), that is detail down to a fifth (a seventeenth) of the
-  !> spacing. Near D = 3 detail of any fineness would hold most of the power; no surface and no instrument has it.
-  pure function folded_of(t, n, sigma) result(v)
+  !> What folds back into a ring from above the grid: of detail down to half the spacing, and down to a fifth (two cells each way; a
+  !> line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power: no surface and no instrument
+  !> has it.
+  function folded_of(t, ring, slopes, spacing) result(v)
     type(ring_table_t), intent(in) :: t       !< rings
-    real(dp), intent(in) :: n, sigma          !< slope, probe [m]
-    real(dp) :: v(size(t%f)), f2, a, low, high
-    integer, parameter :: angles = 6
-    integer :: r, p, q, k
-    v = tiny(v)
-    if (t%dim == 1) then
-      do p = -8, 8
-        if (p /= 0) v = v + abs(t%f + p / t%step(1))**(-n) * exp(-(2 * pi * sigma * (t%f + p / t%step(1)))**2)
-      end do
-      return
-    end if
-    do r = 1, size(t%f)
-      low = acos(min(1._dp, 0.5_dp / (t%step(1) * t%f(r))))       ! directions whose waves the grid holds
-      high = asin(min(1._dp, 0.5_dp / (t%step(2) * t%f(r))))
+    integer, intent(in) :: ring               !< which
+    real(dp), intent(in) :: slopes(:)         !< n
+    real(dp), intent(in) :: spacing           !< unit of the probe [m]
+    real(dp) :: v(blurs, 2, size(slopes))
+    integer, parameter :: angles = 6, most = 24 * angles * 3
+    real(dp), parameter :: place(3) = [-1, 0, 1] * sqrt(0.6_dp), weight(3) = [5, 8, 5] / 18._dp    ! Gauss
+    real(dp) :: f2(most), share(most), power(most, size(slopes)), through(most, blurs), f, a, low, high, fx, fy
+    logical :: near(most)
+    integer :: i, j, k, p, q, n
+    n = 0
+    do i = 1, 3
+      f = t%f(ring) * exp(place(i) * sqrt(3 * t%width2(ring)))
+      low = acos(min(1._dp, 0.5_dp / (t%step(1) * f)))       ! directions whose waves the grid holds
+      high = asin(min(1._dp, 0.5_dp / (t%step(2) * f)))
+      if (t%dim == 1) then
+        do p = -8, 8
+          if (p /= 0) call add(f + p / t%step(1), 0._dp, weight(i))
+        end do
+        cycle
+      end if
       do k = 1, angles
         a = low + (k - 0.5_dp) * (high - low) / angles
         do q = -2, 2
           do p = -2, 2
-            if (p == 0 .and. q == 0) cycle
-            f2 = (t%f(r) * cos(a) + p / t%step(1))**2 + (t%f(r) * sin(a) + q / t%step(2))**2
-            v(r) = v(r) + f2**(-0.5_dp * n) * exp(-(2 * pi * sigma)**2 * f2) / angles
+            fx = f * cos(a) + p / t%step(1)
+            fy = f * sin(a) + q / t%step(2)
+            if (p /= 0 .or. q /= 0) call add(fx, fy, weight(i) / angles)
           end do
         end do
       end do
     end do
+    do j = 1, size(slopes)
+      power(:n, j) = share(:n) * exp(-0.5_dp * slopes(j) * log(f2(:n)))
+    end do
+    do j = 1, blurs
+      through(:n, j) = exp(-(2 * pi * (j - 1) * most_blur * spacing / (blurs - 1))**2 * f2(:n))
+    end do
+    v(:, 2, :) = matmul(transpose(through(:n, :)), power(:n, :)) + tiny(f)
+    v(:, 1, :) = matmul(transpose(through(:n, :) * spread(merge(1._dp, 0._dp, near(:n)), 2, blurs)), power(:n, :)) + tiny(f)
+  contains
+    !> One wave finer than the grid.
+    subroutine add(fx, fy, weight)
+      real(dp), intent(in) :: fx, fy, weight    !< frequency [1/m]
+      n = n + 1
+      f2(n) = fx**2 + fy**2
+      share(n) = weight
+      near(n) = abs(fx) * t%step(1) <= 1 .and. abs(fy) * t%step(2) <= 1
+    end subroutine add
   end function folded_of
 
   !> The tables at one slope, between nodes.
@@ -134,26 +162,48 @@ contains
     x = x - i
     s%n = n
     s%main = exp(m%main(:, i + 1) * (1 - x) + m%main(:, i + 2) * x)
-    s%folded = m%folded(:, i + 1, :) * (1 - x) + m%folded(:, i + 2, :) * x
+    s%folded = m%folded(:, :, :, i + 1) * (1 - x) + m%folded(:, :, :, i + 2) * x
   end function at_slope
 
-  !> What A multiplies: power law through the probe, and what folds back.
+  !> What A multiplies: power law through the probe, and what folds back of nearer and of all detail. A probe bends the law within a
+  !> ring and within the reach of the taper: to second order, Q = f^2 P''/P of a map's Laplacian or of a line.
   pure subroutine power_of(m, s, sigma, first, last, straight, folded)
     type(spectral_model_t), intent(in) :: m   !< tables
     type(slope_t), intent(in) :: s            !< at the slope
     real(dp), intent(in) :: sigma             !< probe [m]
     integer, intent(in) :: first, last        !< rings
-    real(dp), intent(out) :: straight(:), folded(:) !< (last - first + 1)
-    real(dp) :: x
+    real(dp), intent(out) :: straight(:)      !< (last - first + 1)
+    real(dp), intent(out) :: folded(:, :)     !< (last - first + 1, 2)
+    real(dp) :: x, blur(last - first + 1), more(last - first + 1)
     integer :: i
-    straight = s%main(first:last) * exp(-(2 * pi * sigma * m%f(first:last))**2)
+    blur = (2 * pi * sigma * m%f(first:last))**2
+    more = 4 * blur * (s%n + blur - 1)                  ! Q less that of a point
+    straight = s%main(first:last) * exp(-blur) * (1 + m%wide(first:last) * more + m%square / m%f(first:last)**2 &
+      * (more + merge(0._dp, 2 * blur, m%dim == 2)))
     x = sigma / (most_blur * m%spacing) * (blurs - 1)
     i = min(int(x), blurs - 2)
     if (x >= blurs - 1) then
       folded = 0
     else
       x = (x**2 - i**2) / (2 * i + 1)                   ! between nodes linear in sigma^2
-      folded = exp(s%folded(first:last, i + 1) * (1 - x) + s%folded(first:last, i + 2) * x)
+      folded = exp(s%folded(first:last, i + 1, :) * (1 - x) + s%folded(first:last, i + 2, :) * x)
     end if
   end subroutine power_of
+
+  !> Power law and what folds back of it.
+  pure function mixed(straight, folded, alpha) result(p)
+    real(dp), intent(in) :: straight(:), folded(:, :)   !< of power_of
+    real(dp), intent(in) :: alpha                       !< detail finer than the spacing
+    real(dp) :: p(size(straight)), h(2)
+    h = shares(alpha)
+    p = straight + h(1) * folded(:, 1) + h(2) * folded(:, 2)
+  end function mixed
+
+  !> Shares of the nearer detail and of all that fold back.
+  pure function shares(alpha) result(h)
+    real(dp), intent(in) :: alpha   !< 0: none, 0.5: down to half the spacing, 1: all
+    real(dp) :: h(2)
+    h(2) = max(0._dp, 2 * alpha - 1)
+    h(1) = min(1._dp, 2 * alpha) - h(2)
+  end function shares
 end module hd_spectral_model

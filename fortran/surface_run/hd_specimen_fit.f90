@@ -3,7 +3,6 @@
 module hd_specimen_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_blind_fit, only: blind_t
   use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_ridges, model_paper, model_spectrum
   use hd_json, only: json_t
   use hd_log, only: say
@@ -274,7 +273,7 @@ contains
           call json%add('chi2', r%chi2)
           call json%add('freedom', r%freedom)
         end if
-        if (f%model == 'spectrum') call add_spectrum(json, f%m%blind)
+        if (f%model == 'spectrum') call add_spectrum(json, f%m)
         if (f%rough%sq > 0) call add_roughness(json, f%rough)
         call json%add('model', trim(f%model))
         call json%add('weighted', f%weighted)
@@ -291,19 +290,20 @@ contains
   end subroutine add_fits
 
   !> What the fit of a spectrum found besides D and G.
-  subroutine add_spectrum(json, b)
+  subroutine add_spectrum(json, m)
     type(json_t), intent(inout) :: json           !< summary
-    type(blind_t), intent(in) :: b                !< fit
+    type(measurement_t), intent(in) :: m          !< fit
     call json%begin('spectrum')
-    call json%add('probe_m', b%fit%probe)
-    call json%add('finer_detail', b%fit%fold)
-    call json%add('spikes', b%spikes)
-    call json%add('holes', b%holes)
-    call json%add('seams', real(b%seams%count, dp))
-    call json%add('seam_step_m', b%seams%largest)
-    call json%add('jitter_m', b%seams%jitter)
-    call json%add('scatter', b%fit%scatter)
-    call json%add('axis_excess', b%rings%axis)
+    call json%add('probe_m', m%blind%fit%probe)
+    call json%add('finer_detail', m%blind%fit%fold)
+    call json%add('spikes', m%spikes)
+    call json%add('wrong_from_m', m%seen)
+    call json%add('holes', m%blind%holes)
+    call json%add('seams', real(m%seams%count, dp))
+    call json%add('seam_step_m', m%seams%largest)
+    call json%add('jitter_m', m%seams%jitter)
+    call json%add('scatter', m%blind%fit%scatter)
+    call json%add('axis_excess', m%blind%rings%axis)
     call json%finish()
   end subroutine add_spectrum
 

@@ -18,6 +18,7 @@ program hd_tester
   use test_registers, only: run_registers
   use test_rotation, only: run_rotation
   use test_section, only: run_section
+  use test_spectral_model, only: run_spectral_model
   use test_spline_ring, only: run_spline_ring
   use test_stress, only: run_stress
   use test_table, only: run_table
@@ -30,6 +31,7 @@ program hd_tester
   call run_band()
   call run_fft()
   call run_hertz()
+  call run_spectral_model()
   call run_spline_ring()
   call run_heights()
   call run_random()

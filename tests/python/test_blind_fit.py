@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fit told nothing, on maps made by numpy alone: bands of any end, probes, noise, tilt, holes, spikes, jitter, lines."""
-import re
 import sys
 
 import numpy as np
@@ -10,7 +9,7 @@ from conftest import ROOT
 from hdengine.surfaces import roughness
 
 sys.path.insert(0, str(ROOT / "bench"))
-from blind_generators import LN_G, field, line  # noqa: E402
+from blind_generators import LN_G, NOT_FRACTAL, field, line  # noqa: E402
 
 DX = 1e-6
 CASES = {
@@ -42,15 +41,21 @@ def test_unlike_spacings_use_the_finer_one():
 
 @pytest.mark.parametrize("name, rises", (("crossover up", True), ("crossover down", False)))
 def test_crossovers_are_told(name, rises):
-    """Of three maps with two slopes at least two are called a crossover or said to be one as well, with D on the right sides."""
-    from blind_generators import NOT_FRACTAL
-
+    """Of three maps with two slopes at least two are called a crossover: two ranges that meet, each over a factor two of wavelengths,
+    with D on the right sides, and both stand in the printed result."""
     fits = [roughness.fit(NOT_FRACTAL[name](128, np.random.default_rng(seed)), DX) for seed in range(3)]
-    told = [f for f in fits if "crossover" in f.kind + f.reason]
+    told = [f for f in fits if f.kind == "crossover"]
     assert len(told) >= 2
     for f in told:
-        long, short = (float(x) for x in re.findall(r"(?:D =|m and) (\d(?:\.\d+)?)", f.reason)[-2:])
-        assert (short > long) is rises, f.reason
+        (long, middle, longest), (short, shortest, same) = f.ranges
+        assert (short > long) is rises and middle == same and longest > 1.99 * middle > 3.9 * shortest
+        assert f"D = {long:.3g} from {middle:.3g} to {longest:.3g} m" in str(f)
+
+
+def test_a_fractal_map_has_one_range():
+    """The range of a fractal map is its band and its D."""
+    f = roughness.fit(*field(128, DX, 2.5, np.random.default_rng(1), finer=2))
+    assert f.ranges == ((f.fractal_dimension, *f.band_m),)
 
 
 def test_lines_too():
@@ -85,8 +90,6 @@ def test_wrong_points_do_not_move_the_fit():
 
 def test_maps_that_are_not_fractal_are_told():
     """Plateaus, a crossover, white noise, a smooth field and spikes on a plane are refused, by their names."""
-    from blind_generators import NOT_FRACTAL
-
     named = {"plateaus": "steps", "white noise": "white noise", "smooth": "smooth", "spikes": "spikes"}
     for name, kind in named.items():
         f = roughness.fit(NOT_FRACTAL[name](128, np.random.default_rng(5)), DX)

@@ -36,6 +36,17 @@ def test_small_clumps_are_wrong_points():
     assert not low < roughness.fit(bad, spacing, outliers=False).fractal_dimension < high
 
 
+def test_what_cannot_be_seen_is_said():
+    """Clumps of 3 Sq stand higher than the height from which on clumps are found at D = 2.1, and lower at D = 2.9, where fewer than half
+    are found; the printed result states it."""
+    for d, seen in ((2.1, True), (2.9, False)):
+        z, spacing = field(128, DX, d, np.random.default_rng(1), finer=2)
+        wrong = clumps(z, np.random.default_rng(2))
+        f = roughness.fit(z, spacing)
+        assert (f.wrong_from_m[1] < 3 * z.std()) == (f.spikes > 0.5 * wrong.sum()) == seen
+        assert f"clumps {f.wrong_from_m[1]:.3g} m) they are not seen" in str(f)
+
+
 @pytest.mark.parametrize("keys", [{}, {"finer": 1}, {"probe": 1.0}, {"noise": 0.1}, {"tilt": 5.0}])
 def test_rough_maps_lose_nothing(keys):
     """Of four maps without faults none loses a point or shows a seam, and the heights come back bit by bit."""

@@ -85,14 +85,15 @@ class Fit:
     sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
     ridges: Ridges | None = None            #: the sum of Eq. 1 that was told
     probe_m: float = float("nan")           #: standard deviation of the Gaussian probe that blurs the map, fitted [m]
-    finer_detail: float = float("nan")      #: share of the detail finer than the spacing that folds back, 0 to 1
+    finer_detail: float = float("nan")      #: detail that folds back: 0 none, 0.5 down to half the spacing, 1 to a fifth
     spikes: int = 0                         #: wrong points, masked
+    wrong_from_m: tuple = (0.0, 0.0)        #: height over its surroundings from which on a point, a clump counts as wrong [m]
     holes: int = 0                          #: points filled, wrong points among them
     seams: tuple = (0, 0)                   #: steps of stitching across x and across y, levelled
     seam_step_m: float = 0.0                #: the largest of them [m]
     jitter_m: tuple = (0.0, 0.0)            #: rms offset of single columns and of single rows that was taken off [m]
     axis_excess: tuple = ()                 #: power of waves along x and along y over that of rings; above 3: row jitter, steps
-    second_range: tuple = ()                #: D, shortest and longest wavelength [m] of a second range, if there is one
+    ranges: tuple = ()                      #: D, shortest and longest wavelength [m] of the range; of a crossover of both
     frequency: np.ndarray = field(repr=False, default=cast(Any, None))  #: of the rings [1/m]
     density: np.ndarray = field(repr=False, default=cast(Any, None))    #: measured power [m^4], of a line [m^3]
     density_model: np.ndarray = field(repr=False, default=cast(Any, None))  #: the model's; NaN outside the window
@@ -128,11 +129,16 @@ class Fit:
             ]
             if self.model == "spectrum":
                 lines[3] = (f"fit       spectrum, wavelengths {self.band_m[0]:.3g} to {self.band_m[1]:.3g} m, "
-                            f"probe {self.probe_m:.2g} m, {self.finer_detail:.0%} of finer detail")
+                            f"probe {self.probe_m:.2g} m, finer detail {self.finer_detail:.2g} of 1")
                 lines[4] = f"misfit    {self.misfit:.2g} of ln power beyond chance, deviance {self.chi2:.1f} / {self.freedom}"
-            if self.spikes or self.holes:
+            if len(self.ranges) == 2:
+                words = (f"D = {d:.3g} from {low:.3g} to {high:.3g} m" for d, low, high in self.ranges)
+                lines[1:3] = ["ranges    " + ", ".join(words)]
+            if max(self.wrong_from_m) > 0 or self.holes:
                 lines.append(f"points    {self.spikes} wrong points masked"
-                             + (f", {self.holes} holes filled, wrong points among them" if self.holes else ""))
+                             + (f", {self.holes} holes filled, wrong points among them" if self.holes else "")
+                             + (f"; lower than {self.wrong_from_m[0]:.3g} m over their surroundings (clumps "
+                                f"{self.wrong_from_m[1]:.3g} m) they are not seen" if max(self.wrong_from_m) > 0 else ""))
             if max(self.seams) > 0:
                 across_x, across_y = self.seams
                 lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to {self.seam_step_m:.3g} m, levelled")

@@ -96,7 +96,7 @@ def _told(fit):
             "levelled": fit.levelled, "anisotropy": fit.anisotropy, "ridges": fit.ridges and vars(fit.ridges),
             "probe_m": fit.probe_m, "finer_detail": fit.finer_detail, "spikes": fit.spikes, "holes": fit.holes,
             "seams": fit.seams, "seam_step_m": fit.seam_step_m,
-            "jitter_m": fit.jitter_m, "axis_excess": fit.axis_excess, "second_range_d_m_m": fit.second_range}
+            "jitter_m": fit.jitter_m, "axis_excess": fit.axis_excess, "wrong_from_m": fit.wrong_from_m, "ranges_d_m_m": fit.ranges}
     if fit.frequency is not None:
         told["spectrum"] = {"frequency_per_m": fit.frequency, "power": fit.density, "model": fit.density_model}
     return told

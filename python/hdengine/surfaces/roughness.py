@@ -337,8 +337,8 @@ def _spectrum(v, rings):
            "frequency": rings["frequency"][:n], "density": rings["power"][:n], "density_model": rings["model"][:n]}
     if v["of_spectrum"] > 0:
         out |= {"probe_m": float(v["probe"]), "finer_detail": float(v["fold"])}
-    if v["second_d"] > 0:
-        out["second_range"] = (float(v["second_d"]), 1 / float(v["second_f_hi"]), 1 / float(v["second_f_lo"]))
+    ranges = ([float(v[f"range_{key}_{i}"]) for key in ("d", "low", "high")] for i in (1, 2))
+    out["ranges"] = tuple(tuple(r) for r in ranges if r[0] > 0)
     return out
 
 
@@ -369,5 +369,6 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, prof
         anisotropy=anisotropy,
         tilt=(v["tilt_x"] / dx, v["tilt_y"] / dy), levelled=bool(levelled), tau_m=tau, s_m2=s, curve_m2=curve,
         curve_error=curve_error, sample_error=sample_error, spikes=int(v["spikes"]),
+        wrong_from_m=(float(v["wrong_from"]), float(v["clumps_from"])),
         seams=(int(v["seams_x"]), int(v["seams_y"])), seam_step_m=float(v["seam_step"]),
         jitter_m=(float(v["jitter_x"]), float(v["jitter_y"])))

@@ -50,7 +50,7 @@ contains
     traction = 0
     last = all(points%state /= rate_stick .and. points%state /= rate_slip)
     do k = 1, most
-      solver%accuracy = merge(accuracy, coarse, last)
+      solver%accuracy = merge(accuracy, coarse, last .and. k == 1)
       do j = 1, size(points)
         call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))
         do c = 1, 3

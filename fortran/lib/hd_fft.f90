@@ -15,6 +15,7 @@ module hd_fft
   public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, plan_rows, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan, smooth_size
   public :: plan_complex_single, plan_backward_real_single, execute_complex_single, execute_backward_real_single
+  public :: plan_rows_single, execute_forward_real_single
 
   include 'fftw3.f03'
 
@@ -223,6 +224,23 @@ contains
     if (.not. allocated(error)) call check_plan(backward, n, error)
   end subroutine plan_rows
 
+  !> The same in single precision.
+  subroutine plan_rows_single(n, count, a, s, forward, backward, error)
+    integer, intent(in) :: n, count                     !< size, number
+    real(sp), intent(inout) :: a(*)                     !< columns; kept
+    complex(sp), intent(inout) :: s(*)                  !< half spectra; kept
+    type(fft_plan_t), intent(out) :: forward, backward  !< plans
+    type(error_t), allocatable, intent(out) :: error    !< no plan
+    call lock_planner()
+    forward%plan = fftwf_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+    backward%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], 1, n, FFTW_ESTIMATE)
+    call unlock_planner()
+    forward%single = .true.
+    backward%single = .true.
+    call check_plan(forward, n, error)
+    if (.not. allocated(error)) call check_plan(backward, n, error)
+  end subroutine plan_rows_single
+
   !> Run a plan of `plan_complex`.
   subroutine execute_complex(p, a)
     type(fft_plan_t), intent(in) :: p       !< plan
@@ -244,6 +262,14 @@ contains
     complex(dp), intent(inout) :: s(*)      !< half spectra
     call fftw_execute_dft_r2c(p%plan, a, s)
   end subroutine execute_forward_real
+
+  !> The same in single precision.
+  subroutine execute_forward_real_single(p, a, s)
+    type(fft_plan_t), intent(in) :: p       !< plan
+    real(sp), intent(inout) :: a(*)         !< real columns; kept
+    complex(sp), intent(inout) :: s(*)      !< half spectra
+    call fftwf_execute_dft_r2c(p%plan, a, s)
+  end subroutine execute_forward_real_single
 
   !> Run a plan of `plan_backward_real`.
   subroutine execute_backward_real(p, s, a)

@@ -4,13 +4,13 @@
 !> one (matching meshes of linear elements), both bodies merge into one circulant.
 module hd_circulant
   use, intrinsic :: iso_fortran_env, only: int64
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, sp
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
     side_block, release_side, line_up, fade_out
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
-  use hd_fft, only: free_plan, execute_backward_real, execute_forward_real, plan_rows
-  use hd_harmonic_matrix, only: new_harmonic_matrix
+  use hd_fft, only: execute_backward_real_single, execute_forward_real_single, fft_plan_t, free_plan, plan_rows_single
+  use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_system, only: stop_requested, check_stop
   use hd_harmonics, only: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries
   use hd_lapack, only: invert_symmetric
@@ -24,6 +24,16 @@ module hd_circulant
   !> where contact or slip ends, F^-1 of the whole face answers too stiffly. On meshes with edge cells GMRES takes 40 steps for 66
   !> under torque (six scenes; 0.03 to 0.3: 38 to 42), on others as many as without it.
   real(dp), parameter :: softer = 0.1_dp
+  real(dp), parameter :: negligible = 1e-12_dp  !< entries of F that are left out, relative (hd_harmonic_matrix)
+  real(dp), parameter :: rough = 1e-4_dp        !< the same of its inverse
+
+  !> F^-1 by harmonic and workspace to apply it, in single precision: it steers GMRES, whose residuals are those of F.
+  type :: inverse_t
+    type(harmonic_matrix_t) :: hat                  !< [N/m]
+    real(sp), allocatable :: field(:, :)            !< (n/stride, 3 rows)
+    complex(sp), allocatable :: wave(:, :)          !< (3 rows, n/stride/2 + 1)
+    type(fft_plan_t) :: forward, backward
+  end type inverse_t
 
   type, extends(compliance_t) :: circulant_t
     type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
@@ -37,7 +47,7 @@ module hd_circulant
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
     integer, allocatable :: beside(:, :)            !< rows before and behind each row on the same face, 0: none (2, rows)
     logical :: inverted = .false.                   !< the inverse is there
-    type(circulant_side_t) :: ring                            !< F^-1 by harmonic, mean over the sectors, and workspace to apply it
+    type(inverse_t) :: ring                         !< of the mean over the sectors
   contains
     procedure :: prepare => prepare_circulant
     procedure :: solve => solve_circulant
@@ -110,11 +120,11 @@ contains
     do p = circulant%part(1), circulant%part(2)
       associate (side => circulant%sides(p))
         if (circulant%known > 0) then
-          call move_alloc(before(p)%hat%entry, side%hat%entry)
+          call move_alloc(before(p)%hat%part, side%hat%part)
           call move_alloc(before(p)%hat%factor, side%hat%factor)
           side%hat%n = before(p)%hat%n
         else
-          call new_harmonic_matrix(side%angle, side%sectors/2, side%hat)
+          call new_harmonic_matrix(side%angle, side%sectors/2, negligible, side%hat)
         end if
       end associate
     end do
@@ -285,14 +295,13 @@ contains
     associate (ring => self%ring)
       n = size(ring%field, 1)
       do j = 1, size(w, 2)
-        if (self%sector(j) < n) ring%field(self%sector(j) + 1, 3*self%row(j) - 2:3*self%row(j)) = w(:, j)
+        if (self%sector(j) < n) ring%field(self%sector(j) + 1, 3*self%row(j) - 2:3*self%row(j)) = real(w(:, j), sp)
       end do
-      call execute_forward_real(ring%forward, ring%field, ring%wave)
-      call ring%hat%multiply(self%stride, ring%wave)
-      call execute_backward_real(ring%backward, ring%wave, ring%field)
-      ring%field = ring%field/n
+      call execute_forward_real_single(ring%forward, ring%field, ring%wave)
+      call ring%hat%multiply_single(self%stride, ring%wave)
+      call execute_backward_real_single(ring%backward, ring%wave, ring%field)
       do j = 1, size(w, 2)
-        f(:, j) = ring%field(modulo(self%sector(j), n) + 1, 3*self%row(j) - 2:3*self%row(j))
+        f(:, j) = ring%field(modulo(self%sector(j), n) + 1, 3*self%row(j) - 2:3*self%row(j))/real(n, sp)
       end do
     end associate
   end subroutine precondition_circulant
@@ -315,7 +324,7 @@ contains
     integer :: d, j, k, l, p, n, alias
     logical :: turned
     n = self%sides(1)%sectors
-    call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, self%ring%hat)
+    call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, rough, self%ring%hat, single=.true.)
     allocate (mean(3*self%rows, 3*self%rows))
     do k = n/2 - modulo(n/2, self%stride), 0, -self%stride  ! the shortest wave first
       mean = 0
@@ -349,7 +358,7 @@ contains
       call self%ring%hat%set(k, mean)
     end do
     allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
-    call plan_rows(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
+    call plan_rows_single(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
     self%inverted = .not. allocated(error)
   end subroutine invert_mean
 

@@ -268,7 +268,7 @@ contains
     if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
     if (allocated(error)) return
     allocate (y(size(b)))
-    call solve_gmres(self, b, tolerance, most, y, steps, residual, error)
+    call solve_gmres(self, b, tolerance, most, y, steps, residual, error, flexible=.true.)  ! a preconditioner that rounds
     if (allocated(error)) return
     call enter(self, y, traction)
     if (self%struts > 0) self%x = [matmul(self%strut_forces, [-y, 1._dp]), self%x]

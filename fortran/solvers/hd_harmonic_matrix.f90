@@ -1,47 +1,71 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A block circulant in the space of harmonics: one symmetric real matrix of amplitudes for each, of which the upper triangle is
-!> kept (in blocks of 8 x 8).
+!> kept (in blocks of 8 x 8). What couples distant rows of nodes falls exponentially with the harmonic. Blocks at the head of
+!> their columns whose entries all obey |a_ij| <= drop sqrt(a_ii a_jj) are left out: scaled by the diagonal, the matrix is off by
+!> drop times its order at most.
 module hd_harmonic_matrix
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use hd_kinds, only: dp, pi
+  use, intrinsic :: iso_c_binding, only: c_double, c_float, c_int
+  use hd_kinds, only: dp, pi, sp
   use hd_harmonics, only: amplitude
   implicit none
   private
-  public :: hd_symmetric_product, harmonic_matrix_t, new_harmonic_matrix
+  public :: hd_symmetric_product, hd_symmetric_product_single, harmonic_matrix_t, new_harmonic_matrix
 
   integer, parameter :: block = 8            !< order of the blocks on the diagonal
   integer, parameter :: long_loop = 200000   !< entries from which two threads are worth waking
 
+  !> Columns from row top + 1 down to the end of their diagonal block, one behind the other.
+  type :: columns_t
+    integer(c_int), allocatable :: top(:)    !< rows left out, by block of columns
+    real(dp), allocatable :: entry(:)
+    real(sp), allocatable :: short(:)        !< the same in single precision
+  end type columns_t
+
   type :: harmonic_matrix_t
     integer :: n = 0                            !< dofs
+    real(dp) :: drop = 0                        !< entries left out, relative
+    logical :: single = .false.                 !< kept in single precision
     complex(dp), allocatable :: factor(:, :)    !< between dofs of the first sector and amplitudes (dofs, 0:last)
-    real(dp), allocatable :: entry(:, :)        !< columns down to the end of their diagonal block (entries, 0:last)
+    type(columns_t), allocatable :: part(:)     !< (0:last)
   contains
     procedure :: set
     procedure :: full
     procedure :: kernel
     procedure :: multiply
+    procedure :: multiply_single
   end type harmonic_matrix_t
 
   interface
-    subroutine hd_symmetric_product(most, n, a, x, y) bind(c)
+    subroutine hd_symmetric_product(most, n, top, a, x, y) bind(c)
       import :: c_double, c_int
       integer(c_int), value :: most, n
+      integer(c_int), intent(in) :: top(*)
       real(c_double), intent(in) :: a(*), x(n, 2)
       real(c_double), intent(out) :: y(n, 2)
     end subroutine hd_symmetric_product
+    subroutine hd_symmetric_product_single(most, n, top, a, x, y) bind(c)
+      import :: c_float, c_int
+      integer(c_int), value :: most, n
+      integer(c_int), intent(in) :: top(*)
+      real(c_float), intent(in) :: a(*), x(n, 2)
+      real(c_float), intent(out) :: y(n, 2)
+    end subroutine hd_symmetric_product_single
   end interface
 
 contains
 
   !> Room for matrices between nodes, three dofs each.
-  subroutine new_harmonic_matrix(angle, last, matrix)
+  subroutine new_harmonic_matrix(angle, last, drop, matrix, single)
     real(dp), intent(in) :: angle(:)                !< of the nodes of the first sector [rad]
     integer, intent(in) :: last                     !< harmonic
+    real(dp), intent(in) :: drop                    !< entries left out, relative; 0: none
     type(harmonic_matrix_t), intent(out) :: matrix  !< entries not set
+    logical, intent(in), optional :: single         !< for multiply_single
     integer :: c, k
     matrix%n = 3*size(angle)
-    allocate (matrix%factor(matrix%n, 0:last), matrix%entry(padded(matrix%n)*(padded(matrix%n) + block)/2, 0:last))
+    matrix%drop = drop
+    if (present(single)) matrix%single = single
+    allocate (matrix%factor(matrix%n, 0:last), matrix%part(0:last))
     do k = 0, last
       do c = 1, 3
         matrix%factor(c::3, k) = amplitude(k, angle, c)
@@ -56,31 +80,61 @@ contains
   end function padded
 
   !> Take over the upper triangle of one harmonic.
-  pure subroutine set(self, k, a)
+  subroutine set(self, k, a)
     class(harmonic_matrix_t), intent(inout) :: self  !< matrix
     integer, intent(in) :: k                         !< harmonic
     real(dp), intent(in) :: a(:, :)                  !< symmetric (dofs, dofs)
-    integer :: at, j, m
-    self%entry(:, k) = 0
+    real(dp), allocatable :: entry(:)
+    integer :: top(padded(self%n)/block), at, i, j
+    top = first_rows(a, self%drop)
+    allocate (entry(sum([(block*(block*i - top(i)), i=1, size(top))])), source=0._dp)
     at = 0
     do j = 1, self%n
-      m = min(padded(j), self%n)
-      self%entry(at + 1:at + m, k) = [a(:j, j), a(j, j + 1:m)]
-      at = at + padded(j)
+      associate (head => top((j + block - 1)/block), m => min(padded(j), self%n))
+        entry(at + 1:at + m - head) = [a(head + 1:j, j), a(j, j + 1:m)]
+        at = at + padded(j) - head
+      end associate
     end do
+    self%part(k)%top = int(top, c_int)
+    if (self%single) then
+      self%part(k)%short = real(entry, sp)
+    else
+      call move_alloc(entry, self%part(k)%entry)
+    end if
   end subroutine set
 
-  !> One harmonic with both triangles.
+  !> Rows left out above every block of columns.
+  pure function first_rows(a, drop) result(top)
+    real(dp), intent(in) :: a(:, :)  !< symmetric
+    real(dp), intent(in) :: drop     !< relative size of what is left out; 0: none
+    integer :: top(padded(size(a, 1))/block), i, j
+    real(dp) :: scale(size(a, 1))
+    top = 0
+    if (.not. drop > 0) return
+    scale = [(drop*sqrt(a(i, i)), i=1, size(a, 1))]
+    do j = 1, size(top)
+      associate (columns => a(:, block*j - block + 1:min(block*j, size(a, 1))))
+        do i = 1, block*(j - 1)
+          if (any(abs(columns(i, :)) > scale(i)*scale(block*j - block + 1:min(block*j, size(a, 1)))/drop)) exit
+        end do
+      end associate
+      top(j) = (i - 1)/block*block
+    end do
+  end function first_rows
+
+  !> One harmonic with both triangles, without what is left out.
   pure function full(self, k) result(a)
-    class(harmonic_matrix_t), intent(in) :: self  !< matrix
+    class(harmonic_matrix_t), intent(in) :: self  !< matrix in double precision
     integer, intent(in) :: k                      !< harmonic
     real(dp) :: a(self%n, self%n)
-    integer :: at, j
+    integer :: at, head, j
     at = 0
     do j = 1, self%n
-      a(:j, j) = self%entry(at + 1:at + j, k)
+      head = self%part(k)%top((j + block - 1)/block)
+      a(:head, j) = 0
+      a(head + 1:j, j) = self%part(k)%entry(at + 1:at + j - head)
       a(j, :j) = a(:j, j)
-      at = at + padded(j)
+      at = at + padded(j) - head
     end do
   end function full
 
@@ -118,9 +172,29 @@ contains
         x(:n, 1) = real(conjg(factor)*wave(:, k))
         x(:n, 2) = aimag(conjg(factor)*wave(:, k))
         x(n + 1:, :) = 0
-        call hd_symmetric_product(0, size(x, 1), self%entry(:, stride*k), x, y)
+        call hd_symmetric_product(0, size(x, 1), self%part(stride*k)%top, self%part(stride*k)%entry, x, y)
         wave(:, k) = factor*cmplx(y(:n, 1), y(:n, 2), dp)
       end associate
     end do
   end subroutine multiply
+
+  !> The same in single precision.
+  subroutine multiply_single(self, stride, wave)
+    class(harmonic_matrix_t), intent(in) :: self  !< matrix in single precision
+    integer, intent(in) :: stride                 !< 1 or 2
+    complex(sp), intent(inout) :: wave(:, 0:)     !< transform of the field (dofs, harmonics)
+    real(sp) :: x(padded(self%n), 2), y(padded(self%n), 2)
+    complex(sp) :: factor(self%n)
+    integer :: k, n
+    n = self%n
+    !$omp parallel do private(x, y, factor) if(size(wave)*n > long_loop)
+    do k = 0, ubound(wave, 2)
+      factor = cmplx(self%factor(:, stride*k), kind=sp)
+      x(:n, 1) = real(conjg(factor)*wave(:, k))
+      x(:n, 2) = aimag(conjg(factor)*wave(:, k))
+      x(n + 1:, :) = 0
+      call hd_symmetric_product_single(0, size(x, 1), self%part(stride*k)%top, self%part(stride*k)%short, x, y)
+      wave(:, k) = factor*cmplx(y(:n, 1), y(:n, 2), sp)
+    end do
+  end subroutine multiply_single
 end module hd_harmonic_matrix

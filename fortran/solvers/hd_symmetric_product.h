@@ -1,29 +1,36 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kernel of hd_symmetric_product.c for one width of register. */
-typedef double NAME(lanes) __attribute__((vector_size(BYTES), aligned(8)));
-
+/* Kernel of hd_symmetric_product.c for one width of register: as many numbers of REAL as are double ones, four at least. */
+#undef OF
+#undef WIDTH
+#undef LANES
 #undef VECTOR
 #undef SUM
-#define VECTOR(p) (*(NAME(lanes) *)(p))
+#define OF(f) NAME(f)
+#define WIDTH (BYTES * sizeof(REAL) / 8 > 16 ? BYTES * sizeof(REAL) / 8 : 16)
+#define LANES OF(LANES_OF)
+#define VECTOR(p) (*(LANES *)(p))
 #define SUM(v) ((((v)[0] + (v)[1]) + ((v)[2] + (v)[3])) + (((v)[4] + (v)[5]) + ((v)[6] + (v)[7])))
 
-TARGET static void NAME(hd_symmetric_product)(int n, const double *restrict a, const double *restrict x, double *restrict y)
+typedef REAL LANES __attribute__((vector_size(WIDTH), aligned(sizeof(REAL))));
+
+TARGET static void OF(PRODUCT)(int n, const int *restrict top, const REAL *restrict a, const REAL *restrict x, REAL *restrict y)
 {
-  enum { wide = BYTES / 8, piece = wide < 8 ? 256 : INT_MAX / 2 };
-  const double *x1 = x, *x2 = x + n;
-  double *y1 = y, *y2 = y + n;
+  enum { wide = WIDTH / sizeof(REAL), piece = wide < 8 ? 256 : INT_MAX / 2 };
+  const REAL *x1 = x, *x2 = x + n;
+  REAL *y1 = y, *y2 = y + n;
   for (int j = 0; j < n; j += 4) { /* four columns at once */
-    const int last = j / 8 * 8, m = last + 8;
-    const double *p = x1 + j, *q = x2 + j;
-    double sums[8][8] __attribute__((aligned(64))) = {{0}};
-    for (int from = 0; from < last; from += piece) { /* rows that stay in the cache for all parts of eight sums */
+    const int last = j / 8 * 8, first = top[j / 8], m = last + 8 - first;
+    const REAL *p = x1 + j, *q = x2 + j;
+    REAL sums[8][8] __attribute__((aligned(64))) = {{0}};
+    for (int from = first; from < last; from += piece) { /* rows that stay in the cache for all parts of eight sums */
       const int to = last - from > piece ? from + piece : last;
       for (int part = 0; part < 8; part += wide) {
-        NAME(lanes) s0 = VECTOR(sums[0] + part), s1 = VECTOR(sums[1] + part), s2 = VECTOR(sums[2] + part), s3 = VECTOR(sums[3] + part);
-        NAME(lanes) t0 = VECTOR(sums[4] + part), t1 = VECTOR(sums[5] + part), t2 = VECTOR(sums[6] + part), t3 = VECTOR(sums[7] + part);
+        LANES s0 = VECTOR(sums[0] + part), s1 = VECTOR(sums[1] + part), s2 = VECTOR(sums[2] + part), s3 = VECTOR(sums[3] + part);
+        LANES t0 = VECTOR(sums[4] + part), t1 = VECTOR(sums[5] + part), t2 = VECTOR(sums[6] + part), t3 = VECTOR(sums[7] + part);
         for (int i = from + part; i < to; i += 8) {
-          const NAME(lanes) b0 = VECTOR(a + i), b1 = VECTOR(a + m + i), b2 = VECTOR(a + 2 * m + i), b3 = VECTOR(a + 3 * m + i);
-          const NAME(lanes) u = VECTOR(x1 + i), v = VECTOR(x2 + i);
+          const REAL *b = a + (i - first);
+          const LANES b0 = VECTOR(b), b1 = VECTOR(b + m), b2 = VECTOR(b + 2 * m), b3 = VECTOR(b + 3 * m);
+          const LANES u = VECTOR(x1 + i), v = VECTOR(x2 + i);
           VECTOR(y1 + i) += b0 * p[0] + b1 * p[1] + b2 * p[2] + b3 * p[3];
           VECTOR(y2 + i) += b0 * q[0] + b1 * q[1] + b2 * q[2] + b3 * q[3];
           s0 += b0 * u; s1 += b1 * u; s2 += b2 * u; s3 += b3 * u;
@@ -35,8 +42,9 @@ TARGET static void NAME(hd_symmetric_product)(int n, const double *restrict a, c
     }
     if (j == last)
       for (int i = 0; i < 8; i++) y1[j + i] = y2[j + i] = 0;
-    for (int part = last; part < m; part += wide) {
-      const NAME(lanes) b0 = VECTOR(a + part), b1 = VECTOR(a + m + part), b2 = VECTOR(a + 2 * m + part), b3 = VECTOR(a + 3 * m + part);
+    for (int part = last; part < last + 8; part += wide) {
+      const REAL *b = a + (part - first);
+      const LANES b0 = VECTOR(b), b1 = VECTOR(b + m), b2 = VECTOR(b + 2 * m), b3 = VECTOR(b + 3 * m);
       VECTOR(y1 + part) += b0 * p[0] + b1 * p[1] + b2 * p[2] + b3 * p[3];
       VECTOR(y2 + part) += b0 * q[0] + b1 * q[1] + b2 * q[2] + b3 * q[3];
     }

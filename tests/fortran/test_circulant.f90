@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 module test_circulant
-  use hd_check, only: check_close
+  use hd_check, only: check, check_close
   use hd_circulant, only: circulant_t
   use hd_circulant_side, only: circulant_side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
   use hd_error, only: error_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, sp
   implicit none
   private
   public :: run_circulant
@@ -17,6 +17,8 @@ contains
     do nodes = 1, 6
       call products(nodes)
     end do
+    call short_products(.false., 1e-6_dp)
+    call short_products(.true., 1e-3_dp)
     call one_side(1)
     call one_side(2)
     call fringe(1)
@@ -79,7 +81,7 @@ contains
     real(dp) :: angle(nodes)
     integer :: i, k
     angle = [(0.1_dp*i, i=1, nodes)]
-    call new_harmonic_matrix(angle, 4, matrix)
+    call new_harmonic_matrix(angle, 4, 0._dp, matrix)
     do k = 0, 4
       call matrix%set(k, some_matrix(3*nodes, k))
     end do
@@ -93,6 +95,37 @@ contains
     call matrix%multiply(2, wave)
     call check_close(maxval(abs(wave - expected)), 0._dp, 1e-12_dp, 'products by harmonics are those of the whole matrices')
   end subroutine products
+
+  !> Of coefficients that fall with the distance those beyond a bound are left out, and the product is off by no more than the bound
+  !> times the order; in single precision by its rounding.
+  subroutine short_products(single, drop)
+    logical, intent(in) :: single
+    real(dp), intent(in) :: drop
+    integer, parameter :: nodes = 24
+    type(harmonic_matrix_t) :: matrix
+    real(dp) :: a(3*nodes, 3*nodes), x(3*nodes), y(3*nodes)
+    complex(sp) :: few(3*nodes, 0:0)
+    complex(dp) :: wave(3*nodes, 0:0)
+    integer :: i, j
+    a = reshape([((exp(-abs(i - j)/2._dp)*sqrt(1._dp*i*j), i=1, 3*nodes), j=1, 3*nodes)], shape(a))
+    x = [(cos(2._dp*i)/sqrt(1._dp*i), i=1, 3*nodes)]
+    call new_harmonic_matrix([(0._dp, i=1, nodes)], 0, drop, matrix, single)
+    call matrix%set(0, a)
+    wave(:, 0) = x*matrix%factor(:, 0)
+    few = cmplx(wave, kind=sp)
+    if (single) then
+      call matrix%multiply_single(1, few)
+      wave = cmplx(few, kind=dp)
+    else
+      call matrix%multiply(1, wave)
+      call check(sum(matrix%part(0)%top) > 0, 'distant coefficients are left out')
+    end if
+    y = real(wave(:, 0)*conjg(matrix%factor(:, 0))) - matmul(a, x)
+    y = y/sqrt([(1._dp*i, i=1, 3*nodes)])
+    call check(norm2(y) <= (3*nodes*drop + merge(1e-5_dp, 1e-13_dp, single))*norm2(x*sqrt([(1._dp*i, i=1, 3*nodes)])), &
+      'products without distant coefficients obey their bound')
+    call check(norm2(y) > 0.01_dp*drop*norm2(x*sqrt([(1._dp*i, i=1, 3*nodes)])), 'and something was left out')
+  end subroutine short_products
 
   !> Response by FFT, columns and blocks of multipliers that meet nodes of two sectors are those of one matrix.
   subroutine one_side(stride)
@@ -108,7 +141,7 @@ contains
     side%sector = [(j - 1, modulo(j, n), j=1, n)]
     side%val = [(0.7_dp, 0.3_dp, j=1, n)]
     side%angle = [0._dp, 0.2_dp]
-    call new_harmonic_matrix(side%angle, n/2, side%hat)
+    call new_harmonic_matrix(side%angle, n/2, 0._dp, side%hat)
     do k = 0, n/2
       call side%hat%set(k, some_matrix(3*m, k))
     end do

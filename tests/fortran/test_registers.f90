@@ -2,7 +2,7 @@
 !> Kernels that are compiled for several widths of vector register.
 module test_registers
   use hd_check, only: check
-  use hd_harmonic_matrix, only: hd_symmetric_product
+  use hd_harmonic_matrix, only: hd_symmetric_product, hd_symmetric_product_single
   use hd_kinds, only: dp, sp, i8
   use hd_sector_matrix, only: hd_sector_product
   use hd_spread, only: window_rows, window_rows_single, spread_rows, spread_rows_single
@@ -28,23 +28,32 @@ contains
     end do
   end subroutine run_registers
 
-  !> All widths give the product, those with fused multiply-add the same bits.
+  !> All widths give the product, those with fused multiply-add the same bits, in double and in single precision, also where the
+  !> heads of columns are left out.
   subroutine check_symmetric(n)
     integer, intent(in) :: n    !< order
     real(dp) :: full(n, n), x(n, 2), y(n, 2, 3)
+    real(sp) :: short(n, 2, 3)
     real(dp), allocatable :: a(:)
-    integer :: j, k
+    integer :: j, k, top(n/8)
     call random_number(full)
     call random_number(x)
     full = full + transpose(full)
+    top = [(8*(j/3), j=1, n/8)]
     allocate (a(0))
     do j = 1, n
-      a = [a, full(:8*((j + 7)/8), j)]
+      associate (head => top((j + 7)/8))
+        full(:head, j) = 0
+        full(j, :head) = 0
+        a = [a, full(head + 1:8*((j + 7)/8), j)]
+      end associate
     end do
     do k = 1, 3
-      call hd_symmetric_product(widths(k), n, a, x, y(:, :, k))
+      call hd_symmetric_product(widths(k), n, top, a, x, y(:, :, k))
       call check(maxval(abs(y(:, :, k) - matmul(full, x))) < 1e-13_dp*n, 'symmetric product of order '//to_text(n)// &
         ' in registers of '//to_text(widths(k))//' bytes')
+      call hd_symmetric_product_single(widths(k), n, top, real(a, sp), real(x, sp), short(:, :, k))
+      call check(maxval(abs(short(:, :, k) - matmul(full, x))) < 1e-6_dp*n, 'the same in single precision')
     end do
     call check(all(y(:, :, 1) == y(:, :, 2)), 'a symmetric product has the same bits in registers of 64 and 32 bytes')
   end subroutine check_symmetric

@@ -12,7 +12,7 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
-    apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
+    apply_stiffness, largest_stiffness, pair_bodies, update_struts, count_flanks, flanks_t, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
@@ -162,6 +162,7 @@ contains
     type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
     logical :: search
+    type(flanks_t) :: flanks
     integer(int64) :: start, now, rate
     call system_clock(start, rate)
     allocate (history(0))
@@ -200,7 +201,8 @@ contains
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
-      call update_struts(problem, load, state%u, here%r_u)
+      call update_struts(problem, load, state%u)
+      call count_flanks(problem, load, state%u, row%stick > 0, flanks, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
       if (allocated(problem%pairing) .and. .not. search) then

@@ -15,6 +15,7 @@ module hd_problem
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
+    count_flanks, flanks_t, &
     strut_closings, strut_forces, stored_energy
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
@@ -61,6 +62,12 @@ module hd_problem
     integer, allocatable :: contact(:)       !< open, stick or slip (multipliers)
     real(dp), allocatable :: touch(:)        !< offsets of struts that are there from a state on; none before it [m]
   end type state_t
+
+  !> Flanks that count in Newton's matrix before they push.
+  type :: flanks_t
+    logical :: ahead = .false.   !< some do, in the present step
+    logical :: held = .false.    !< none does in the rest of the load step
+  end type flanks_t
 
 contains
 
@@ -292,35 +299,49 @@ contains
     f = strut_force(problem%struts, strut_closings(problem, load, u))
   end function strut_forces
 
-  !> Bring the tangents of the struts up to date. While no flank pushes, those that the torque nears to it first count as if they
-  !> did, with the pull that this means: a bottom that nothing holds would turn far in one step of Newton's method, and rub the
-  !> contact into a state far from the solution. So do those that have only just come off: a torque of 0 leaves the bottom where
-  !> it is, and the sign of its rounding errors must not send it across the play.
-  subroutine update_struts(problem, load, u, r)
+  !> Bring the tangents of the struts up to date.
+  subroutine update_struts(problem, load, u)
     type(problem_t), intent(inout) :: problem  !< gets strut_rate
     type(load_t), intent(in) :: load           !< load
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    real(dp), intent(inout), optional :: r(:, :)  !< out-of-balance forces (3, n), get that pull; absent: none counts ahead [N]
-    integer :: i
+    if (.not. allocated(problem%struts)) return
+    problem%strut_rate = strut_tangent(problem%struts, strut_closings(problem, load, u))
+  end subroutine update_struts
+
+  !> While no flank pushes, those that the torque nears to it first count as if they did, with the pull that this means: a bottom
+  !> that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the solution. So do
+  !> those that have only just come off: a torque of 0 leaves the bottom where it is, and the sign of its rounding errors must not
+  !> send it across the play. Where flanks counted, are open now, and some points stick, the contact holds the bottom: counting
+  !> them again would never end.
+  subroutine count_flanks(problem, load, u, sticks, flanks, r)
+    type(problem_t), intent(inout) :: problem  !< with strut_rate, which gets these flanks
+    type(load_t), intent(in) :: load           !< load
+    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    logical, intent(in) :: sticks              !< some contact points stick
+    type(flanks_t), intent(inout) :: flanks    !< what was counted in this load step
+    real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
     real(dp), allocatable :: closing(:)
     logical, allocatable :: flank(:)
-    if (.not. allocated(problem%struts)) return
+    integer :: i
+    if (.not. (allocated(problem%struts) .and. problem%turning)) return
     closing = strut_closings(problem, load, u)
-    problem%strut_rate = strut_tangent(problem%struts, closing)
-    if (.not. present(r)) return
     flank = problem%struts%power < 1.25_dp .and. closing > -1
-    if (.not. any(flank) .or. any(flank .and. problem%strut_rate > 0) .or. .not. problem%turning) return
+    if (.not. any(flank)) return
+    flanks%held = flanks%held .or. (flanks%ahead .and. sticks .and. .not. any(flank .and. closing > -just_off))
+    flanks%ahead = .false.
+    if (flanks%held .or. any(flank .and. problem%strut_rate > 0)) return
     do i = 1, size(closing)
       flank(i) = flank(i) .and. (closing(i) > -just_off .or. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)
     end do
     flank = flank .and. closing >= maxval(closing, mask=flank) - near
+    flanks%ahead = any(flank)
     where (flank) problem%strut_rate = problem%struts%rate
     closing = linear_forces(problem, merge(closing, 0._dp, flank))
     do i = 1, size(closing)
       if (flank(i)) call push(problem%struts(i), closing(i), r)
     end do
-  end subroutine update_struts
+  end subroutine count_flanks
 
   !> Energy that bodies and struts store under small displacements [J].
   real(dp) function stored_energy(problem, load, u) result(e)

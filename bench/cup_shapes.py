@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes of the cup beside each other in the whole drive of size 14: table of docs/evidence/drive.md, figure of their meridians.
+"""Shapes of the cup beside each other in the whole drive of size 14: table of docs/evidence/drive_inputs.md, figure of their meridians.
 
 Usage: python bench/cup_shapes.py
 """
@@ -82,7 +82,7 @@ def main():
     base = rows[0]["k"]
     put("drive shapes", table(("shape, size 14", "K1 / K2 / K3 in kN m/rad", "change in %"), [
         (r["shape"], " / ".join(f"{k / 1e3:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
-        for r in rows]), page="evidence/drive")
+        for r in rows]), page="evidence/drive_inputs")
     draw(meridians)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
-docs/evidence/drive.md, raw figures in bench/results/drive_catalogue.json.
+docs/evidence/drive.md, drive_inputs.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
 
 Usage: python bench/drive_catalogue.py [sizes]    sizes: solve these again, take the rest from the record
 """
@@ -149,11 +149,11 @@ def main():
     base = inputs[0]["k"]
     put("drive inputs", table(("input", "K1 / K2 / K3 in kN m/rad", "change in %"), [
         (r["input"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
-        for r in inputs]), page="evidence/drive")
+        for r in inputs]), page="evidence/drive_inputs")
     put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent of the coupled law"), [
         (f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm",
          *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) + ("" if i == 0 else f" ({change(path, k)(r)} %)")
-           for k in ("drive", "eq45", "tangent"))) for i, r in enumerate(path)]), page="evidence/drive")
+           for k in ("drive", "eq45", "tangent"))) for i, r in enumerate(path)]), page="evidence/drive_trends")
     draw(size)
 
 

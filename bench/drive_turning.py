@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The turning wave generator of the whole drive of size 14: angle error and ripple of the stiffness over one ball, and what they owe
-to balls, teeth and mesh. Table of docs/evidence/drive.md, figure turning.png, raw figures in bench/results/drive_turning.json.
+to balls, teeth and mesh. Table of docs/evidence/drive_trends.md, figure turning.png, raw figures in bench/results/drive_turning.json.
 
 Usage: python bench/drive_turning.py
 """
@@ -45,7 +45,7 @@ def main():
         (r["case"], f"{ARCSEC * np.mean(r['turn_rad']):.1f}''", f"{ARCSEC * np.ptp(r['turn_rad']):.2f}''",
          f"{min(r['stiffness_nm_per_rad']) / 1e3:.2f} to {max(r['stiffness_nm_per_rad']) / 1e3:.2f}",
          f"{100 * np.ptp(r['stiffness_nm_per_rad']) / np.mean(r['stiffness_nm_per_rad']):.1f} %") for r in rows]),
-        page="evidence/drive")
+        page="evidence/drive_trends")
 
 
 if __name__ == "__main__":

@@ -15,18 +15,18 @@ module hd_harmonic_matrix
   integer, parameter :: long_loop = 200000   !< entries from which two threads are worth waking
 
   !> Columns from row top + 1 down to the end of their diagonal block, one behind the other.
-  type :: columns_t
+  type :: skyline_t
     integer(c_int), allocatable :: top(:)    !< rows left out, by block of columns
     real(dp), allocatable :: entry(:)
     real(sp), allocatable :: short(:)        !< the same in single precision
-  end type columns_t
+  end type skyline_t
 
   type :: harmonic_matrix_t
     integer :: n = 0                            !< dofs
     real(dp) :: drop = 0                        !< entries left out, relative
     logical :: single = .false.                 !< kept in single precision
     complex(dp), allocatable :: factor(:, :)    !< between dofs of the first sector and amplitudes (dofs, 0:last)
-    type(columns_t), allocatable :: part(:)     !< (0:last)
+    type(skyline_t), allocatable :: part(:)     !< (0:last)
   contains
     procedure :: set
     procedure :: full

@@ -310,7 +310,7 @@ contains
 
   !> While no flank pushes, those that the torque nears to it first count as if they did, with the pull that this means: a bottom
   !> that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the solution. So do
-  !> those that have only just come off: a torque of 0 leaves the bottom where it is, and the sign of its rounding errors must not
+  !> those that have only just come off without a torque: it leaves the bottom where it is, and the sign of rounding errors must not
   !> send it across the play. Where flanks counted, are open now, and some points stick, the contact holds the bottom: counting
   !> them again would never end.
   subroutine count_flanks(problem, load, u, sticks, flanks, r)
@@ -323,6 +323,7 @@ contains
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
     real(dp), allocatable :: closing(:)
     logical, allocatable :: flank(:)
+    logical :: torque
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%turning)) return
     closing = strut_closings(problem, load, u)
@@ -331,8 +332,10 @@ contains
     flanks%held = flanks%held .or. (flanks%ahead .and. sticks .and. .not. any(flank .and. closing > -just_off))
     flanks%ahead = .false.
     if (flanks%held .or. any(flank .and. problem%strut_rate > 0)) return
+    torque = abs(sum(load%force(2, problem%hub))) > 1e-6_dp*just_off*maxval(problem%struts%rate, mask=flank)
     do i = 1, size(closing)
-      flank(i) = flank(i) .and. (closing(i) > -just_off .or. sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)
+      flank(i) = flank(i) .and. ((.not. torque .and. closing(i) > -just_off) .or. &
+        sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)
     end do
     flank = flank .and. closing >= maxval(closing, mask=flank) - near
     flanks%ahead = any(flank)

@@ -357,6 +357,16 @@ def test_open_teeth_are_said_with_their_play(exe, tmp_path, interference):
     assert "free to turn" not in warnings_of(exe, tmp_path / "c", *keys, "load.tooth_clearance=0")[1]
 
 
+def test_a_small_torque_leads_across_the_play(exe, tmp_path):
+    """Without friction, a torque of -0.1 mN m carries the bottom from one flank to the other in a few iterations."""
+    keys = ["contact.mode=frictionless", "load.tooth_pairs=4", "load.tooth_clearance=1e-4", "load.torque_steps=1",
+            "loop.torques=0.4,-1e-4,-1.7", "solver.time_limit_s=30"]
+    _, loop, *_ = solve(exe, tmp_path / "o", *keys)
+    play = 2e-4 / np.cos(np.radians(25)) / 17.927e-3
+    assert np.diff(loop["angle_rad"])[-2] == pytest.approx(-play, rel=5e-2)
+    assert read_csv(tmp_path / "o/steps.csv")["iterations"].sum() < 60
+
+
 def test_a_ball_that_jumps_is_said(exe, tmp_path):
     """A ball that one step of torque loads from nothing to more than half of the largest force is named; finer steps follow it."""
     (_, _, balls, _), text = warnings_of(exe, tmp_path / "j", "loop.torques=80,-80", "load.torque_steps=1")

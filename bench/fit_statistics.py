@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bias, spread and coverage of the fits of D and G over many seeds: table of docs/evidence/fit.md, record bench/results/fit_statistics.json.
+"""Bias, spread and coverage of the fits of D and G over many seeds: table of docs/evidence/fit_told.md, record bench/results/fit_statistics.json.
 
 501 x 501 points of 1 um, L = 0.5 mm, L_s = 1 um, gamma = 1.5, G = 2.4248e-7 m. A tilt of 5 % and white noise of 5 % of the expected sqrt(S(1))
 are added; the noise is fitted. 0 ridges: no sum of Eq. 1 but a Gaussian isotropic field, 20 000 waves of all directions and frequencies of
@@ -78,7 +78,7 @@ def main():
             print(*line(rows[-1]), rows[-1]["models"], flush=True)
     write_record("fit_statistics", rows, seed=FIRST)
     put("statistics", table(("surface", "told", "D", "bias of D", "std of D", "stated", "bias of ln G", "std of ln G", "D / ln G inside, %",
-                             "fractal, %"), map(line, rows)), "evidence/fit")
+                             "fractal, %"), map(line, rows)), "evidence/fit_told")
 
 
 if __name__ == "__main__":

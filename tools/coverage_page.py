@@ -11,7 +11,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/evidence/coverage.md"
-HEAD = """# Coverage
+HEAD = """---
+orphan: true
+---
+# Coverage
 
 Lines of the sources that the tests run, and those they do not; `./hd coverage` measures and writes this page. A line that is run is not
 proved right; a line that is not run is proved nothing at all.

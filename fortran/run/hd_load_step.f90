@@ -70,7 +70,7 @@ contains
         part = min(target, run%position + run%stride)
         if (slip_torque > 0) then
           part = min(target, cautious(run, slip_torque))
-          if (slip_torque <= abs(run%step%torque)*1.003_dp) call slipped(run, slip_torque, error)
+          if (slip_torque <= abs(run%step%torque)*1.003_dp) call let_go(run, part, slip_torque, error)
         end if
       else
         cuts = cuts + 1
@@ -79,8 +79,7 @@ contains
           call not_held(run, part, error)
         else if (sliding) then
           part = cautious(run, slip_torque)
-          if (cuts > run%scene%max_cuts .and. unpressed(run, slip_torque)) call not_held(run, part, error)
-          if (cuts > run%scene%max_cuts .and. .not. allocated(error)) call slipped(run, slip_torque, error)
+          if (cuts > run%scene%max_cuts) call let_go(run, part, slip_torque, error)
         else
           run%stride = 0.5_dp*(part - run%position)
           if (cuts > run%scene%max_cuts .and. all_friction(run)) then
@@ -109,12 +108,19 @@ contains
     proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
   end function proportional
 
-  !> The torque itself pressed the faces that slid: the assembly left no friction worth the name.
-  pure logical function unpressed(run, slip_torque)
-    type(run_t), intent(in) :: run         !< run before a torque step
-    real(dp), intent(in) :: slip_torque    !< carried while they slid [N m]
-    unpressed = begins(run%position - 1) .and. run%sums%friction_capacity < some_friction*slip_torque
-  end function unpressed
+  !> The contact slides: gross slip, or nothing holds where the torque itself pressed the faces and there is no friction worth the
+  !> name.
+  subroutine let_go(run, position, slip_torque, error)
+    type(run_t), intent(inout) :: run                 !< run
+    real(dp), intent(in) :: position                  !< where it was tried to go
+    real(dp), intent(in) :: slip_torque               !< carried while they slid [N m]
+    type(error_t), allocatable, intent(out) :: error  !< the message
+    if (run%sums%friction_capacity < some_friction*slip_torque) then
+      call not_held(run, position, error)
+    else
+      call slipped(run, slip_torque, error)
+    end if
+  end subroutine let_go
 
   !> Friction alone holds the torque, and is used up: under large displacements pairs then move on without end.
   pure logical function all_friction(run)

@@ -5,7 +5,7 @@ python bench/fit_bound.py    501 x 501 points of 1 um, isotropic band of L = 0.5
 No unbiased estimator scatters less, whatever it looks at; this one also knows the spectrum and its ends exactly (Whittle 1953).
 
 python bench/fit_bound.py blind    the maps of blind_fit.py that are 128 points a side: parts told (which of probe, noise and finer detail are
-there, not how large) and all of them free, with the taper of the fit: record fit_bound.json and its table in docs/evidence/fit_bias.md.
+there, not how large) and all of them free, with the taper of the fit: record fit_bound.json and its table in docs/evidence/fit_bound.md.
 """
 import sys
 
@@ -80,7 +80,7 @@ def put_table(rows):
     found = read_record("blind_fit")["maps"]
     put("bound", table(("kind of map", "parts told, D = 2.1 / 2.5 / 2.9", "all free", "std of the fit"), [
         (r["kind"], *(" / ".join(f"{b[key]:.3f}" for b in r["bounds"]) for key in ("told", "free")),
-         " / ".join(f"{found[f'''{r['kind']}, D = {d}''']['std']:.3f}" for d in (2.1, 2.5, 2.9))) for r in rows]), "evidence/fit_bias")
+         " / ".join(f"{found[f'''{r['kind']}, D = {d}''']['std']:.3f}" for d in (2.1, 2.5, 2.9))) for r in rows]), "evidence/fit_bound")
 
 
 if __name__ == "__main__":

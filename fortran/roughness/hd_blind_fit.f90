@@ -189,15 +189,15 @@ contains
       if (b%spike_share > many_spikes) then
         v%name = 'spikes'
         v%reason = percent(b%spike_share)//' of the points stand more than six standard deviations off their neighbours'
-      else if (r%interval(2, 1) < 2.03_dp .or. (r%d < 2.01_dp .and. f%misfit > 0.1_dp)) then
-        v%name = 'smooth'
-        v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
       else if (r%interval(1, 1) > 2.97_dp .or. (r%d > 2.99_dp .and. f%f_hi < 4 * f%f_lo) &
         .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
         v%kind = noise_dominated
         v%name = 'noise'
         v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
           ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
+      else if (r%interval(2, 1) < 2.03_dp .or. (r%d < 2.01_dp .and. f%misfit > 0.1_dp)) then
+        v%name = 'smooth'
+        v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
       else if (b%tail > 1 .and. b%excess > 1) then
         v%name = 'steps'
         v%reason = 'second differences over '//to_text(b%tail_lag)//' points have an excess kurtosis of '//to_text(b%excess)// &

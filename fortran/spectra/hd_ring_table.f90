@@ -8,14 +8,12 @@ module hd_ring_table
   use hd_fft, only: forward_real_2d, forward_real
   implicit none
   private
-  public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, low_reach
+  public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far
 
-  integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out, at low frequency
-  integer, parameter :: most_width = 6        !< the same at high frequency
-  real(dp), parameter :: widening = 10        !< waves per side more from one width to the next
+  integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
   integer, parameter :: reach = 3             !< of the taper's kernel [modes]
   integer, parameter :: per_bin = 4           !< its points per mode
-  integer, parameter :: low_reach = 6         !< modes of long waves whose leak is counted
+  integer, parameter :: far = 6               !< modes that a steep spectrum is seen over
   real(dp), parameter :: growth = 1.06_dp     !< of the rings
   real(dp), parameter :: low_end = 14         !< below this number of waves per side modes are kept one by one
 
@@ -35,9 +33,7 @@ module hd_ring_table
     real(dp) :: leak(2) = 1                   !< the same over that of their rings alone
     integer, allocatable :: kx(:), ky(:), ring(:) !< modes of low frequency and their rings
     real(dp), allocatable :: kernel(:, :)     !< power of the taper at 1/per_bin modes about 0, along x and y; sums are 1
-    real(dp), allocatable :: whole(:, :)      !< the same at whole modes, from 0 to 2 low_reach, along x and y
-    real(dp), allocatable :: tail(:, :, :)    !< share of the taper's power that far modes along x and y leak into a ring, for each
-                                              !< number of modes off that axis (2 low_reach, 2, rings); a line: the first alone
+    real(dp) :: whole(0:far, 2) = 0           !< the same at whole modes, from 0 on, along x and y; sums over all modes are 1
   end type ring_table_t
 
 contains
@@ -57,7 +53,7 @@ contains
     real(dp), intent(in) :: dx, dy                    !< spacing [m]
     type(ring_table_t), intent(out) :: t              !< rings
     type(error_t), allocatable, intent(out) :: error  !< no memory
-    real(dp), allocatable :: flat(:, :), edge(:), power(:, :), wx(:), wy(:), tail(:, :)
+    real(dp), allocatable :: flat(:, :), edge(:), power(:, :), wx(:), wy(:)
     complex(dp), allocatable :: s(:, :)
     integer :: nx, ny
     nx = size(z, 1)
@@ -76,7 +72,9 @@ contains
     end if
     allocate (t%kernel(-reach * per_bin:reach * per_bin, 2), source=1._dp)
     t%kernel(:, 1) = kernel_of(wx)
+    t%whole(:, 1) = whole_of(wx)
     if (t%dim == 2) t%kernel(:, 2) = kernel_of(wy)
+    if (t%dim == 2) t%whole(:, 2) = whole_of(wy)
     t%kappa = nx * sum(wx**4) / sum(wx**2)**2 * ny * sum(wy**4) / sum(wy**2)**2
     flat = z * spread(wx, 2, ny) * spread(wy, 1, nx)
     allocate (s(nx / 2 + 1, ny))
@@ -88,30 +86,8 @@ contains
     if (allocated(error)) return
     power = (real(s)**2 + aimag(s)**2) * (dx * merge(dy, 1._dp, t%dim == 2) / (sum(wx**2) * sum(wy**2)))
     edge = edges(t)
-    allocate (tail(0:max(nx, ny), 2), t%whole(0:2 * low_reach, 2), source=0._dp)
-    call tail_of(wx, tail(:, 1), t%whole(:, 1), error)
-    if (.not. allocated(error) .and. t%dim == 2) call tail_of(wy, tail(:, 2), t%whole(:, 2), error)
-    if (allocated(error)) return
-    call collect(t, power, edge, tail)
+    call collect(t, power, edge)
   end subroutine new_ring_table
-
-  !> Power of a taper's transform at whole modes, of a sum of 1; far from 0 it has a period of four modes, whose mean counts.
-  subroutine tail_of(w, tail, whole, error)
-    real(dp), intent(in) :: w(:)                      !< taper (n)
-    real(dp), intent(inout) :: tail(0:), whole(0:)    !< mean of four modes; single modes near 0
-    type(error_t), allocatable, intent(out) :: error  !< no memory
-    complex(dp) :: s(size(w) / 2 + 1, 1)
-    real(dp) :: column(size(w), 1), k(0:size(w) / 2)
-    integer :: i
-    column(:, 1) = w
-    call forward_real(column, s, error)
-    if (allocated(error)) return
-    k = (real(s(:, 1))**2 + aimag(s(:, 1))**2) / (size(w) * sum(w**2))
-    whole(:min(ubound(whole, 1), ubound(k, 1))) = k(:min(ubound(whole, 1), ubound(k, 1)))
-    do i = 2, ubound(k, 1)
-      tail(i) = (0.5_dp * (k(i - 2) + k(min(i + 2, ubound(k, 1)))) + sum(k(i - 1:min(i + 1, ubound(k, 1))))) / 4
-    end do
-  end subroutine tail_of
 
   !> Power of a taper's transform about frequency 0.
   pure function kernel_of(w) result(k)
@@ -124,6 +100,18 @@ contains
     end do
     k = k / sum(k)
   end function kernel_of
+
+  !> Power of a taper's transform at whole modes.
+  pure function whole_of(w) result(k)
+    real(dp), intent(in) :: w(:)      !< taper
+    real(dp) :: k(0:far), turn
+    integer :: i, j
+    do i = 0, far
+      turn = 2 * pi * i / size(w)
+      k(i) = sum(w * cos(turn * [(j, j=1, size(w))]))**2 + sum(w * sin(turn * [(j, j=1, size(w))]))**2
+    end do
+    k = k / (size(w) * sum(w**2))
+  end function whole_of
 
   !> Edges of the rings [1/m]: from three and a half waves, at least one and a half modes wide (line: four), growing by 6 %.
   pure function edges(t) result(e)
@@ -139,13 +127,12 @@ contains
   end function edges
 
   !> Sum modes into rings; those of less than four modes are dropped.
-  subroutine collect(t, power, edge, tail)
+  subroutine collect(t, power, edge)
     type(ring_table_t), intent(inout) :: t    !< rings
     real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
     real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
-    real(dp), intent(in) :: tail(0:, :)       !< of the taper, along x and y
     real(dp), dimension(size(edge) - 1) :: m, p, p2, l, l2
-    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low, width
+    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low
     real(dp) :: f
     m = 0; p = 0; p2 = 0; l = 0; l2 = 0
     do pass = 1, 2
@@ -154,11 +141,10 @@ contains
         ky = merge(j - 1, j - 1 - size(power, 2), j - 1 <= size(power, 2) / 2)
         do i = 1, size(power, 1)
           kx = i - 1
+          if (kx < axis_width .or. (t%dim == 2 .and. abs(ky) < axis_width)) cycle
+          if (2 * kx == nint(t%side(1) / t%step(1)) .and. ky < 0) cycle       ! the mirror image of ky > 0
           f = hypot(kx / t%side(1), merge(ky / t%side(2), 0._dp, t%dim == 2))
           if (f >= edge(size(edge)) .or. f < edge(1)) cycle
-          width = min(axis_width + max(0, int((f / t%df - low_end) / widening)), most_width)
-          if (kx < merge(width, axis_width, t%dim == 2) .or. (t%dim == 2 .and. abs(ky) < width)) cycle
-          if (2 * kx == nint(t%side(1) / t%step(1)) .and. ky < 0) cycle       ! the mirror image of ky > 0
           r = ring_of(f, edge)
           if (pass == 1) then
             m(r) = m(r) + 1
@@ -171,8 +157,6 @@ contains
             t%kx(low) = kx
             t%ky(low) = ky
             t%ring(low) = place(r)
-          else if (m(r) >= 4) then
-            call leak(place(r), kx, abs(ky))
           end if
         end do
       end do
@@ -191,20 +175,8 @@ contains
       t%width2 = max(pack(l2 / max(m, 1._dp) - (l / max(m, 1._dp))**2, m >= 4), 0._dp)
       low = nint(sum(t%m, t%f < low_end * t%df))
       allocate (t%kx(low), t%ky(low), t%ring(low))
-      allocate (t%tail(2 * low_reach, 2, size(t%f)), source=0._dp)
     end do
     if (t%dim == 2) call weigh_axes(t, power, edge, place)
-  contains
-    !> What one mode gets from long waves, of which it lies far along one axis.
-    subroutine leak(q, kx, ky)
-      integer, intent(in) :: q, kx, ky    !< ring, mode
-      if (t%dim == 1) then
-        t%tail(1, 1, q) = t%tail(1, 1, q) + tail(kx, 1) / t%m(q)
-      else
-        if (ky <= 2 * low_reach) t%tail(ky, 1, q) = t%tail(ky, 1, q) + tail(kx, 1) / t%m(q)
-        if (kx <= 2 * low_reach) t%tail(kx, 2, q) = t%tail(kx, 2, q) + tail(ky, 2) / t%m(q)
-      end if
-    end subroutine leak
   end subroutine collect
 
   !> Mean of the modes on either axis, each over the power of its ring, or over what the taper leaks of the longest waves where a

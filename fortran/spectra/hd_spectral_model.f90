@@ -8,7 +8,7 @@
 !> J. R. Stat. Soc. B 84).
 module hd_spectral_model
   use hd_kinds, only: dp, pi
-  use hd_ring_table, only: ring_table_t, reach, per_bin, low_reach
+  use hd_ring_table, only: ring_table_t, reach, per_bin, far
   implicit none
   private
   public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed, shares
@@ -30,14 +30,13 @@ module hd_spectral_model
     real(dp) :: lift(0:steeps) = 0            !< ln of what the taper makes of an exponential decay, over the square of its slope
     integer :: dim = 2                        !< 1: a single row
     real(dp), allocatable :: main(:, :)       !< ln of f^-n under the taper (rings, nodes)
-    real(dp), allocatable :: leak(:, :)       !< ln of what the taper leaks from the longest waves (rings, nodes)
     real(dp), allocatable :: folded(:, :, :, :) !< ln of what folds back (rings, blurs, nearer and all detail, nodes)
   end type spectral_model_t
 
   !> The tables at one slope.
   type :: slope_t
     real(dp) :: n = 0                         !< slope
-    real(dp), allocatable :: main(:), leak(:) !< (rings)
+    real(dp), allocatable :: main(:)          !< (rings)
     real(dp), allocatable :: folded(:, :, :)  !< ln (rings, blurs, nearer and all detail)
   end type slope_t
 
@@ -63,11 +62,10 @@ contains
     m%mode2 = 1 / merge(product(t%side), t%side(1)**2, t%dim == 2)
     m%lift = [(log(lifted(t, sqrt(i * steepest / steeps))), i=0, steeps)]
     slopes = m%n_low + [(i, i=0, nodes - 1)] * (m%n_high - m%n_low) / (nodes - 1)
-    allocate (m%main(size(t%f), nodes), m%leak(size(t%f), nodes), m%folded(size(t%f), blurs, 2, nodes))
+    allocate (m%main(size(t%f), nodes), m%folded(size(t%f), blurs, 2, nodes))
     !$omp parallel do
     do i = 1, nodes
       m%main(:, i) = main_of(t, m, slopes(i))
-      m%leak(:, i) = log(leak_of(t, slopes(i)) + tiny(1._dp))
     end do
     !$omp parallel do schedule(dynamic)
     do i = 1, size(t%f)
@@ -86,7 +84,7 @@ contains
       a = slope * [cos((2 * i - 1) * pi / 8), sin((2 * i - 1) * pi / 8)] * sqrt(product(t%side)) / t%side
       if (t%dim == 1) a = [slope, 0._dp]
       m = t%whole(0, :)
-      do j = 1, low_reach
+      do j = 1, far
         m = m + 2 * t%whole(j, :) * cosh(j * a)
       end do
       lifted = lifted + 0.5_dp * m(1) * merge(m(2), 1._dp, t%dim == 2)
@@ -120,28 +118,6 @@ contains
     end do
     where (part > 0) v = log(part / t%m)
   end function main_of
-
-  !> What the taper leaks from the longest waves into rings far from them: little, but more than a blunt probe leaves there.
-  pure function leak_of(t, n) result(v)
-    type(ring_table_t), intent(in) :: t       !< rings
-    real(dp), intent(in) :: n                 !< slope
-    real(dp) :: v(size(t%f)), from(2 * low_reach, 2), f
-    integer :: jx, jy, k
-    from = 0
-    do jy = merge(-low_reach, 0, t%dim == 2), merge(low_reach, 0, t%dim == 2)
-      do jx = -low_reach, low_reach
-        if (jx == 0 .and. jy == 0) cycle
-        f = hypot(jx / t%side(1), jy / t%side(2))**(-n)
-        if (t%dim == 1) from(1, 1) = from(1, 1) + f
-        if (t%dim == 1) cycle
-        do k = 1, 2 * low_reach
-          if (abs(k - jy) <= 2 * low_reach) from(k, 1) = from(k, 1) + f * t%whole(abs(k - jy), 2)
-          if (abs(k - jx) <= 2 * low_reach) from(k, 2) = from(k, 2) + f * t%whole(abs(k - jx), 1)
-        end do
-      end do
-    end do
-    v = [(sum(t%tail(:, :, k) * from), k=1, size(t%f))]
-  end function leak_of
 
   !> What folds back into a ring from above the grid: of detail down to half the spacing, and down to a fifth (two cells each way; a
   !> line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power: no surface and no instrument
@@ -210,7 +186,6 @@ contains
     x = x - i
     s%n = n
     s%main = exp(m%main(:, i + 1) * (1 - x) + m%main(:, i + 2) * x)
-    s%leak = exp(m%leak(:, i + 1) * (1 - x) + m%leak(:, i + 2) * x)
     s%folded = m%folded(:, :, :, i + 1) * (1 - x) + m%folded(:, :, :, i + 2) * x
   end function at_slope
 
@@ -232,7 +207,7 @@ contains
       mode = m%mode2 / m%f(first:last)**2
       straight = s%main(first:last) * exp(-blur + lift_of(m, steep * mode) - lift_of(m, s%n**2 * mode)) &
         * evened(wide * steep) / evened(wide * s%n**2) &
-        * (1 - 4 * blur * wide) * (1 - merge(4, 2, m%dim == 2) * blur * m%square / m%f(first:last)**2) + s%leak(first:last)
+        * (1 - 4 * blur * wide) * (1 - merge(4, 2, m%dim == 2) * blur * m%square / m%f(first:last)**2)
     end associate
     x = sigma / (most_blur * m%spacing) * (blurs - 1)
     i = min(int(x), blurs - 2)

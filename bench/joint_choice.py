@@ -15,8 +15,8 @@ from joint_law import CONTACT, E_STAR, lattice, pressures, rough, scaled
 
 from common import put, read_record, table, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
+from hdengine.prediction.choice import TRUST, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, tamaas
-from hdengine.prediction.law import TRUST, scatter_of
 from hdengine.prediction.spectrum import level, of_map
 
 RATIO = moduli(209e9, 0.295, 219e9, 0.30)[1]

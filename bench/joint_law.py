@@ -4,7 +4,7 @@
 
 train   periodic maps of random phases, Hurst 0.1 to 0.9, roll-off at 1/32 to 1/2 of the map: k_N by boundary elements, then a and e of
         W(A) = A (a A^e + (1 - a) A^2) by least squares of ln k_N, every decade of contact with equal weight; then the rms error over true
-        contact times independent waves, `law.SCATTER`; --refit keeps boundary elements on file
+        contact times independent waves, `choice.SCATTER`; --refit keeps boundary elements on file
 judge   ten generated surfaces that set nothing (D 2.1 to 2.9, with and without roll-off, other cut-offs and seeds) and measured ones
 Writes bench/results/joint_law_training.json, joint_law.json and docs/figures/joint_law.png.
 bound   the bound of the pressure: tamaas' solver beside this package's

@@ -11,7 +11,8 @@ import hdengine
 from hdengine import cli
 from hdengine.elastic import stiffness_from_spectrum
 from hdengine.prediction import patches
-from hdengine.prediction.law import SCATTER, Bodies, choose, predict
+from hdengine.prediction.choice import SCATTER, choose
+from hdengine.prediction.law import Bodies, predict
 from hdengine.prediction.spectrum import Spectrum, bands, of_map
 
 DX = (1e-6, 1e-6)

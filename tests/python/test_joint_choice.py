@@ -101,7 +101,7 @@ def test_band_is_the_sum_of_its_parts(tmp_path):
 
 def test_longer_waves_are_counted():
     """On maps cut from four times as long ones without roll-off the part for waves up to twice the map is 0.6 to 1.1 of the true change of
-    ln k_N, on the average, and the band's low end reaches the true k_N in four of five at least."""
+    ln k_N, on the average, and the band's low end reaches the true k_N in nine of ten at least."""
     parts, changes, reached, bodies = [], [], 0, Bodies(hardness=1e12)
     for seed in range(5):
         z = rough(512, 0.6, 512, 6, seed)
@@ -116,7 +116,7 @@ def test_longer_waves_are_counted():
             changes.append(np.log(found.table["k_n_pa_per_m"][0] / true))
             reached += found.table["k_n_pa_per_m_low"][0] < true
     assert 0.6 < np.mean(parts) / np.mean(changes) < 1.1
-    assert reached >= 8
+    assert reached >= 9
 
 
 def test_roll_off_is_seen():

@@ -107,10 +107,11 @@ def pages():
     errors = read_record("joint_law_training")["errors_of_used"]
     put("joint-touching", table(("touching waves A N", *(f"{r['touching_waves']:g}" for r in errors)), [
         ("rms error of k_N / %", *(f"{100 * r['rms_ln_error']:.0f}" for r in errors))]), "evidence/joint_choice")
+    every = [([k], NAMES[k]) for k in NAMES] + [(list(NAMES), "all")]
     put("joint-choice", table(("rule", "roll-off over the map", "pressures", "within 25 %", "within 10 %", "largest error"), [
-        (rule, label, *line(name, kinds)) for rule, name in (("touching waves", "new"), ("touching waves, at its edge", "edge"),
-                                                             ("roll-off or 3 % of contact", "old"))
-        for label, kinds in (*((NAMES[k], [k]) for k in NAMES), ("all", list(NAMES)))]), "evidence/joint_choice")
+        (rule, label, *line(name, kinds)) for rule, name, rows in (
+            ("touching waves", "new", every), ("at its edge", "edge", every), ("roll-off or 3 %", "old", [every[0], every[-1]]))
+        for kinds, label in rows]), "evidence/joint_choice")
 
 
 def main():

@@ -74,7 +74,7 @@ def edge():
 
 
 def judged(row):
-    """ln of k_N by theory over boundary elements, and whether the planner takes the theory: now, and by the rule of 3 % without roll-off."""
+    """Logarithm of k_N by theory over boundary elements, and whether the planner takes the theory: now, and by the rule of 3 %."""
     seen, _, spectrum = surface(row["fractal_dimension"], row["kind"], row["seed"])
     k, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, np.array(row["pressure_pa"]), E_STAR)
     own, facts = of_map(seen, DX)

@@ -89,15 +89,10 @@ contains
     type(body_t), intent(in) :: body             !< body
     real(dp), intent(in) :: f(:, :)              !< nodal forces (3, nodes) [N]
     real(dp), intent(in), optional :: u(:, :)    !< displacements, if the deformed body counts (3, nodes) [m]
-    real(dp) :: v(3), x(3)
-    integer :: i
-    m = 0
-    do i = 1, size(f, 2)
-      if (.not. any(abs(f(:, i)) > 0)) cycle  ! most nodes bear none
-      x = body%x(:, i)
-      if (present(u)) x = x + matmul(frame(body%angle(i)), u(:, i))
-      v = matmul(frame(body%angle(i)), f(:, i))
-      m = m + x(1)*v(2) - x(2)*v(1)
-    end do
+    real(dp) :: v(3, size(f, 2)), x(3, size(f, 2))
+    v = cartesian(body, f)
+    x = body%x
+    if (present(u)) x = x + cartesian(body, u)
+    m = sum(x(1, :)*v(2, :) - x(2, :)*v(1, :))
   end function axial_moment
 end module hd_body

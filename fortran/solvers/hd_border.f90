@@ -218,8 +218,8 @@ contains
     where (abs(left) <= rounding*maxval(abs(f))) left = 0
   end subroutine split_forces
 
-  !> Right-hand sides of the border for forces of the struts, of the multipliers, and some at fixed dofs, without solving the bodies;
-  !> and the relative displacements that the struts make.
+  !> Right-hand sides of the border for forces of the struts, of the multipliers, and some at fixed dofs, without a solve of the
+  !> bodies; and the relative displacements that the struts make.
   subroutine respond_struts(self, problem, forces, pressed, left, w, known)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem

@@ -24,6 +24,7 @@ module hd_condensed
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
+  integer, parameter :: many_nodes = 6000            !< from which it pays not to solve the bodies of a drive a second time
   real(dp), parameter :: balanced = 1e-6_dp          !< forces out of balance that do not move the contact
   real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
   real(dp), parameter :: pair_time = 15e-9_dp         !< seconds per entry to form the matrix
@@ -184,7 +185,7 @@ contains
     call balance(self, f)
     v = f
     easy = .true.
-    if (bordered) easy = self%border%struts > 0
+    if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
     if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)

@@ -149,7 +149,8 @@ def change(rows, name, reference=0):
 def main():
     """Solve, write, draw."""
     if sys.argv[1:] == ["fine"]:
-        return fine()
+        fine()
+        return
     size = sizes()
     if sys.argv[1:] == ["sizes"]:
         record = json.loads((RESULTS / "drive_catalogue.json").read_text())

@@ -51,12 +51,13 @@ contains
     call check(longest(2) < 3, 'neighbouring rows of the cup: '//to_text(longest(2))//' : 1')
   end subroutine rows_are_alike
 
-  !> Whatever the rows, the ring loses the area of the groove's segment of a circle; without a groove its inner face is the cylinder
-  !> to the last bit.
+  !> Whatever the rows, the ring loses the area of the groove's segment of a circle. Its second moment is right to 2.1 % with a cell
+  !> in the groove and to 0.4 % with two, and it is thicker than without by a sixth of the depth at most. Without a groove its inner
+  !> face is the cylinder to the last bit.
   subroutine groove_keeps_its_section()
     type(scene_t) :: scene
     type(strip_t) :: ring
-    real(dp) :: r, area, lost
+    real(dp) :: r, area, lost, exact, cells
     integer :: facets, edges
     r = scene%outer_conformity*scene%ball_diameter
     do edges = 0, 1
@@ -70,6 +71,13 @@ contains
         call ring_strip(scene, ring)
         associate (d => scene%groove_depth, z => ring%inner(2, :), n => size(ring%inner, 2))
           area = r**2*acos(1 - d/r) - (r - d)*groove_width(scene)/2
+          exact = second_moment(scene%ring_thickness - fine_depths(scene), scene%band_length)
+          cells = facets*groove_width(scene)/scene%band_length
+          if (cells >= 1 .and. edges == 0) then
+            call check_close(second_moment(scene%bore_radius - ring%inner(1, :), scene%band_length)/exact, 1._dp, &
+              merge(4e-3_dp, 2.1e-2_dp, cells >= 2), 'second moment on '//to_text(facets)//' rows')
+            call check(minval(ring%inner(1, :)) > scene%bore_radius - scene%ring_thickness - d/6, 'beside the groove')
+          end if
           lost = sum((z(2:) - z(:n - 1))*(ring%inner(1, 2:) + ring%inner(1, :n - 1)))/2 - &
             scene%band_length*(scene%bore_radius - scene%ring_thickness)
         end associate
@@ -78,10 +86,29 @@ contains
     end do
   end subroutine groove_keeps_its_section
 
+  !> Depth of the groove itself at many equal steps along the ring [m].
+  pure function fine_depths(scene) result(d)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: d(4001), r
+    integer :: i
+    r = scene%outer_conformity*scene%ball_diameter
+    d = scene%band_length*([(i, i=0, size(d) - 1)]/real(size(d) - 1, dp) - 0.5_dp)
+    d = max(0._dp, sqrt(max(0._dp, r**2 - d**2)) - (r - scene%groove_depth))
+  end function fine_depths
+
+  !> Second moment of a section about its own axis, from its thickness at equal steps, straight between them [m^4].
+  pure real(dp) function second_moment(t, width) result(i)
+    real(dp), intent(in) :: t(:)   !< thickness [m]
+    real(dp), intent(in) :: width  !< [m]
+    associate (a => t(2:), b => t(:size(t) - 1), h => width/(size(t) - 1))
+      i = h*(sum(a**3 + a**2*b + a*b**2 + b**3)/12 - (sum(a**2 + a*b + b**2)/6)**2/(sum(a + b)/2))
+    end associate
+  end function second_moment
+
   !> A narrow ring under a radial load q cos 2 theta, whose groove takes a third of its bending stiffness: the ends of its long axis
   !> move by q R^3/(9 E I) with the second moment of the grooved section (ring theory), to 2 % on any rows.
   subroutine grooved_ring()
-    integer, parameter :: facets(3) = [4, 8, 24], sectors = 128, points = 4000
+    integer, parameter :: facets(3) = [4, 8, 24], sectors = 128
     type(scene_t) :: scene
     type(strip_t) :: ring
     type(body_t) :: body
@@ -89,22 +116,16 @@ contains
     type(error_t), allocatable :: error
     real(dp), allocatable :: f(:, :), u(:, :)
     logical, allocatable :: fixed(:, :)
-    real(dp) :: t(points), r, x, exact, moved, plain
+    real(dp) :: t(4001), exact, moved, centre
     integer :: i, j, m, n, k
     scene%band_length = 3e-3_dp
     scene%through_ring = 2
     scene%groove_depth = 0.4e-3_dp
-    r = scene%outer_conformity*scene%ball_diameter
-    do i = 1, points
-      x = scene%band_length*((i - 0.5_dp)/points - 0.5_dp)
-      t(i) = scene%ring_thickness - max(0._dp, sqrt(max(0._dp, r**2 - x**2)) - (r - scene%groove_depth))
-    end do
-    associate (a => sum(t), q => sum(t**2)/2, h => scene%band_length/points)
-      plain = scene%band_length*scene%ring_thickness**3/12
-      exact = (sum(t**3)/3 - q**2/a)*h
-      call check(exact < 0.7_dp*plain, 'the groove takes a third of the stiffness')
-      exact = (scene%bore_radius - q/a)**3/(9*scene%ring_e*exact)
-    end associate
+    t = scene%ring_thickness - fine_depths(scene)
+    exact = second_moment(t, scene%band_length)
+    call check(exact < 0.7_dp*scene%band_length*scene%ring_thickness**3/12, 'the groove takes a third of the stiffness')
+    centre = scene%bore_radius - sum(t**2)/2/sum(t)
+    exact = centre**3/(9*scene%ring_e*exact)
     do k = 1, size(facets)
       scene%band_facets = facets(k)
       call ring_strip(scene, ring)

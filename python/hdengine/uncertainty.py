@@ -145,7 +145,7 @@ def _places(low, high):
 
 
 def _same(a, b):
-    """Do two values stand for one place?"""
+    """Whether two values stand for one place."""
     return a == b if isinstance(a, str) else abs(a - b) <= 1e-9 * max(abs(a), abs(b))
 
 
@@ -189,7 +189,8 @@ def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_ra
     base, ends = np.nan, {}
     for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
         base, found = _solved(result, key, column)
-        ends[key] = tuple(next((y for x, y in found.items() if _same(x, end)), np.nan) for end in (low, high))
+        first, last = (next((y for x, y in found.items() if _same(x, end)), np.nan) for end in (low, high))
+        ends[key] = first, last
     return base, dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
 
 

@@ -5,7 +5,7 @@
 seeds  eight maps of each surface of `joint_law.py judge` without roll-off, none of its seeds: the mean tells a bias, the scatter that of single maps;
        and D 2.1 with the roll-off moved from the map's length to a quarter of it
 ratio  k_T/k_N of one band-limited map on three grids, and for three of Poisson's ratios on one
-Writes bench/results/joint_causes.json and the tables of docs/evidence/joint_law.md and joint_shear.md.
+Writes bench/results/joint_causes.json and the ratio's table of docs/evidence/joint_shear.md; joint_choice.py draws other seeds of more surfaces.
 Usage: bench/joint_causes.py [seeds] [ratio] [pages]
 """
 import sys
@@ -66,13 +66,7 @@ def grid_rows():
 
 
 def pages(found):
-    """Tables of the pages."""
-    contact = 100 * np.mean([r["contact"] for r in found["seeds"]], axis=0)
-    head = ("D, roll-off over the map", *(f"{c:.0f} %" if c > 3 else f"{c:.1f} %" for c in contact))
-    put("joint-seeds", table(head, [
-        (f"{r['fractal_dimension']}, {'none' if r['roll_off_over_map'] == 1 else f'''1/{1 / r['roll_off_over_map']:.0f}'''}",
-         *(f"{m:.2f} ± {2 * e * m:.2f} ({100 * s:.0f} %)" for m, e, s in zip(r["mean_ratio"], r["error_of_mean_ln"], r["std_ln_of_one_map"])))
-        for r in found["seeds"]]), "evidence/joint_law")
+    """Table of the ratio."""
     cases = sorted({(r["points"], r["poisson"]) for r in found["ratio"]}, key=lambda c: (c[1], c[0]))
     put("joint-ratio", table(("points a side", "ν", "(ν/(2 - ν))²", "k_T/k_N over κ at 1.6 % of contact", "10 %", "33 %"), [
         (n, nu, f"{(nu / (2 - nu))**2:.3f}", *(f"{r['over_limit']:.4f}" for r in found["ratio"] if (r["points"], r["poisson"]) == (n, nu)))

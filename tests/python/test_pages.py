@@ -40,7 +40,7 @@ PAGES = pages_with_blocks()
 def shell(text, folder):
     """Output of commands that must succeed; an expected failure ends in `|| test $? = CODE`."""
     path = f"{Path(executable()).parent}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(["bash", "-e", "-c", text], cwd=folder, capture_output=True, text=True, timeout=60, env={**os.environ, "PATH": path, "HOME": str(folder), "OMP_NUM_THREADS": "1"})
+    done = subprocess.run(["bash", "-e", "-c", text], cwd=folder, capture_output=True, text=True, timeout=300, env={**os.environ, "PATH": path, "HOME": str(folder), "OMP_NUM_THREADS": "1"})
     assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
     return done.stdout + done.stderr
 

@@ -187,17 +187,20 @@ def test_where_coarse_runs_end_early_nothing_is_promised(exe, tmp_path):
 
 @pytest.mark.full
 def test_nonlinear_where_that_is_needed(exe, tmp_path):
-    """W = 0.3 mm at tolerance 0.05: large displacements change more than half of it, the run is nonlinear; time and memory of the
-    run are within a factor of 2 of what --plan says (time: 3, as other work shares the machine)."""
+    """W = 0.3 mm at tolerance 0.05: large displacements change more than half of it, the run is nonlinear; it ends at most one level
+    beyond the marked one, time and memory of the run are within a factor of 2 of what --plan says for its level (time: 3, as other
+    work shares the machine)."""
     keys = [*NARROW, "run.tolerance=0.05", "wave_generator.w=3e-4"]
     plan = call(exe, "--plan", CD14, *keys)
     assert "kinematics nonlinear" in plan.stdout, plan.stderr
-    start = re.search(r"^ +(\d+) .*<- start", plan.stdout, re.M).group(0).split()
-    seconds, memory = float(start[5]), float(start[7])
+    start = int(re.search(r"^ +(\d+) .*<- start", plan.stdout, re.M)[1])
     done = call(exe, CD14, *keys, "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     s, reasons = planned(tmp_path / "p")
     assert s["scene"]["solver.kinematics"] == "nonlinear" and "kinematics nonlinear" in reasons
-    assert s["plan"]["level"] == int(start[0]) and s["model"]["solver"].startswith("GMRES")
+    level = s["plan"]["level"]
+    assert start <= level <= start + 1 and s["model"]["solver"].startswith("GMRES")
+    foretold = re.search(rf"^ +{level} .*", plan.stdout, re.M)[0].split()
+    seconds, memory = float(foretold[5]), float(foretold[7])
     assert 0.5 < s["peak_memory_mb"] / memory < 2
     assert 1 / 3 < s["timers_s"]["newton"] / seconds < 3

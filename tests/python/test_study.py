@@ -18,6 +18,7 @@ from hdengine.cli import main
 from hdengine.figures.study import axes_of, draw, plot_study
 from hdengine.figures.style import new_axes
 from hdengine.studies import namelist, workers
+from hdengine.studies import study as study_module
 from hdengine.studies.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
@@ -75,24 +76,29 @@ def test_a_failing_point_stops_nothing(tmp_path):
 
 
 def test_an_unfinished_study_is_continued(tmp_path, monkeypatch):
-    """After an interruption only the missing points are solved, and the table equals that of an undisturbed study."""
-    whole = small().run(tmp_path / "whole", show=False)
+    """After an interruption only the missing points are solved, and the table equals that of an undisturbed study.
+
+    The interruption comes between two writings of the table.
+    """
+    three = {"grid": {"wave_generator.w": [0.19e-3, 0.20e-3, 0.21e-3]}}
+    whole = small(**three).run(tmp_path / "whole", show=False)
     solved = []
 
     def interrupted(*task):
-        if len(solved) == 1:
+        if len(solved) == 2:
             raise KeyboardInterrupt
         solved.append(task)
         return original(*task)
 
     original = workers.solve
     monkeypatch.setattr(workers, "solve", interrupted)
+    monkeypatch.setattr(study_module, "WRITES_APART", 1e9)
     with pytest.raises(KeyboardInterrupt):
-        small().run(tmp_path / "b", show=False)
+        small(**three).run(tmp_path / "b", show=False)
     assert StudyResult(tmp_path / "b").summary["status"] == "unfinished"
     monkeypatch.setattr(workers, "solve", lambda *task: solved.append(task) or original(*task))
-    again = small().run(tmp_path / "b", show=False)
-    assert len(solved) == 2
+    again = small(**three).run(tmp_path / "b", show=False)
+    assert len(solved) == 3
     np.testing.assert_array_equal(again.column("k_ts_nm_per_rad"), whole.column("k_ts_nm_per_rad"))
 
 

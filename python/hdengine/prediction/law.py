@@ -16,17 +16,11 @@ from .. import _engine
 from .._engine import InputError
 from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from . import half_space, patches
+from .choice import LAY, choose, scatter_of
 from .spectrum import Spectrum, bands, of_map
 
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
-FEW = 1e-3          # share of the area below which single spots of a map decide
-FEW_WAVES = 0.03    # the same where a map is no longer than its longest waves
-LAY = 0.6           # isotropy below which a surface has a lay
-SKEW = 0.7          # skewness beyond which heights are not those of random waves
-STEEP = 5.0         # E* slope over hardness beyond which nearly all contact yields: boundary elements do not converge
 UNIT = 30.0         # slope beyond which heights are taken for those of another unit
-# standard deviation of ln k_N of single maps about the theory, over the true contact (bench/joint_law.py, generated surfaces)
-SCATTER = ((3e-5, 0.37), (1e-4, 0.23), (3e-4, 0.20), (1e-3, 0.11), (1e-2, 0.08), (1e-1, 0.06), (1.0, 0.04))
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 
 
@@ -65,6 +59,9 @@ class Prediction:
         Why that model.
     spectrum : Spectrum
         Of the equivalent surface.
+    bodies : Bodies
+    waves : float
+        Its independent waves.
     notes : tuple of str
         What decides the law and what speaks against it.
     facts : tuple of dict
@@ -78,6 +75,7 @@ class Prediction:
     reason: str
     spectrum: Spectrum = field(repr=False)
     bodies: Bodies
+    waves: float
     notes: tuple = ()
     facts: tuple = field(default=(), repr=False)
     parts: dict = field(default_factory=dict, repr=False)
@@ -118,7 +116,7 @@ class Prediction:
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
         record = {"model": self.model, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
-                  "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms,
+                  "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "independent_waves": self.waves,
                   "band_half_widths_ln_k_n": {n: {"low": list(low), "high": list(high)} for n, (low, high) in self.parts.items()},
                   "hdengine": _engine.version(),
                   "tamaas": half_space.tamaas().__version__ if self.model == "boundary_elements" else None}
@@ -197,10 +195,11 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
-    wanted, reason = choose(facts, p, area, bodies.e_star * spectrum.slope_rms / bodies.hardness)
+    waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
+    wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
-    scatter = np.interp(np.log(area), np.log([a for a, _ in SCATTER]), [s for _, s in SCATTER])
+    scatter = scatter_of(area, waves)
     longer = not all(f["rolls_off"] for f in facts) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
     spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None, longer, p, bodies, k_n, area, draws, seed)
@@ -233,7 +232,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                                 ("closure_m", closure, (1 / high, 1 / low)),
                                 ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
-    return Prediction(table, wanted, reason, spectrum, bodies, notes, tuple(facts), {n: part[:2] for n, part in parts.items()})
+    parts = {name: part[:2] for name, part in parts.items()}
+    return Prediction(table, wanted, reason, spectrum, bodies, waves, notes, tuple(facts), parts)
 
 
 def _facts_of(pairs, longest):
@@ -272,41 +272,6 @@ def _denoise(spectrum, noise, points):
     left = np.maximum(spectrum.height_variance - spectrum.modes * noise / points, 0)
     left = np.where(left > 0, left, 1e-9 * spectrum.height_variance)
     return Spectrum(spectrum.q, left, spectrum.modes) if noise else spectrum
-
-
-def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, steepness: float = 0.0) -> tuple[str, str]:
-    """Theory or boundary elements, with the reason.
-
-    Parameters
-    ----------
-    facts : list of dict
-        Of each map (`of_map`).
-    pressure, area : ndarray
-        Pressures [Pa] and the true contact that the theory expects.
-    steepness : float
-        E* slope over hardness.
-
-    Returns
-    -------
-    model, reason : str
-    """
-    if steepness > STEEP:
-        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements do "
-                            "not converge")
-    lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
-    if lay < LAY:
-        return "boundary_elements", (f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the "
-                                     "theory takes the mean of all directions")
-    if abs(skew) > SKEW:
-        return "boundary_elements", f"skewness {skew:.2f}: not the heights of random waves, which the theory takes"
-    rolls_off = all(f["rolls_off"] for f in facts)
-    least = FEW if rolls_off else FEW_WAVES
-    if area[0] < least:
-        enough = pressure[area >= least]
-        hint = f"; from {enough[0] / 1e6:.3g} MPa on the theory would do (--pressure)" if enough.size else ""
-        what = "a few spots of the map decide" if area[0] < FEW else "a map has no roll-off, its few longest waves decide"
-        return "boundary_elements", f"at {pressure[0] / 1e6:.3g} MPa {100 * area[0]:.2g} % of the area touches: {what}{hint}"
-    return "spectrum", f"{100 * area[0]:.2g} to {100 * area[-1]:.2g} % of the area touches, isotropic, no marked skewness"
 
 
 def _notes(facts, spectrum, longer):

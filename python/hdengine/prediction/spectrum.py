@@ -41,6 +41,11 @@ class Spectrum:
         return float(np.sqrt((self.height_variance * self.q**2).sum()))
 
     @property
+    def waves(self) -> float:
+        """Independent waves: of equal variance, so many would hold the heights as these do. Few long ones may hold most of it."""
+        return float(self.height_variance.sum()**2 / (self.height_variance**2 / np.maximum(self.modes, 1)).sum())
+
+    @property
     def c(self) -> np.ndarray:
         """Two-dimensional isotropic spectrum C(q), h_rms^2 = 2 pi int q C dq [m^4], on the width of each band."""
         edges = np.sqrt(self.q[1:] * self.q[:-1])

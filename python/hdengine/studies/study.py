@@ -8,6 +8,7 @@ import io
 import itertools
 import json
 import os
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from .progress import Progress
 from .workers import solve_all
 
 ROWS = ("torque", "last", "all")
+WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 
 
 @dataclass
@@ -186,13 +188,20 @@ class Study:
             progress = Progress(len(points), len(points) - len(todo), show)
             self._write(out, identity, scene, rows, versions)
             tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
-            for i, result in solve_all(tasks, jobs):
-                rows[i] = result
+            due = 0.0
+            try:
+                for i, result in solve_all(tasks, jobs):
+                    rows[i] = result
+                    start = time.monotonic()
+                    if start >= due:
+                        self._write(out, identity, scene, rows, versions)
+                        due = time.monotonic() + WRITES_APART * (time.monotonic() - start)
+                    changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
+                               for k, v in points[i].items() if v != points[0][k]]
+                    more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
+                    progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
+            finally:
                 self._write(out, identity, scene, rows, versions)
-                changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
-                           for k, v in points[i].items() if v != points[0][k]]
-                more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
-                progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
             return StudyResult(out)
 
     def _earlier(self, out, identity, retry, other_version):

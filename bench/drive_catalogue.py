@@ -2,7 +2,8 @@
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
 docs/evidence/drive.md, drive_inputs.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
 
-Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove]    solve these, take the rest from the record; none: all
+Usage: python bench/drive_catalogue.py [sizes | fine]
+sizes: solve these again, take the rest from the record; fine: the loop of size 14 at 10^6 dof alone (bench/results/drive_fine.json)
 """
 import json
 import sys
@@ -10,7 +11,7 @@ import tempfile
 
 import numpy as np
 
-from common import DATA, RESULTS, commit, put, save_figure, solve, table, write_record
+from common import DATA, RESULTS, put, save_figure, solve, table, write_record
 from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
@@ -31,7 +32,7 @@ UNKNOWN = (
     ("cup 26.7 mm long", {"geometry.cup_length": 26.7e-3}), ("bottom 0.4 mm", {"geometry.bottom_thickness": 0.4e-3}),
     ("wall 0.32 mm", {"geometry.wall_thickness": 0.32e-3}), ("rim 0.36 mm", {"geometry.rim_thickness": 0.36e-3}),
     ("interference 0", {"wave_generator.interference": 0}), ("friction 0.05", {"contact.friction": 0.05}))
-GROOVES = ((0, 15), (0.2e-3, 15), (0.4e-3, 15), (0.6e-3, 15), (0, 30), (0.4e-3, 30), (0, 60), (0.4e-3, 60))  # depth [m], cells along the ring
+FINE = {"mesh.divisions": 344, "mesh.band_facets": 60, "mesh.through_wall": 4, "mesh.through_ring": 4, "output.vtu": "none"}
 TORQUES = (1, 3, 5)
 CASES = [(0.0, 0.2e-3), (10e-6, 0.2e-3)] + [(0.0, w * 1e-3) for w in (0.195, 0.205, 0.21, 0.215)]
 
@@ -94,16 +95,23 @@ def trends():
     return rows
 
 
-def groove():
-    """The loop of size 14 over the depth of the balls' groove, and over the cells that resolve it."""
+def fine():
+    """The loop of size 14 on the default mesh refined four times in each direction, beside that on the default mesh: record and table."""
     rows = []
-    for depth, cells in GROOVES:
-        summary, _, _ = run("drive14.nml", {"bearing.groove_depth": depth, "mesh.ring_facets": cells})
-        r = summary["results"]
-        rows.append({"depth_m": depth, "width_m": 2 * (depth * (2 * 0.52 * 3.2e-3 - depth)) ** 0.5, "ring_facets": cells, "k": three(r),
-                     "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"], "ball_force_max_n": r["ball_force_max_n"],
-                     "von_mises_max_pa": r["von_mises_max_pa"], "cpu_s": summary["cpu_s"]})
-    return rows
+    for keys in ({"output.vtu": "none"}, FINE):
+        summary, _, loop = run("drive14.nml", keys)
+        r, model = summary["results"], summary["model"]
+        rows.append({"facets": model["facets"], "dof": model["dof"], "steps": r["steps"], "iterations": r["iterations"],
+                     "inner_iterations": model["inner_iterations"], "cpu_s": summary["cpu_s"], "timers_s": summary["timers_s"],
+                     "memory_mb": summary["peak_memory_mb"], "k": three(r), "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"],
+                     "torque_nm": loop["torque_nm"].tolist(), "angle_rad": loop["angle_rad"].tolist()})
+    write_record("drive_fine", rows, threads=1)
+    put("drive fine", table(("dof", "load steps", "Newton iterations, steps of GMRES in them", "processor time", "of it Newton, tangents", "memory",
+                             "target", "K1 / K2 / K3 in kN m/rad", "hysteresis"), [
+        (r["dof"], r["steps"], f"{r['iterations']}, {r['inner_iterations']}", f"{r['cpu_s']:.1f} s",
+         " / ".join(f"{100 * r['timers_s'][k] / r['timers_s']['total']:.0f}" for k in ("newton", "stiffness")) + " %",
+         f"{r['memory_mb']:.0f} MB", t, " / ".join(f"{k:.4g}" for k in r["k"]), f"{r['hysteresis_arcmin']:.3f}'")
+        for r, t in zip(rows, ("10 s, 200 MB", "180 s"))]), page="evidence/drive")
 
 
 @styled
@@ -140,13 +148,16 @@ def change(rows, name, reference=0):
 
 def main():
     """Solve, write, draw."""
-    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove}
-    chosen = sys.argv[1:] or list(parts)
-    old = json.loads((RESULTS / "drive_catalogue.json").read_text()) if len(chosen) < len(parts) else {}
-    found = {name: solve_part() if name in chosen else old[name] for name, solve_part in parts.items()}
-    found["commits"] = old.get("commits", {}) | {name: commit() for name in chosen}
-    write_record("drive_catalogue", found, threads=1)
-    size, inputs, path = found["sizes"], found["inputs"], found["trends"]
+    if sys.argv[1:] == ["fine"]:
+        fine()
+        return
+    size = sizes()
+    if sys.argv[1:] == ["sizes"]:
+        record = json.loads((RESULTS / "drive_catalogue.json").read_text())
+        inputs, path = record["sensitivity"], record["trends"]
+    else:
+        inputs, path = sensitivity(), trends()
+    write_record("drive_catalogue", {"sizes": size, "sensitivity": inputs, "trends": path}, threads=1)
     put("drive sizes", table(("size", "K1 / K2 / K3 in kN m/rad", "catalogue", "ours over the catalogue's", "hysteresis",
                               "lost motion", "largest ball, pair", "wave generator, T over it"), [
         (r["size"], " / ".join(f"{k:.3g}" for k in r["ours"]), " / ".join(f"{k:.3g}" for k in r["catalogue"] or []) or "not known",
@@ -163,13 +174,6 @@ def main():
     put("drive inputs", table(("input", "K1 / K2 / K3 in kN m/rad", "change in %"), [
         (r["input"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
         for r in inputs]), page="evidence/drive_inputs")
-    plain = {r["ring_facets"]: r["k"] for r in found["groove"] if not r["depth_m"]}
-    put("drive groove", table(("depth", "width", "least thickness of the ring", "cells along the ring", "K1 / K2 / K3 in kN m/rad", "change in %",
-                               "hysteresis", "largest ball", "largest stress"), [
-        (f"{1e3 * r['depth_m']:.1f} mm", f"{1e3 * r['width_m']:.2f} mm", f"{1 - 1e3 * r['depth_m']:.1f} mm", r["ring_facets"],
-         " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.1f}" for k, b in zip(r["k"], plain[r["ring_facets"]])),
-         f"{r['hysteresis_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f} N", f"{r['von_mises_max_pa'] / 1e6:.0f} MPa")
-        for r in found["groove"]]), page="evidence/drive_inputs")
     put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent of the coupled law"), [
         (f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm",
          *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) + ("" if i == 0 else f" ({change(path, k)(r)} %)")

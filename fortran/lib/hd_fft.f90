@@ -209,16 +209,16 @@ contains
     call check_plan(p, n, error)
   end subroutine plan_backward_real_single
 
-  !> Plan transforms of contiguous real columns (n, count) to rows of half spectra (count, n/2 + 1), and back.
+  !> Plan transforms of rows of real numbers (count, n) to rows of half spectra (count, n/2 + 1), and back.
   subroutine plan_rows(n, count, a, s, forward, backward, error)
     integer, intent(in) :: n, count                     !< size, number
-    real(dp), intent(inout) :: a(*)                     !< columns; kept
+    real(dp), intent(inout) :: a(*)                     !< rows; kept
     complex(dp), intent(inout) :: s(*)                  !< half spectra; kept
     type(fft_plan_t), intent(out) :: forward, backward  !< plans
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    forward%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
-    backward%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], 1, n, FFTW_ESTIMATE)
+    forward%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+    backward%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
     call unlock_planner()
     call check_plan(forward, n, error)
     if (.not. allocated(error)) call check_plan(backward, n, error)
@@ -227,13 +227,13 @@ contains
   !> The same in single precision.
   subroutine plan_rows_single(n, count, a, s, forward, backward, error)
     integer, intent(in) :: n, count                     !< size, number
-    real(sp), intent(inout) :: a(*)                     !< columns; kept
+    real(sp), intent(inout) :: a(*)                     !< rows; kept
     complex(sp), intent(inout) :: s(*)                  !< half spectra; kept
     type(fft_plan_t), intent(out) :: forward, backward  !< plans
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    forward%plan = fftwf_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
-    backward%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], 1, n, FFTW_ESTIMATE)
+    forward%plan = fftwf_plan_many_dft_r2c(1, [n], count, a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+    backward%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
     call unlock_planner()
     forward%single = .true.
     backward%single = .true.

@@ -6,6 +6,7 @@ module hd_stress
   use hd_body, only: body_t, cell_nodes, frame
   use hd_error, only: error_t
   use hd_hexahedron, only: element_points, elasticity_matrix, natural_coordinates, nodes_per_element, points, strain_matrix
+  use hd_lapack, only: dgemm
   implicit none
   private
   public :: nodal_stress, von_mises, principal_stresses, signed_equivalent
@@ -21,46 +22,69 @@ contains
     real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
     real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    integer, dimension(nodes_per_element(body%kind)) :: list, first
-    real(dp) :: c(6, 6), g(size(list), 3, points), weight(points), b(3*size(list), 6, points), to_nodes(size(list), points)
-    real(dp) :: v(3*size(list)), e(6*points), s(6, points), at_node(6)
-    real(dp), allocatable :: modes(:, :)
+    integer :: list(nodes_per_element(body%kind))
+    real(dp), dimension(6*points, 3*size(list)) :: at_points
+    real(dp), dimension(6*size(list), 3*size(list)) :: at_nodes
+    real(dp), allocatable :: v(:, :, :), s(:, :, :), t(:, :, :)
     integer, allocatable :: meets(:)
-    integer :: cell, sector, a, i, p
-    c = elasticity_matrix(body%young, body%poisson)
-    to_nodes = extrapolation(size(list))
+    integer :: cell, sector, a, n
+    n = body%sectors
+    allocate (v(3, size(list), n), s(6, points, n), t(6, size(list), n))
     allocate (meets(body%nodes()), source=0)
     stress = 0
-    do cell = 1, size(body%cells, 2)
-      first = cell_nodes(body, cell, 0)
-      call element_points(body%kind, body%x(:, first), c, g, weight, modes, error)
+    do cell = 1, size(body%cells, 2)  ! that of all sectors at once: they have the same matrices
+      call cell_stress(body, cell, at_points, at_nodes, error)
       if (allocated(error)) return
-      do p = 1, points
-        call strain_matrix(g(:, :, p), at_rest, b(:, :, p))
+      do sector = 1, n
+        v(:, :, sector) = u(:, cell_nodes(body, cell, sector - 1))
       end do
-      do sector = 0, body%sectors - 1
-        list = cell_nodes(body, cell, sector)
+      call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, at_points, 6*points, v, 3*size(list), 0._dp, s, 6*points)
+      call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, at_nodes, 6*size(list), v, 3*size(list), 0._dp, t, 6*size(list))
+      do sector = 1, n
+        peak((sector - 1)*size(body%cells, 2) + cell) = maxval(von_mises(s(:, :, sector)))
+        list = cell_nodes(body, cell, sector - 1)
         do a = 1, size(list)
-          v(3*a - 2:3*a) = matmul(frame(body%angle(first(a))), u(:, list(a)))
-        end do
-        do p = 1, points
-          e(6*p - 5:6*p) = matmul(v, b(:, :, p))
-          s(:, p) = matmul(c, e(6*p - 5:6*p))
-        end do
-        do i = 1, size(modes, 2)
-          s = s - reshape(modes(:, i), [6, points])/spread(weight, 1, 6)*dot_product(modes(:, i), e)
-        end do
-        i = sector*size(body%cells, 2) + cell
-        peak(i) = maxval(von_mises(s))
-        do a = 1, size(list)
-          at_node = turned(matmul(s, to_nodes(a, :)), body%angle(first(a)))
-          stress(:, list(a)) = stress(:, list(a)) + at_node
+          stress(:, list(a)) = stress(:, list(a)) + t(:, a, sector)
           meets(list(a)) = meets(list(a)) + 1
         end do
       end do
     end do
     stress = stress/spread(max(1, meets), 1, 6)
   end subroutine nodal_stress
+
+  !> Stresses of a cell per displacement of its nodes.
+  subroutine cell_stress(body, cell, at_points, at_nodes, error)
+    type(body_t), intent(in) :: body                  !< body
+    integer, intent(in) :: cell                       !< cell of the first sector
+    real(dp), intent(out) :: at_points(:, :)          !< Cartesian, at the Gauss points (6 points, 3 nodes) [Pa/m]
+    real(dp), intent(out) :: at_nodes(:, :)           !< cylindrical, at the nodes (6 nodes, 3 nodes) [Pa/m]
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: list(nodes_per_element(body%kind)), a, i, p
+    real(dp) :: c(6, 6), g(size(list), 3, points), weight(points), b(3*size(list), 6), to_nodes(size(list), points)
+    real(dp) :: strain(6*points, 3*size(list))
+    real(dp), allocatable :: modes(:, :)
+    list = cell_nodes(body, cell, 0)
+    c = elasticity_matrix(body%young, body%poisson)
+    call element_points(body%kind, body%x(:, list), c, g, weight, modes, error)
+    if (allocated(error)) return
+    do p = 1, points
+      call strain_matrix(g(:, :, p), at_rest, b)
+      do a = 1, size(list)
+        strain(6*p - 5:6*p, 3*a - 2:3*a) = matmul(transpose(b(3*a - 2:3*a, :)), frame(body%angle(list(a))))
+      end do
+      at_points(6*p - 5:6*p, :) = matmul(c, strain(6*p - 5:6*p, :))
+    end do
+    do i = 1, size(modes, 2)
+      at_points = at_points - spread(modes(:, i)/[(spread(weight(p), 1, 6), p=1, points)], 2, size(strain, 2))* &
+        spread(matmul(modes(:, i), strain), 1, 6*points)
+    end do
+    to_nodes = extrapolation(size(list))
+    do a = 1, size(list)
+      do i = 1, 3*size(list)
+        at_nodes(6*a - 5:6*a, i) = turned(matmul(reshape(at_points(:, i), [6, points]), to_nodes(a, :)), body%angle(list(a)))
+      end do
+    end do
+  end subroutine cell_stress
 
   !> Values at the nodes of a cell from those at its Gauss points.
   pure function extrapolation(nodes) result(n)

@@ -13,6 +13,7 @@ module hd_border
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t
+  use hd_lapack, only: invert_symmetric
   use hd_mortar, only: relative_displacement
   use hd_problem, only: problem_t
   use hd_strut, only: closing_of, push
@@ -24,6 +25,8 @@ module hd_border
   !> Part of the mean compliance of the struts that a turn of a loose body is given where nothing else holds it: it changes the
   !> way of Newton's iteration, not where it ends.
   real(dp), parameter :: flat = 1e-7_dp
+  real(dp), parameter :: alike = 1e-10_dp     !< makes struts at the same nodes no two unknowns of a least square
+  real(dp), parameter :: rounding = 1e-12_dp  !< relative
 
   type :: border_t
     integer :: struts = 0                        !< all of them
@@ -36,10 +39,13 @@ module hd_border
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
     real(dp), allocatable :: own(:, :)           !< P^T C P and P^T N (struts, struts + modes) [m/N]
     real(dp), allocatable :: held(:)             !< N^T S R of each motion: what soft springs hold [m/N]
+    real(dp), allocatable :: shares(:, :)        !< (P^T P)^-1 (struts, struts)
   contains
     procedure :: take => take_active
     procedure :: matrix => border_matrix
     procedure :: known => known_side
+    procedure :: split => split_forces
+    procedure :: respond => respond_struts
     procedure :: columns => active_columns
     procedure :: add_solution
   end type border_t
@@ -61,7 +67,7 @@ contains
     border%serial = problem%mortar%serial
     call list_modes(problem, border)
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
-    allocate (f(3, problem%n), u(3, problem%n), v(3, problem%n), border%held(border%modes))
+    allocate (f(3, problem%n), u(3, problem%n), v(3, problem%n), border%held(border%modes), border%shares(n, n))
     do i = 1, n
       f = 0
       call push(problem%struts(i), 1._dp, f)
@@ -70,8 +76,12 @@ contains
       border%side(:, :, i) = relative_displacement(problem%mortar, u)
       do j = 1, n
         border%own(j, i) = closing_of(problem%struts(j), u)
+        border%shares(j, i) = closing_of(problem%struts(j), f)
       end do
+      border%shares(i, i) = (1 + alike)*border%shares(i, i)
     end do
+    if (n > 0) call invert_symmetric(border%shares, error)
+    if (allocated(error)) return
     border%own(:, :n) = (border%own(:, :n) + transpose(border%own(:, :n)))/2
     if (n > 0) then
       border%scale = sum([(border%own(i, i), i=1, n)])/n
@@ -191,6 +201,49 @@ contains
       b(n + i) = -sum(u*(f - problem%spring*v))
     end do
   end function known_side
+
+  !> Forces of the struts, and what is left, of nodal forces.
+  pure subroutine split_forces(self, problem, f, forces, left)
+    class(border_t), intent(in) :: self     !< border
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: f(:, :)         !< nodal forces (3, n) [N]
+    real(dp), intent(out) :: forces(:)      !< (struts) [N]
+    real(dp), intent(out) :: left(:, :)     !< (3, n) [N]
+    integer :: i
+    forces = matmul(self%shares, [(closing_of(problem%struts(i), f), i=1, self%struts)])
+    left = f
+    do i = 1, self%struts
+      call push(problem%struts(i), -forces(i), left)
+    end do
+    where (abs(left) <= rounding*maxval(abs(f))) left = 0
+  end subroutine split_forces
+
+  !> Right-hand sides of the border for forces of the struts, of the multipliers, and some at fixed dofs, without a solve of the
+  !> bodies; and the relative displacements that the struts make.
+  subroutine respond_struts(self, problem, forces, pressed, left, w, known)
+    class(border_t), intent(in) :: self      !< border
+    type(problem_t), intent(in) :: problem   !< problem
+    real(dp), intent(in) :: forces(:)        !< (struts) [N]
+    real(dp), intent(in) :: pressed(:, :)    !< (3, multipliers) [N]
+    real(dp), intent(in) :: left(:, :)       !< of split_forces: the bodies do not answer to it (3, n) [N]
+    real(dp), intent(inout) :: w(:, :)       !< gets the displacements (3, multipliers) [m]
+    real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
+    real(dp) :: u(3, problem%n)
+    integer, allocatable :: list(:)
+    integer :: i
+    list = self%columns()
+    known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, :, list(i))*pressed), i=1, size(list))]
+    do i = 1, self%struts
+      if (abs(forces(i)) > 0) w = w + forces(i)*self%side(:, :, i)
+    end do
+    do i = 1, self%modes
+      u = 0
+      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale, u)
+      associate (entry => known(size(self%active) + i))
+        entry = entry - sum(u*left)
+      end associate
+    end do
+  end subroutine respond_struts
 
   !> Forces P x - S R a and rigid motions R a of a solution.
   subroutine add_solution(self, problem, x, f, u)

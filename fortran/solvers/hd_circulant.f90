@@ -25,12 +25,13 @@ module hd_circulant
   !> under torque (six scenes; 0.03 to 0.3: 38 to 42), on others as many as without it.
   real(dp), parameter :: softer = 0.1_dp
   real(dp), parameter :: negligible = 1e-12_dp  !< entries of F that are left out, relative (hd_harmonic_matrix)
+  real(dp), parameter :: small = 1e-8_dp        !< the same where single precision is enough
   real(dp), parameter :: rough = 1e-4_dp        !< the same of its inverse
 
   !> F^-1 by harmonic and workspace to apply it, in single precision: it steers GMRES, whose residuals are those of F.
   type :: inverse_t
     type(harmonic_matrix_t) :: hat                  !< [N/m]
-    real(sp), allocatable :: field(:, :)            !< (n/stride, 3 rows)
+    real(sp), allocatable :: field(:, :)            !< (3 rows, n/stride)
     complex(sp), allocatable :: wave(:, :)          !< (3 rows, n/stride/2 + 1)
     type(fft_plan_t) :: forward, backward
   end type inverse_t
@@ -46,12 +47,14 @@ module hd_circulant
     integer :: rows = 0                             !< multipliers along the axis
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
     integer, allocatable :: beside(:, :)            !< rows before and behind each row on the same face, 0: none (2, rows)
+    logical :: single = .false.                     !< apply F in single precision
     logical :: inverted = .false.                   !< the inverse is there
     type(inverse_t) :: ring                         !< of the mean over the sectors
   contains
     procedure :: prepare => prepare_circulant
     procedure :: solve => solve_circulant
     procedure :: apply => apply_circulant
+    procedure :: apply_single => apply_circulant_single
     procedure :: precondition => precondition_circulant
     procedure :: prepare_columns => prepare_circulant_columns
     procedure :: add_column => add_circulant_column
@@ -124,7 +127,7 @@ contains
           call move_alloc(before(p)%hat%factor, side%hat%factor)
           side%hat%n = before(p)%hat%n
         else
-          call new_harmonic_matrix(side%angle, side%sectors/2, negligible, side%hat)
+          call new_harmonic_matrix(side%angle, side%sectors/2, side%hat, drop=negligible, short_drop=small)
         end if
       end associate
     end do
@@ -186,7 +189,7 @@ contains
       call plan_side(self%sides(b), stride, error)
       if (allocated(error)) return
       self%apply_flops = self%apply_flops + 8*real(self%sides(b)%hat%n, dp)**2*size(self%sides(b)%wave, 2) + &
-        10*size(self%sides(b)%field)*log(real(size(self%sides(b)%field, 1), dp))
+        10*size(self%sides(b)%field)*log(real(size(self%sides(b)%field, 2), dp))
     end do
   end subroutine prepare_circulant
 
@@ -279,9 +282,19 @@ contains
     integer :: p
     w = 0
     do p = self%part(1), self%part(2)
-      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, f, w)
+      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, self%single, f, w)
     end do
   end subroutine apply_circulant
+
+  !> The same, most of it in single precision.
+  subroutine apply_circulant_single(self, f, w)
+    class(circulant_t), intent(inout) :: self    !< prepared
+    real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
+    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
+    self%single = .true.
+    call self%apply(f, w)
+    self%single = .false.
+  end subroutine apply_circulant_single
 
   !> Inverse of F where it is circulant, else of its mean over the sectors of the ring, a little softer.
   subroutine precondition_circulant(self, w, f, error)
@@ -293,15 +306,15 @@ contains
     if (.not. self%inverted) call invert_mean(self, error)
     if (allocated(error)) return
     associate (ring => self%ring)
-      n = size(ring%field, 1)
+      n = size(ring%field, 2)
       do j = 1, size(w, 2)
-        if (self%sector(j) < n) ring%field(self%sector(j) + 1, 3*self%row(j) - 2:3*self%row(j)) = real(w(:, j), sp)
+        if (self%sector(j) < n) ring%field(3*self%row(j) - 2:3*self%row(j), self%sector(j) + 1) = real(w(:, j), sp)
       end do
       call execute_forward_real_single(ring%forward, ring%field, ring%wave)
       call ring%hat%multiply_single(self%stride, ring%wave)
       call execute_backward_real_single(ring%backward, ring%wave, ring%field)
       do j = 1, size(w, 2)
-        f(:, j) = ring%field(modulo(self%sector(j), n) + 1, 3*self%row(j) - 2:3*self%row(j))/real(n, sp)
+        f(:, j) = ring%field(3*self%row(j) - 2:3*self%row(j), modulo(self%sector(j), n) + 1)/real(n, sp)
       end do
     end associate
   end subroutine precondition_circulant
@@ -324,7 +337,7 @@ contains
     integer :: d, j, k, l, p, n, alias
     logical :: turned
     n = self%sides(1)%sectors
-    call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, rough, self%ring%hat, single=.true.)
+    call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, self%ring%hat, short_drop=rough)
     allocate (mean(3*self%rows, 3*self%rows))
     do k = n/2 - modulo(n/2, self%stride), 0, -self%stride  ! the shortest wave first
       mean = 0
@@ -357,7 +370,7 @@ contains
       if (allocated(error)) return
       call self%ring%hat%set(k, mean)
     end do
-    allocate (self%ring%field(n/self%stride, 3*self%rows), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
+    allocate (self%ring%field(3*self%rows, n/self%stride), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
     call plan_rows_single(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
     self%inverted = .not. allocated(error)
   end subroutine invert_mean

@@ -25,7 +25,7 @@ module hd_circulant_side
     type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
     real(dp), allocatable :: near(:, :, :)          !< that between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
-    real(dp), allocatable :: field(:, :)            !< workspace of apply (n/stride, 3 nodes)
+    real(dp), allocatable :: field(:, :)            !< workspace of apply (3 nodes, n/stride)
     complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
     type(fft_plan_t) :: forward, backward
   end type circulant_side_t
@@ -82,7 +82,7 @@ contains
       end associate
     end do
     reach = 2*reach
-    allocate (side%field(n, m), side%wave(m, n/2 + 1), side%near(m, m, -reach:reach))
+    allocate (side%field(m, n), side%wave(m, n/2 + 1), side%near(m, m, -reach:reach))
     do d = 0, reach
       side%near(:, :, d) = side%hat%kernel(stride, n, d)
       side%near(:, :, -d) = transpose(side%near(:, :, d))
@@ -105,7 +105,7 @@ contains
     real(dp), allocatable :: column(:, :)
     integer :: j, k, m, n
     if (allocated(side%kernel)) return
-    n = size(side%field, 1)
+    n = size(side%field, 2)
     m = side%hat%n
     allocate (side%kernel(m, m, n), wave(n/2 + 1, m), column(n, m))
     do k = 0, n/2
@@ -124,35 +124,38 @@ contains
   end subroutine fill_kernel
 
   !> Add W C W^T f.
-  subroutine add_response(side, stride, first, f, w)
+  subroutine add_response(side, stride, first, single, f, w)
     type(circulant_side_t), intent(inout) :: side    !< planned
     integer, intent(in) :: stride          !< 1 or 2
     logical, intent(in) :: first(:)        !< multipliers of the first repetition (multipliers)
+    logical, intent(in) :: single          !< single precision is enough
     real(dp), intent(in) :: f(:, :)        !< forces (3, multipliers) [N]
     real(dp), intent(inout) :: w(:, :)     !< relative displacements (3, multipliers) [m]
+    real(dp) :: sums(3)
     integer :: c, j, k, n, s
-    n = size(side%field, 1)
+    n = size(side%field, 2)
     side%field = 0
     do j = 1, size(f, 2)
       if (.not. first(j)) cycle
       do k = side%ptr(j), side%ptr(j + 1) - 1
         s = modulo(side%sector(k), n) + 1
         do c = 1, 3
-          side%field(s, 3*side%row(k) - 3 + c) = side%field(s, 3*side%row(k) - 3 + c) + side%val(k)*f(c, j)
+          side%field(3*side%row(k) - 3 + c, s) = side%field(3*side%row(k) - 3 + c, s) + side%val(k)*f(c, j)
         end do
       end do
     end do
     call execute_forward_real(side%forward, side%field, side%wave)
-    call side%hat%multiply(stride, side%wave)
+    call side%hat%multiply(stride, side%wave, single)
     call execute_backward_real(side%backward, side%wave, side%field)
-    side%field = side%field/n
     do j = 1, size(f, 2)
+      sums = 0
       do k = side%ptr(j), side%ptr(j + 1) - 1
         s = modulo(side%sector(k), n) + 1
         do c = 1, 3
-          w(c, j) = w(c, j) + side%val(k)*side%field(s, 3*side%row(k) - 3 + c)
+          sums(c) = sums(c) + side%val(k)*side%field(3*side%row(k) - 3 + c, s)
         end do
       end do
+      w(:, j) = w(:, j) + sums/n
     end do
   end subroutine add_response
 

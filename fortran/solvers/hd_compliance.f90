@@ -23,6 +23,7 @@ module hd_compliance
     procedure(prepare_compliance), deferred :: prepare
     procedure(solve_bodies), deferred :: solve
     procedure(apply_compliance), deferred :: apply
+    procedure :: apply_single
     procedure(precondition_compliance), deferred :: precondition
     procedure :: prepare_columns
     procedure(add_column), deferred :: add_column
@@ -86,6 +87,14 @@ module hd_compliance
   end interface
 
 contains
+
+  !> w = F f to single precision, where that is faster.
+  subroutine apply_single(self, f, w)
+    class(compliance_t), intent(inout) :: self   !< prepared
+    real(dp), intent(in) :: f(:, :)              !< forces at the multipliers (3, multipliers) [N]
+    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
+    call self%apply(f, w)
+  end subroutine apply_single
 
   !> Make what add_column needs, where prepare has not.
   subroutine prepare_columns(self, error)

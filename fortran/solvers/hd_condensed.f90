@@ -24,6 +24,7 @@ module hd_condensed
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
+  integer, parameter :: many_nodes = 6000            !< from which it pays not to solve the bodies of a drive a second time
   real(dp), parameter :: balanced = 1e-6_dp          !< forces out of balance that do not move the contact
   real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters
   real(dp), parameter :: pair_time = 15e-9_dp         !< seconds per entry to form the matrix
@@ -143,20 +144,8 @@ contains
     call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
     dtraction = system%q
-    if (.not. bordered .and. &
-      norm2(merge(0._dp, r_u, problem%fixed)) <= balanced*norm2(spread(problem%mortar%area, 1, 3)*r_c)) then
-      allocate (w, mold=dtraction)
-      call self%compliance%apply(spread(problem%mortar%area, 1, 3)*dtraction, w)
-    else
-      f = -r_u
-      call add_nodal_forces(problem%mortar, dtraction, f)
-      call balance(self, f)
-      call self%compliance%solve(problem, f, du, error)
-      call balance(self, du)
-      if (allocated(error)) return
-      w = relative_displacement(problem%mortar, du)
-      if (bordered) call add_border(self, problem, f, du, system)
-    end if
+    call find_known(self, problem, r_u, r_c, bordered, system, w, error)
+    if (allocated(error)) return
     list = pack([(j, j=1, problem%mortar%n)], system%rank > 0)
     if (self%symmetry%half_turn) list = pack(list, self%sector(list) < self%sectors/2)
     mirrored = list
@@ -175,18 +164,60 @@ contains
     call balance(self, du)
   end subroutine solve_condensed
 
+  !> Relative displacements without the tractions that are sought, and the border. Where the bodies are in balance but for struts,
+  !> as they are after a step of Newton's method, they need not be solved for it.
+  subroutine find_known(self, problem, r_u, r_c, bordered, system, w, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+    logical, intent(in) :: bordered                   !< the border counts
+    type(face_system_t), intent(inout) :: system      !< gets the border
+    real(dp), allocatable, intent(out) :: w(:, :)     !< (3, multipliers) [m]
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: f(:, :), v(:, :), known(:), pressed(:, :), forces(:)
+    real(dp) :: scale
+    logical :: easy
+    allocate (pressed, source=spread(problem%mortar%area, 1, 3)*system%q)
+    allocate (w, mold=pressed)
+    scale = norm2(spread(problem%mortar%area, 1, 3)*r_c)
+    f = -r_u
+    call balance(self, f)
+    v = f
+    easy = .true.
+    if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
+    if (bordered .and. easy) then
+      allocate (forces(self%border%struts))
+      call self%border%split(problem, f, forces, v)
+      scale = max(scale, norm2(f - v))
+    end if
+    if (easy) easy = norm2(merge(0._dp, v, problem%fixed)) <= balanced*scale
+    if (easy) then
+      call self%compliance%apply(pressed, w)
+      if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
+    else
+      call add_nodal_forces(problem%mortar, system%q, f)
+      call balance(self, f)
+      call self%compliance%solve(problem, f, v, error)
+      call balance(self, v)
+      if (allocated(error)) return
+      w = relative_displacement(problem%mortar, v)
+      if (bordered) known = self%border%known(problem, f, v)
+    end if
+    if (bordered) call add_border(self, problem, known, system)
+  end subroutine find_known
+
   !> Enter the border into a face system.
-  subroutine add_border(self, problem, f, v, system)
+  subroutine add_border(self, problem, known, system)
     class(condensed_t), intent(in) :: self            !< solver with a border
     type(problem_t), intent(in) :: problem            !< problem
-    real(dp), intent(in) :: f(:, :)                   !< nodal forces that are known (3, n) [N]
-    real(dp), intent(in) :: v(:, :)                   !< displacements that they make (3, n) [m]
+    real(dp), intent(in) :: known(:)                  !< right-hand sides [m]
     type(face_system_t), intent(inout) :: system      !< gets more, side, corner, known
     system%side = self%border%side(:, :, self%border%columns())
     system%more = size(system%side, 3)
     system%struts = size(self%border%active)
     system%corner = self%border%matrix(problem)
-    system%known = self%border%known(problem, f, v)
+    system%known = known
     if (self%symmetry%half_turn) system%fold = 2
     if (problem%turning .or. .not. allocated(problem%hub)) return
     associate (last => system%more)  ! the turn of the bottom, which is held

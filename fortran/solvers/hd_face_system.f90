@@ -19,6 +19,8 @@ module hd_face_system
   private
   public :: face_system_t, new_face_system
 
+  real(dp), parameter :: single_above = 1e-6_dp  !< residual to which GMRES gets along with F in single precision
+
   type, extends(operator_t) :: face_system_t
     class(compliance_t), pointer :: compliance => null()  !< F
     integer, allocatable :: rank(:)              !< unknowns of each multiplier (multipliers)
@@ -50,6 +52,7 @@ module hd_face_system
     real(dp), allocatable :: right(:, :), below(:, :)   !< R S and S^T P (unknowns, more)
     real(dp), allocatable :: strut_right(:, :)   !< R S of struts that are eliminated (unknowns, struts)
     real(dp), allocatable :: strut_forces(:, :)  !< their forces for each unknown, and last for none (struts, unknowns + rest + 1)
+    logical :: single = .false.                  !< GMRES gets along with F in single precision
     real(dp), allocatable :: answer(:, :)        !< preconditioned R S (unknowns, more)
     real(dp), allocatable :: factor(:, :)        !< inverse of D less what that leaves (more, more)
   contains
@@ -263,6 +266,7 @@ contains
     else
       allocate (self%fringe(0), self%from(0), self%fade(0))
     end if
+    self%single = tolerance >= single_above
     b = right_side(self, w)
     if (self%struts > 0) call eliminate_struts(self, b, error)
     if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
@@ -384,7 +388,11 @@ contains
     do l = 1, n
       self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
     end do
-    call self%compliance%apply(self%f, self%w)
+    if (self%single) then
+      call self%compliance%apply_single(self%f, self%w)
+    else
+      call self%compliance%apply(self%f, self%w)
+    end if
     do l = 1, n
       y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
       do k = self%first(l), min(self%first(l) + 2, n)

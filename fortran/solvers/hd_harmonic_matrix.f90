@@ -5,26 +5,30 @@
 !> drop times its order at most.
 module hd_harmonic_matrix
   use, intrinsic :: iso_c_binding, only: c_double, c_float, c_int
-  use hd_kinds, only: dp, pi, sp
   use hd_harmonics, only: amplitude
+  use hd_kinds, only: dp, pi, sp
   implicit none
   private
   public :: hd_symmetric_product, hd_symmetric_product_single, harmonic_matrix_t, new_harmonic_matrix
 
   integer, parameter :: block = 8            !< order of the blocks on the diagonal
   integer, parameter :: long_loop = 200000   !< entries from which two threads are worth waking
+  !> Harmonics below it keep double precision: bodies bend so softly there that the rounding of a product in single precision
+  !> exceeds what sums of all harmonics leave of it.
+  integer, parameter :: soft_harmonics = 16
 
-  !> Columns from row top + 1 down to the end of their diagonal block, one behind the other.
+  !> Columns from row top + 1 down to the end of their diagonal block, one behind the other; in single precision from row
+  !> short_top + 1.
   type :: skyline_t
-    integer(c_int), allocatable :: top(:)    !< rows left out, by block of columns
+    integer(c_int), allocatable :: top(:), short_top(:)   !< rows left out, by block of columns
     real(dp), allocatable :: entry(:)
-    real(sp), allocatable :: short(:)        !< the same in single precision
+    real(sp), allocatable :: short(:)
   end type skyline_t
 
   type :: harmonic_matrix_t
     integer :: n = 0                            !< dofs
-    real(dp) :: drop = 0                        !< entries left out, relative
-    logical :: single = .false.                 !< kept in single precision
+    real(dp) :: drop = -1                       !< entries left out, relative; below 0: not kept in double precision
+    real(dp) :: short_drop = -1                 !< the same in single precision
     complex(dp), allocatable :: factor(:, :)    !< between dofs of the first sector and amplitudes (dofs, 0:last)
     type(skyline_t), allocatable :: part(:)     !< (0:last)
   contains
@@ -55,16 +59,16 @@ module hd_harmonic_matrix
 contains
 
   !> Room for matrices between nodes, three dofs each.
-  subroutine new_harmonic_matrix(angle, last, drop, matrix, single)
+  subroutine new_harmonic_matrix(angle, last, matrix, drop, short_drop)
     real(dp), intent(in) :: angle(:)                !< of the nodes of the first sector [rad]
     integer, intent(in) :: last                     !< harmonic
-    real(dp), intent(in) :: drop                    !< entries left out, relative; 0: none
     type(harmonic_matrix_t), intent(out) :: matrix  !< entries not set
-    logical, intent(in), optional :: single         !< for multiply_single
+    real(dp), intent(in), optional :: drop          !< kept in double precision; entries left out, relative (0: none)
+    real(dp), intent(in), optional :: short_drop    !< kept in single precision, for multiply_single
     integer :: c, k
     matrix%n = 3*size(angle)
-    matrix%drop = drop
-    if (present(single)) matrix%single = single
+    if (present(drop)) matrix%drop = drop
+    if (present(short_drop)) matrix%short_drop = short_drop
     allocate (matrix%factor(matrix%n, 0:last), matrix%part(0:last))
     do k = 0, last
       do c = 1, 3
@@ -84,24 +88,32 @@ contains
     class(harmonic_matrix_t), intent(inout) :: self  !< matrix
     integer, intent(in) :: k                         !< harmonic
     real(dp), intent(in) :: a(:, :)                  !< symmetric (dofs, dofs)
+    associate (part => self%part(k))
+      if (.not. self%drop < 0) then
+        part%top = int(first_rows(a, self%drop), c_int)
+        part%entry = packed(a, part%top)
+      end if
+      if (self%short_drop < 0) return
+      part%short_top = int(first_rows(a, self%short_drop), c_int)
+      part%short = real(packed(a, part%short_top), sp)
+    end associate
+  end subroutine set
+
+  !> Columns of a matrix one behind the other.
+  pure function packed(a, top) result(entry)
+    real(dp), intent(in) :: a(:, :)       !< symmetric (dofs, dofs)
+    integer(c_int), intent(in) :: top(:)  !< rows left out, by block of columns
     real(dp), allocatable :: entry(:)
-    integer :: top(padded(self%n)/block), at, i, j
-    top = first_rows(a, self%drop)
+    integer :: at, i, j
     allocate (entry(sum([(block*(block*i - top(i)), i=1, size(top))])), source=0._dp)
     at = 0
-    do j = 1, self%n
-      associate (head => top((j + block - 1)/block), m => min(padded(j), self%n))
+    do j = 1, size(a, 1)
+      associate (head => top((j + block - 1)/block), m => min(padded(j), size(a, 1)))
         entry(at + 1:at + m - head) = [a(head + 1:j, j), a(j, j + 1:m)]
         at = at + padded(j) - head
       end associate
     end do
-    self%part(k)%top = int(top, c_int)
-    if (self%single) then
-      self%part(k)%short = real(entry, sp)
-    else
-      call move_alloc(entry, self%part(k)%entry)
-    end if
-  end subroutine set
+  end function packed
 
   !> Rows left out above every block of columns.
   pure function first_rows(a, drop) result(top)
@@ -159,26 +171,33 @@ contains
   end function kernel
 
   !> Product with a field given by its harmonics 0, stride, 2 stride, ...
-  subroutine multiply(self, stride, wave)
-    class(harmonic_matrix_t), intent(in) :: self  !< matrix
+  subroutine multiply(self, stride, wave, single)
+    class(harmonic_matrix_t), intent(in) :: self  !< matrix in double precision
     integer, intent(in) :: stride                 !< 1 or 2
     complex(dp), intent(inout) :: wave(:, 0:)     !< transform of the field (dofs, harmonics)
+    logical, intent(in) :: single                 !< single precision is enough, and there
     real(dp) :: x(padded(self%n), 2), y(padded(self%n), 2)
+    real(sp) :: short(padded(self%n), 2)
     integer :: k, n
     n = self%n
-    !$omp parallel do private(x, y) if(size(wave)*n > long_loop)
+    !$omp parallel do private(x, y, short) if(size(wave)*n > long_loop)
     do k = 0, ubound(wave, 2)
-      associate (factor => self%factor(:, stride*k))
+      associate (factor => self%factor(:, stride*k), part => self%part(stride*k))
         x(:n, 1) = real(conjg(factor)*wave(:, k))
         x(:n, 2) = aimag(conjg(factor)*wave(:, k))
         x(n + 1:, :) = 0
-        call hd_symmetric_product(0, size(x, 1), self%part(stride*k)%top, self%part(stride*k)%entry, x, y)
+        if (single .and. stride*k >= soft_harmonics) then
+          call hd_symmetric_product_single(0, size(x, 1), part%short_top, part%short, real(x, sp), short)
+          y = short
+        else
+          call hd_symmetric_product(0, size(x, 1), part%top, part%entry, x, y)
+        end if
         wave(:, k) = factor*cmplx(y(:n, 1), y(:n, 2), dp)
       end associate
     end do
   end subroutine multiply
 
-  !> The same in single precision.
+  !> The same with a field in single precision too.
   subroutine multiply_single(self, stride, wave)
     class(harmonic_matrix_t), intent(in) :: self  !< matrix in single precision
     integer, intent(in) :: stride                 !< 1 or 2
@@ -193,7 +212,7 @@ contains
       x(:n, 1) = real(conjg(factor)*wave(:, k))
       x(:n, 2) = aimag(conjg(factor)*wave(:, k))
       x(n + 1:, :) = 0
-      call hd_symmetric_product_single(0, size(x, 1), self%part(stride*k)%top, self%part(stride*k)%short, x, y)
+      call hd_symmetric_product_single(0, size(x, 1), self%part(stride*k)%short_top, self%part(stride*k)%short, x, y)
       wave(:, k) = factor*cmplx(y(:n, 1), y(:n, 2), sp)
     end do
   end subroutine multiply_single

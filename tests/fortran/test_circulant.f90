@@ -19,6 +19,7 @@ contains
     end do
     call short_products(.false., 1e-6_dp)
     call short_products(.true., 1e-3_dp)
+    call mixed_products()
     call one_side(1)
     call one_side(2)
     call fringe(1)
@@ -81,7 +82,7 @@ contains
     real(dp) :: angle(nodes)
     integer :: i, k
     angle = [(0.1_dp*i, i=1, nodes)]
-    call new_harmonic_matrix(angle, 4, 0._dp, matrix)
+    call new_harmonic_matrix(angle, 4, matrix, drop=0._dp)
     do k = 0, 4
       call matrix%set(k, some_matrix(3*nodes, k))
     end do
@@ -92,7 +93,7 @@ contains
         expected(:, k) = factor*matmul(some_matrix(3*nodes, 2*k), conjg(factor)*wave(:, k))
       end associate
     end do
-    call matrix%multiply(2, wave)
+    call matrix%multiply(2, wave, single=.false.)
     call check_close(maxval(abs(wave - expected)), 0._dp, 1e-12_dp, 'products by harmonics are those of the whole matrices')
   end subroutine products
 
@@ -109,7 +110,11 @@ contains
     integer :: i, j
     a = reshape([((exp(-abs(i - j)/2._dp)*sqrt(1._dp*i*j), i=1, 3*nodes), j=1, 3*nodes)], shape(a))
     x = [(cos(2._dp*i)/sqrt(1._dp*i), i=1, 3*nodes)]
-    call new_harmonic_matrix([(0._dp, i=1, nodes)], 0, drop, matrix, single)
+    if (single) then
+      call new_harmonic_matrix([(0._dp, i=1, nodes)], 0, matrix, short_drop=drop)
+    else
+      call new_harmonic_matrix([(0._dp, i=1, nodes)], 0, matrix, drop=drop)
+    end if
     call matrix%set(0, a)
     wave(:, 0) = x*matrix%factor(:, 0)
     few = cmplx(wave, kind=sp)
@@ -117,7 +122,7 @@ contains
       call matrix%multiply_single(1, few)
       wave = cmplx(few, kind=dp)
     else
-      call matrix%multiply(1, wave)
+      call matrix%multiply(1, wave, single=.false.)
       call check(sum(matrix%part(0)%top) > 0, 'distant coefficients are left out')
     end if
     y = real(wave(:, 0)*conjg(matrix%factor(:, 0))) - matmul(a, x)
@@ -126,6 +131,26 @@ contains
       'products without distant coefficients obey their bound')
     call check(norm2(y) > 0.01_dp*drop*norm2(x*sqrt([(1._dp*i, i=1, 3*nodes)])), 'and something was left out')
   end subroutine short_products
+
+  !> Where single precision is enough, soft harmonics get the product of double precision and the others the rounded one.
+  subroutine mixed_products()
+    integer, parameter :: nodes = 4, last = 20
+    type(harmonic_matrix_t) :: matrix
+    complex(dp), dimension(3*nodes, 0:last) :: exact, mixed
+    real(dp) :: off(0:last)
+    integer :: i, k
+    call new_harmonic_matrix([(0.1_dp*i, i=1, nodes)], last, matrix, drop=0._dp, short_drop=0._dp)
+    do k = 0, last
+      call matrix%set(k, some_matrix(3*nodes, k))
+      exact(:, k) = [(cmplx(sin(i + 2._dp*k), cos(3._dp*i - k), dp), i=1, 3*nodes)]
+    end do
+    mixed = exact
+    call matrix%multiply(1, exact, single=.false.)
+    call matrix%multiply(1, mixed, single=.true.)
+    off = [(maxval(abs(mixed(:, k) - exact(:, k)))/maxval(abs(exact(:, k))), k=0, last)]
+    call check(.not. any(off(:15) > 0), 'harmonics below 16 keep double precision')
+    call check(all(off(16:) > 0) .and. all(off(16:) < 1e-5_dp), 'the others are rounded to single precision')
+  end subroutine mixed_products
 
   !> Response by FFT, columns and blocks of multipliers that meet nodes of two sectors are those of one matrix.
   subroutine one_side(stride)
@@ -141,7 +166,7 @@ contains
     side%sector = [(j - 1, modulo(j, n), j=1, n)]
     side%val = [(0.7_dp, 0.3_dp, j=1, n)]
     side%angle = [0._dp, 0.2_dp]
-    call new_harmonic_matrix(side%angle, n/2, 0._dp, side%hat)
+    call new_harmonic_matrix(side%angle, n/2, side%hat, drop=0._dp)
     do k = 0, n/2
       call side%hat%set(k, some_matrix(3*m, k))
     end do
@@ -161,7 +186,7 @@ contains
         'the block of a multiplier is that of its column')
     end do
     w = 0
-    call add_response(side, stride, [(j <= n/stride, j=1, n)], f, w)
+    call add_response(side, stride, [(j <= n/stride, j=1, n)], .false., f, w)
     call check_close(maxval(abs(w - expected)), 0._dp, 1e-12_dp, 'columns add up to the response')
     call release_side(side)
   end subroutine one_side

@@ -8,11 +8,12 @@ module hd_ring_table
   use hd_fft, only: forward_real_2d, forward_real
   implicit none
   private
-  public :: ring_table_t, new_ring_table, taper, reach, per_bin
+  public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far
 
   integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
   integer, parameter :: reach = 3             !< of the taper's kernel [modes]
   integer, parameter :: per_bin = 4           !< its points per mode
+  integer, parameter :: far = 6               !< modes that a steep spectrum is seen over
   real(dp), parameter :: growth = 1.06_dp     !< of the rings
   real(dp), parameter :: low_end = 14         !< below this number of waves per side modes are kept one by one
 
@@ -32,6 +33,7 @@ module hd_ring_table
     real(dp) :: leak(2) = 1                   !< the same over that of their rings alone
     integer, allocatable :: kx(:), ky(:), ring(:) !< modes of low frequency and their rings
     real(dp), allocatable :: kernel(:, :)     !< power of the taper at 1/per_bin modes about 0, along x and y; sums are 1
+    real(dp) :: whole(0:far, 2) = 0           !< the same at whole modes, from 0 on, along x and y; sums over all modes are 1
   end type ring_table_t
 
 contains
@@ -70,7 +72,9 @@ contains
     end if
     allocate (t%kernel(-reach * per_bin:reach * per_bin, 2), source=1._dp)
     t%kernel(:, 1) = kernel_of(wx)
+    t%whole(:, 1) = whole_of(wx)
     if (t%dim == 2) t%kernel(:, 2) = kernel_of(wy)
+    if (t%dim == 2) t%whole(:, 2) = whole_of(wy)
     t%kappa = nx * sum(wx**4) / sum(wx**2)**2 * ny * sum(wy**4) / sum(wy**2)**2
     flat = z * spread(wx, 2, ny) * spread(wy, 1, nx)
     allocate (s(nx / 2 + 1, ny))
@@ -96,6 +100,18 @@ contains
     end do
     k = k / sum(k)
   end function kernel_of
+
+  !> Power of a taper's transform at whole modes.
+  pure function whole_of(w) result(k)
+    real(dp), intent(in) :: w(:)      !< taper
+    real(dp) :: k(0:far), turn
+    integer :: i, j
+    do i = 0, far
+      turn = 2 * pi * i / size(w)
+      k(i) = sum(w * cos(turn * [(j, j=1, size(w))]))**2 + sum(w * sin(turn * [(j, j=1, size(w))]))**2
+    end do
+    k = k / (size(w) * sum(w**2))
+  end function whole_of
 
   !> Edges of the rings [1/m]: from three and a half waves, at least one and a half modes wide (line: four), growing by 6 %.
   pure function edges(t) result(e)

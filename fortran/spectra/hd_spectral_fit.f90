@@ -7,7 +7,8 @@ module hd_spectral_fit
   use hd_error, only: error_t, raise, code_input
   use hd_ring_table, only: ring_table_t
   use hd_crossover, only: crossover_t, find_crossover
-  use hd_spectral_model, only: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed
+  use hd_spectral_model, only: spectral_model_t, new_spectral_model, at_slope, power_of, mixed
+  use hd_spectral_search, only: trial_t, fixed_t, most_likely, best_at
   use hd_text, only: to_text
   implicit none
   private
@@ -18,20 +19,7 @@ module hd_spectral_fit
   real(dp), parameter :: feet(5) = [3.5_dp, 6._dp, 9._dp, 14._dp, 22._dp]
   real(dp), parameter :: shortest_window = 3            !< highest over lowest frequency
   real(dp), parameter :: excused = 0.02_dp              !< rms departure from the model that no test is asked about
-  integer, parameter :: fine = 7, coarse = 3            !< passes of the search over probe and share
-
-  !> One trial of the likelihood.
-  type :: trial_t
-    real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], detail that folds back
-    real(dp) :: deviance = huge(0._dp)                      !< twice the ln likelihood below that of the data themselves
-  end type trial_t
-
-  !> What a search leaves alone.
-  type :: fixed_t
-    real(dp) :: noise = -1                    !< rms [m]; negative: free
-    logical :: sharp = .false.                !< the probe is a point
-    real(dp) :: fold = -1                     !< share of finer detail; negative: free
-  end type fixed_t
+  integer, parameter :: fine = 5, coarse = 2            !< passes of the search over slopes
 
   !> What was found.
   type :: spectral_fit_t
@@ -92,7 +80,7 @@ contains
         call window(t, feet(at(1)) * t%df, tops(at(2)) * t%nyquist, trial)
       end if
       if (trial%last - trial%first < 5) cycle
-      b = most_likely(t, m, trial, fixed, coarse)
+      b = most_likely(t, m, trial%first, trial%last, fixed, coarse)
       call judge(t, b, trial, noise)
       if (r%last == 0 .or. trial%accepted .or. (trial%misfit < 0.7_dp * r%misfit .and. .not. r%accepted)) then
         r = trial
@@ -110,7 +98,7 @@ contains
       call window(t, r%f_lo, tops(top + 1) * t%nyquist, trial)      ! what lies beside a cliff is blurred by it
       if (trial%last - trial%first >= 5) r = trial
     end if
-    best = most_likely(t, m, r, fixed, fine)
+    best = most_likely(t, m, r%first, r%last, fixed, fine)
     call judge(t, best, r, noise)
     call complete(t, m, best, fixed, r)
     if (.not. present(from)) call look_for_two(t, m, fixed, r)
@@ -128,7 +116,7 @@ contains
     type(trial_t) :: b
     call window(t, t%f(1), t%f(size(t%f)), whole)
     if (.not. (r%probe > 0 .or. r%noise_variance > 0) .and. r%accepted) return
-    b = most_likely(t, m, whole, fixed, fine)
+    b = most_likely(t, m, whole%first, whole%last, fixed, fine)
     r%two = find_crossover(t, m, 1, size(t%f))
     if (b%deviance < r%two%deviance + merge(quantile, 0._dp, r%two%n(2) < r%two%n(1))) return
     b%deviance = r%two%deviance
@@ -154,7 +142,7 @@ contains
           if (fixed%noise >= 0 .and. j > 0) cycle
           some = fixed_t(fixed%noise, k == 0, 0.5_dp * i)
           if (fixed%noise < 0 .and. j == 0) some%noise = 0
-          b = most_likely(t, m, r, some, fine)
+          b = most_likely(t, m, r%first, r%last, some, fine)
           cost = b%deviance + 2 * (j + k)
           if (cost < least) best = b
           least = min(cost, least)
@@ -174,131 +162,6 @@ contains
     r%f_lo = t%f(r%first)
     r%f_hi = t%f(r%last)
   end subroutine window
-
-  !> The most likely point: over slopes on a grid that closes in, all else at its best.
-  function most_likely(t, m, r, fixed, passes) result(best)
-    type(ring_table_t), intent(in) :: t       !< rings
-    type(spectral_model_t), intent(in) :: m   !< tables
-    type(spectral_fit_t), intent(in) :: r     !< window
-    type(fixed_t), intent(in) :: fixed        !< what is known
-    integer, intent(in) :: passes             !< of the inner search
-    type(trial_t) :: best, x(17)
-    real(dp) :: low, high
-    integer :: i, pass, k
-    low = m%n_low
-    high = m%n_high
-    do pass = 1, merge(2, 5, passes <= coarse)
-      !$omp parallel do schedule(dynamic)
-      do i = 1, 17
-        x(i) = best_at(t, m, r, fixed, passes, low + (i - 1) * (high - low) / 16)
-      end do
-      k = minloc(x%deviance, 1)
-      if (x(k)%deviance < best%deviance .or. pass == 1) best = x(k)
-      low = max(m%n_low, best%n - (high - low) / 16)
-      high = min(m%n_high, 2 * best%n - low)
-    end do
-  end function most_likely
-
-  !> The most likely point at one slope: probe and share on grids that close in, amplitude and noise solved for.
-  pure type(trial_t) function best_at(t, m, r, fixed, passes, n) result(best)
-    type(ring_table_t), intent(in) :: t       !< rings
-    type(spectral_model_t), intent(in) :: m   !< tables
-    type(spectral_fit_t), intent(in) :: r     !< window
-    type(fixed_t), intent(in) :: fixed        !< what is known
-    integer, intent(in) :: passes             !< how often the grid closes in
-    real(dp), intent(in) :: n                 !< slope
-    type(slope_t) :: s
-    type(trial_t) :: x
-    real(dp) :: straight(r%last - r%first + 1), folded(r%last - r%first + 1, 2)
-    real(dp) :: most, low, high, left, right
-    integer :: pass, i, j
-    s = at_slope(m, n)
-    most = merge(0._dp, min(4 * m%spacing, 8 / (2 * pi * t%f(r%last))), fixed%sharp)
-    low = 0
-    high = most
-    left = max(fixed%fold, 0._dp)
-    right = merge(fixed%fold, 1._dp, fixed%fold >= 0)
-    do pass = 1, passes
-      do i = 0, 10
-        x%sigma = low + i * (high - low) / 10
-        call power_of(m, s, x%sigma, r%first, r%last, straight, folded)
-        do j = 0, 2
-          x%alpha = left + j * (right - left) / 2
-          call solve(t%p(r%first:r%last), t%m(r%first:r%last) / t%kappa, mixed(straight, folded, x%alpha), &
-            noise_power(t, fixed%noise), x)
-          if (x%deviance < best%deviance) best = x
-          if (maxval(folded(:, 2) / straight) < 1e-3_dp .or. left == right) exit
-        end do
-        if (fixed%sharp) exit
-      end do
-      if (fixed%sharp .and. fixed%fold >= 0) exit
-      high = 1.3_dp * (high - low) / 10
-      low = max(0._dp, best%sigma - high)
-      high = min(most, best%sigma + high)
-      if (fixed%fold >= 0) cycle
-      right = 0.6_dp * (right - left)
-      left = max(0._dp, best%alpha - 0.5_dp * right)
-      right = min(1._dp, left + right)
-    end do
-    best%n = n
-  end function best_at
-
-  !> Power of known noise per area of the frequency plane; negative if not known.
-  pure real(dp) function noise_power(t, noise)
-    type(ring_table_t), intent(in) :: t       !< rings
-    real(dp), intent(in) :: noise             !< rms [m]
-    noise_power = -1
-    if (noise >= 0) noise_power = noise**2 * t%step(1) * merge(t%step(2), 1._dp, t%dim == 2)
-  end function noise_power
-
-  !> Amplitude and noise, neither negative, of least deviance for a given shape: weighted least squares again and again.
-  pure subroutine solve(p, m, x, known, b)
-    real(dp), intent(in) :: p(:), m(:)        !< power, independent modes of the rings
-    real(dp), intent(in) :: x(:)              !< shape
-    real(dp), intent(in) :: known             !< noise power, or negative
-    type(trial_t), intent(inout) :: b         !< a, v and deviance are set
-    real(dp) :: a, v, w(size(p)), xx, x1, one, px, p1, det, deviance, old
-    integer :: i
-    b%v = max(known, 0._dp)
-    b%a = sum(m * p / x) / sum(m)
-    if (known <= 0) b%deviance = deviance_of(p, m, b%a * x)
-    if (known == 0) return
-    if (known < 0) v = 0.5_dp * minval(p)
-    if (known > 0) v = known
-    a = max(sum(m * max(p - v, 0.05_dp * p) / x) / sum(m), tiny(a))
-    if (known > 0) b%deviance = huge(a)
-    old = huge(a)
-    do i = 1, 14
-      w = m / (a * x + v)**2
-      xx = sum(w * x * x)
-      px = sum(w * x * p)
-      x1 = sum(w * x)
-      one = sum(w)
-      p1 = sum(w * p)
-      if (known > 0) then
-        a = min(max((px - v * x1) / xx, 0.2_dp * a), 5 * a)
-      else
-        det = xx * one - x1**2
-        if (.not. det > 1e-14_dp * xx * one) exit
-        a = min(max((one * px - x1 * p1) / det, 0.2_dp * a), 5 * a)
-        v = min(max((xx * p1 - x1 * px) / det, 0.2_dp * v), 5 * v)
-      end if
-      deviance = deviance_of(p, m, a * x + v)
-      if (deviance < b%deviance) then
-        b%a = a
-        b%v = v
-        b%deviance = deviance
-      end if
-      if (abs(deviance - old) < 1e-7_dp * (1 + deviance)) exit
-      old = deviance
-    end do
-  end subroutine solve
-
-  !> Twice the ln likelihood that an expectation loses against the data themselves.
-  pure real(dp) function deviance_of(p, m, e)
-    real(dp), intent(in) :: p(:), m(:), e(:)  !< power, independent modes, expectation
-    deviance_of = 2 * sum(m * (p / e - 1 - log(p / e)))
-  end function deviance_of
 
   !> Goodness of fit of a window.
   subroutine judge(t, b, r, noise)
@@ -320,13 +183,14 @@ contains
   subroutine complete(t, m, b, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
-    type(trial_t), intent(in) :: b                !< most likely point
+    type(trial_t), intent(inout) :: b             !< most likely point
     type(fixed_t), intent(in) :: fixed            !< what is known
     type(spectral_fit_t), intent(inout) :: r      !< result
     real(dp) :: straight(r%last - r%first + 1), folded(r%last - r%first + 1, 2)
     real(dp) :: more, variance, bend
     type(trial_t) :: c
     c = simplest(t, m, r, fixed)
+    if (c%deviance < b%deviance) b = c
     r%d = d_of(t, c%n)
     r%ln_g = ln_g_of(t, c%n, log(c%a))
     r%probe = c%sigma
@@ -367,13 +231,13 @@ contains
       do i = 0, 12                                ! outwards until outside
         out = b%n + (2 * side - 3) * 0.01_dp * 2**i
         out = min(max(out, m%n_low), m%n_high)
-        p = best_at(t, m, r, fixed, fine, out)
+        p = best_at(t, m, r%first, r%last, fixed, out)
         if (p%deviance - b%deviance > limit .or. out <= m%n_low .or. out >= m%n_high) exit
         in = out
       end do
       if (p%deviance - b%deviance > limit) then
         do i = 1, 9
-          p = best_at(t, m, r, fixed, fine, 0.5_dp * (in + out))
+          p = best_at(t, m, r%first, r%last, fixed, 0.5_dp * (in + out))
           if (p%deviance - b%deviance > limit) then
             out = 0.5_dp * (in + out)
           else
@@ -389,7 +253,7 @@ contains
     x(:, 2) = r%ln_g
     each = t%kappa / sum(t%m(r%first:r%last))
     do i = 1, count_of + 1
-      p = best_at(t, m, r, fixed, fine, bound(1) + (i - 1) * (bound(2) - bound(1)) / count_of)
+      p = best_at(t, m, r%first, r%last, fixed, bound(1) + (i - 1) * (bound(2) - bound(1)) / count_of)
       d(i) = d_of(t, p%n)
       lng = ln_g_of(t, p%n, log(p%a))
       g(i) = lng

@@ -8,13 +8,15 @@
 !> J. R. Stat. Soc. B 84).
 module hd_spectral_model
   use hd_kinds, only: dp, pi
-  use hd_ring_table, only: ring_table_t, reach, per_bin
+  use hd_ring_table, only: ring_table_t, reach, per_bin, far
   implicit none
   private
   public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed, shares
 
   integer, parameter :: nodes = 41            !< over n
   integer, parameter :: blurs = 13            !< over sigma^2
+  integer, parameter :: steeps = 64           !< over the square of the slope of ln power
+  real(dp), parameter :: steepest = 6         !< the last of them [1/mode^2]
   real(dp), parameter :: most_blur = 1        !< sigma of the last of them [spacing]: nothing folds back from there on
 
   !> Tables over the slope n.
@@ -24,6 +26,8 @@ module hd_spectral_model
     real(dp), allocatable :: f(:)             !< frequencies [1/m]
     real(dp), allocatable :: wide(:)          !< half the mean square of ln f about a ring's
     real(dp) :: square = 0                    !< what the taper adds of a second derivative [1/m^2]
+    real(dp) :: mode2 = 0                     !< area of a mode of the frequency plane (line: square of its length) [1/m^2]
+    real(dp) :: lift(0:steeps) = 0            !< ln of what the taper makes of an exponential decay, over the square of its slope
     integer :: dim = 2                        !< 1: a single row
     real(dp), allocatable :: main(:, :)       !< ln of f^-n under the taper (rings, nodes)
     real(dp), allocatable :: folded(:, :, :, :) !< ln of what folds back (rings, blurs, nearer and all detail, nodes)
@@ -55,6 +59,8 @@ contains
       m%square = m%square + (real(i, dp) / per_bin)**2 * merge(0.25_dp * sum(t%kernel(i, :) / t%side**2), &
         0.5_dp * t%kernel(i, 1) / t%side(1)**2, t%dim == 2)
     end do
+    m%mode2 = 1 / merge(product(t%side), t%side(1)**2, t%dim == 2)
+    m%lift = [(log(lifted(t, sqrt(i * steepest / steeps))), i=0, steeps)]
     slopes = m%n_low + [(i, i=0, nodes - 1)] * (m%n_high - m%n_low) / (nodes - 1)
     allocate (m%main(size(t%f), nodes), m%folded(size(t%f), blurs, 2, nodes))
     !$omp parallel do
@@ -66,6 +72,24 @@ contains
       m%folded(i, :, :, :) = log(folded_of(t, i, slopes, m%spacing))
     end do
   end function new_spectral_model
+
+  !> Mean of an exponential decay under the kernel of the taper within its reach, over that at its middle: mean of two directions.
+  pure real(dp) function lifted(t, slope)
+    type(ring_table_t), intent(in) :: t       !< taper
+    real(dp), intent(in) :: slope             !< of ln power, of a mode of the mean side [1/mode]
+    real(dp) :: a(2), m(2)
+    integer :: i, j
+    lifted = 0
+    do i = 1, 2
+      a = slope * [cos((2 * i - 1) * pi / 8), sin((2 * i - 1) * pi / 8)] * sqrt(product(t%side)) / t%side
+      if (t%dim == 1) a = [slope, 0._dp]
+      m = t%whole(0, :)
+      do j = 1, far
+        m = m + 2 * t%whole(j, :) * cosh(j * a)
+      end do
+      lifted = lifted + 0.5_dp * m(1) * merge(m(2), 1._dp, t%dim == 2)
+    end do
+  end function lifted
 
   !> ln of f^-n as the taper sees it: its power summed over the kernel for single low modes, to second order elsewhere.
   pure function main_of(t, m, n) result(v)
@@ -166,7 +190,8 @@ contains
   end function at_slope
 
   !> What A multiplies: power law through the probe, and what folds back of nearer and of all detail. A probe bends the law within a
-  !> ring and within the reach of the taper: to second order, Q = f^2 P''/P of a map's Laplacian or of a line.
+  !> ring and within the reach of the taper. There the power falls exponentially, with the slope of its middle over ln f and over f;
+  !> what the slope changes counts to first order.
   pure subroutine power_of(m, s, sigma, first, last, straight, folded)
     type(spectral_model_t), intent(in) :: m   !< tables
     type(slope_t), intent(in) :: s            !< at the slope
@@ -174,12 +199,16 @@ contains
     integer, intent(in) :: first, last        !< rings
     real(dp), intent(out) :: straight(:)      !< (last - first + 1)
     real(dp), intent(out) :: folded(:, :)     !< (last - first + 1, 2)
-    real(dp) :: x, blur(last - first + 1), more(last - first + 1)
+    real(dp) :: x, blur(last - first + 1), steep(last - first + 1), mode(last - first + 1)
     integer :: i
-    blur = (2 * pi * sigma * m%f(first:last))**2
-    more = 4 * blur * (s%n + blur - 1)                  ! Q less that of a point
-    straight = s%main(first:last) * exp(-blur) * (1 + m%wide(first:last) * more + m%square / m%f(first:last)**2 &
-      * (more + merge(0._dp, 2 * blur, m%dim == 2)))
+    associate (wide => m%wide(first:last))
+      blur = (2 * pi * sigma * m%f(first:last))**2
+      steep = (s%n + 2 * blur)**2
+      mode = m%mode2 / m%f(first:last)**2
+      straight = s%main(first:last) * exp(-blur + lift_of(m, steep * mode) - lift_of(m, s%n**2 * mode)) &
+        * evened(wide * steep) / evened(wide * s%n**2) &
+        * (1 - 4 * blur * wide) * (1 - merge(4, 2, m%dim == 2) * blur * m%square / m%f(first:last)**2)
+    end associate
     x = sigma / (most_blur * m%spacing) * (blurs - 1)
     i = min(int(x), blurs - 2)
     if (x >= blurs - 1) then
@@ -189,6 +218,23 @@ contains
       folded = exp(s%folded(first:last, i + 1, :) * (1 - x) + s%folded(first:last, i + 2, :) * x)
     end if
   end subroutine power_of
+
+  !> ln of what the taper makes of an exponential decay, between nodes.
+  elemental real(dp) function lift_of(m, steep)
+    type(spectral_model_t), intent(in) :: m   !< table
+    real(dp), intent(in) :: steep             !< square of the slope of ln power [1/mode^2]
+    real(dp) :: x
+    integer :: i
+    x = steep / steepest * steeps
+    i = min(int(min(x, real(steeps, dp))), steeps - 1)
+    lift_of = m%lift(i) + min(x - i, 1._dp) * (m%lift(i + 1) - m%lift(i))
+  end function lift_of
+
+  !> Mean of exp(x y) over y from -1 to 1, sinh x / x, of x^2 / 6.
+  elemental real(dp) function evened(z)
+    real(dp), intent(in) :: z   !< x^2 / 6
+    evened = 1 + z * (1 + 0.3_dp * z * (1 + z / 7 * (1 + z / 12)))
+  end function evened
 
   !> Power law and what folds back of it.
   pure function mixed(straight, folded, alpha) result(p)

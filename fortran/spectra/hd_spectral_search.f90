@@ -1,0 +1,227 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Search for the most likely spectrum of rings: slope, amplitude, a Gaussian probe, what folds back from beyond the grid, and white
+!> noise. Likelihood of independent exponential modes (Whittle). At one slope the deviance has several minima: each that a grid of
+!> probes shows is followed to its bottom by Fisher's scoring within the bounds (Levenberg and Marquardt).
+module hd_spectral_search
+  use hd_kinds, only: dp, pi
+  use hd_ring_table, only: ring_table_t
+  use hd_spectral_model, only: spectral_model_t, slope_t, at_slope, power_of, mixed, shares
+  implicit none
+  private
+  public :: trial_t, fixed_t, most_likely, best_at
+
+  integer, parameter :: probes = 9            !< of the grid over the probe
+
+  !> One trial of the likelihood.
+  type :: trial_t
+    real(dp) :: n = 0, a = 0, v = 0, sigma = 0, alpha = 0   !< slope, amplitude, noise power, probe [m], detail that folds back
+    real(dp) :: deviance = huge(0._dp)                      !< twice the ln likelihood below that of the data themselves
+  end type trial_t
+
+  !> What a search leaves alone.
+  type :: fixed_t
+    real(dp) :: noise = -1                    !< rms [m]; negative: free
+    logical :: sharp = .false.                !< the probe is a point
+    real(dp) :: fold = -1                     !< share of finer detail; negative: free
+  end type fixed_t
+
+contains
+
+  !> The most likely point: over slopes on a grid that closes in, all else at its best.
+  function most_likely(t, m, first, last, fixed, passes) result(best)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    integer, intent(in) :: first, last        !< rings of the window
+    type(fixed_t), intent(in) :: fixed        !< what is known
+    integer, intent(in) :: passes             !< of the grid
+    type(trial_t) :: best, x(17)
+    real(dp) :: low, high
+    integer :: i, pass, k
+    low = m%n_low
+    high = m%n_high
+    do pass = 1, passes
+      !$omp parallel do schedule(dynamic)
+      do i = 1, 17
+        x(i) = best_at(t, m, first, last, fixed, low + (i - 1) * (high - low) / 16)
+      end do
+      k = minloc(x%deviance, 1)
+      if (x(k)%deviance < best%deviance .or. pass == 1) best = x(k)
+      low = max(m%n_low, best%n - (high - low) / 16)
+      high = min(m%n_high, 2 * best%n - low)
+    end do
+  end function most_likely
+
+  !> The most likely point at one slope. The share of finer detail has two ranges, with a kink of the expectation between them.
+  pure type(trial_t) function best_at(t, m, first, last, fixed, n) result(best)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    integer, intent(in) :: first, last        !< rings of the window
+    type(fixed_t), intent(in) :: fixed        !< what is known
+    real(dp), intent(in) :: n                 !< slope
+    type(slope_t) :: s
+    type(trial_t) :: x(0:probes)
+    real(dp) :: straight(last - first + 1), folded(last - first + 1, 2), low(4), high(4), noise
+    integer :: range, i, count_of
+    s = at_slope(m, n)
+    noise = noise_power(t, fixed%noise)
+    low = [0._dp, max(noise, 0._dp), 0._dp, 0._dp]            ! of amplitude, noise, square of the probe, share
+    high = [huge(n), merge(noise, huge(n), noise >= 0), min(4 * m%spacing, 8 / (2 * pi * t%f(last)))**2, 1._dp]
+    if (fixed%sharp) high(3) = 0
+    count_of = merge(1, probes, fixed%sharp)
+    do range = 1, merge(1, 2, fixed%fold >= 0)
+      low(4) = merge(fixed%fold, 0.5_dp * (range - 1), fixed%fold >= 0)
+      high(4) = merge(fixed%fold, 0.5_dp * range, fixed%fold >= 0)
+      x%deviance = huge(n)
+      do i = 1, count_of
+        x(i)%sigma = sqrt(high(3)) * (real(i - 1, dp) / (probes - 1))**1.5_dp
+        x(i)%alpha = 0.5_dp * (low(4) + high(4))
+        call power_of(m, s, x(i)%sigma, first, last, straight, folded)
+        call solve(t%p(first:last), t%m(first:last) / t%kappa, mixed(straight, folded, x(i)%alpha), noise, x(i))
+      end do
+      do i = 1, count_of
+        if (x(i)%deviance > min(x(i - 1)%deviance, x(min(i + 1, probes))%deviance)) cycle
+        call descend(t, m, s, first, last, low, high, x(i))
+        if (x(i)%deviance < best%deviance) best = x(i)
+      end do
+    end do
+    best%n = n
+  end function best_at
+
+  !> Power of known noise per area of the frequency plane; negative if not known.
+  pure real(dp) function noise_power(t, noise)
+    type(ring_table_t), intent(in) :: t       !< rings
+    real(dp), intent(in) :: noise             !< rms [m]
+    noise_power = -1
+    if (noise >= 0) noise_power = noise**2 * t%step(1) * merge(t%step(2), 1._dp, t%dim == 2)
+  end function noise_power
+
+  !> From a point to the bottom of its valley, within bounds.
+  pure subroutine descend(t, m, s, first, last, low, high, b)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t), intent(in) :: m   !< tables
+    type(slope_t), intent(in) :: s            !< tables at the slope
+    integer, intent(in) :: first, last        !< rings of the window
+    real(dp), intent(in) :: low(4), high(4)   !< bounds of amplitude, noise, square of the probe, share
+    type(trial_t), intent(inout) :: b         !< where to start, with its deviance; the bottom
+    real(dp), dimension(last - first + 1) :: p, w, straight, near, e
+    real(dp) :: folded(last - first + 1, 2), nearby(last - first + 1, 2), j(last - first + 1, 4)
+    real(dp) :: q(4), g(4), h(4, 4), step(4), damp, more, deviance
+    logical :: free(4)
+    integer :: turn, i
+    p = t%p(first:last)
+    w = t%m(first:last) / t%kappa
+    q = [b%a, b%v, b%sigma**2, b%alpha]
+    more = 1e-4_dp * m%spacing**2
+    damp = 1e-3_dp
+    call power_of(m, s, b%sigma, first, last, straight, folded)
+    do turn = 1, 40
+      call power_of(m, s, sqrt(q(3) + more), first, last, near, nearby)
+      j(:, 1) = mixed(straight, folded, q(4))
+      e = q(1) * j(:, 1) + q(2)
+      j(:, 2) = 1
+      j(:, 3) = q(1) * (mixed(near, nearby, q(4)) - j(:, 1)) / more
+      j(:, 4) = q(1) * matmul(folded, (shares(high(4)) - shares(low(4))) / max(high(4) - low(4), 0.1_dp))
+      do i = 1, 4
+        j(:, i) = j(:, i) / e * sqrt(w)
+      end do
+      g = matmul((p / e - 1) * sqrt(w), j)
+      h = matmul(transpose(j), j)
+      free = high > low .and. .not. ((q <= low .and. g <= 0) .or. (q >= high .and. g >= 0)) .and. &
+        [(h(i, i), i=1, 4)] > 0
+      do
+        step = newton_step(h, g, free, damp)
+        step = min(max(q + step, low, [0.1_dp * q(1), 0._dp, 0._dp, 0._dp]), high)
+        call power_of(m, s, sqrt(step(3)), first, last, near, nearby)
+        deviance = deviance_of(p, w, step(1) * mixed(near, nearby, step(4)) + step(2))
+        if (deviance < b%deviance .or. damp > 1e5_dp) exit
+        damp = 10 * damp
+      end do
+      if (.not. deviance < b%deviance) exit
+      q = step
+      straight = near
+      folded = nearby
+      damp = max(0.1_dp * damp, 1e-7_dp)
+      step(1) = b%deviance - deviance
+      b%deviance = deviance
+      if (step(1) < 1e-5_dp) exit
+    end do
+    b%a = q(1)
+    b%v = q(2)
+    b%sigma = sqrt(q(3))
+    b%alpha = q(4)
+  end subroutine descend
+
+  !> Step of a damped normal equation (Levenberg and Marquardt) among the free unknowns, by Cholesky's factors.
+  pure function newton_step(h, g, free, damp) result(x)
+    real(dp), intent(in) :: h(4, 4), g(4)     !< information and slope of the ln likelihood
+    logical, intent(in) :: free(4)            !< unknowns that move
+    real(dp), intent(in) :: damp              !< what is added to the diagonal, over it
+    real(dp) :: x(4), l(4, 4), scale(4)
+    integer :: i, j
+    scale = [(merge(1 / sqrt(max(h(i, i), tiny(damp))), 0._dp, free(i)), i=1, 4)]
+    l = 0
+    do j = 1, 4
+      do i = j, 4
+        l(i, j) = h(i, j) * scale(i) * scale(j) - dot_product(l(i, :j - 1), l(j, :j - 1))
+        if (i == j) l(i, i) = sqrt(max(l(i, i) + merge(damp, 1._dp, free(i)), 1e-12_dp))
+        if (i > j) l(i, j) = l(i, j) / l(j, j)
+      end do
+    end do
+    do i = 1, 4
+      x(i) = (g(i) * scale(i) - dot_product(l(i, :i - 1), x(:i - 1))) / l(i, i)
+    end do
+    do i = 4, 1, -1
+      x(i) = (x(i) - dot_product(l(i + 1:, i), x(i + 1:))) / l(i, i)
+    end do
+    x = x * scale
+  end function newton_step
+
+  !> Amplitude and noise, neither negative, of least deviance for a given shape: weighted least squares again and again.
+  pure subroutine solve(p, m, x, known, b)
+    real(dp), intent(in) :: p(:), m(:)        !< power, independent modes of the rings
+    real(dp), intent(in) :: x(:)              !< shape
+    real(dp), intent(in) :: known             !< noise power, or negative
+    type(trial_t), intent(inout) :: b         !< a, v and deviance are set
+    real(dp) :: a, v, w(size(p)), xx, x1, one, px, p1, det, deviance, old
+    integer :: i
+    b%v = max(known, 0._dp)
+    b%a = sum(m * p / x) / sum(m)
+    if (known <= 0) b%deviance = deviance_of(p, m, b%a * x)
+    if (known == 0) return
+    if (known < 0) v = 0.5_dp * minval(p)
+    if (known > 0) v = known
+    a = max(sum(m * max(p - v, 0.05_dp * p) / x) / sum(m), tiny(a))
+    if (known > 0) b%deviance = huge(a)
+    old = huge(a)
+    do i = 1, 14
+      w = m / (a * x + v)**2
+      xx = sum(w * x * x)
+      px = sum(w * x * p)
+      x1 = sum(w * x)
+      one = sum(w)
+      p1 = sum(w * p)
+      if (known > 0) then
+        a = min(max((px - v * x1) / xx, 0.2_dp * a), 5 * a)
+      else
+        det = xx * one - x1**2
+        if (.not. det > 1e-14_dp * xx * one) exit
+        a = min(max((one * px - x1 * p1) / det, 0.2_dp * a), 5 * a)
+        v = min(max((xx * p1 - x1 * px) / det, 0.2_dp * v), 5 * v)
+      end if
+      deviance = deviance_of(p, m, a * x + v)
+      if (deviance < b%deviance) then
+        b%a = a
+        b%v = v
+        b%deviance = deviance
+      end if
+      if (abs(deviance - old) < 1e-7_dp * (1 + deviance)) exit
+      old = deviance
+    end do
+  end subroutine solve
+
+  !> Twice the ln likelihood that an expectation loses against the data themselves.
+  pure real(dp) function deviance_of(p, m, e)
+    real(dp), intent(in) :: p(:), m(:), e(:)  !< power, independent modes, expectation
+    deviance_of = 2 * sum(m * (p / e - 1 - log(p / e)))
+  end function deviance_of
+end module hd_spectral_search

@@ -2,8 +2,9 @@
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
 docs/evidence/drive.md, drive_inputs.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
 
-Usage: python bench/drive_catalogue.py [sizes | fine]
-sizes: solve these again, take the rest from the record; fine: the loop of size 14 at 10^6 dof alone (bench/results/drive_fine.json)
+Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove] | pages | fine
+words: solve these, or nothing (pages), and take the rest from the record, none: all; fine: the loop of size 14 at 10^6 dof alone
+(bench/results/drive_fine.json)
 """
 import json
 import sys
@@ -11,7 +12,7 @@ import tempfile
 
 import numpy as np
 
-from common import DATA, RESULTS, put, save_figure, solve, table, write_record
+from common import DATA, RESULTS, commit, put, save_figure, solve, table, write_record
 from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
@@ -33,6 +34,7 @@ UNKNOWN = (
     ("wall 0.32 mm", {"geometry.wall_thickness": 0.32e-3}), ("rim 0.36 mm", {"geometry.rim_thickness": 0.36e-3}),
     ("interference 0", {"wave_generator.interference": 0}), ("friction 0.05", {"contact.friction": 0.05}))
 FINE = {"mesh.divisions": 344, "mesh.band_facets": 60, "mesh.through_wall": 4, "mesh.through_ring": 4, "output.vtu": "none"}
+GROOVES = ((0, 15), (0.2e-3, 15), (0.4e-3, 15), (0.6e-3, 15))  # depth [m], cells along the ring
 TORQUES = (1, 3, 5)
 CASES = [(0.0, 0.2e-3), (10e-6, 0.2e-3)] + [(0.0, w * 1e-3) for w in (0.195, 0.205, 0.21, 0.215)]
 
@@ -114,6 +116,18 @@ def fine():
         for r, t in zip(rows, ("10 s, 200 MB", "180 s"))]), page="evidence/drive")
 
 
+def groove():
+    """The loop of size 14 over the depth of the balls' groove."""
+    rows = []
+    for depth, cells in GROOVES:
+        summary, _, _ = run("drive14.nml", {"bearing.groove_depth": depth, "mesh.ring_facets": cells})
+        r = summary["results"]
+        rows.append({"depth_m": depth, "width_m": 2 * (depth * (2 * 0.52 * 3.2e-3 - depth)) ** 0.5, "ring_facets": cells, "k": three(r),
+                     "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"], "ball_force_max_n": r["ball_force_max_n"],
+                     "von_mises_max_pa": r["von_mises_max_pa"], "cpu_s": summary["cpu_s"]})
+    return rows
+
+
 @styled
 def draw(rows):
     """Loop of size 14 beside the catalogue's chords; K over the size."""
@@ -151,13 +165,14 @@ def main():
     if sys.argv[1:] == ["fine"]:
         fine()
         return
-    size = sizes()
-    if sys.argv[1:] == ["sizes"]:
-        record = json.loads((RESULTS / "drive_catalogue.json").read_text())
-        inputs, path = record["sensitivity"], record["trends"]
-    else:
-        inputs, path = sensitivity(), trends()
-    write_record("drive_catalogue", {"sizes": size, "sensitivity": inputs, "trends": path}, threads=1)
+    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove}
+    found = json.loads((RESULTS / "drive_catalogue.json").read_text())
+    found["commits"] = found.get("commits", dict.fromkeys(parts, found.pop("provenance", {}).get("commit", "")))
+    for name in [] if sys.argv[1:] == ["pages"] else sys.argv[1:] or parts:
+        found[name] = parts[name]()
+        found["commits"][name] = commit()
+        write_record("drive_catalogue", {key: found[key] for key in (*parts, "commits") if key in found}, threads=1)
+    size, inputs, path = found["sizes"], found["inputs"], found["trends"]
     put("drive sizes", table(("size", "K1 / K2 / K3 in kN m/rad", "catalogue", "ours over the catalogue's", "hysteresis",
                               "lost motion", "largest ball, pair", "wave generator, T over it"), [
         (r["size"], " / ".join(f"{k:.3g}" for k in r["ours"]), " / ".join(f"{k:.3g}" for k in r["catalogue"] or []) or "not known",
@@ -174,6 +189,13 @@ def main():
     put("drive inputs", table(("input", "K1 / K2 / K3 in kN m/rad", "change in %"), [
         (r["input"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
         for r in inputs]), page="evidence/drive_inputs")
+    plain = {r["ring_facets"]: r["k"] for r in found["groove"] if not r["depth_m"]}
+    put("drive groove", table(("depth", "width", "least thickness of the ring", "cells along the ring", "K1 / K2 / K3 in kN m/rad", "change in %",
+                               "hysteresis", "largest ball", "largest stress"), [
+        (f"{1e3 * r['depth_m']:.1f} mm", f"{1e3 * r['width_m']:.2f} mm", f"{1 - 1e3 * r['depth_m']:.1f} mm", r["ring_facets"],
+         " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.1f}" for k, b in zip(r["k"], plain[r["ring_facets"]])),
+         f"{r['hysteresis_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f} N", f"{r['von_mises_max_pa'] / 1e6:.0f} MPa")
+        for r in found["groove"]]), page="evidence/drive_inputs")
     put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent of the coupled law"), [
         (f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm",
          *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) + ("" if i == 0 else f" ({change(path, k)(r)} %)")

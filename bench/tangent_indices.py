@@ -4,9 +4,10 @@
 
 The mesh is coarse: 24 divisions and 4 rows. The same indices by one-at-a-time factors (`drive_bands`) stand beside them.
 Writes bench/results/tangent_indices.json and the table of docs/evidence/sensitivity.md.
-Usage: bench/tangent_indices.py [--base N] [--work DIR] | pages
+Usage: bench/tangent_indices.py [--base N] [--work DIR] | factors | pages    factors: the indices stay as the record has them
 """
 import argparse
+import json
 import tempfile
 from importlib import metadata
 from pathlib import Path
@@ -16,7 +17,7 @@ from SALib.analyze import sobol as analysis
 from SALib.sample import sobol as sampling
 
 import hdengine
-from common import ROOT, put, read_record, table, write_record
+from common import RESULTS, ROOT, commit, put, read_record, table, write_record
 from hdengine import uncertainty
 
 FIXED = {"joint.model": "spectrum", "mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
@@ -33,43 +34,59 @@ def tangent(scene, keys, work):
     return float(kept.read_text())
 
 
+def kept():
+    """Indices of the record as they are, with the commit that solved them."""
+    commit_of = json.loads((RESULTS / "tangent_indices.json").read_text())["provenance"]["commit"]
+    found = read_record("tangent_indices")
+    rows = [{name: row[name] for name in ("input", "S1", "S1_conf", "ST", "ST_conf")} for row in found["indices"]]
+    return {"indices_commit": commit_of} | found | {"indices": rows}
+
+
+def by_factors(work):
+    """Shares, band and curves by factors, from one input at a time over the same ranges."""
+    scene = str(ROOT / "data/cd14.nml")
+    one = uncertainty.one_at_a_time(scene, RANGES, FIXED).run(Path(work) / "one.out", show=False)
+    middle, _ = uncertainty.drive_tornado(one, RANGES, COLUMN)
+    curves = uncertainty.drive_curves(one, RANGES, COLUMN)
+    factors = uncertainty.drive_factors(curves, RANGES)
+    _, shares = uncertainty.drive_bands(factors, middle)
+    product = middle * np.prod(list(factors.values()), axis=0)
+    return {"band_95_by_factors_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(product, (0.025, 0.975))], "factors_commit": commit(),
+            "curves": {key: [list(map(float, x)), [round(v, 5) for v in y]] for key, (x, y) in curves.items()},
+            "share_by_factors": {key: round(share, 4) for key, share in shares.items()}}
+
+
 def measure(base, work, seed=1):
-    """Indices of every input, and the shares by factors from the same ranges."""
+    """Indices of every input, all drawn at once."""
     scene = str(ROOT / "data/cd14.nml")
     problem = {"num_vars": len(RANGES), "names": list(RANGES), "bounds": [list(r[:2]) for r in RANGES.values()]}
     points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
     y = np.array([tangent(scene, dict(zip(RANGES, map(float, point))), Path(work)) for point in points])
     s = analysis.analyze(problem, np.log(y), calc_second_order=False, seed=seed)
-    one = uncertainty.one_at_a_time(scene, RANGES, FIXED).run(Path(work) / "one.out", show=False)
-    middle, ends = uncertainty.drive_tornado(one, RANGES, COLUMN)
-    factors = uncertainty.drive_factors(middle, ends, hdengine.read_scene(scene, **FIXED), RANGES)
-    _, shares = uncertainty.drive_bands(factors, middle)
-    product = middle * np.prod(list(factors.values()), axis=0)
-    rows = [{"input": key, **{name: round(float(s[name][i]), 4) for name in ("S1", "S1_conf", "ST", "ST_conf")}, "share_by_factors": round(shares[key], 4)}
-            for i, key in enumerate(RANGES)]
-    return {"fixed": FIXED, "points": len(y), "base": base, "sum_of_first_order": round(float(s["S1"].sum()), 4),
+    rows = [{"input": key, **{name: round(float(s[name][i]), 4) for name in ("S1", "S1_conf", "ST", "ST_conf")}} for i, key in enumerate(RANGES)]
+    return {"fixed": FIXED, "points": len(y), "base": base, "sum_of_first_order": round(float(s["S1"].sum()), 4), "indices_commit": commit(),
             "median_nm_per_rad": float(f"{np.median(y):.5g}"), "band_95_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(y, (0.025, 0.975))],
-            "band_95_by_factors_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(product, (0.025, 0.975))],
             "indices": sorted(rows, key=lambda r: -r["ST"])}
 
 
 def pages(found):
     """The table of the page."""
     put("tangent-indices", table(("input", "first order", "total", "by factors"), [
-        (f"`{r['input']}`", f"{r['S1']:.2f} ± {r['S1_conf']:.2f}", f"{r['ST']:.2f} ± {r['ST_conf']:.2f}", f"{r['share_by_factors']:.2f}")
-        for r in found["indices"] if max(r["ST"], r["share_by_factors"]) >= 0.005]), "evidence/sensitivity")
+        (f"`{r['input']}`", f"{r['S1']:.2f} ± {r['S1_conf']:.2f}", f"{r['ST']:.2f} ± {r['ST_conf']:.2f}", f"{found['share_by_factors'][r['input']]:.2f}")
+        for r in found["indices"] if max(r["ST"], found["share_by_factors"][r["input"]]) >= 0.005]), "evidence/sensitivity")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", nargs="?", choices=("pages",))
+    parser.add_argument("what", nargs="?", choices=("factors", "pages"))
     parser.add_argument("--base", type=int, default=64, help="power of 2")
     parser.add_argument("--work", help="folder of the runs (kept, and continued when called again)")
     args = parser.parse_args()
     if args.what != "pages":
         work = Path(args.work or tempfile.mkdtemp())
         work.mkdir(exist_ok=True)
-        write_record("tangent_indices", measure(args.base, work), seed=1, salib=metadata.version("SALib"))
+        found = kept() if args.what == "factors" else measure(args.base, work)
+        write_record("tangent_indices", found | by_factors(work), seed=1, salib=metadata.version("SALib"))
     pages(read_record("tangent_indices"))
 
 

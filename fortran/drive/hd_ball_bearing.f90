@@ -5,6 +5,7 @@ module hd_ball_bearing
   use hd_kinds, only: dp, pi
   use hd_face, only: face_t, shape_facet
   use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series, semi_axes
+  use hd_race, only: race_radius
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
@@ -22,7 +23,7 @@ contains
     type(point_contact_t) :: contact(2)
     real(dp) :: modulus, outer
     modulus = 1/((1 - scene%ball_nu**2)/scene%ball_e + (1 - scene%ring_nu**2)/scene%ring_e)
-    outer = scene%bore_radius - scene%ring_thickness
+    outer = race_radius(scene)
     contact(1) = ball_on_race(scene%ball_diameter, outer - scene%ball_diameter, scene%inner_conformity, modulus)
     contact(2) = ball_on_race(scene%ball_diameter, -outer, scene%outer_conformity, modulus)
   end function race_contacts
@@ -57,7 +58,7 @@ contains
     real(dp) :: theta(scene%balls), rate, length, width, axes(2), outer, z(2)
     integer :: i, rows
     rows = size(face%nodes, 2)/sectors
-    outer = scene%bore_radius - scene%ring_thickness
+    outer = race_radius(scene)
     z = [minval(face%chart(2, :, :)), maxval(face%chart(2, :, :))]
     contact = race_contacts(scene)
     axes = 2*semi_axes(contact(2), usual_force)

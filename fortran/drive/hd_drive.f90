@@ -167,9 +167,10 @@ contains
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
     integer, allocatable :: hub(:), inner(:)
-    real(dp) :: z, edge(2)
+    real(dp) :: edge(2)
+    integer :: middle
     associate (problem => drive%problem)
-      inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
+      inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
       problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
       if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
       if (scene%support == 'drive' .and. scene%balls > 0) then
@@ -186,12 +187,12 @@ contains
       if (scene%support == 'drive' .and. allocated(problem%loose) .and. frictionless(scene)) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
       end if
-      z = drive%ring%inner(2, (size(drive%ring%inner, 2) + 1)/2)
-      problem%fixed(3, nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness, z, z)) = .true.
+      middle = (size(drive%ring%inner, 2) + 1)/2
+      problem%fixed(3, nodes_on(drive, drive%b_ring, drive%ring%inner(:, middle:middle))) = .true.
       allocate (drive%sprung(0))
       drive%hub_radius = scene%hub_radius
       edge = [drive%cup%inner(2, size(drive%cup%inner, 2)), drive%cup%outer(2, size(drive%cup%inner, 2))]
-      hub = nodes_at(drive, drive%b_cup, scene%hub_radius, minval(edge), maxval(edge))
+      hub = nodes_on(drive, drive%b_cup, reshape([scene%hub_radius, minval(edge), scene%hub_radius, maxval(edge)], [2, 2]))
       problem%fixed(3, hub) = .true.
       drive%hub = hub
       if (scene%support /= 'bearing') then
@@ -259,32 +260,37 @@ contains
     integer, allocatable :: row(:)
     integer :: i, n
     n = size(drive%ring%inner, 2)
-    associate (r => scene%bore_radius - scene%ring_thickness, z => drive%ring%inner(2, :))
+    associate (z => drive%ring%inner(2, :))
       do i = 1, n
-        row = nodes_at(drive, drive%b_ring, r, z(i), z(i))
+        row = nodes_on(drive, drive%b_ring, drive%ring%inner(:, i:i))
         call add_springs(drive%problem, row, 1, scene%ball_stiffness*(z(min(i + 1, n)) - z(max(i - 1, 1)))/ &
           (2*(z(n) - z(1)))/size(row))
       end do
     end associate
   end subroutine set_on_balls
 
-  !> Nodes of a body on a cylinder, between two heights.
-  function nodes_at(drive, b, r, z_low, z_high) result(list)
-    type(drive_t), intent(in) :: drive              !< drive
-    integer, intent(in) :: b                        !< body
-    real(dp), intent(in) :: r                       !< radius [m]
-    real(dp), intent(in), optional :: z_low, z_high !< heights, default all [m]
+  !> Nodes of a body on a line of its meridian section, turned round the axis.
+  function nodes_on(drive, b, line) result(list)
+    type(drive_t), intent(in) :: drive       !< drive
+    integer, intent(in) :: b                 !< body
+    real(dp), intent(in) :: line(:, :)       !< r, z of its points by rising z, one: a circle (2, n) [m]
     integer, allocatable :: list(:)
-    real(dp) :: range(2), tol
-    integer :: i
+    logical :: on(size(drive%reference, 2))
+    real(dp) :: r, tol
+    integer :: i, k
     tol = 1e-7_dp*drive%radius
-    range = [-1, 1]*huge(tol)
-    if (present(z_low)) range = [z_low - tol, z_high + tol]
-    associate (first => drive%problem%first(b), n => drive%problem%bodies(b)%nodes())
-      list = pack([(i, i=first + 1, first + n)], abs(drive%reference(1, first + 1:first + n) - r) < tol .and. &
-        drive%reference(3, first + 1:first + n) > range(1) .and. drive%reference(3, first + 1:first + n) < range(2))
+    on = .false.
+    associate (first => drive%problem%first(b), n => size(line, 2), z => drive%reference(3, :))
+      do i = first + 1, first + drive%problem%bodies(b)%nodes()
+        if (z(i) <= line(2, 1) - tol .or. z(i) >= line(2, n) + tol) cycle
+        k = min(max(1, count(line(2, :) <= z(i))), max(1, n - 1))
+        r = line(1, k)
+        if (n > 1) r = r + (line(1, k + 1) - r)*(z(i) - line(2, k))/(line(2, k + 1) - line(2, k))
+        on(i) = abs(drive%reference(1, i) - r) < tol
+      end do
     end associate
-  end function nodes_at
+    list = pack([(i, i=1, size(on))], on)
+  end function nodes_on
 
   !> The wave generator and the displacements of the ring's inner face by it.
   subroutine turn_cam(scene, drive, error)
@@ -294,7 +300,7 @@ contains
     real(dp) :: angle
     angle = scene%eccentricity_angle_deg*pi/180
     drive%eccentricity = scene%eccentricity*[cos(angle), sin(angle)]
-    drive%inner = nodes_at(drive, drive%b_ring, scene%bore_radius - scene%ring_thickness)
+    drive%inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
     drive%exact = scene%kinematics == 'nonlinear' .and. scene%shape == 'pressed'
     drive%formed = scene%shape == 'as_formed'
     if (.not. drive%formed) call new_cam(scene, scene%bore_radius - scene%ring_thickness, drive%cam, error)

@@ -4,6 +4,7 @@ module hd_section
   use hd_kinds, only: dp, pi
   use hd_cup_sections, only: has_sections, meridian_of, straight_end, thickness_on_wall
   use hd_meridian, only: meridian_t
+  use hd_race, only: groove_depths
   use hd_revolution, only: strip_t, growth, append_intervals
   use hd_scene, only: scene_t
   implicit none
@@ -84,7 +85,7 @@ contains
     z = [scene%band_start]
     call append_band(scene, merge(scene%ring_facets, scene%band_facets, scene%ring_facets > 0), z)
     allocate (strip%inner(2, size(z)), strip%outer(2, size(z)))
-    strip%inner(1, :) = scene%bore_radius - scene%ring_thickness
+    strip%inner(1, :) = scene%bore_radius - scene%ring_thickness + groove_depths(scene, z)
     strip%outer(1, :) = scene%bore_radius
     strip%inner(2, :) = z
     strip%outer(2, :) = z

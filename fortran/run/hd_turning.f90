@@ -14,6 +14,7 @@ module hd_turning
   use hd_log, only: say, set_log_level, quiet
   use hd_model_cache, only: keep_model, take_model
   use hd_clock, only: wall_seconds
+  use hd_race, only: race_radius
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
   use hd_table, only: table_t
@@ -99,7 +100,7 @@ contains
   !> Turn of the cage over that of the outer race, where balls roll and the inner race stands.
   pure real(dp) function cage_share(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    associate (outer => scene%bore_radius - scene%ring_thickness)
+    associate (outer => race_radius(scene))
       cage_share = outer/(2*outer - scene%ball_diameter)
     end associate
   end function cage_share

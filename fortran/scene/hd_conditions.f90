@@ -3,6 +3,7 @@
 module hd_conditions
   use hd_kinds, only: dp, pi
   use hd_cup_sections, only: has_sections
+  use hd_race, only: race_radius, groove_width, deepest_groove
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, to_text
   implicit none
@@ -74,6 +75,8 @@ contains
       "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
     call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
       "support 'drive'; with others the circular spline is rigid:", 0._dp)
+    call need(faults, (s%support == 'drive' .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
+      s%groove_depth, "with support 'drive' and bearing.balls, that run in the groove; else", 0._dp)
     call need(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
       "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
     call need(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), &
@@ -103,17 +106,16 @@ contains
   subroutine check_drive(s, faults)
     type(scene_t), intent(in) :: s                            !< scene with support 'drive'
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
-    real(dp) :: inner
-    inner = s%bore_radius - s%ring_thickness
+    call check_groove(s, faults)
     call need(faults, s%shape == 'pressed' .and. s%ring_contact == 'tied', 'load.support', s%w, &
       "with support 'drive' shape = 'pressed' and ring_contact = 'tied' (bearing.balls make it unilateral); w", s%w)
     call need(faults, s%kinematics /= 'nonlinear' .and. s%method /= 'schur' .and. (s%factors == 'auto' .or. s%factors == 'exact'), &
       'load.torque', s%torque, "with support 'drive' solver.kinematics = 'linear', method auto, condensed or newton with "// &
       'exact factors; torque', s%torque)
     call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
-    call need(faults, s%ball_diameter*s%balls < 2*pi*(inner - s%ball_diameter/2), 'bearing.ball_diameter', &
+    call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &
       s%ball_diameter, 'so small that all balls have room on their circle: below', &
-      2*pi*(inner - s%ball_diameter/2)/max(1, s%balls))
+      2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))
     call need(faults, s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
       '0 where bearing.balls stand for it', 0._dp)
     call need(faults, .not. s%planned_tolerance > 0, 'run.tolerance', s%planned_tolerance, &
@@ -121,6 +123,23 @@ contains
       'one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays', 0._dp)
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
   end subroutine check_drive
+
+  !> The groove of the balls lies in the ring, and a cell of the ring in the groove.
+  subroutine check_groove(s, faults)
+    type(scene_t), intent(in) :: s                            !< scene with support 'drive'
+    type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
+    integer :: cells
+    if (s%balls == 0 .or. .not. s%groove_depth > 0) return
+    call need(faults, s%groove_depth < deepest_groove(s), 'bearing.groove_depth', s%groove_depth, &
+      'below three quarters of geometry.ring_thickness and below its radius (outer_conformity times ball_diameter), and so '// &
+      'small that the groove is narrower than the ring: below', deepest_groove(s))
+    if (.not. s%groove_depth < deepest_groove(s)) return
+    cells = merge(s%ring_facets, s%band_facets, s%ring_facets > 0)
+    call need(faults, cells*groove_width(s) >= s%band_length, trim(merge('mesh.ring_facets', 'mesh.band_facets', &
+      s%ring_facets > 0)), real(cells, dp), 'so many that the cells of the ring are not longer than the groove of '// &
+      'bearing.groove_depth is wide ('//to_text(groove_width(s))//' m): at least', &
+      real(ceiling(s%band_length/groove_width(s)), dp))
+  end subroutine check_groove
 
   !> A mistake where a condition does not hold.
   subroutine need(faults, condition, name, value, rule, limit)

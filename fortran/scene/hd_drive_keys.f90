@@ -22,6 +22,9 @@ contains
     call add_real(t, 'bearing', 'inner_conformity', 'model', s%inner_conformity, '', 0.5_dp, big, &
       'radius of the inner groove over the diameter of the ball')
     call add_real(t, 'bearing', 'outer_conformity', 'model', s%outer_conformity, '', 0.5_dp, big, 'of the outer groove')
+    call add_real(t, 'bearing', 'groove_depth', 'model', s%groove_depth, 'm', 0._dp, big, &
+      "of the balls' race in the outer ring, below the inner face of geometry.ring_thickness; radius of its section: "// &
+      'outer_conformity times ball_diameter; 0: no groove', closed=.true.)
     call add_real(t, 'bearing', 'clearance', 'assembly', s%ball_clearance, 'm', -big, big, &
       'radial, between ball and races of the undeformed bearing; negative: preload', closed=.true.)
     call add_real(t, 'bearing', 'cage_angle_deg', 'assembly', s%cage_angle_deg, 'deg', -360._dp, 360._dp, &

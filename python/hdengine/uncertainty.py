@@ -139,8 +139,18 @@ def joint_indices(field: Any, ranges: dict = JOINT, base: int = 128, seed: int =
     return {key: tuple(float(s[name][i]) for name in ("S1", "S1_conf", "ST", "ST_conf")) for i, key in enumerate(ranges)}
 
 
+def _places(low, high):
+    """Places of a range that are solved: five of numbers, both ends of names."""
+    return [low, high] if isinstance(low, str) else np.linspace(low, high, 5).tolist()
+
+
+def _same(a, b):
+    """Whether two values stand for one place."""
+    return a == b if isinstance(a, str) else abs(a - b) <= 1e-9 * max(abs(a), abs(b))
+
+
 def one_at_a_time(scene: str | os.PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Any:
-    """Study with the scene itself and both ends of each range: point 0, then low and high of each key.
+    """Study with the scene itself and five places of each range: point 0, then those of each key that differ from the scene.
 
     Parameters
     ----------
@@ -153,11 +163,18 @@ def one_at_a_time(scene: str | os.PathLike = "", ranges: dict | None = None, fix
     """
     ranges = DRIVE if ranges is None else ranges
     base = read_scene(scene, **(fixed or {}))
-    columns = {}
-    for i, (key, (low, high, _)) in enumerate(ranges.items()):
-        columns[key] = [base[key]] * (2 * len(ranges) + 1)
-        columns[key][2 * i + 1:2 * i + 3] = [low, high]
+    points = [{key: base[key] for key in ranges}]
+    for key, (low, high, _) in ranges.items():
+        points += [{**points[0], key: value} for value in _places(low, high) if not _same(value, base[key])]
+    columns = {key: [point[key] for point in points] for key in ranges}
     return Study(scene, together=columns, fixed=fixed or {}, rows="last", title="One at a time")
+
+
+def _solved(result, key, column):
+    """Value of the scene, and values by place of a key; NaN where a point failed."""
+    rows = {row["point"]: row for row in result.rows}
+    value = {point: row.get(column, np.nan) if row["status"] == "done" else np.nan for point, row in rows.items()}
+    return value[0], {row[key]: value[point] for point, row in rows.items() if point == 0 or row[key] != rows[0][key]}
 
 
 def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_rad") -> tuple:
@@ -169,10 +186,59 @@ def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_ra
     ends : dict
         key: (at low, at high); NaN where a point failed; the widest first.
     """
-    ranges = DRIVE if ranges is None else ranges
-    value = {row["point"]: row.get(column, np.nan) if row["status"] == "done" else np.nan for row in result.rows}
-    ends = {key: (value.get(2 * i + 1, np.nan), value.get(2 * i + 2, np.nan)) for i, key in enumerate(ranges)}
-    return value[0], dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
+    base, ends = np.nan, {}
+    for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
+        base, found = _solved(result, key, column)
+        first, last = (next((y for x, y in found.items() if _same(x, end)), np.nan) for end in (low, high))
+        ends[key] = first, last
+    return base, dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
+
+
+def drive_curves(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_rad") -> dict:
+    """K_TS over each input from the study of `one_at_a_time`, relative to that of the scene.
+
+    Parameters
+    ----------
+    result : StudyResult
+    ranges : dict
+        Of the study; default DRIVE.
+    column : str
+
+    Returns
+    -------
+    dict
+        key: (places, factors), places rising, without those that failed. Names stand at -1.96 (low), 0 (scene) and
+        1.96 (high).
+    """
+    curves = {}
+    for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
+        base, found = _solved(result, key, column)
+        points = {({low: -1.96, high: 1.96}.get(x, 0.0) if isinstance(x, str) else x): y / base for x, y in found.items()}
+        places = sorted(x for x, y in points.items() if np.isfinite(y))
+        curves[key] = places, [points[x] for x in places]
+    return curves
+
+
+def _follow(curve, at):
+    """Monotone cubic through the points of a curve (Fritsch and Butland 1984), level beyond its ends."""
+    x, y = np.asarray(curve[0], float), np.asarray(curve[1], float)
+    if len(x) < 3:
+        return np.interp(at, x, y) if len(x) else np.ones_like(at)
+    h, slope = np.diff(x), np.diff(y) / np.diff(x)
+    turns = slope[:-1] * slope[1:] <= 0
+    weight = (2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1])
+    safe = [np.where(turns, 1.0, part) for part in (slope[:-1], slope[1:])]
+    inner = np.where(turns, 0.0, sum(weight) / (weight[0] / safe[0] + weight[1] / safe[1]))
+    ends = []
+    for h0, h1, s0, s1 in ((h[0], h[1], slope[0], slope[1]), (h[-1], h[-2], slope[-1], slope[-2])):
+        end = ((2 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
+        end = 0.0 if end * s0 <= 0 else end
+        ends.append(3 * s0 if s0 * s1 < 0 and abs(end) > 3 * abs(s0) else end)
+    d = np.r_[ends[0], inner, ends[1]]
+    at = np.clip(at, x[0], x[-1])
+    i = np.clip(np.searchsorted(x, at) - 1, 0, len(h) - 1)
+    t = (at - x[i]) / h[i]
+    return y[i] + t * h[i] * (d[i] + t * (3 * slope[i] - 2 * d[i] - d[i + 1] + t * (d[i] + d[i + 1] - 2 * slope[i])))
 
 
 GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
@@ -184,18 +250,18 @@ GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
 }
 
 
-def bands(field: Any, base: Any = None, ends: Any = None, draws: int = 500, level: float = 0.95, seed: int = 1,
+def bands(field: Any, curves: Any = None, draws: int = 500, level: float = 0.95, seed: int = 1,
           ranges: dict | None = None) -> dict:
     """Bands of K_TS when groups of inputs scatter over their ranges.
 
-    Keys of the joint are evaluated on the contact field. Keys of the drive act as factors, each a straight line from its low
-    end over the scene's value to its high end (`drive_tornado`): what two of them do together is their product.
+    Keys of the joint are evaluated on the contact field. Keys of the drive act as factors along their curves: what two of them do
+    together is their product.
 
     Parameters
     ----------
     field : ContactField
-    base, ends : float and dict, optional
-        Of `drive_tornado`; without them only groups of the joint are given. Ends that failed count as no change.
+    curves : dict, optional
+        Of `drive_curves`; without them only groups of the joint are given.
     ranges : dict, optional
         Of the drive; default DRIVE.
 
@@ -206,7 +272,7 @@ def bands(field: Any, base: Any = None, ends: Any = None, draws: int = 500, leve
     """
     ranges, found = DRIVE if ranges is None else ranges, {}
     for name, (joint, drive) in GROUPS.items():
-        keys = [k for k in ends or {} if k.startswith(drive)] if drive else []
+        keys = [k for k in curves or {} if k.startswith(drive)] if drive else []
         if drive and not keys:
             continue
         generator, values = np.random.default_rng(seed), []
@@ -214,9 +280,8 @@ def bands(field: Any, base: Any = None, ends: Any = None, draws: int = 500, leve
         for _ in range(draws):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
-                (low, high), middle = ranges[key][:2], field.scene[key]
-                x = low + (high - low) * generator.random()
-                value *= np.interp(x, *_line((low, middle, high), (ends[key][0] / base, 1.0, ends[key][1] / base)))
+                low, high = ranges[key][:2]
+                value *= float(_follow(curves[key], low + (high - low) * generator.random()))
             values.append(value)
         found[name] = tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
     return found
@@ -260,17 +325,16 @@ def table_ranges(scene: dict, folder: str | os.PathLike) -> dict:
     return {"joint.table_file": (*ends, "95 % band of its table")}
 
 
-def drive_factors(base: float, ends: dict, scene: dict, ranges: dict, draws: int = 4000, seed: int = 1) -> dict:
-    """Factors on K_TS of every input of a tornado, drawn over its range.
+def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) -> dict:
+    """Factors on K_TS of every input, drawn over its range.
 
-    A number is drawn evenly over its range and acts as a straight line from its low end over the scene to its high end; the band of
-    a table is drawn as a normal error whose 95 % are its ends.
+    A number is drawn evenly over its range and acts along its curve, a monotone cubic. The band of a table is drawn as a normal
+    error whose 95 % are its ends.
 
     Parameters
     ----------
-    base, ends : float and dict
-        Of `drive_tornado`. Ends that failed count as no change.
-    scene : dict
+    curves : dict
+        Of `drive_curves`. Beyond a place that failed a curve is level.
     ranges : dict
         Of the same keys.
 
@@ -279,14 +343,10 @@ def drive_factors(base: float, ends: dict, scene: dict, ranges: dict, draws: int
     dict of ndarray
     """
     generator, found = np.random.default_rng(seed), {}
-    for key, (low, high) in ends.items():
-        x, y = (ranges[key][0], scene[key], ranges[key][1]), (low / base, 1.0, high / base)
-        at = generator.random(draws)
-        if isinstance(x[0], str):
-            x, at = (-1.96, 0.0, 1.96), generator.standard_normal(draws)
-        else:
-            at = x[0] + (x[2] - x[0]) * at
-        found[key] = np.maximum(np.interp(at, *_line(x, y)), 1e-9)
+    for key, curve in curves.items():
+        low, high = ranges[key][:2]
+        at = generator.standard_normal(draws) if isinstance(low, str) else low + (high - low) * generator.random(draws)
+        found[key] = np.maximum(_follow(curve, at), 1e-9)
     return found
 
 
@@ -313,12 +373,6 @@ def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, 
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
 
 
-def _line(x, y):
-    """Points in rising x, each once, without those that are not finite."""
-    kept = {a: b for a, b in zip(x, y) if np.isfinite(b)}
-    return sorted(kept), [kept[a] for a in sorted(kept)]
-
-
 def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
     """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, and with the
     drive tornado_drive.png (Eq. 45) and tornado_tangent.png, with bands and shares of the tangent.
@@ -328,7 +382,7 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     folder : str or Path
         Of the run.
     drive : bool
-        Also solve the contact anew at both ends of each range of DRIVE (kept in drive.out, and taken from there later).
+        Also solve the contact anew at five places of each range of DRIVE (kept in drive.out, and taken from there later).
     draws : int
         Of the bands.
     sobol : int
@@ -349,23 +403,23 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     if not field.k_ts() > 0:
         raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "
                          "Take joint.model='spectrum', or a load under which the faces touch")
-    joint, base, ends = joint_tornado(field), None, None
+    joint, curves = joint_tornado(field), None
     figures = {"tornado_joint.png": plot_tornado(field.k_ts(), joint, JOINT, "Joint, contact field kept")}
     found = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint}
     if drive or (result.folder / "drive.out/study.json").is_file():
         ranges = DRIVE | table_ranges(result.scene, result.folder / "tables")
         study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", show=show)
         base, every = drive_tornado(study, ranges)
-        ends = {key: two for key, two in every.items() if key in DRIVE}
+        curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key in DRIVE}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
         found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
         middle, tangents = drive_tornado(study, ranges, "k_ts_tangent_nm_per_rad")
         if middle > 0:
             figures["tornado_tangent.png"] = plot_tornado(middle, tangents, ranges, "Tangent, contact solved anew")
-            bands_of, shares = drive_bands(drive_factors(middle, tangents, result.scene, ranges), middle)
+            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_tangent_nm_per_rad"), ranges), middle)
             found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
                                 "shares_of_variance": shares}
-    found["bands_95_nm_per_rad"] = bands(field, base, ends, draws)
+    found["bands_95_nm_per_rad"] = bands(field, curves, draws)
     try:
         found["indices"] = joint_indices(field, base=sobol) if sobol else {}
     except InputError as why:

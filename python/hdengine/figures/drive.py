@@ -86,7 +86,7 @@ def plot_turning(result: Any) -> Any:
     table = result.turning
     angle = table["wave_generator_deg"]
     balls, teeth, outer = (result.scene[key] for key in ("bearing.balls", "load.teeth", "geometry.bore_radius"))
-    outer -= result.scene["geometry.ring_thickness"]
+    outer += result.scene.get("bearing.groove_depth", 0) - result.scene["geometry.ring_thickness"]
     cage = outer / (2 * outer - result.scene["bearing.ball_diameter"])
     pitch = 360 / balls / cage / (1 + 2 / teeth) if balls else np.inf
     figure, axes = new_axes(1, 2, figsize=(11, 4))

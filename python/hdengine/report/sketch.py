@@ -5,11 +5,6 @@ import math
 _FLEXSPLINE, _RING, _BAND = "#9fb8d0", "#d9c39a", "#d1495b"
 
 
-def _box(x, y, width, height, colour):
-    return (f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" fill="{colour}" stroke="#445" '
-            'stroke-width=".6"/>')
-
-
 def _ellipse(x, y, a, b, colour, width):
     return f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a:.1f}" ry="{b:.1f}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
 
@@ -34,6 +29,19 @@ def _meridian(scene, g):
             found.append([(z[i], r[i]), (z[i + 1], r[i + 1]), (z[i + 1] + t[i + 1] * n[1], r[i + 1] + t[i + 1] * n[0]),
                           (z[i] + t[i] * n[1], r[i] + t[i] * n[0])])
     return found
+
+
+def _ring(scene, g):
+    """Outline (z, r) of the ring in the cut, with the groove of the balls where it has one."""
+    r, start, end = g["bore_radius"], g["band_start"], g["band_start"] + g["band_length"]
+    inside, depth = r - g["ring_thickness"], scene.get("bearing.groove_depth", 0)
+    groove = []
+    if depth > 0:
+        radius = scene["bearing.outer_conformity"] * scene["bearing.ball_diameter"]
+        half = math.acos(1 - depth / radius)
+        groove = [((start + end) / 2 + radius * math.sin(half * k / 8), inside + depth + radius * (math.cos(half * k / 8) - 1))
+                  for k in range(8, -9, -1)]
+    return [(start, r), (end, r), (end, inside), *groove, (start, inside)]
 
 
 def draw_scene(scene: dict) -> str:
@@ -63,7 +71,8 @@ def draw_scene(scene: dict) -> str:
     parts = [
         *(f'<polygon points="{" ".join(f"{z(at):.1f},{y(radius):.1f}" for at, radius in piece)}" fill="{_FLEXSPLINE}" '
           'stroke="#445" stroke-width=".6"/>' for piece in cup),
-        _box(z(g["band_start"]), y(r), g["band_length"] * scale, g["ring_thickness"] * scale, _RING),
+        f'<polygon points="{" ".join(f"{z(at):.2f},{y(radius):.2f}" for at, radius in _ring(scene, g))}" fill="{_RING}" '
+        'stroke="#445" stroke-width=".6"/>',
         f'<line x1="{z(g["band_start"]):.1f}" y1="{y(r):.1f}" x2="{z(g["band_start"] + g["band_length"]):.1f}" y2="{y(r):.1f}" '
         f'stroke="{_BAND}" stroke-width="3"/>',
         f'<line x1="{left - 12:.1f}" y1="{axis:.1f}" x2="{z(length) + 12:.1f}" y2="{axis:.1f}" stroke="#445" '

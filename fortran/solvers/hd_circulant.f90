@@ -47,7 +47,6 @@ module hd_circulant
     integer :: rows = 0                             !< multipliers along the axis
     integer, allocatable :: row(:), sector(:)       !< place of each multiplier, sector from 0
     integer, allocatable :: beside(:, :)            !< rows before and behind each row on the same face, 0: none (2, rows)
-    logical :: single = .false.                     !< apply F in single precision
     logical :: inverted = .false.                   !< the inverse is there
     type(inverse_t) :: ring                         !< of the mean over the sectors
   contains
@@ -279,11 +278,7 @@ contains
     class(circulant_t), intent(inout) :: self    !< prepared
     real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
     real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
-    integer :: p
-    w = 0
-    do p = self%part(1), self%part(2)
-      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, self%single, f, w)
-    end do
+    call respond(self, .false., f, w)
   end subroutine apply_circulant
 
   !> The same, most of it in single precision.
@@ -291,10 +286,21 @@ contains
     class(circulant_t), intent(inout) :: self    !< prepared
     real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
     real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
-    self%single = .true.
-    call self%apply(f, w)
-    self%single = .false.
+    call respond(self, .true., f, w)
   end subroutine apply_circulant_single
+
+  !> Relative displacements by forces, of both sides.
+  subroutine respond(self, single, f, w)
+    class(circulant_t), intent(inout) :: self    !< prepared
+    logical, intent(in) :: single                !< single precision is enough
+    real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
+    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
+    integer :: p
+    w = 0
+    do p = self%part(1), self%part(2)
+      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, single, f, w)
+    end do
+  end subroutine respond
 
   !> Inverse of F where it is circulant, else of its mean over the sectors of the ring, a little softer.
   subroutine precondition_circulant(self, w, f, error)

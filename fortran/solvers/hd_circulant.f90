@@ -201,8 +201,7 @@ contains
     integer :: b, k
     b = merge(1, p, p == 3)
     !$omp parallel private(hat, other)
-    allocate (hat(self%sides(p)%hat%n, self%sides(p)%hat%n))
-    allocate (other, mold=hat)
+    allocate (hat(self%sides(p)%hat%n, self%sides(p)%hat%n), other(self%sides(p)%hat%n, self%sides(p)%hat%n))
     !$omp do schedule(dynamic)
     do k = 0, self%sides(p)%sectors/2, stride
       if (self%known == 1 .or. (self%known == 2 .and. modulo(k, 2) == 0) .or. stop_requested()) cycle
@@ -222,23 +221,22 @@ contains
   subroutine merge_sides(self)
     type(circulant_t), intent(inout) :: self  !< gets parts
     integer :: at(self%rows), j
-    logical :: single
-    single = self%sides(1)%sectors == self%sides(2)%sectors .and. size(self%sides(1)%nodes) == self%rows .and. &
+    logical :: merged
+    merged = self%sides(1)%sectors == self%sides(2)%sectors .and. size(self%sides(1)%nodes) == self%rows .and. &
       size(self%sides(2)%nodes) == self%rows .and. size(self%row) == size(self%sides(1)%ptr) - 1
-    if (single) single = all(self%sides(1)%ptr(2:) - self%sides(1)%ptr(:size(self%row)) == 1) .and. &
+    if (merged) merged = all(self%sides(1)%ptr(2:) - self%sides(1)%ptr(:size(self%row)) == 1) .and. &
       all(self%sides(2)%ptr(2:) - self%sides(2)%ptr(:size(self%row)) == 1)
-    if (single) then
+    if (merged) then
       at = 0
       do j = 1, size(self%row)
         if (at(self%sides(1)%row(j)) == 0) at(self%sides(1)%row(j)) = self%sides(2)%row(j)
-        single = single .and. at(self%sides(1)%row(j)) == self%sides(2)%row(j) .and. &
+        merged = merged .and. at(self%sides(1)%row(j)) == self%sides(2)%row(j) .and. &
           self%sides(1)%sector(j) == self%sides(2)%sector(j) .and. &
           abs(abs(self%sides(1)%val(j)) - 1) < 1e-10_dp .and. abs(abs(self%sides(2)%val(j)) - 1) < 1e-10_dp
       end do
     end if
-    self%part = [1, 2]
-    if (.not. single) return
-    self%part = 3
+    self%part = merge(3, [1, 2], merged)
+    if (.not. merged) return
     self%sides(3) = self%sides(1)
     self%sides(3)%val = 1
     self%meets = [(3*at(j) - 2, 3*at(j) - 1, 3*at(j), j=1, self%rows)]

@@ -24,8 +24,8 @@ module hd_condensed
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
-  !> Nodes from which it pays not to solve the bodies of a drive a second time. Smaller meshes keep the rounding of both solves, which
-  !> decides whether a drive that cycles gets out.
+  !> Nodes from which it pays not to solve the bodies of a drive a second time. Smaller meshes keep the rounding of both
+  !> solves, which decides whether a drive that cycles gets out.
   integer, parameter :: many_nodes = 6000
   real(dp), parameter :: balanced = 1e-6_dp          !< forces out of balance that do not move the contact
   real(dp), parameter :: dense_rate = 2e10_dp        !< operations per second of LU, measured; only the ratio matters

@@ -1,15 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Number kinds used everywhere.
 module hd_kinds
-  use, intrinsic :: iso_fortran_env, only: real32, real64, real128, int32, int64
+  use, intrinsic :: iso_fortran_env, only: real32, real64, real128, int64
   implicit none
   private
-  public :: sp, dp, qp, i4, i8, pi
+  public :: sp, dp, qp, i8, pi
 
   integer, parameter :: sp = real32
   integer, parameter :: dp = real64
   integer, parameter :: qp = real128
-  integer, parameter :: i4 = int32
   integer, parameter :: i8 = int64
   real(dp), parameter :: pi = 3.14159265358979323846264338327950288_dp
 end module hd_kinds

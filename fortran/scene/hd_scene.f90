@@ -4,7 +4,7 @@ module hd_scene
   use hd_kinds, only: dp
   implicit none
   private
-  public :: scene_t, surface_t, surface_fit_t, name_length
+  public :: scene_t, surface_t, surface_fit_t
 
   integer, parameter :: name_length = 32   !< longest choice
   integer, parameter :: title_length = 120 !< longest title

@@ -10,15 +10,16 @@ module hd_blind_fit
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_cleaning, only: cleaned_t, crop
   use hd_holes, only: fill_holes, synthetic
-  use hd_seams, only: remove_offsets
+  use hd_lay, only: is_lay
+  use hd_seams, only: remove_offsets, seams_t
   use hd_ring_table, only: ring_table_t, new_ring_table
-  use hd_spectral_fit, only: spectral_fit_t, fit_spectrum
+  use hd_spectral_fit, only: spectral_fit_t, fit_spectrum, quantile
   use hd_spectral_model, only: shares
   use hd_surface_fit, only: fit_t
   use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated
   implicit none
   private
-  public :: blind_t, fit_blind, judge_blind
+  public :: blind_t, fit_blind, judge_blind, name_lay
 
   real(dp), parameter :: lines = 3            !< scatter of modes about their ring from which on the spectrum is one of lines
   real(dp), parameter :: many_spikes = 0.02_dp !< share of masked points of a map that is called spikes
@@ -36,6 +37,7 @@ module hd_blind_fit
     real(dp) :: tail = 0                      !< largest excess kurtosis of second differences, in 5 of its standard errors
     real(dp) :: excess = 0                    !< that kurtosis
     integer :: tail_lag = 0                   !< its step [points]
+    integer :: lay = 0                        !< direction of the waves of a lay, 1: x, 2: y; 0: none
     logical :: of_lines = .false.             !< single waves stand out: no continuous spectrum
   end type blind_t
 
@@ -92,8 +94,9 @@ contains
     type(blind_t), intent(inout) :: b                 !< holes and tails are added
     type(ring_table_t), intent(out) :: t              !< rings
     type(error_t), allocatable, intent(out) :: error  !< too small
-    type(ring_table_t) :: full, filled
-    real(dp), allocatable :: flat(:, :), mock(:, :)
+    type(ring_table_t) :: full, filled, raw
+    type(seams_t) :: seams
+    real(dp), allocatable :: flat(:, :), mock(:, :), kept(:, :)
     logical, allocatable :: hole(:, :)
     real(dp) :: tilt(2), slope, axis(2)
     integer :: k
@@ -108,6 +111,9 @@ contains
     call new_ring_table(flat, dx, dy, t, error)
     if (allocated(error)) return
     if (any(t%leak > offsets)) then                 ! offsets of rows or columns leak from the axes: take them off
+      kept = flat
+      raw = t
+      seams = map%seams
       axis = t%axis
       do k = 1, 2
         if (t%leak(k) > offsets) call remove_offsets(flat, k, map%seams)
@@ -116,7 +122,18 @@ contains
       call fill_holes(flat, hole)
       call new_ring_table(flat, dx, dy, t, error)
       if (allocated(error)) return
-      t%axis = axis
+      do k = 1, 2
+        if (axis(k) > offsets) then
+          if (is_lay(kept, k, map%seams, raw, t)) b%lay = k
+        end if
+      end do
+      if (b%lay > 0) then                           ! a lay is part of the surface: it stays
+        flat = kept
+        t = raw
+        map%seams = seams
+      else
+        t%axis = axis
+      end if
     end if
     call heavy_tails(flat, b)
     if (.not. any(hole)) return
@@ -189,6 +206,8 @@ contains
       if (b%spike_share > many_spikes) then
         v%name = 'spikes'
         v%reason = percent(b%spike_share)//' of the points stand more than six standard deviations off their neighbours'
+      else if (b%lay > 0) then
+        call name_lay(b, v)
       else if (r%interval(1, 1) > 2.97_dp .or. (r%d > 2.99_dp .and. f%f_hi < 4 * f%f_lo) &
         .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
         v%kind = noise_dominated
@@ -210,6 +229,9 @@ contains
         v%reason = 'D = '//to_text(b%ranges(1, 1))//' for wavelengths of '//to_text(b%ranges(2, 1))//' to '// &
           to_text(b%ranges(3, 1))//' m and '//to_text(b%ranges(1, 2))//' for '//to_text(b%ranges(2, 2))//' to '// &
           to_text(b%ranges(3, 2))//' m'
+        if (f%crossed .and. f%one - f%two%deviance < quantile) v%reason = v%reason//'. One law with probe or noise, D = '// &
+          to_text(f%d)//', is as likely (deviance '//to_text(f%one)//', two laws '//to_text(f%two%deviance)// &
+          '): this map cannot tell them apart'
       else
         v%kind = fractal
         v%reason = 'the spectrum follows the model for wavelengths of '// &
@@ -218,6 +240,20 @@ contains
       end if
     end associate
   end subroutine judge_blind
+
+  !> Verdict of a lay.
+  subroutine name_lay(b, v)
+    type(blind_t), intent(in) :: b            !< lay > 0
+    type(verdict_t), intent(inout) :: v       !< set
+    character(len=1) :: across
+    across = merge('x', 'y', b%lay == 1)
+    v%kind = not_fractal
+    v%name = 'lay'
+    v%reason = 'waves along '//across//' hold '//to_text(b%rings%axis(b%lay))//' times the power of other directions '// &
+      'and are no white offsets of '//trim(merge('columns', 'rows   ', b%lay == 1))//': grooves along '// &
+      merge('y', 'x', b%lay == 1)//'. Nothing was taken off, D is a mean over directions. Fit profiles along '//across// &
+      ', or give the joint the map'
+  end subroutine name_lay
 
   !> The ranges of a crossover: two laws that meet, or two windows of unlike D. Else one range, the window.
   pure subroutine find_ranges(b)

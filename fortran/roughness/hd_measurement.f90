@@ -7,7 +7,7 @@ module hd_measurement
   use hd_cleaning, only: cleaned_t, clean_map
   use hd_seams, only: seams_t, add_seams
   use hd_structure_function, only: check_map
-  use hd_blind_fit, only: blind_t, fit_blind, judge_blind
+  use hd_blind_fit, only: blind_t, fit_blind, judge_blind, name_lay
   use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_spectrum
   use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
@@ -78,6 +78,7 @@ contains
     end if
     call fit_surface(m%o, model, options, m%fit, error)
     if (allocated(error)) return
+    if (m%blind%lay > 0 .and. m%verdict%kind == fractal) call name_lay(m%blind, m%verdict)
     call judge_fit(m%o, model, options, m%fit, m%verdict)
   end subroutine measure
 

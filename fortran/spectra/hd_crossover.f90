@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Two power laws that meet: E p = A f^-n1 (1 + (f / f_c)^2)^((n1 - n2) / 2) and what folds back of the second, over all rings.
-!> A single law with probe, noise and finer detail bends too: a crossover is named where two laws are likelier than that.
+!> A single law with probe, noise and finer detail bends too. Such a map wants two slopes as close, or a place as near to an end of
+!> the band, as the search allows: two laws are `inside` where the likelihood has its top within those bounds.
 module hd_crossover
   use hd_kinds, only: dp
   use hd_ring_table, only: ring_table_t
@@ -11,12 +12,15 @@ module hd_crossover
 
   real(dp), parameter :: apart = 0.8_dp         !< least difference of the slopes: 0.4 of D
   real(dp), parameter :: span = 2               !< least factor of frequency that either law holds over
+  real(dp), parameter :: clear = 0.1_dp         !< of that difference from its bound
+  real(dp), parameter :: off = 1.03_dp          !< of the place from its bounds
 
   !> What was found.
   type :: crossover_t
     real(dp) :: n(2) = 0                        !< slopes below and above
     real(dp) :: f = 0                           !< where they meet [1/m]
     real(dp) :: alpha = 0                       !< share of detail finer than the spacing
+    logical :: inside = .false.                 !< within the bounds of the search
     real(dp) :: deviance = huge(0._dp)          !< twice the ln likelihood below that of the data themselves
   end type crossover_t
 
@@ -46,6 +50,7 @@ contains
       wide = (high - low) / 6 / 2**pass
       call search(s(:10), max(low, log(around%f) - wide), min(high, log(around%f) + wide), 7)
     end do
+    best%inside = abs(best%n(1) - best%n(2)) > apart + clear .and. log(best%f) > low + log(off) .and. log(best%f) < high - log(off)
   contains
     !> Best of a grid.
     subroutine search(s, low, high, places)

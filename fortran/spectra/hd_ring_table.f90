@@ -31,6 +31,8 @@ module hd_ring_table
     real(dp), allocatable :: scatter(:)       !< mean square of the modes' power over square of its mean; 2 of a Gaussian field
     real(dp) :: axis(2) = 1                   !< power of waves along x and y alone, over that of their rings or of the taper's leak
     real(dp) :: leak(2) = 1                   !< the same over that of their rings alone
+    real(dp) :: beside(2) = 1                 !< power of the modes next to those, over that of their rings
+    real(dp) :: beside_error(2) = 0           !< its standard error
     integer, allocatable :: kx(:), ky(:), ring(:) !< modes of low frequency and their rings
     real(dp), allocatable :: kernel(:, :)     !< power of the taper at 1/per_bin modes about 0, along x and y; sums are 1
     real(dp) :: whole(0:far, 2) = 0           !< the same at whole modes, from 0 on, along x and y; sums over all modes are 1
@@ -186,19 +188,43 @@ contains
     real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
     real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
     integer, intent(in) :: place(:)           !< of the rings in t, 0 where one was dropped
-    integer :: i, j, on_axis(2)
+    integer :: i, j, l, n, on_axis(2), next(2)
     t%axis = 0
     t%leak = 0
+    t%beside = 0
     on_axis = 0
+    next = 0
+    n = size(power, 2)
     do i = 5, size(power, 1)
       call add(1, (i - 1) / t%side(1), power(i, 1))
+      do l = axis_width, min(axis_width + 2, (i - 1) / 4)
+        call add_beside(1, hypot((i - 1) / t%side(1), l / t%side(2)), power(i, [1 + l, n + 1 - l]))
+      end do
     end do
-    do j = 5, size(power, 2) / 2
+    do j = 5, n / 2
       call add(2, (j - 1) / t%side(2), power(1, j))
+      do l = axis_width, min(axis_width + 2, (j - 1) / 4)
+        call add_beside(2, hypot(l / t%side(1), (j - 1) / t%side(2)), power(1 + l, [j, n + 2 - j]))
+      end do
     end do
     t%axis = t%axis / max(on_axis, 1)
     t%leak = t%leak / max(on_axis, 1)
+    t%beside = merge(t%beside / max(next, 1), 1._dp, next > 0)
+    t%beside_error = sqrt(t%kappa / max(next, 1))
   contains
+    !> Two modes next to an axis beside their ring.
+    subroutine add_beside(k, f, value)
+      integer, intent(in) :: k                !< axis
+      real(dp), intent(in) :: f, value(2)     !< frequency, power
+      integer :: q
+      if (f < edge(1) .or. f >= edge(size(edge))) return
+      q = place(ring_of(f, edge))
+      if (q == 0) return
+      if (.not. t%p(q) > 10 * t%p(1) * (t%f(1) / f)**6) return     ! what leaks lies beside the axes
+      t%beside(k) = t%beside(k) + sum(value) / t%p(q)
+      next(k) = next(k) + 2
+    end subroutine add_beside
+
     !> One mode beside its ring.
     subroutine add(k, f, value)
       integer, intent(in) :: k            !< axis

@@ -12,7 +12,7 @@ module hd_spectral_fit
   use hd_text, only: to_text
   implicit none
   private
-  public :: spectral_fit_t, fit_spectrum
+  public :: spectral_fit_t, fit_spectrum, quantile
 
   real(dp), parameter :: quantile = 3.841459_dp         !< of chi^2, one degree of freedom, 95 %
   real(dp), parameter :: tops(11) = [0.98_dp, 0.83_dp, 0.7_dp, 0.6_dp, 0.5_dp, 0.42_dp, 0.35_dp, 0.28_dp, 0.22_dp, 0.17_dp, 0.13_dp]
@@ -39,7 +39,8 @@ module hd_spectral_fit
     real(dp), allocatable :: model(:)         !< expected power of the rings of the window
     integer :: first = 0, last = 0            !< rings of the window
     type(crossover_t) :: two                  !< two laws over all rings
-    logical :: crossed = .false.              !< they are the likelier explanation of all rings
+    real(dp) :: one = 0                       !< deviance of one law over all rings, with probe, noise and finer detail
+    logical :: crossed = .false.              !< two laws explain all rings as well as that, or better
   end type spectral_fit_t
 
 contains
@@ -104,9 +105,9 @@ contains
     if (.not. present(from)) call look_for_two(t, m, fixed, r)
   end subroutine fit_spectrum
 
-  !> Whether two power laws are a likelier explanation of all rings than one with probe, noise and finer detail, where that needs
-  !> probe or noise. Both have five unknowns. Of laws that bend down the likelier explanation counts. Two that bend up must be
-  !> likelier by what chance does once in twenty, for noise over finer detail bends up twice.
+  !> Whether two power laws explain all rings as well as one with probe, noise and finer detail, where that needs probe or noise.
+  !> Both have five unknowns. In a map two laws may be less likely by what chance does once in twenty. In a profile, where white
+  !> noise and a law of D = 3 are nearly alike, two laws that bend down must be likelier, and two that bend up by as much.
   subroutine look_for_two(t, m, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
@@ -114,11 +115,15 @@ contains
     type(spectral_fit_t), intent(inout) :: r      !< two and crossed are set
     type(spectral_fit_t) :: whole
     type(trial_t) :: b
+    real(dp) :: less
     call window(t, t%f(1), t%f(size(t%f)), whole)
     if (.not. (r%probe > 0 .or. r%noise_variance > 0) .and. r%accepted) return
     b = most_likely(t, m, whole%first, whole%last, fixed, fine)
     r%two = find_crossover(t, m, 1, size(t%f))
-    if (b%deviance < r%two%deviance + merge(quantile, 0._dp, r%two%n(2) < r%two%n(1))) return
+    r%one = b%deviance
+    less = quantile
+    if (t%dim == 1) less = merge(-quantile, 0._dp, r%two%n(2) < r%two%n(1))
+    if (.not. r%two%inside .or. r%two%deviance > b%deviance + less) return
     b%deviance = r%two%deviance
     call judge(t, b, whole, -1._dp)
     r%crossed = whole%accepted .or. whole%misfit < 2.5_dp * excused

@@ -92,7 +92,7 @@ class Fit:
     seams: tuple = (0, 0)                   #: steps of stitching across x and across y, levelled
     seam_step_m: float = 0.0                #: the largest of them [m]
     jitter_m: tuple = (0.0, 0.0)            #: rms offset of single columns and of single rows that was taken off [m]
-    axis_excess: tuple = ()                 #: power of waves along x and along y over that of rings; above 3: row jitter, steps
+    axis_excess: tuple = ()                 #: power of waves along x and along y over that of rings; above 3: jitter or a lay
     ranges: tuple = ()                      #: D, shortest and longest wavelength [m] of the range; of a crossover of both
     frequency: np.ndarray = field(repr=False, default=cast(Any, None))  #: of the rings [1/m]
     density: np.ndarray = field(repr=False, default=cast(Any, None))    #: measured power [m^4], of a line [m^3]
@@ -144,8 +144,8 @@ class Fit:
                 lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to {self.seam_step_m:.3g} m, levelled")
             for name, what, excess, rms in zip("xy", ("columns", "rows"), self.axis_excess, self.jitter_m):
                 if excess > 3:
-                    lines.append(f"axes      waves along {name} hold {excess:.3g} times the power of other directions: "
-                                 f"offsets of {what} of {rms:.3g} m rms taken off (jitter or a lay)")
+                    done = f"white offsets of {what} of {rms:.3g} m rms taken off (jitter)" if rms > 0 else "nothing taken off"
+                    lines.append(f"axes      waves along {name} hold {excess:.3g} times the power of other directions: {done}")
             if self.noise_m > 0:
                 lines.append(f"noise     {self.noise_m:.3g} m rms")
         lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({self.tau_m.min():.3g} to {self.tau_m.max():.3g} m), "

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .._engine import InputError
 from ..files import check_folder
-from . import folder, form, roughness, specimen
+from . import composite, folder, form, roughness, specimen
 
 
 def add_options(parser: Any) -> None:
@@ -64,7 +66,10 @@ def run_surface(args: Any) -> Any:
         print("".join(f"  {note}\n" for note in s.notes) + f"{areal}\n{fit}\n")
     joint = None
     if args.pair:
-        joint = specimen.equivalent(*specimens, **options)
+        coarse = tuple(map(max, *(s.spacing for s in specimens)))
+        pair = [s if np.allclose(s.spacing, coarse, rtol=1e-3) else composite.resample(s, coarse) for s in specimens]
+        print("".join(f"{s.name} resampled to {coarse[0]:.4g} x {coarse[1]:.4g} m\n" for s in pair if "resampled" in s.notes), end="")
+        joint = specimen.equivalent(*pair, **options)
         print(f"equivalent surface of both\n{joint.equivalent}\n")
     for path in folder.write(out, specimens, fits, joint, args.files, args.force, textures):
         print(f"written: {path}")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import re
 import struct
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field, replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -72,6 +74,14 @@ class Specimen:
         return texture(self, **options)
 
 
+def _units(unit):
+    """Units of length and of height."""
+    pair = (unit,) * 2 if unit is None or isinstance(unit, str) else tuple(unit)
+    if len(pair) != 2:
+        raise InputError(f"unit={unit!r}: one unit, or two: lateral and height")
+    return pair
+
+
 def _factor(unit, path):
     """Metres per unit."""
     if unit is None:
@@ -129,21 +139,26 @@ def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel
     except ImportError as e:
         raise InputError(f"reading {path.name} needs the package SurfaceTopography: pip install 'hdengine[io]'") from e
     try:
-        reader = SurfaceTopography.open_topography(str(path))
-        info = reader.channels[channel] if channel is not None else reader.default_channel
-        sized = info.physical_sizes is not None
-        map_ = reader.topography(channel_index=info.index, **({} if sized else {"physical_sizes": (1.0,) * info.dim}))
-        heights: np.ndarray = np.ma.filled(np.ma.asarray(map_.heights(), dtype=float), np.nan)
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):      # its readers print what they stumble over
+            reader = SurfaceTopography.open_topography(str(path))
+            info = reader.channels[channel] if channel is not None else reader.default_channel
+            sized = info.physical_sizes is not None
+            map_ = reader.topography(channel_index=info.index, **({} if sized else {"physical_sizes": (1.0,) * info.dim}))
+            heights: np.ndarray = np.ma.filled(np.ma.asarray(map_.heights(), dtype=float), np.nan)
     except Exception as e:
         text = " ".join(str(e).split()) or type(e).__name__
+        if text.startswith("tried "):           # every reader in turn
+            text = "SurfaceTopography has no reader for it: the file is damaged or cut, or its format is not known"
         raise FileError(f"{path.name} cannot be read: {text[:200]}") from e
     if info.dim == 1 and Path(path).suffix.lower() in (".xml", ".x3p") and not sized and map_.unit is None:
         raise FileError(f"{path.name} cannot be read: its numbers run together as one profile, for its format is not known")
     if map_.unit is not None and unit is not None:
         raise InputError(f"{path.name} states its unit, {map_.unit}: leave out unit={unit!r}")
-    pair = (map_.unit or unit,) * 2 if map_.unit or unit is None or isinstance(unit, str) else tuple(unit)
+    pair = _units(map_.unit or unit)
     lateral, height = (_factor(u, path) for u in pair)
     notes = [] if map_.unit else [f"unit given: lateral {pair[0]}, height {pair[1]}"]
+    if path.suffix.lower() in (".csv", ".txt", ".asc", ".xyz", ".dat") and path.read_bytes()[-1:] not in b"\r\n":
+        notes.append("the file ends within a line: it may be cut, and its last number short")
     if not sized and spacing is None:
         raise InputError(f"{path.name} states no lateral size: say spacing= in m")
     if sized and spacing is not None:
@@ -157,7 +172,7 @@ def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel
 
 
 def _doubt(s):
-    """The specimen, with a note where its scale is hard to believe: a factor of 1000 shows in Sq over length and in the slope."""
+    """The specimen, with a note where its scale is hard to believe: a factor of 1000 shows in slope, spacing and Sq over length."""
     with np.errstate(all="ignore"):
         z = roughness.level(s.heights)
         ratio = np.nanstd(z) / max(s.size)
@@ -165,10 +180,10 @@ def _doubt(s):
     if not np.isfinite(ratio) or ratio == 0:
         return s
     words = f"rms height {ratio:.2g} of the length, rms slope {slope:.2g}"
-    if max(s.size) > 1 or ratio < 1e-8 or slope < 1e-6:
-        note = (f"{words}, length {max(s.size):.3g} m: flatter or longer than rough surfaces are; "
-                "is the lateral scale 1000 times too large?")
-    elif ratio > 0.5 or slope > 20:
+    if max(s.size) > 1 or min(s.spacing) > 2e-4 or ratio < 1e-8 or slope < 1e-4:
+        note = (f"{words}, length {max(s.size):.3g} m, spacing {min(s.spacing):.2g} m: flatter or coarser than maps of rough surfaces "
+                "are; is the lateral scale 1000 times too large?")
+    elif ratio > 0.5 or slope > 3 or max(s.spacing) < 5e-11:
         note = f"{words}: steeper than instruments see; is the lateral scale 1000 times too small?"
     else:
         return s
@@ -197,10 +212,10 @@ def _softgauge(path, unit, spacing):
         raise InputError(f"{path.name} states its size: leave out spacing=")
     if step is None and spacing is None:
         raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    pair = (stated or unit,) * 2 if stated or unit is None or isinstance(unit, str) else tuple(unit)
-    lateral, height = (_factor(u, path) for u in pair)
+    lateral, height = (_factor(u, path) for u in _units(stated or unit))
     step = roughness._spacing(spacing)[0] if step is None else float(step) * lateral
-    notes = ["filtered curves of the file left out"] if text.count("POINT_VALUES>") > 2 else []
+    others = text.count("POINT_VALUES>") // 2 - 1
+    notes = [f"{others} more curve{'s' * (others > 1)} of the file left out: the first raw one is read"] if others > 0 else []
     return _doubt(Specimen(np.array(values) * height, (step, step), path.stem, tuple(notes)))
 
 
@@ -214,7 +229,7 @@ def _load_array(path, unit, spacing):
         raise FileError(f"{path.name} holds {z.dtype} of shape {z.shape}: heights are real numbers, rows x points or one row")
     if spacing is None:
         raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    factor = _factor("m" if unit is None else unit if isinstance(unit, str) else unit[1], path)
+    factor = _factor(_units("m" if unit is None else unit)[1], path)
     dx, dy = roughness._spacing(spacing)
     notes = () if unit else ("heights taken as metres",)
     return _doubt(Specimen(z.astype(float) * factor, (dy, dx), path.stem, notes))
@@ -233,7 +248,7 @@ def _load_text(path):
     if z.size != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
         raise FileError(f"{path.name} states {nx} x {ny} points and holds {z.size}, or a scale is not positive: damaged or cut")
     z = z.reshape(ny, nx) * dz
-    return Specimen(z if ny > 1 else z[0], (dy if ny > 1 else dx, dx), path.stem)
+    return _doubt(Specimen(z if ny > 1 else z[0], (dy if ny > 1 else dx, dx), path.stem))
 
 
 def _profile(path, map_, heights, lateral, height, spacing, notes):
@@ -269,7 +284,7 @@ def _load(path):
     heights = z * dz
     if kind in _HOLES:
         heights[z == _HOLES[kind]] = np.nan
-    return Specimen(heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), path.stem)
+    return _doubt(Specimen(heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), path.stem))
 
 
 @checked(path=a_path, specimen=kind(Specimen))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Height maps by numpy alone, for the fit told nothing: fractal ones of known D and G, and fifteen kinds that are not fractal."""
+"""Height maps by numpy alone, for the fit told nothing: fractal ones of known D and G, jitter, lays, and fifteen kinds that are not fractal."""
 import numpy as np
 
 LN_G = np.log(1e-7)  # of every fractal map and line here [ln m]
@@ -42,6 +42,41 @@ def clumps(z, rng):
         wrong[i:i + 2, j:j + 2] = True
     z[wrong] += 3 * z.std()
     return wrong
+
+
+def jitter(n, dx, d, rng, size, way=0, drift=False, **options):
+    """White offsets of rows (way 0) or columns of `size` rms heights; or offsets that drift from row to row."""
+    z, _ = field(n, dx, d, rng, finer=2, **options)
+    offset = rng.standard_normal((n, 1))
+    if drift:
+        offset = np.cumsum(offset, 0) / n**0.5
+    return z + size * z.std() * (offset.T if way else offset)
+
+
+def straight(n, dx, d, rng, of_line):
+    """Grooves without end along y: a fractal profile of twice the height of the map beneath."""
+    z, _ = field(n, dx, d, rng, finer=2)
+    across = line(n, dx, of_line, rng, finer=2)
+    return z + 2 * z.std() * across / across.std()
+
+
+def stretched(n, dx, d, rng, times, angle=0.0, noise=0.0):
+    """A fractal map stretched along y, turned by an angle."""
+    f, g = np.fft.rfftfreq(2 * n)[None], np.fft.fftfreq(2 * n)[:, None]
+    k = np.hypot(np.cos(angle) * f + np.sin(angle) * g, times * (np.cos(angle) * g - np.sin(angle) * f))
+    k[0, 0] = np.inf
+    z = np.fft.irfft2(np.fft.rfft2(rng.standard_normal((2 * n, 2 * n))) * k ** (d - 4), s=(2 * n, 2 * n))[:n, :n]
+    return 1e-6 * (z / z.std() + noise * rng.standard_normal(z.shape))
+
+
+def grooves(n, dx, d, rng, length):
+    """Forty grooves along y of unlike depth and width that end: `length` sides long, of twice the height of the map beneath."""
+    z, _ = field(n, dx, d, rng, finer=2)
+    y, x = np.mgrid[:n, :n]
+    cut = np.zeros((n, n))
+    for at, middle, width, depth in zip(rng.uniform(0, n, 40), rng.uniform(-0.3 * n, 1.3 * n, 40), rng.uniform(0.7, 3, 40), rng.exponential(1, 40)):
+        cut -= depth * np.exp(-((x - at) ** 2) / (2 * width**2)) / (1 + np.exp((abs(y - middle) - length * n / 2) / 2))
+    return z + 2 * z.std() * cut / cut.std()
 
 
 def _coloured(n, rng, power):

@@ -8,65 +8,30 @@ import sys
 from collections import Counter
 
 import numpy as np
-from blind_generators import field, line
+from blind_generators import field, grooves, jitter, straight, stretched
 
 from common import RESULTS, commit, put, read_record, table, write_record
 from hdengine.surfaces import roughness
 
-DX, N, SEEDS, DIMENSIONS = 1e-6, 128, 5, (2.1, 2.5, 2.9)
-
-
-def jitter(d, rng, size, way=0, drift=False, **options):
-    """White offsets of rows (way 0) or columns of `size` rms heights; or offsets that drift from row to row."""
-    z, _ = field(N, DX, d, rng, finer=2, **options)
-    offset = rng.standard_normal((N, 1))
-    if drift:
-        offset = np.cumsum(offset, 0) / N**0.5
-    return z + size * z.std() * (offset.T if way else offset)
-
-
-def straight(d, rng, of_line):
-    """Grooves without end along y: a fractal profile of twice the height of the map beneath."""
-    z, _ = field(N, DX, d, rng, finer=2)
-    across = line(N, DX, of_line, rng, finer=2)
-    return z + 2 * z.std() * across / across.std()
-
-
-def stretched(d, rng, times, angle=0.0, noise=0.0):
-    """A fractal map stretched along y, turned by an angle."""
-    f, g = np.fft.rfftfreq(2 * N)[None], np.fft.fftfreq(2 * N)[:, None]
-    k = np.hypot(np.cos(angle) * f + np.sin(angle) * g, times * (np.cos(angle) * g - np.sin(angle) * f))
-    k[0, 0] = np.inf
-    z = np.fft.irfft2(np.fft.rfft2(rng.standard_normal((2 * N, 2 * N))) * k ** (d - 4), s=(2 * N, 2 * N))[:N, :N]
-    return 1e-6 * (z / z.std() + noise * rng.standard_normal(z.shape))
-
-
-def grooves(d, rng, length):
-    """Forty grooves along y of unlike depth and width that end: `length` sides long, of twice the height of the map beneath."""
-    z, _ = field(N, DX, d, rng, finer=2)
-    y, x = np.mgrid[:N, :N]
-    cut = np.zeros((N, N))
-    for at, middle, width, depth in zip(rng.uniform(0, N, 40), rng.uniform(-0.3 * N, 1.3 * N, 40), rng.uniform(0.7, 3, 40), rng.exponential(1, 40)):
-        cut -= depth * np.exp(-((x - at) ** 2) / (2 * width**2)) / (1 + np.exp((abs(y - middle) - length * N / 2) / 2))
-    return z + 2 * z.std() * cut / cut.std()
+DX, SEEDS, DIMENSIONS = 1e-6, 5, (2.1, 2.5, 2.9)
 
 
 MAPS = {
-    "no fault": ("fractal", lambda d, rng: field(N, DX, d, rng, finer=2)[0]),
-    "jitter of rows, 0.05 Sq": ("fractal", lambda d, rng: jitter(d, rng, 0.05)),
-    "jitter of rows, 0.2 Sq": ("fractal", lambda d, rng: jitter(d, rng, 0.2)),
-    "jitter of columns, 1 Sq": ("fractal", lambda d, rng: jitter(d, rng, 1.0, way=1)),
-    "jitter 0.2 Sq over a probe of 1": ("fractal", lambda d, rng: jitter(d, rng, 0.2, probe=1.0)),
-    "jitter 0.2 Sq over noise of 10 %": ("fractal", lambda d, rng: jitter(d, rng, 0.2, noise=0.1)),
-    "rows that drift by 1 Sq": ("either", lambda d, rng: jitter(d, rng, 1.0, drift=True)),
-    "straight grooves, profile of D = 2.1": ("lay", lambda d, rng: straight(d, rng, 2.1)),
-    "straight grooves, profile of D = 2.9": ("lay", lambda d, rng: straight(d, rng, 2.9)),
-    "stretched 4 times": ("lay", lambda d, rng: stretched(d, rng, 4)),
-    "stretched 30 times": ("lay", lambda d, rng: stretched(d, rng, 30)),
-    "stretched 10 times, turned by 1 degree": ("lay", lambda d, rng: stretched(d, rng, 10, np.pi / 180)),
-    "stretched 30 times, noise of 10 %": ("lay", lambda d, rng: stretched(d, rng, 30, noise=0.1)),
-    "grooves of 0.3 sides": ("lay", lambda d, rng: grooves(d, rng, 0.3)),
-    "grooves of 3 sides": ("lay", lambda d, rng: grooves(d, rng, 3.0)),
+    "no fault": ("fractal", lambda d, rng: field(128, DX, d, rng, finer=2)[0]),
+    "jitter of rows, 0.05 Sq": ("fractal", lambda d, rng: jitter(128, DX, d, rng, 0.05)),
+    "jitter of rows, 0.2 Sq": ("fractal", lambda d, rng: jitter(128, DX, d, rng, 0.2)),
+    "jitter of columns, 1 Sq": ("fractal", lambda d, rng: jitter(128, DX, d, rng, 1.0, way=1)),
+    "jitter 0.2 Sq over a probe of 1": ("fractal", lambda d, rng: jitter(128, DX, d, rng, 0.2, probe=1.0)),
+    "jitter 0.2 Sq over noise of 10 %": ("fractal", lambda d, rng: jitter(128, DX, d, rng, 0.2, noise=0.1)),
+    "rows that drift by 1 Sq": ("either", lambda d, rng: jitter(128, DX, d, rng, 1.0, drift=True)),
+    "straight grooves, profile of D = 2.1": ("lay", lambda d, rng: straight(128, DX, d, rng, 2.1)),
+    "straight grooves, profile of D = 2.9": ("lay", lambda d, rng: straight(128, DX, d, rng, 2.9)),
+    "stretched 4 times": ("lay", lambda d, rng: stretched(128, DX, d, rng, 4)),
+    "stretched 30 times": ("lay", lambda d, rng: stretched(128, DX, d, rng, 30)),
+    "stretched 10 times, turned by 1 degree": ("lay", lambda d, rng: stretched(128, DX, d, rng, 10, np.pi / 180)),
+    "stretched 30 times, noise of 10 %": ("lay", lambda d, rng: stretched(128, DX, d, rng, 30, noise=0.1)),
+    "grooves of 0.3 sides": ("lay", lambda d, rng: grooves(128, DX, d, rng, 0.3)),
+    "grooves of 3 sides": ("lay", lambda d, rng: grooves(128, DX, d, rng, 3.0)),
 }
 
 

@@ -307,7 +307,7 @@ contains
       end do
     end do
     t = new_radial(kind, r%d, scale, low, 2 * b%rings%nyquist, min(o%dx, o%dy), 2 * hypot(o%nx * o%dx, o%ny * o%dy))
-    call field_covariance(o, t, cov)
+    call field_covariance(o, t, cov, diagonal=.true.)
     call noise_covariance(o, t, r%noise_variance, cov)
     do k = 1, size(o%lag)
       r%sd_sample(k) = sqrt(cov(k, k) * o%parts / o%filled) / r%curve(k)

@@ -61,15 +61,19 @@ contains
   end function radial_value
 
   !> Covariance of the observed S (n, n) [m^4].
-  subroutine field_covariance(o, t, cov)
+  subroutine field_covariance(o, t, cov, diagonal)
     type(observation_t), intent(in) :: o    !< geometry and lags
     type(radial_t), intent(in) :: t         !< S over distance
     real(dp), intent(out) :: cov(:, :)      !< covariance [m^4]
+    logical, intent(in), optional :: diagonal !< variances alone; the rest stays 0
     integer, allocatable :: rx(:), ry(:), cell(:)
     real(dp), allocatable :: part(:, :, :), grid(:, :)
     integer, parameter :: blocks = 64
     type(lags_t) :: g
     integer :: b, i, j, mx, my
+    logical :: own
+    own = .false.
+    if (present(diagonal)) own = diagonal
     call places(o, rx, ry, cell)
     g = lags_of(o)
     mx = o%nx + 2 * maxval(o%lag)
@@ -85,7 +89,7 @@ contains
     !$omp parallel do private(i) schedule(dynamic)
     do b = 1, blocks
       do i = b, size(rx), blocks
-        call add_place(o, t, g, grid, rx(i), ry(i), cell(i), part(:, :, b))
+        call add_place(o, t, g, grid, rx(i), ry(i), cell(i), own, part(:, :, b))
       end do
     end do
     cov = sum(part, 3)
@@ -140,12 +144,13 @@ contains
   end subroutine places
 
   !> Add one displacement to all pairs of lag vectors.
-  subroutine add_place(o, t, g, grid, rx, ry, cell, part)
+  subroutine add_place(o, t, g, grid, rx, ry, cell, own, part)
     type(observation_t), intent(in) :: o        !< geometry
     type(radial_t), intent(in) :: t             !< S over distance
     type(lags_t), intent(in) :: g               !< lag vectors
     real(dp), allocatable, intent(in) :: grid(:, :) !< S at displacements (0:, 0:), if it was worth it
     integer, intent(in) :: rx, ry, cell         !< displacement, places it stands for
+    logical, intent(in) :: own                  !< each entry with itself alone
     real(dp), intent(inout) :: part(:, :)       !< sum of c^2 [m^4]
     real(dp) :: s0, c, w, ahead(size(g%x)), behind(size(g%x))
     integer :: i, j
@@ -156,6 +161,7 @@ contains
     end do
     do j = 1, size(g%x)
       do i = 1, size(g%x)
+        if (own .and. g%entry(i) /= g%entry(j)) cycle
         w = real(pairs(rx, g%x(i), g%x(j), o%nx), dp) * pairs(ry, g%y(i), g%y(j), o%ny)
         if (w <= 0) cycle
         c = 0.5_dp * (ahead(j) + behind(i) - s0 - value_at(rx + g%x(j) - g%x(i), ry + g%y(j) - g%y(i)))

@@ -19,6 +19,7 @@ module hd_spectral_fit
   real(dp), parameter :: feet(5) = [3.5_dp, 6._dp, 9._dp, 14._dp, 22._dp]
   real(dp), parameter :: shortest_window = 3            !< highest over lowest frequency
   real(dp), parameter :: excused = 0.02_dp              !< rms departure from the model that no test is asked about
+  real(dp), parameter :: beside_probe = 3               !< highest frequency over the place where a bend down may be a probe
   integer, parameter :: fine = 5, coarse = 2            !< passes of the search over slopes
 
   !> What was found.
@@ -106,8 +107,9 @@ contains
   end subroutine fit_spectrum
 
   !> Whether two power laws explain all rings as well as one with probe, noise and finer detail, where that needs probe or noise.
-  !> Both have five unknowns. In a map two laws may be less likely by what chance does once in twenty. In a profile, where white
-  !> noise and a law of D = 3 are nearly alike, two laws that bend down must be likelier, and two that bend up by as much.
+  !> Both have five unknowns. In a map two laws may be less likely by what chance does once in twenty; but not where they bend down
+  !> within a factor 3 of the highest frequency, as a probe does. In a profile, where white noise and a law of D = 3 are nearly alike,
+  !> two laws that bend down must be likelier, and two that bend up by as much.
   subroutine look_for_two(t, m, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables
@@ -122,6 +124,7 @@ contains
     r%two = find_crossover(t, m, 1, size(t%f))
     r%one = b%deviance
     less = quantile
+    if (r%two%n(2) > r%two%n(1) .and. r%two%f > t%f(size(t%f)) / beside_probe) less = 0
     if (t%dim == 1) less = merge(-quantile, 0._dp, r%two%n(2) < r%two%n(1))
     if (.not. r%two%inside .or. r%two%deviance > b%deviance + less) return
     b%deviance = r%two%deviance

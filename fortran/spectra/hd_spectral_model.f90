@@ -19,8 +19,9 @@ module hd_spectral_model
   real(dp), parameter :: steepest = 6         !< the last of them [1/mode^2]
   real(dp), parameter :: most_blur = 1        !< sigma of the last of them [spacing]: nothing folds back from there on
 
-  !> Tables over the slope n.
+  !> Tables over the slope n. They depend on the grid of a map alone, which the key names: a second map of the same grid takes them over.
   type :: spectral_model_t
+    real(dp) :: key(5) = 0                    !< dimension, spacing, sides
     real(dp) :: n_low = 0, n_high = 0         !< slopes of D = 3 and D = 2, nearly
     real(dp) :: spacing = 0                   !< geometric mean of both [m]
     real(dp), allocatable :: f(:)             !< frequencies [1/m]
@@ -40,14 +41,27 @@ module hd_spectral_model
     real(dp), allocatable :: folded(:, :, :)  !< ln (rings, blurs, nearer and all detail)
   end type slope_t
 
+  type(spectral_model_t), save :: latest      !< tables of the latest grid
+
 contains
 
   !> Tables for the rings of a map.
   function new_spectral_model(t) result(m)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t) :: m
+    !$omp critical (spectral_model)
+    if (any(abs(latest%key - [real(t%dim, dp), t%step, t%side]) > 0)) latest = tables(t)
+    m = latest
+    !$omp end critical (spectral_model)
+  end function new_spectral_model
+
+  !> The tables anew.
+  function tables(t) result(m)
+    type(ring_table_t), intent(in) :: t       !< rings
+    type(spectral_model_t) :: m
     real(dp) :: slopes(nodes)
     integer :: i
+    m%key = [real(t%dim, dp), t%step, t%side]
     m%n_low = t%dim + 0.004_dp                ! n = 8 - 2D (line: 7 - 2D), D from 2.002 to 2.998
     m%n_high = t%dim + 1.996_dp
     m%spacing = t%step(1)
@@ -71,7 +85,7 @@ contains
     do i = 1, size(t%f)
       m%folded(i, :, :, :) = log(folded_of(t, i, slopes, m%spacing))
     end do
-  end function new_spectral_model
+  end function tables
 
   !> Mean of an exponential decay under the kernel of the taper within its reach, over that at its middle: mean of two directions.
   pure real(dp) function lifted(t, slope)

@@ -120,10 +120,37 @@ def test_sdf_of_every_whole_number_reads(tmp_path, kind, letter, hole):
 
 def test_a_lateral_scale_wrong_by_1000_is_called_out(tmp_path):
     """A ground surface with metres for millimetres across the plane, gets a note; a right one none."""
+    np.save(tmp_path / "a.npy", 1e5 * field(64, 6))
+    for step, doubt in ((1e-6, False), (1e-9, True), (1e-3, True)):
+        assert any("lateral scale" in n for n in specimen.read(tmp_path / "a.npy", "um", step).notes) is doubt
+
+
+@pytest.mark.parametrize("letter", "ba")
+def test_sdf_of_a_wrong_scale_is_called_out(tmp_path, letter):
+    """Spacings 1000 times too small or too large in a binary or text SDF, which states metres, get a note; the right one none."""
+    for step, doubt in ((1e-6, False), (1e-9, True), (1e-3, True)):
+        s = specimen.Specimen(0.1 * field(64, 6), (step, step))
+        specimen.save(tmp_path / "b.sdf", s)
+        body = " ".join(map(repr, s.heights.ravel().tolist()))
+        (tmp_path / "a.sdf").write_text(f"aISO-1.0\nNumPoints = 64\nNumProfiles = 64\nXscale = {step}\nYscale = {step}\n"
+                                        f"Zscale = 1\n*\n{body}\n*\n")
+        assert any("lateral scale" in n for n in specimen.read(tmp_path / f"{letter}.sdf").notes) is doubt
+
+
+def test_units_are_one_or_two(tmp_path):
+    """Three units are an error that says how many there may be."""
     np.save(tmp_path / "a.npy", field(64, 6))
-    assert not any("lateral scale" in n for n in specimen.read(tmp_path / "a.npy", "um", 1e-6).notes)
-    assert any("lateral scale" in n for n in specimen.read(tmp_path / "a.npy", "m", 1e-9).notes)
-    assert any("lateral scale" in n for n in specimen.read(tmp_path / "a.npy", "um", 1.0).notes)
+    with pytest.raises(hdengine.InputError, match="one unit, or two"):
+        specimen.read(tmp_path / "a.npy", ("um", "um", "um"), 1e-6)
+
+
+def test_a_text_that_ends_within_a_line_is_noted(tmp_path):
+    """A list of points whose last line has no end may be cut: the specimen says so, and one with an end does not."""
+    pytest.importorskip("SurfaceTopography")
+    lines = [f"{i:.4f},{np.sin(i):.6f}" for i in range(40)]
+    for name, text, noted in (("whole.csv", "\n".join(lines) + "\n", False), ("cut.csv", "\n".join(lines)[:-3], True)):
+        (tmp_path / name).write_text(text)
+        assert any("ends within a line" in n for n in specimen.read(tmp_path / name, "um").notes) is noted
 
 
 @pytest.mark.skipif(not (SURFACES / "npl_sine.xml").is_file(), reason="measured surfaces not present")

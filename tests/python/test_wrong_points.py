@@ -13,7 +13,7 @@ from hdengine.surfaces import roughness
 from hdengine.surfaces.specimen import Specimen, clean
 
 sys.path.insert(0, str(ROOT / "bench"))
-from blind_generators import NOT_FRACTAL, clumps, field  # noqa: E402
+from blind_generators import NOT_FRACTAL, clumps, field, grooves, jitter, straight, stretched  # noqa: E402
 
 DX = 1e-6
 
@@ -76,6 +76,21 @@ def test_jitter_is_measured():
     z, spacing = rough(4)
     f = roughness.fit(z + 0.2 * z.std() * np.random.default_rng(5).standard_normal((128, 1)), spacing)
     assert f.jitter_m[0] == 0 and abs(f.jitter_m[1] / (0.2 * z.std()) - 1) < 0.2 and "offsets of rows" in str(f)
+
+
+@pytest.mark.parametrize("across", ["x", "y"])
+def test_a_lay_is_no_jitter(across):
+    """Straight, stretched and ending grooves are called a lay, nothing is taken off and the message names their direction; white
+    offsets of the rows or columns of the same map are jitter, and the map is fractal."""
+    rng = np.random.default_rng(11)
+    maps = [straight(128, DX, 2.5, rng, 2.5), stretched(128, DX, 2.5, rng, 10), grooves(128, DX, 2.5, rng, 1.0)]
+    for z in maps:
+        f = roughness.fit(z if across == "x" else z.T, DX)
+        assert (f.verdict, f.kind) == ("not fractal", "lay") and f.jitter_m == (0, 0) and "nothing taken off" in str(f)
+        assert f"waves along {across}" in f.reason and f"grooves along {'y' if across == 'x' else 'x'}" in f.reason
+    z = jitter(128, DX, 2.5, rng, 0.3)
+    f = roughness.fit(z if across == "y" else z.T, DX)
+    assert f.kind == "fractal" and f.jitter_m["xy".index(across)] > 0 and "white offsets" in str(f)
 
 
 def test_a_blurred_map_does_not_jitter():

@@ -83,6 +83,7 @@ BENCHES = (
     Bench("fit_statistics.py", "fits of D and G over seeds", 3),
     Bench("blind_fit.py", "the fit told nothing, on maps not ours", 30),
     Bench("fit_bound.py", "what a map can tell of D at best", 0.1, full=("blind",)),
+    Bench("lay.py", "grooves beside jitter", 1),
     Bench("wrong_points.py", "wrong points, seams and jitter of maps", 12),
     Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
     Bench("sensitivity.py", "what K_TS depends on", 10),

@@ -8,7 +8,6 @@ the end. One thread: minutes. `--tables` only writes the tables of the records a
 """
 import sys
 import zlib
-from functools import partial
 
 import numpy as np
 from blind_generators import LN_G, NOT_FRACTAL, field, line
@@ -76,9 +75,9 @@ def put_maps(found):
                        [row for _, row in sorted(rows, key=lambda r: -r[0])[:12]]), "evidence/fit")
 
 
-def put_kinds(found, name="kinds"):
+def put_kinds(found):
     """Kinds that are not fractal."""
-    put(name, table(("kind", "called fractal", "named"), [
+    put("kinds", table(("kind", "called fractal", "named"), [
         (name, f"{v['called_fractal']} of {v['of']}", ", ".join(f"{kind} {n}" for kind, n in sorted(v["kinds"].items(), key=lambda i: -i[1])))
         for name, v in found["maps"].items()]), "evidence/surfaces")
 
@@ -88,7 +87,7 @@ def put_bias(found):
     put("bias", table(("row", "maps", "bias of ten maps", "bias of all", "median", "std of D", "D inside, %", "not called fractal"), [
         (name, v["maps"], f"{v['ten']:+.3f}", f"{v['bias']:+.4f} ± {v['std'] / v['maps']**0.5:.4f}", f"{v['median']:+.3f}",
          f"{v['std']:.2f}", f"{100 * v['cover_d']:.0f}", f"{v['maps'] * (1 - v['fractal']):.0f}")
-        for name, v in found["maps"].items()]), "evidence/fit")
+        for name, v in found["maps"].items()]), "evidence/fit_bound")
 
 
 def maker(name, n, d):
@@ -125,7 +124,8 @@ def kinds(seeds=20, names=tuple(NOT_FRACTAL)):
     """Maps of 128 points a side that are not fractal: a row each."""
     for name in names:
         fits = [roughness.fit(NOT_FRACTAL[name](128, rng), DX) for rng in generators(name, seeds)]
-        yield name, {"cannot_tell": sum("cannot tell" in f.reason for f in fits), "called_fractal": sum(f.verdict == "fractal" for f in fits), "of": len(fits),
+        yield name, {"cannot_tell": sum("cannot tell" in f.reason for f in fits),
+                     "called_fractal": sum(f.verdict == "fractal" for f in fits), "of": len(fits),
                      "kinds": {k: sum(f.kind == k for f in fits) for k in sorted({f.kind for f in fits})}}
 
 
@@ -155,7 +155,7 @@ def crossovers(seeds=100):
 
 PARTS = {"maps": ("blind_fit", maps, put_maps), "kinds": ("blind_fit_kinds", kinds, put_kinds),
          "sizes": ("blind_fit_sizes", sizes, put_sizes), "bias": ("blind_fit_bias", bias, put_bias),
-         "crossovers": ("blind_fit_crossovers", crossovers, partial(put_kinds, name="crossovers"))}
+         "crossovers": ("blind_fit_crossovers", crossovers, print)}
 
 
 def main(part, *seeds):

@@ -74,7 +74,8 @@ def grooves(n, dx, d, rng, length):
     z, _ = field(n, dx, d, rng, finer=2)
     y, x = np.mgrid[:n, :n]
     cut = np.zeros((n, n))
-    for at, middle, width, depth in zip(rng.uniform(0, n, 40), rng.uniform(-0.3 * n, 1.3 * n, 40), rng.uniform(0.7, 3, 40), rng.exponential(1, 40)):
+    places = rng.uniform(0, n, 40), rng.uniform(-0.3 * n, 1.3 * n, 40)
+    for at, middle, width, depth in zip(*places, rng.uniform(0.7, 3, 40), rng.exponential(1, 40)):
         cut -= depth * np.exp(-((x - at) ** 2) / (2 * width**2)) / (1 + np.exp((abs(y - middle) - length * n / 2) / 2))
     return z + 2 * z.std() * cut / cut.std()
 

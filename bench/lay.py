@@ -64,10 +64,10 @@ def main():
             found[when]["rows"].append(row)
         write_record("lay", found)
     if "now" in found and "--before" not in sys.argv:
-        old = {row["map"]: row for row in found.get("before", {}).get("rows", ())}
+        old = {row["map"]: row for row in found.get("before", found["now"])["rows"]}
         put("lay", table(("map", "verdicts before", "verdicts now", "offsets taken off before", "now"), [
-            (row["map"], words(old[row["map"]]), words(row), f"{old[row['map']]['taken_off']} of {row['of']}", f"{row['taken_off']} of {row['of']}")
-            for row in found["now"]["rows"]]), "evidence/lay")
+            (name, words(old[name]), words(row), f"{old[name]['taken_off']} of {row['of']}", f"{row['taken_off']} of {row['of']}")
+            for name, row in ((row["map"], row) for row in found["now"]["rows"])]), "evidence/lay")
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def line(row):
     if "error" in row:
         return (row["file"], *["-"] * 6, row["error"])
     low, high = row["d_interval"]
-    g = f"{row['g_m']:.1e}" if low > 2 and row["g_m"] > 0 else "-"
+    g = f"{row['g_m']:.1e}" if low > 2.005 and row["g_m"] > 0 else "-"     # the interval of D reaches 2
     verdict = row["verdict"] + (f" ({row['kind']})" if row["kind"] not in row["verdict"] else "")
     band = " to ".join(f"{1e6 * v:.3g}" for v in row["band_m"])
     return row["file"], row["points"], f"{1e6 * row['sq_m']:.2g}", f"{row['d']:.2f}", f"{low:.2f} to {high:.2f}", g, band, verdict

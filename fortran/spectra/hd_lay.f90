@@ -28,7 +28,7 @@ contains
     if (.not. lay .and. way == 2) lay = colour(sum(z, 1) / size(z, 1), seams%y, size(z, 1), way, raw) > doubt
   end function is_lay
 
-  !> Deviance by which a power law beside the isotropic surface explains the power of a profile of means better than white noise does.
+  !> Deviance by which a power law beside the isotropic surface explains the power of means better than white noise does.
   real(dp) function colour(mean, at, n, way, t)
     real(dp), intent(in) :: mean(:)           !< means of columns or rows [m]
     integer, intent(in) :: at(:)              !< last points before the seams

@@ -108,8 +108,8 @@ contains
 
   !> Whether two power laws explain all rings as well as one with probe, noise and finer detail, where that needs probe or noise.
   !> Both have five unknowns. In a map two laws may be less likely by what chance does once in twenty; but not where they bend down
-  !> within a factor 3 of the highest frequency, as a probe does. In a profile, where white noise and a law of D = 3 are nearly alike,
-  !> two laws that bend down must be likelier, and two that bend up by as much.
+  !> within a factor 3 of the highest frequency, as a probe does. In a profile, where white noise and a law of D = 3 are nearly
+  !> alike, two laws that bend down must be likelier, and two that bend up by as much.
   subroutine look_for_two(t, m, fixed, r)
     type(ring_table_t), intent(in) :: t           !< rings
     type(spectral_model_t), intent(in) :: m       !< tables

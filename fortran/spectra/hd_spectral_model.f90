@@ -19,7 +19,7 @@ module hd_spectral_model
   real(dp), parameter :: steepest = 6         !< the last of them [1/mode^2]
   real(dp), parameter :: most_blur = 1        !< sigma of the last of them [spacing]: nothing folds back from there on
 
-  !> Tables over the slope n. They depend on the grid of a map alone, which the key names: a second map of the same grid takes them over.
+  !> Tables over the slope n. They depend on the grid of a map alone, which the key names: the next map of it takes them over.
   type :: spectral_model_t
     real(dp) :: key(5) = 0                    !< dimension, spacing, sides
     real(dp) :: n_low = 0, n_high = 0         !< slopes of D = 3 and D = 2, nearly

@@ -68,7 +68,8 @@ def run_surface(args: Any) -> Any:
     if args.pair:
         coarse = tuple(map(max, *(s.spacing for s in specimens)))
         pair = [s if np.allclose(s.spacing, coarse, rtol=1e-3) else composite.resample(s, coarse) for s in specimens]
-        print("".join(f"{s.name} resampled to {coarse[0]:.4g} x {coarse[1]:.4g} m\n" for s in pair if "resampled" in s.notes), end="")
+        for s in (p for p in pair if "resampled" in p.notes):
+            print(f"{s.name} resampled to {coarse[0]:.4g} x {coarse[1]:.4g} m")
         joint = specimen.equivalent(*pair, **options)
         print(f"equivalent surface of both\n{joint.equivalent}\n")
     for path in folder.write(out, specimens, fits, joint, args.files, args.force, textures):

@@ -181,8 +181,8 @@ def _doubt(s):
         return s
     words = f"rms height {ratio:.2g} of the length, rms slope {slope:.2g}"
     if max(s.size) > 1 or min(s.spacing) > 2e-4 or ratio < 1e-8 or slope < 1e-4:
-        note = (f"{words}, length {max(s.size):.3g} m, spacing {min(s.spacing):.2g} m: flatter or coarser than maps of rough surfaces "
-                "are; is the lateral scale 1000 times too large?")
+        note = (f"{words}, length {max(s.size):.3g} m, spacing {min(s.spacing):.2g} m: flatter or coarser than maps of rough "
+                "surfaces are; is the lateral scale 1000 times too large?")
     elif ratio > 0.5 or slope > 3 or max(s.spacing) < 5e-11:
         note = f"{words}: steeper than instruments see; is the lateral scale 1000 times too small?"
     else:

@@ -33,6 +33,7 @@ contains
     do i = 1, size(table%rows)
       associate (p => table%rows(i))
         call push(names, p%key)
+        call push(names, p%group//'.'//p%key)
         if (lower(name) == p%key .or. lower(name) == p%group//'.'//p%key .or. lower(name) == p%group) answer = answer//entry_of(p)
       end associate
     end do

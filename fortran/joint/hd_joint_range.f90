@@ -51,8 +51,8 @@ contains
         'Raise joint.hardness if it is higher, or lower the load')
       return
     end if
-    if (s_l > base) call push(lines, 'the stiffness of the joint is extrapolated: spots grow to '// &
-      rounded(s_l)//' m^2, an asperity has '//rounded(base)//' m^2 (pi r_m^2). Take joint.model = ''spectrum'', calibrate '// &
+    if (s_l > base) call push(lines, 'the stiffness of the joint is extrapolated, for spots grow beyond the base of an '// &
+      'asperity, '//rounded(s_l)//' against '//rounded(base)//' m^2. Take joint.model = ''spectrum'', calibrate '// &
       '(docs/howto/calibrate.md), or raise joint.asperity_radius to '//rounded(1.001_dp*sqrt(s_l/pi))//' m')
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
       to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '// &

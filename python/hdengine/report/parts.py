@@ -228,8 +228,8 @@ def _band_of(result, k):
     path = result.folder / "sensitivity.json"
     known = []
     if "k_ts_tangent_nm_per_rad" in result.limits:
-        error = result.limits["k_ts_tangent_nm_per_rad"][1]
-        known.append(f"The mesh leaves an error of {100 * error:.2g} % in the tangent.")
+        limit, error = result.limits["k_ts_tangent_nm_per_rad"]
+        known.append(f"On ever finer meshes the tangent goes to {_engineering(limit)}, known to {100 * error:.2g} %.")
     else:
         known.append("The error of the mesh is not known: run again with <code>run.tolerance</code>.")
     if path.is_file():
@@ -239,7 +239,7 @@ def _band_of(result, k):
         low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
         known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
     else:
-        known.append("That of the inputs is not known: <code>hdengine sensitivity</code> varies them.")
+        known.append("The error of the inputs is not known: <code>hdengine sensitivity</code> varies them.")
     return "Band: " + " ".join(known)
 
 

@@ -228,7 +228,7 @@ def _band_of(result, k):
     path = result.folder / "sensitivity.json"
     known = []
     if "k_ts_tangent_nm_per_rad" in result.limits:
-        limit, error = result.limits["k_ts_tangent_nm_per_rad"]
+        limit, error, *_ = result.limits["k_ts_tangent_nm_per_rad"]
         known.append(f"On ever finer meshes the tangent goes to {_engineering(limit)}, known to {100 * error:.2g} %.")
     else:
         known.append("The error of the mesh is not known: run again with <code>run.tolerance</code>.")

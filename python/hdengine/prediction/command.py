@@ -26,6 +26,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
     parser.add_argument("--pressure", metavar="P1,P2,...", help="rising pressures [Pa] (default: 1 to 500 MPa)")
     parser.add_argument("--longest", type=float, default=np.inf, help="longest wavelength that counts as roughness [m]")
+    parser.add_argument("--loaded-area", type=float, metavar="A",
+                        help="area of the contact that the band stands for [m^2] (default: that of the map)")
     parser.add_argument("--e1", type=float, default=b.e1, help="Young's modulus of the first body [Pa]")
     parser.add_argument("--nu1", type=float, default=b.nu1, help="its Poisson's ratio")
     parser.add_argument("--e2", type=float, default=b.e2, help="Young's modulus of the second body [Pa]")
@@ -107,10 +109,10 @@ def run_joint(args: argparse.Namespace) -> int:
             pressure = [float(x) for x in args.pressure.split(",")]
         except ValueError:
             raise InputError(f"--pressure {args.pressure}: numbers in Pa joined by commas, as 10e6,50e6") from None
-    for name in ("dx", "dy", "longest", "seconds", "e1", "e2", "hardness"):
+    for name in ("dx", "dy", "longest", "seconds", "loaded_area", "e1", "e2", "hardness"):
         value = getattr(args, name)
         if value is not None and not value > 0:
-            raise InputError(f"--{name} {value:g}: valid: above 0")
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: valid: above 0")
     for name in ("nu1", "nu2"):
         if not -1 < getattr(args, name) < 0.5:
             raise InputError(f"--{name} {getattr(args, name):g}: valid: between -1 and 0.5")
@@ -120,7 +122,7 @@ def run_joint(args: argparse.Namespace) -> int:
     seconds = args.seconds or (np.inf if args.model else 120.0)
     maps = read_maps(args.maps, unit, args.dx, args.dy)
     found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points, seconds=seconds,
-                    say=_say, bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
+                    loaded=args.loaded_area, say=_say, bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
     print(found)
     for s in maps:
         print("".join(f"  {s.name}: {note}\n" for note in s.notes), end="")

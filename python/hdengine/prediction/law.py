@@ -62,7 +62,7 @@ class Prediction:
         Of the equivalent surface.
     bodies : Bodies
     waves : float
-        Its independent waves.
+        Its independent waves on the area that the band stands for.
     notes : tuple of str
         What decides the law and what speaks against it.
     facts : tuple of dict
@@ -133,7 +133,7 @@ class Prediction:
 
 def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
             longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
-            say: Callable[[str, bool], None] | None = None) -> Prediction:
+            loaded: float | None = None, say: Callable[[str, bool], None] | None = None) -> Prediction:
     """The joint of one or two surfaces.
 
     Parameters
@@ -157,6 +157,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     seconds : float
         Most that boundary elements may take: fewer points are taken first; then the theory, or an error where they were
         asked for [s].
+    loaded : float, optional
+        Area of the contact that the band stands for [m^2]; default: that of the smaller map. A larger contact holds more waves.
     say : callable, optional
         Takes what boundary elements will take and how far they are: a sentence, and whether it replaces the one before.
 
@@ -167,7 +169,7 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     Raises
     ------
     InputError
-        No map, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+        No map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
     NotConvergedError, StoppedError
         Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
@@ -182,6 +184,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
                          f"{bodies.hardness:g} Pa")
+    if loaded is not None and not 0 < loaded < np.inf:
+        raise InputError(f"loaded area of {loaded:g} m^2; valid: above 0")
     found = _facts_of(pairs, names, longest)
     raw = [s for s, _ in found]
     clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
@@ -189,12 +193,16 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
+    patch = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
+    waves *= (loaded or patch) / patch   # those of a contact of so many patches
     wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = scatter_of(area, waves)
     longer = not all(f["rolls_off"] for f in facts) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
+    if loaded is not None:
+        notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / patch:.3g} times the map",)
     spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None, longer, p, bodies, k_n, area, draws, seed)
     parts = _spread(*spread, whole=wanted == "boundary_elements")
     k_t = bodies.ratio * k_n
@@ -202,10 +210,15 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         effort = patches.Effort(seconds, say)
         effort.tell(f"boundary elements: {reason}")
         try:
-            k_n, k_t, area, scatter, points = patches.solve(pairs, p, bodies, points, longest, effort)
-            notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly, {effort.spent:.0f} s; "
-                      "band from the four quarters, E*, hardness and the spectrum's ends",)
+            k_n, k_t, area, scatter, coarse, points = patches.solve(pairs, p, bodies, points, longest, effort)
+            rest = f"{'averaged to' if coarse.any() else 'of'} {points} points a side"
+            notes += (f"boundary elements on maps {rest}{', shorter waves by theory' if coarse.any() else ''}, continued evenly, "
+                      f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
+            if loaded is not None:
+                notes += ("boundary elements know one map: its scatter stays in the band, however large the contact",)
             parts["four quarters"] = (1.96 * scatter,) * 4
+            if coarse.any():
+                parts["averaging"] = (1.96 * coarse,) * 4
         except (InputError, _engine.NotConvergedError, _engine.StoppedError) as why:
             if model:
                 raise

@@ -85,7 +85,7 @@ def fewer():
         if row["kind"] == "cut":
             continue
         z, p = surface(row["fractal_dimension"], row["kind"], row["seed"])[1], np.array(row["pressure_pa"])
-        for points in (64, 128):
+        for points in (64, 128) if row["seed"] % 4 in (1, 2) else (64,):
             k_n, _, area, _ = on_fewer_points(z, DX, points, p, E_STAR, RATIO, periodic=True, tangential=False)
             bare = stiffness_on_map(*_averaged(z, DX, points), p, E_STAR, RATIO, tangential=False)[0]
             rows.append({"fractal_dimension": row["fractal_dimension"], "kind": row["kind"], "seed": row["seed"], "points": points,
@@ -96,14 +96,14 @@ def fewer():
     write_record("joint_fewer", rows, seed=list(SEEDS), peers=(tamaas(),))
 
 
-def ring(count=12):
+def ring(count=6):
     """From a patch to a contact of 16 such: errors [ln] and whether the bands hold, of a patch and of the contact."""
     rows, whole, bodies = [], 16 * 64**2 * 1e-12, Bodies(hardness=1e15)
     for d in (2.1, 2.5, 2.9):
         for roll_off in (64, 64 / 3):
             for seed in range(5001, 5001 + count):
                 z = 1e-7 * rough(256, 3 - d, roll_off, 6, seed)
-                p = pressures(0.1, (0.004, 0.01, 0.03, 0.1))
+                p = pressures(0.1, (0.004, 0.02, 0.1))
                 truth, patch = np.array(solve(z, p)["k_n_pa_per_m"]), (z[:64, :64], DX)
                 row = {"fractal_dimension": d, "roll_off": roll_off / 64, "seed": seed}
                 for name, options in (("patch", {}), ("contact", {"loaded": whole})):

@@ -199,11 +199,13 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = scatter_of(area, waves)
-    longer = not all(f["rolls_off"] for f in facts) and longest > min(_length(m) for m in pairs)
+    rises = not all(f["rolls_off"] for f in facts)   # a contact larger than the map has longer waves in any case
+    longer = (rises or bool(loaded and loaded > patch)) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
     if loaded is not None:
         notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / patch:.3g} times the map",)
-    spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None, longer, p, bodies, k_n, area, draws, seed)
+    spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None,
+              ((1.5, 4.0) if rises else (0.25, 0.25)) if longer else None, p, bodies, k_n, area, draws, seed)
     parts = _spread(*spread, whole=wanted == "boundary_elements")
     k_t = bodies.ratio * k_n
     if wanted == "boundary_elements":
@@ -325,24 +327,24 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
     if noisy is not None:
         less, less_area = (np.maximum(-x, 0) for x in change(noisy.q, noisy.height_variance))
         parts["noise"] = (none, less, none, none) if whole else (less, none, less_area, none)
-    if longer:
-        more = _longer(spectrum)
+    if longer is not None:
+        more = _longer(spectrum, *longer)
         parts["longer waves"] = (np.maximum(-change(more.q, more.height_variance)[0], 0), none, none, none)
     return parts
 
 
-def _longer(spectrum):
+def _longer(spectrum, least, most):
     """Spectrum with the waves from the length of the map to twice that.
 
-    Levelling took them, so their variance is that of the octaves below times their growth. On maps cut from four times as long ones
-    without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
+    Levelling took them, so their variance is that of the octaves below times their growth (flat: 0.25). On maps cut from four times as long
+    ones without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
     """
     q, h = spectrum.q, spectrum.height_variance
 
     def octave(n):
         return h[(q >= 2**n * q[0]) & (q < 2 ** (n + 1) * q[0])].sum()
 
-    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), 1e-300), 1.5), 4.0)
+    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), 1e-300), least), most)
     below = max(octave(1), octave(2) * growth)
     missing = [max(below * growth - octave(0), 0.0), below - octave(1)]
     return bands(np.concatenate([q[0] * 2 ** np.array([0.5, 1.5]), q]), np.concatenate([missing, h]))

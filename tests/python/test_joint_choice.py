@@ -226,6 +226,6 @@ def test_band_of_a_contact_of_many_patches():
     assert whole.waves == pytest.approx(16 * one.waves) and "16 times the map" in str(whole)
     assert (width(predict(patch, model="spectrum", loaded=48**2 * 0.25e-12, **same)) > width(one)).all()
     bem = [width(predict(patch, model="boundary_elements", points=48, loaded=area, **same)) for area in (None, z.size * 1e-12)]
-    assert bem[0] == pytest.approx(bem[1])
+    assert (bem[1] >= bem[0]).all() and bem[1] == pytest.approx(bem[0], rel=0.05)
     with pytest.raises(hdengine.InputError, match="loaded area of 0"):
         predict(patch, model="spectrum", loaded=0.0, pressure=p)

@@ -336,8 +336,8 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
 def _longer(spectrum, least, most):
     """Spectrum with the waves from the length of the map to twice that.
 
-    Levelling took them, so their variance is that of the octaves below times their growth (flat: 0.25). On maps cut from four times as long
-    ones without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
+    Levelling took them: their variance is that of the octaves below times their growth (flat: 0.25). On maps cut from four times as
+    long ones without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
     """
     q, h = spectrum.q, spectrum.height_variance
 

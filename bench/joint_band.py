@@ -119,7 +119,7 @@ def summary(record):
     for reading in READINGS:
         f = {n: np.maximum(v, 1e-6) for n, v in factors(record, reading).items()}
         groups = {**GROUPS, "all": ("",)}
-        patch = {**f, "law": factors({**record, "ends": record["one_patch"]}, reading)["law"]}
+        patch = factors({**record, "ends": {**record["ends"], **record["one_patch"]}}, reading)
         bands = {}
         for name, starts in groups.items():
             use = [v for n, v in f.items() if n.startswith(starts)]

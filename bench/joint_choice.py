@@ -7,22 +7,24 @@ maps   eight maps each of D 2.1 to 2.9, roll-off at the map's length, a half and
        the surfaces share eight sets of phases
 edge   eight other maps of each surface, no two with the same phases, at the lowest pressure at which the planner takes the theory
 fewer  boundary elements on averaged maps, with and without the theory of the waves that averaging takes; seeds 3001 to 3004 set `patches.COARSE`
+large  the same on maps of 1024 x 1024 points at 3 % of contact: error and processor time
 ring   laws and bands from a patch of 64 x 64 points for the whole map of 16 such patches, by boundary elements on all of it
 pages  tables of docs/evidence/joint_choice.md, joint_fewer.md, figure joint_scatter
-None of these maps set anything else. Writes bench/results/joint_choice.json, joint_choice_edge.json, joint_fewer.json, joint_ring.json.
-Usage: bench/joint_choice.py [maps] [edge] [fewer] [ring] [pages]
+None of these maps set anything else. Writes bench/results/joint_choice.json, joint_choice_edge.json, joint_fewer.json, joint_large.json, joint_ring.json.
+Usage: bench/joint_choice.py [maps] [edge] [fewer] [large] [ring] [pages]
 """
 import sys
+import time
 
 import numpy as np
 from joint_law import CONTACT, E_STAR, lattice, pressures, rough, scaled
 
-from common import RESULTS, new_axes, put, read_record, save_figure, styled, table, write_record
+from common import new_axes, put, read_record, save_figure, styled, table, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction.choice import TRUST, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
 from hdengine.prediction.law import Bodies, predict
-from hdengine.prediction.patches import COARSE, _averaged, on_fewer_points
+from hdengine.prediction.patches import _averaged, coarse_error, on_fewer_points
 from hdengine.prediction.spectrum import level, of_map
 
 RATIO = moduli(209e9, 0.295, 219e9, 0.30)[1]
@@ -96,6 +98,22 @@ def fewer():
     write_record("joint_fewer", rows, seed=list(SEEDS), peers=(tamaas(),))
 
 
+def large():
+    """Maps of 1024 x 1024 points without roll-off: k_N on fewer points over that on all, and the share of the processor's time."""
+    rows = []
+    for d in (2.1, 2.5, 2.9):
+        z, found = 1e-7 * rough(1024, 3 - d, 1024, 6, 6001), {}
+        for points in (64, 128, 256, 1024):
+            start = time.process_time()
+            k_n, _, area, _ = on_fewer_points(z, DX, points, pressures(0.1, (0.03,)), E_STAR, RATIO, periodic=True, tangential=False)
+            found[points] = k_n[0], time.process_time() - start, area[0]
+        whole = found[1024]
+        rows += [{"fractal_dimension": d, "points": n, "contact": float(f"{whole[2]:.3g}"), "error": round(float(k / whole[0] - 1), 4),
+                  "time_share": float(f"{t / whole[1]:.3g}")} for n, (k, t, _) in found.items()]
+        print(*rows[-4:], sep="\n", flush=True)
+    write_record("joint_large", rows, seed=6001, peers=(tamaas(),))
+
+
 def ring(count=6):
     """From a patch to a contact of 16 such: errors [ln] and whether the bands hold, of a patch and of the contact."""
     rows, whole, bodies = [], 16 * 64**2 * 1e-12, Bodies(hardness=1e15)
@@ -166,9 +184,14 @@ def fewer_pages():
     put("joint-fewer", table(("points", "boundary elements", "contact", "pressures", "within 10 %", "rms error", "largest"), lines),
         "evidence/joint_fewer")
     judge = [r for r in rows if r["seed"] > 3004]
-    z = np.concatenate([np.array(r["with_theory"]) / (COARSE / np.sqrt(np.maximum(np.array(r["area"]) * r["points"]**2, 1))) for r in judge])
-    put("joint-coarse", f"On the {len(judge) // 2} maps that did not set the error of averaging, {100 * (abs(z) < 1.96).mean():.0f} % of {z.size} errors lie within its "
+    z = np.concatenate([np.array(r["with_theory"]) / coarse_error(np.array(r["area"]) * r["points"]**2) for r in judge])
+    put("joint-coarse", f"On the {len({(r['fractal_dimension'], r['kind'], r['seed']) for r in judge})} maps that did not set the error of averaging, {100 * (abs(z) < 1.96).mean():.0f} % of {z.size} errors lie within its "
         "1.96-fold.", "evidence/joint_fewer")
+    rows, lines = read_record("joint_large"), []
+    for d in dict.fromkeys(r["fractal_dimension"] for r in rows):
+        those = [r for r in rows if r["fractal_dimension"] == d and r["points"] < 1024]
+        lines.append((d, *(f"{100 * r['error']:+.1f} % in 1/{1 / r['time_share']:.0f}" for r in those)))
+    put("joint-large", table(("D, no roll-off", "64²", "128²", "256²"), lines), "evidence/joint_fewer")
     rows, lines = read_record("joint_ring"), []
     for name, key, spread in (("theory, band of the patch", "theory_patch", "theory"), ("theory, band of the contact", "theory_contact", "theory"),
                               ("boundary elements on the patch", "boundary_elements", "boundary_elements")):
@@ -185,8 +208,7 @@ def fewer_pages():
 def pages():
     """Tables and the figure of the pages."""
     draw(read_record("joint_choice")["maps"])
-    if (RESULTS / "joint_fewer.json").exists() and (RESULTS / "joint_ring.json").exists():
-        fewer_pages()
+    fewer_pages()
     found, edges = read_record("joint_choice")["maps"], [r for r in read_record("joint_choice_edge") if "contact" in r]
     contact = 100 * np.mean([r["contact"] for r in found], axis=0)
     rows, counts = [], {}
@@ -218,8 +240,8 @@ def pages():
 
 
 def main():
-    todo = sys.argv[1:] or ["maps", "edge", "fewer", "ring", "pages"]
-    for name, call in (("maps", maps), ("edge", edge), ("fewer", fewer), ("ring", ring), ("pages", pages)):
+    todo = sys.argv[1:] or ["maps", "edge", "fewer", "large", "ring", "pages"]
+    for name, call in (("maps", maps), ("edge", edge), ("fewer", fewer), ("large", large), ("ring", ring), ("pages", pages)):
         if name in todo:
             call()
 

@@ -17,7 +17,7 @@ from .spectrum import bands, level, waves
 
 FEWEST = 64      # points a side to which the bound of time may take a map
 GROWTH = 4.6     # time of twice the points a side, over that of the points: transforms and iterations
-COARSE = 0.3     # rms error of ln k_N of an averaged map, times the root of its touching points (bench/joint_choice.py fewer)
+COARSE = 0.3, 0.02   # rms error of ln k_N of an averaged map: over the root of its touching points, and however many touch
 SHEAR = 2.2      # time with the tangential stiffness, over that without it
 
 
@@ -166,7 +166,12 @@ def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pr
     (k_all, a_all), (k_small, a_small) = (_by_theory(m, d, pressure, e_star, hardness) for m, d in ((z, spacing), (small, step)))
     softer = 1 / (1 + k_n * np.maximum(1 / k_all - 1 / k_small, 0))
     area = np.minimum(area * a_all / a_small, 1)
-    return k_n * softer, k_t * softer, area, COARSE / np.sqrt(np.maximum(area * small.size, 1))
+    return k_n * softer, k_t * softer, area, coarse_error(area * small.size)
+
+
+def coarse_error(touching: np.ndarray) -> np.ndarray:
+    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_choice.py fewer)."""
+    return np.hypot(COARSE[0] / np.sqrt(np.maximum(touching, 1)), COARSE[1])
 
 
 def _by_theory(z, spacing, pressure, e_star, hardness):

@@ -21,6 +21,7 @@ from .spectrum import Spectrum, bands, of_map
 
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
 FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
+STUDENT = 3.18      # 95 % of Student's t with three degrees of freedom: four quarters
 UNIT = 30.0         # slope beyond which heights are taken for those of another unit
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 
@@ -194,6 +195,7 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
     patch = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
+    alone = scatter_of(area, waves)
     waves *= (loaded or patch) / patch   # those of a contact of so many patches
     wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
     if model:
@@ -218,7 +220,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                       f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
             if loaded is not None:
                 notes += ("boundary elements know one map: its scatter stays in the band, however large the contact",)
-            parts["four quarters"] = (1.96 * scatter,) * 4
+            parts["four quarters"] = (STUDENT * scatter,) * 4
+            parts["one map"] = (1.96 * alone, 1.96 * alone, *(np.zeros(len(p)),) * 2)
             if coarse.any():
                 parts["averaging"] = (1.96 * coarse,) * 4
         except (InputError, _engine.NotConvergedError, _engine.StoppedError) as why:

@@ -193,16 +193,16 @@ def fewer_pages():
         lines.append((d, *(f"{100 * r['error']:+.1f} % in 1/{1 / r['time_share']:.0f}" for r in those)))
     put("joint-large", table(("D, no roll-off", "64²", "128²", "256²"), lines), "evidence/joint_fewer")
     rows, lines = read_record("joint_ring"), []
-    for name, key, spread in (("theory, band of the patch", "theory_patch", "theory"), ("theory, band of the contact", "theory_contact", "theory"),
-                              ("boundary elements on the patch", "boundary_elements", "boundary_elements")):
+    for name, key, spread in (("theory, as if the contact were a patch", "theory_patch", "theory"), ("theory, contact stated", "theory_contact", "theory"),
+                              ("boundary elements, contact stated", "boundary_elements", "boundary_elements")):
         for label, roll in (("none", lambda r: r > 0.9), ("1/3 of the patch", lambda r: r < 0.9)):
             those = [r for r in rows if roll(r["roll_off"])]
             hold = np.array([r[f"{key}_holds"] for r in those])
             error, width = np.array([r[spread] for r in those]), np.array([r[f"{key}_width"] for r in those])
             lines.append((name, label, f"{hold.mean(1).sum() * hold.shape[1]:.0f} of {hold.size}", f"{100 * np.sqrt((error**2).mean()):.0f} %",
                           f"{100 * width.mean():.0f} %"))
-    put("joint-ring", table(("law of one patch", "roll-off", "pressures whose k_N of the contact lies in the band", "rms error of ln k_N",
-                             "mean half width of the band"), lines), "evidence/joint_fewer")
+    put("joint-ring", table(("law of one patch", "roll-off", "contact in the band", "rms error",
+                             "half width, mean"), lines), "evidence/joint_fewer")
 
 
 def pages():

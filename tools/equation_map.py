@@ -31,8 +31,8 @@ HEAD = """# Equations
 Where each equation of the paper (Hu et al. 2023) is computed. What was put right is told in
 [the paper and what was wrong in print](../explain/paper.md). `tools/equation_map.py` writes this page from the tags `[Eq. N]` in the source.
 
-| equation | what | computed by |
-|---|---|---|
+| equation | what | computed by | in |
+|---|---|---|---|
 """
 
 
@@ -80,7 +80,8 @@ def page():
     found, rows = places(), []
     for equations, what in WHAT.items():
         here = dict.fromkeys(place for n in numbers(equations) for place in found.get(n, []))
-        rows.append(f"| {equations} | {what} | " + ", ".join(f"`{name}` in `{file}`" for file, name in here) + " |")
+        heads = [f"{equations} | {what}"] + [" | "] * (len(here) - 1)
+        rows += [f"| {head} | `{name}` | `{file}` |" for head, (file, name) in zip(heads, here or [("", "")], strict=True)]
     return HEAD + "\n".join(rows) + "\n"
 
 

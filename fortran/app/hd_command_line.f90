@@ -4,7 +4,8 @@ module hd_command_line
   use, intrinsic :: iso_fortran_env, only: output_unit
   use hd_error, only: error_t, raise, code_input
   use hd_help, only: help_text, license_text, citation_text, version_text
-  use hd_input, only: read_scene, holds_study, explain
+  use hd_explain, only: explain
+  use hd_input, only: read_scene, holds_study
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_surface_run, only: check_surface_run, run_surface
   use hd_plausible, only: implausible
@@ -12,7 +13,7 @@ module hd_command_line
   use hd_open_run, only: check_run, run_to_end
   use hd_scene, only: scene_t
   use hd_system, only: become_program
-  use hd_text, only: string_t, push, nearest_name, join
+  use hd_text, only: string_t, push, suggestion
   implicit none
   private
   public :: command_t, read_command_line, obey
@@ -109,14 +110,10 @@ contains
       '--resume', '--help', '--out', '--version', '--license', '--citation']
     type(string_t), allocatable :: options(:)
     integer :: i
-    character(len=:), allocatable :: hint
     do i = 1, size(names)
       call push(options, trim(names(i)))
     end do
-    hint = nearest_name(word, options)
-    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
-    call raise(error, code_input, "unknown option '"//word//"'"//new_line('a')//'      '//hint//'valid: '// &
-      join(options, ', ')//', -q, -v')
+    call raise(error, code_input, "unknown option '"//word//"'"//new_line('a')//'      '//suggestion(word, options)//', -q, -v')
   end subroutine unknown_option
 
   !> Do what is asked.

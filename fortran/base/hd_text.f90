@@ -5,7 +5,7 @@ module hd_text
   use hd_kinds, only: dp
   implicit none
   private
-  public :: to_text, lower, nearest_name, string_t, push, join, exact, percent, split, is_utf8, unquoted, rounded
+  public :: to_text, lower, nearest_name, suggestion, string_t, push, join, exact, percent, split, is_utf8, unquoted, rounded
 
   !> One entry of a list of texts.
   type :: string_t
@@ -200,6 +200,16 @@ contains
       best = names(i)%s
     end do
   end function nearest_name
+
+  !> Nearest valid name and the list of all.
+  pure function suggestion(word, names) result(hint)
+    character(len=*), intent(in) :: word    !< as typed
+    type(string_t), intent(in) :: names(:)  !< valid names
+    character(len=:), allocatable :: hint
+    hint = nearest_name(word, names)
+    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
+    hint = hint//'valid: '//join(names, ', ')
+  end function suggestion
 
   !> Edit distance (insertions, deletions, substitutions).
   pure integer function distance(a, b)

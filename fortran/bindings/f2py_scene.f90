@@ -126,7 +126,7 @@ end subroutine scene_cam
 subroutine explain_text(name, text, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_input, only: explain
+  use hd_explain, only: explain
   use hd_status, only: tell, hand_over
   implicit none
   character(len=*), intent(in) :: name

@@ -48,8 +48,8 @@ contains
     integer :: status
     self%path = path
     call self%begin_row()
-    open (newunit=self%unit, file=path, action='write', status='replace', recl=100000, iostat=status)
-    if (status == 0) write (self%unit, '(a)', iostat=status) columns
+    open (newunit=self%unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
+    if (status == 0) write (self%unit, iostat=status) columns//new_line('a')
     self%sum = checksum(columns//new_line('a'))
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine open_table
@@ -72,7 +72,8 @@ contains
       call raise(error, code_file, "'"//path//"' is not as the run left it (its checksum differs): begin anew with --force")
       return
     end if
-    open (newunit=self%unit, file=path, action='write', status='old', position='append', recl=100000, iostat=status)
+    open (newunit=self%unit, file=path, access='stream', form='unformatted', action='write', status='old', position='append', &
+      iostat=status)
     if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine reopen
 
@@ -116,17 +117,19 @@ contains
     do while (last > len(self%line))
       self%line = self%line//repeat(' ', len(self%line))
     end do
-    self%line(self%used + 1:last) = ','//value
+    self%line(self%used + 1:last - 1) = value
+    self%line(last:last) = ','
     self%used = last
   end subroutine add_text
 
-  !> Write the row and flush it.
+  !> Write the row.
   subroutine end_row(self, error)
     class(table_t), intent(inout) :: self             !< table
     type(error_t), allocatable, intent(out) :: error  !< disk full
     integer :: status
-    write (self%unit, '(a)', iostat=status) self%line(2:self%used)
-    self%sum = checksum(self%line(2:self%used)//new_line('a'), self%sum)
+    self%line(self%used:self%used) = new_line('a')
+    write (self%unit, iostat=status) self%line(:self%used)
+    self%sum = checksum(self%line(:self%used), self%sum)
     call self%begin_row()
     if (status /= 0) call raise(error, code_file, "cannot write '"//self%path//"': is the disk full?")
   end subroutine end_row

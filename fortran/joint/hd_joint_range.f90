@@ -51,9 +51,9 @@ contains
         'Raise joint.hardness if it is higher, or lower the load')
       return
     end if
-    if (s_l > base) call push(lines, 'the largest spot, '//rounded(s_l)//' m^2, exceeds the base of an asperity, pi r_m^2 = '// &
-      rounded(base)//' m^2: K_N and K_T are extrapolated. Take joint.model = ''spectrum'', fit asperity_radius and s_min to a '// &
-      'stiffness (docs/howto/calibrate.md), or raise asperity_radius to '//rounded(1.001_dp*sqrt(s_l/pi))//' m')
+    if (s_l > base) call push(lines, 'the stiffness of the joint is extrapolated, for spots grow beyond the base of an '// &
+      'asperity, '//rounded(s_l)//' against '//rounded(base)//' m^2. Take joint.model = ''spectrum'', calibrate '// &
+      '(docs/howto/calibrate.md), or raise joint.asperity_radius to '//rounded(1.001_dp*sqrt(s_l/pi))//' m')
     if (real_area(joint, s_l) > joint%reference_area) call push(lines, 'the real contact area, '// &
       to_text(real_area(joint, s_l))//' m^2, exceeds the nominal one, '// &
       to_text(joint%reference_area)//' m^2: the model has ended; take joint.model = ''spectrum''')

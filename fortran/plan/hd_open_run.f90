@@ -5,7 +5,7 @@ module hd_open_run
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_folder_lock, only: folder_lock_t
   use hd_job, only: resume_run, run_scene
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, i8
   use hd_mesh_series, only: least_tolerance
   use hd_planner, only: new_planned_run, run_planned
   use hd_run, only: run_t, new_run
@@ -25,7 +25,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< tolerance, memory
     if (scene%planned_tolerance > 0 .and. scene%planned_tolerance < least_tolerance) then
       call raise(error, code_input, 'error: run.tolerance = '//to_text(scene%planned_tolerance)//nl// &
-        '      valid: 0, or what the finest mesh of a plan can promise and more ('//to_text(least_tolerance)//')')
+        '      valid: 0, or '//to_text(least_tolerance)//' and more: what the finest mesh of a plan can promise')
     else
       call check_memory(scene, error)
     end if
@@ -41,8 +41,8 @@ contains
     limit = allowed_memory_mb(s)
     whose = ''
     if (.not. s%memory_limit_mb > 0) whose = ', 80 % of what is free now'
-    if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(anint(need))// &
-      ' MB, the limit is '//to_text(anint(limit))//' MB'//whose//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
+    if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(nint(need, i8))// &
+      ' MB, the limit is '//to_text(nint(limit, i8))//' MB'//whose//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
       ') or mesh.band_facets ('//to_text(s%band_facets)//'), or raise mesh.memory_limit_mb')
   end subroutine check_memory
 

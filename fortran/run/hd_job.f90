@@ -57,6 +57,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< complete already, another scene, files
     if (path_kind(folder//'/echo.nml') == path_absent) then
       call new_run(scene, input, folder, .false., run, error)
+      if (.not. allocated(error)) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")
       return
     end if
     call check_same_scene(folder, 'echo.nml', scene, error)

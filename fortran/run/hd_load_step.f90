@@ -19,7 +19,7 @@ module hd_load_step
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
-  use hd_text, only: to_text
+  use hd_text, only: to_text, rounded
   implicit none
   private
   public :: solve_step
@@ -181,7 +181,7 @@ contains
     text = 'stopped at a limit after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on'
     if (run%record%steps == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
       ' s before a load step was done ('//to_text(run%record%steps)//' before; setting up took '// &
-      to_text(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
+      rounded(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
   end function stopped_text
 
   !> The wall-clock limit of the scene has passed.

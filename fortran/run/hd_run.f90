@@ -403,18 +403,18 @@ contains
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(run)
     type(run_t), intent(inout) :: run  !< gets warnings
+    logical :: hard                    !< the hardness is exceeded
     associate (s => run%sums, scene => run%scene)
-      if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 lies on points '// &
-        'that slip, each counted at its stiffness just below slip: k_ts_tangent_nm_per_rad is what a test would measure')
+      if (.not. s%normal_force > 0 .and. scene%contact_mode /= 'bonded') call push(run%record%warnings, &
+        'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
+      if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
+        'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_tangent_nm_per_rad')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
         'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
-      if (s%pressure_max > run%joint%asperity%hardness) then
-        call push(run%record%warnings, 'the peak pressure at a node, '//rounded(s%pressure_max)//' Pa, is above the hardness '// &
-          to_text(run%joint%asperity%hardness)//' Pa'//edge_advice(s))
-      else if (s%pressure_max > scene%yield_strength) then
-        call push(run%record%warnings, 'the peak pressure at a node, '//rounded(s%pressure_max)//' Pa, is above the yield '// &
-          'strength '//to_text(scene%yield_strength)//' Pa'//edge_advice(s))
-      end if
+      hard = s%pressure_max > run%joint%asperity%hardness
+      if (hard .or. s%pressure_max > scene%yield_strength) call push(run%record%warnings, 'the peak pressure at a node, '// &
+        rounded(s%pressure_max)//' Pa, is above the '//trim(merge('hardness      ', 'yield strength', hard))//' '// &
+        to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa'//edge_advice(s))
       if (run%record%planned_tolerance > 0 .and. .not. s%pressure_middle > 0) call push(run%record%warnings, &
         'the middle of the band is not in contact: nothing is promised of its pressure. Read the normal force')
     end associate

@@ -46,8 +46,8 @@ contains
       'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
     call need(faults, s%cam == 'cosine' .or. s%lobes == 2, 'wave_generator.lobes', real(s%lobes, dp), &
       "cam = 'cosine' or lobes", 2._dp)
-    call need(faults, (s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.w', s%w, &
-      "cam = 'table' together with wave_generator.cam_file, the file of the table; w", s%w)
+    call ask(faults, (s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.cam', s%cam, &
+      "'table' together with wave_generator.cam_file, the file of the table; other cams without that file")
     call need(faults, (s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', &
       s%perimeter_length, "a length together with perimeter = 'given', else", 0._dp)
     associate (circle => 2*pi*(s%bore_radius - merge(s%ring_thickness, 0._dp, s%shape == 'pressed')))
@@ -71,35 +71,33 @@ contains
       'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
     call need(faults, s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
       'below sample_length', s%sample_length)
-    call need(faults, s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'load.tooth_pairs', real(s%tooth_pairs, dp), &
-      "with support 'teeth' contact.mode must be 'bonded'", 0._dp)
+    call ask(faults, s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'contact.mode', s%contact_mode, &
+      "'bonded' with load.support = 'teeth'; support 'drive' has teeth and friction")
     call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
-      "support 'drive'; with others the circular spline is rigid:", 0._dp)
+      "0: the circular spline is rigid, but with load.support = 'drive'")
     call need(faults, (s%support == 'drive' .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
-      s%groove_depth, "with support 'drive' and bearing.balls, that run in the groove; else", 0._dp)
-    call need(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.friction', s%friction, &
-      "another contact mode: with support 'bearing' all torque goes through friction; above", 0._dp)
-    call need(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), &
-      'wave_generator.ring_contact', &
-      s%w, "ring_contact = 'tied' with element = 'hex20r' or support = 'teeth'; w", s%w)
+      s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
+    call ask(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
+      "'frictional' with load.support = 'bearing', where all torque goes through friction")
+    call ask(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), &
+      'wave_generator.ring_contact', s%ring_contact, "'tied' with mesh.element = 'hex20r' or load.support = 'teeth'")
     call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
-      'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i", 0._dp)
-    call need(faults, &
+      'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i")
+    call ask(faults, &
       s%support /= 'bearing' .or. s%ring_tangent /= 'free' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
-      'load.torque', s%torque, "ring_tangent = 'follow': nothing takes the torque of a 'bearing' support where the ring " // &
-      'slides on the cam; otherwise', 0._dp)
-    call need(faults, &
+      'wave_generator.ring_tangent', s%ring_tangent, "'follow' or 'auto' with load.support = 'bearing': nothing takes the " // &
+      'torque where the ring slides on the cam')
+    call ask(faults, &
       s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
-      'load.torque', s%torque, "solver.kinematics = 'linear'; 'nonlinear' needs solver.method auto or newton and support " // &
-      'hub or bearing; torque', s%torque)
-    call need(faults, s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'load.tooth_pairs', &
-      real(s%tooth_pairs, dp), "solver.factors = 'exact' with support 'teeth'", 0._dp)
+      'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with load.support hub or bearing")
+    call ask(faults, s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
+      "'auto' or 'exact' with load.support = 'teeth'")
     call need(faults, s%turning_positions == 0 .or. s%support == 'drive', 'turning.positions', real(s%turning_positions, dp), &
-      "with support 'drive', else", 0._dp)
-    call need(faults, s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.zero_pressure', s%zero_pressure, &
-      "contact.law = 'hard' with mode 'bonded': a joint does not pull", s%zero_pressure)
-    call need(faults, s%contact_law == 'hard' .or. s%closure == 'nominal', 'contact.zero_pressure', s%zero_pressure, &
-      "joint.closure = 'nominal' with a contact.law other than 'hard'", s%zero_pressure)
+      "0, but with load.support = 'drive'")
+    call ask(faults, s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.law', s%contact_law, &
+      "'hard' with contact.mode = 'bonded': a joint does not pull")
+    call ask(faults, s%contact_law == 'hard' .or. s%closure == 'nominal', 'joint.closure', s%closure, &
+      "'nominal' with a contact.law other than 'hard'")
   end subroutine check_methods
 
   !> Conditions between the keys of a whole drive.
@@ -107,20 +105,23 @@ contains
     type(scene_t), intent(in) :: s                            !< scene with support 'drive'
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
     call check_groove(s, faults)
-    call need(faults, s%shape == 'pressed' .and. s%ring_contact == 'tied', 'load.support', s%w, &
-      "with support 'drive' shape = 'pressed' and ring_contact = 'tied' (bearing.balls make it unilateral); w", s%w)
-    call need(faults, s%kinematics /= 'nonlinear' .and. s%method /= 'schur' .and. (s%factors == 'auto' .or. s%factors == 'exact'), &
-      'load.torque', s%torque, "with support 'drive' solver.kinematics = 'linear', method auto, condensed or newton with "// &
-      'exact factors; torque', s%torque)
+    call ask(faults, s%shape == 'pressed', 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
+    call ask(faults, s%ring_contact == 'tied', 'wave_generator.ring_contact', s%ring_contact, &
+      "'tied' with load.support = 'drive', where the balls lift off by themselves")
+    call ask(faults, s%kinematics /= 'nonlinear', 'solver.kinematics', s%kinematics, "'linear' with load.support = 'drive'")
+    call ask(faults, s%method /= 'schur', 'solver.method', s%method, &
+      "'auto', 'condensed' or 'newton' with load.support = 'drive'")
+    call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
+      "'auto' or 'exact' with load.support = 'drive'")
     call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
     call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &
       s%ball_diameter, 'so small that all balls have room on their circle: below', &
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))
     call need(faults, s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
-      '0 where bearing.balls stand for it', 0._dp)
+      '0 where bearing.balls stand for it')
     call need(faults, .not. s%planned_tolerance > 0, 'run.tolerance', s%planned_tolerance, &
       "0 with support 'drive': plans promise K_TS of "// &
-      'one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays', 0._dp)
+      'one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays')
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
   end subroutine check_drive
 
@@ -146,9 +147,21 @@ contains
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets it
     logical, intent(in) :: condition                          !< that must hold
     character(len=*), intent(in) :: name, rule                !< key, and what is valid
-    real(dp), intent(in) :: value, limit                      !< as given, and the limit of the rule
+    real(dp), intent(in) :: value                             !< as given
+    real(dp), intent(in), optional :: limit                   !< of the rule
+    character(len=:), allocatable :: bound
     if (condition) return
-    call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//' ('//to_text(limit)//')')
+    bound = ''
+    if (present(limit)) bound = ' ('//to_text(limit)//')'
+    call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//bound)
   end subroutine need
+
+  !> A choice that does not go with another key.
+  subroutine ask(faults, condition, name, choice, rule)
+    type(string_t), allocatable, intent(inout) :: faults(:)   !< gets it
+    logical, intent(in) :: condition                          !< that must hold
+    character(len=*), intent(in) :: name, choice, rule        !< key, its value, and what is valid
+    if (.not. condition) call push(faults, 'error: '//name//" = '"//trim(choice)//"'"//nl//'      valid: '//rule)
+  end subroutine ask
 
 end module hd_conditions

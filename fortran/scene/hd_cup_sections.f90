@@ -20,14 +20,14 @@ contains
     type(parameter_table_t), intent(inout) :: t     !< table
     real(dp), parameter :: big = huge(1._dp)
     call add_list(t, 'cup', 'sections_r', 'model', s%sections_r, s%sections_count(1), 'm', 0._dp, big, &
-      "points on the cup's inside, from the opening along bore and bottom or flange to the hub: distances from the axis; " // &
+      "distances from the axis of points on the cup's inside, from the opening along bore and bottom or flange to the hub; "// &
       '0: the simple cup of &geometry')
     call add_list(t, 'cup', 'sections_z', 'model', s%sections_z, s%sections_count(2), 'm', 0._dp, big, &
-      'their distances from the opening')
+      'distances of these points from the opening')
     call add_list(t, 'cup', 'sections_thickness', 'model', s%sections_thickness, s%sections_count(3), 'm', 0._dp, big, &
-      'thickness of the wall there; a corner where it changes stands twice, with the thickness before and behind it')
+      'thickness of the wall at these points; where it jumps, the point stands twice, with the thickness before and behind it')
     call add_list(t, 'cup', 'sections_fillet', 'model', s%sections_fillet, s%sections_count(4), 'm', 0._dp, big, &
-      "radius of the inside at the points, 0: sharp; left out: all sharp")
+      'radius of the inside at these points; 0: sharp; left out: all sharp')
   end subroutine add_cup_keys
 
   !> Is the cup given by sections?

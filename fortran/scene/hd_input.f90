@@ -1,18 +1,17 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> From an input file and assignments to a checked scene, with every mistake in one message; echo and explanation of keys.
+!> From an input file and assignments to a checked scene, with every mistake in one message; echo.
 module hd_input
   use hd_error, only: error_t, raise, code_input, code_file
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
-  use hd_default_charts, only: chart_of
-  use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
   use hd_system, only: path_kind, path_file
-  use hd_text, only: string_t, push, join, nearest_name, to_text, lower
+  use hd_text, only: string_t, push, to_text, lower, suggestion
   implicit none
   private
-  public :: read_scene, holds_study, write_echo, explain
+  public :: read_scene, holds_study, write_echo
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -266,16 +265,6 @@ contains
     end do
   end function place_of
 
-  !> Nearest valid name and the list of all.
-  pure function suggestion(word, names) result(hint)
-    character(len=*), intent(in) :: word    !< as typed
-    type(string_t), intent(in) :: names(:)  !< valid names
-    character(len=:), allocatable :: hint
-    hint = nearest_name(word, names)
-    if (len(hint) > 0) hint = "did you mean '"//hint//"'?  "
-    hint = hint//'valid: '//join(names, ', ')
-  end function suggestion
-
   !> Write every key; reading the file back gives the same run.
   subroutine write_echo(path, scene, error)
     character(len=*), intent(in) :: path              !< file
@@ -308,52 +297,4 @@ contains
     end do
     close (unit)
   end subroutine write_echo
-
-  !> Text about a key, a group, or `all` keys as a Markdown page.
-  subroutine explain(name, answer, error)
-    character(len=*), intent(in) :: name                    !< key, group.key, group or 'all'
-    character(len=:), allocatable, intent(out) :: answer    !< text
-    type(error_t), allocatable, intent(out) :: error        !< no such name
-    type(scene_t), target :: scene
-    type(parameter_table_t) :: table
-    type(string_t), allocatable :: names(:)
-    integer :: i
-    call new_table(scene, table)
-    answer = ''
-    names = groups_of(table)
-    if (name == 'all') answer = '# Input keys'//nl//nl//'Written by `hdengine.x --explain all`. All values in SI units.'//nl
-    do i = 1, size(table%rows)
-      associate (p => table%rows(i))
-        call push(names, p%key)
-        if (name == 'all') then
-          if (i == 1) then
-            answer = answer//heading(p)
-          else if (table%rows(i - 1)%group /= p%group) then
-            answer = answer//heading(p)
-          end if
-          answer = answer//'| `'//p%key//'` | '//p%default//' | '//p%unit//' | '//p%meaning//choices(p)//' |'//nl
-        else if (lower(name) == p%key .or. lower(name) == p%group//'.'//p%key .or. lower(name) == p%group) then
-          answer = answer//'&'//p%group//' '//p%key//' = '//p%default
-          if (len(p%unit) > 0) answer = answer//' ['//p%unit//']'
-          answer = answer//nl//'    '//p%meaning//choices(p)//nl
-          if (len(chart_of(p%group, p%key)) > 0) answer = answer//'    the default was chosen by the chart "'// &
-            chart_of(p%group, p%key)//'" of docs/evidence/speed_accuracy.md'//nl
-        end if
-      end associate
-    end do
-    if (len(answer) == 0) call raise(error, code_input, "error: no key '"//name//"'"//nl//'      '//suggestion(name, names))
-  contains
-    function heading(p) result(s)
-      type(parameter_t), intent(in) :: p
-      character(len=:), allocatable :: s
-      s = nl//'## &'//p%group//nl//nl//'| key | default | unit | meaning |'//nl//'|---|---|---|---|'//nl
-    end function heading
-
-    function choices(p) result(s)
-      type(parameter_t), intent(in) :: p
-      character(len=:), allocatable :: s
-      s = ''
-      if (size(p%choices) > 0) s = ' ('//join(p%choices, ', ')//')'
-    end function choices
-  end subroutine explain
 end module hd_input

@@ -2,7 +2,7 @@
 !> The one table of parameters: it reads, checks, echoes and explains every key of the input file.
 module hd_parameters
   use hd_kinds, only: dp, i8
-  use hd_text, only: string_t, push, to_text, exact, join, nearest_name, lower, unquoted
+  use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
@@ -10,7 +10,8 @@ module hd_parameters
   use hd_surface_keys, only: add_surface_keys, add_fit_keys
   implicit none
   private
-  public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text, value_count
+  public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text, &
+    value_count, range_text
 
 contains
 
@@ -39,9 +40,8 @@ contains
     call add_integer(t, 'hd_input', 'version', 'output', s%version, 1, 1, 'format of this file')
     call add_choice(t, 'run', 'title', 'output', s%title, '', 'one line that names the run in its results')
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
-      'error promised of the limits of tangent K_TS, rotation, '// &
-      'normal force and mid-band pressure (relative): element, kinematics, load steps and mesh are chosen for it; 0: as given', &
-      closed=.true.)
+      'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have; element, kinematics, load '// &
+      'steps and mesh are chosen for it; 0: all as given', closed=.true.)
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &
@@ -65,7 +65,7 @@ contains
     call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
     call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
     call add_real(t, 'material', 'yield_strength', 'joint', s%yield_strength, 'Pa', 0._dp, big, &
-      'of the softer body, gives the hardness 2.8 sigma_s')
+      'yield strength of the softer body; its hardness is 2.8 times that')
     call add_integer(t, 'mesh', 'divisions', 'model', s%divisions, 8, 100000, 'cells round the circumference')
     call add_integer(t, 'mesh', 'band_facets', 'model', s%band_facets, 1, 10000, 'contact facets along the band')
     call add_integer(t, 'mesh', 'ring_divisions', 'model', s%ring_divisions, 0, 100000, 'cells round the ring; 0: as divisions')
@@ -77,10 +77,10 @@ contains
     call add_integer(t, 'mesh', 'through_wall', 'model', s%through_wall, 1, 100, 'cells through wall, rim and bottom')
     call add_integer(t, 'mesh', 'through_ring', 'model', s%through_ring, 1, 100, 'cells through the ring')
     call add_real(t, 'mesh', 'edge_length', 'model', s%edge_length, 'm', 0._dp, big, &
-      'shortest cells, on either side of both edges of the band; from there they grow by half, up to the others; 0: all equal', &
-      closed=.true.)
+      'length of the shortest cells, on either side of both edges of the band; from there each cell is longer by half, up to '// &
+      'the others; 0: all equal', closed=.true.)
     call add_choice(t, 'mesh', 'element', 'model', s%element, 'hex8 hex8i hex20r', &
-      'hexahedron: plain, with incompatible modes, quadratic reduced')
+      'hexahedron. hex8: plain; hex8i: with incompatible modes; hex20r: quadratic, reduced integration')
     call add_real(t, 'mesh', 'memory_limit_mb', 'model limit', s%memory_limit_mb, 'MB', 0._dp, big, &
       'larger meshes are refused before they are tried; 0: 80 % of what machine, batch job and ulimit leave', closed=.true.)
   end subroutine add_shape_keys
@@ -93,34 +93,35 @@ contains
     call add_real(t, 'wave_generator', 'w', 'cam', s%w, 'm', 0._dp, big, &
       'radial deformation (deformation coefficient)', closed=.true.)
     call add_choice(t, 'wave_generator', 'cam', 'cam', s%cam, 'ellipse cosine arcs table', &
-      'profile: ellipse with semi-axes r + w, r - w; radius r + w cos(lobes theta); four arcs; a measured table. With small '// &
-      'displacements ellipse and cosine are one field: they differ by the order w^2/r')
+      'profile. ellipse: semi-axes r + w, r - w; cosine: radius r + w cos(lobes theta); arcs: four arcs of circles; table: '// &
+      'measured, from cam_file. Ellipse and cosine differ by the order w^2/r, which small displacements leave out')
     call add_integer(t, 'wave_generator', 'lobes', 'cam', s%lobes, 2, 100, "waves of the cam 'cosine'")
     call add_real(t, 'wave_generator', 'arc_angle_deg', 'cam', s%arc_angle_deg, 'deg', 0._dp, 90._dp, &
       "cam 'arcs': half angle of the arcs at the ends of the long axis (45: semi-axes r + w, r - w)")
     call add_choice(t, 'wave_generator', 'cam_file', 'cam', s%cam_file, '', &
-      "cam 'table': CSV file with the columns "//'theta_deg,radius_m of one turn; w is then not used')
+      "cam 'table': CSV file of one turn with the columns theta_deg,radius_m; w is then not used")
     call add_choice(t, 'wave_generator', 'perimeter', 'cam', s%perimeter, 'kept curve given', &
-      'length of the circle that goes on the cam (inner face of the ring): kept, on a curve parallel to the profile; that of '// &
-      'the profile; or perimeter_length')
+      "length of the circle that is bent to the cam, the ring's inner face. kept: as it is, on a curve parallel to the "// &
+      'profile; curve: that of the profile; given: perimeter_length')
     call add_real(t, 'wave_generator', 'perimeter_length', 'cam', s%perimeter_length, 'm', 0._dp, big, &
       "length of the ring's inner face on the cam with perimeter 'given'", closed=.true.)
     call add_choice(t, 'wave_generator', 'ring_tangent', 'model', s%ring_tangent, 'auto free follow', &
-      "inner face of the ring round the axis: auto: free, but held where nothing else holds the ring (support 'bearing'; no "// &
-      'friction and large displacements); free to slide, as on balls; or held where the cam puts it: the torque goes through '// &
-      'friction into the wave generator, as in the paper and in no drive')
+      'inner face of the ring, round the axis. free: it slides, as on balls; follow: it is held where the cam puts it, so '// &
+      'that torque goes through friction into the wave generator, as in the paper and in no drive; auto: free, but held '// &
+      "where nothing else holds the ring (support 'bearing', or no friction and large displacements)")
     call add_choice(t, 'wave_generator', 'ring_contact', 'model', s%ring_contact, 'tied unilateral', &
-      'ring held on the wave generator, or pressed against it without tension and friction (hex8, hex8i)')
+      'ring on the wave generator. tied: held; unilateral: pressed against it, without tension and friction (hex8, hex8i)')
     call add_real(t, 'wave_generator', 'ball_stiffness', 'model', s%ball_stiffness, 'N/m', 0._dp, big, &
-      'radial stiffness of all balls together, even over the inner face of a tied ring, linear; 0: rigid', closed=.true.)
+      'radial stiffness of all balls together, linear, spread evenly over the inner face of a tied ring; 0: rigid', closed=.true.)
     call add_choice(t, 'wave_generator', 'shape', 'model', s%shape, 'pressed as_formed', &
-      'round flexspline pressed onto the wave generator, or flexspline and ring stress-free in its shape')
+      'pressed: a round flexspline is pressed onto the wave generator; as_formed: flexspline and ring have its shape without '// &
+      'stress')
     call add_real(t, 'wave_generator', 'cone_angle_deg', 'cam', s%cone_angle_deg, 'deg', -10._dp, 10._dp, &
-      "slope of the cam's generator: w falls towards the bottom, and is w in the middle of the band", closed=.true.)
+      'slope of the cam along the axis: the deformation is w in the middle of the band and falls towards the bottom', closed=.true.)
     call add_real(t, 'wave_generator', 'eccentricity', 'assembly', s%eccentricity, 'm', 0._dp, big, &
-      'installation eccentricity', closed=.true.)
+      'shift of the wave generator off the axis, an error of installation', closed=.true.)
     call add_real(t, 'wave_generator', 'eccentricity_angle_deg', 'assembly', s%eccentricity_angle_deg, 'deg', -360._dp, 360._dp, &
-      'its direction from the long axis', closed=.true.)
+      'direction of the shift, from the long axis', closed=.true.)
     call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', -big, big, &
       'radial interference of ring and flexspline; negative: clearance', closed=.true.)
   end subroutine add_wave_generator_keys
@@ -134,35 +135,38 @@ contains
       'contact of ring and flexspline')
     call add_real(t, 'contact', 'friction', 'assembly', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
     call add_real(t, 'contact', 'torque_friction', 'load', s%torque_friction, '', 0._dp, 10._dp, &
-      'mu while the torque acts (large: no slip, to part slip from elasticity); 0: as friction', closed=.true.)
+      'coefficient while the torque acts; a large one lets nothing slip, which tells slip from elasticity; 0: as friction', &
+      closed=.true.)
     call add_choice(t, 'contact', 'law', 'model', s%contact_law, 'hard joint joint_elastic', &
-      'faces that cannot penetrate, or the compliance of the rough joint (normal and tangential); joint_elastic: k_t without ' // &
-      'its fall under shear')
+      'hard: faces do not penetrate; joint: the rough joint gives way, in normal and tangential direction; joint_elastic: '// &
+      'the same, but k_t does not fall under shear')
     call add_real(t, 'contact', 'zero_pressure', 'model', s%zero_pressure, 'Pa', 0._dp, 1e9_dp, &
       "pressure at which the gap counts as 0 with the law 'joint'")
     call add_choice(t, 'contact', 'slave', 'model', s%slave, 'ring cup', &
       'side that carries the multipliers and the facets of the results')
     call add_choice(t, 'load', 'support', 'model', s%support, 'hub bearing teeth drive', &
-      'cup bottom held (the torque leaves at the output), free to turn (all torque through the contact), turned against the '// &
-      'teeth of the circular spline (bonded ring), or the whole drive: balls, ring, friction and teeth, the torque at the bottom')
+      'hub: the bottom of the cup is held, the torque leaves there; bearing: the bottom turns freely, all torque goes '// &
+      'through the contact; teeth: the cup is turned against the teeth of the circular spline (bonded ring); drive: the '// &
+      'whole drive of balls, ring, friction and teeth, the torque at the bottom')
     call add_choice(t, 'load', 'torque_load', 'model', s%torque_load, 'uniform teeth', &
-      'even shear on the outside of the rim, or forces of the tooth pairs around the long axis')
+      'where the torque enters. uniform: as even shear on the outside of the rim; teeth: by forces of the tooth pairs around '// &
+      'the long axis')
     call add_integer(t, 'load', 'teeth', 'model', s%teeth, 8, 100000, 'teeth of the flexspline')
     call add_integer(t, 'load', 'tooth_pairs', 'model', s%tooth_pairs, 2, 100000, &
       'pairs in mesh at both ends of the long axis together')
     call add_real(t, 'load', 'pressure_angle_deg', 'model', s%pressure_angle_deg, 'deg', 0._dp, 60._dp, &
-      'of the teeth: inward radial force = tangential force times its tangent', closed=.true.)
+      'pressure angle of the teeth: the radial force, inward, is the tangential one times its tangent', closed=.true.)
     call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
-      "of a pair of teeth along its normal, with support 'teeth'; 14 N/(mm um) times the rim")
+      'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
     call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
-      'of the outermost pairs, falling to 0 with the square of the distance from the long axis', closed=.true.)
+      'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &
-      "of the circular spline, radial, with support 'drive': an elastic ring of the flexspline's material under the forces of "// &
-      'the teeth; 0: rigid', closed=.true.)
+      "radial thickness of the circular spline, with support 'drive': an elastic ring of the flexspline's material under the "// &
+      'forces of the teeth; 0: rigid', closed=.true.)
     call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
-      'of the circular spline, axial; 0: geometry.rim_length', closed=.true.)
+      'axial width of the circular spline; 0: geometry.rim_length', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
-      'shift of the pairs round the axis, in tooth pitches; 0: they lie symmetric about the long axis', closed=.true.)
+      'shift of the tooth pairs round the axis, in pitches; 0: they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
     call add_real(t, 'load', 'support_stiffness', 'model', s%support_stiffness, 'N/m', 0._dp, big, &
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
@@ -177,50 +181,55 @@ contains
     type(parameter_table_t), intent(inout) :: t          !< table
     real(dp), parameter :: big = huge(1._dp)
     call add_choice(t, 'solver', 'method', 'model', s%method, 'auto condensed schur newton', &
-      'condensation to the contact face by '// &
-      'harmonics, or by Schur complement (any mesh), Newton matrix with solver.factors, or the cheapest by prediction')
+      'how the equations are solved. condensed: on the contact face, bodies by harmonics; schur: on the contact face, bodies '// &
+      'of any mesh; newton: all unknowns, with solver.factors; auto: the cheapest by prediction')
     call add_choice(t, 'solver', 'factors', 'model', s%factors, 'auto exact symmetric single harmonic', &
-      'of the Newton matrix: the matrix '// &
-      'itself (LU), its symmetric part in double or single precision (half, a quarter of the memory), the round undeformed '// &
-      'bodies by harmonics, these under GMRES; or the cheapest by prediction')
+      'what is factored for Newton. exact: the matrix itself (LU); symmetric, single: its symmetric part in double or single '// &
+      'precision, in half or a quarter of the memory; harmonic: the round undeformed bodies. All but exact precondition '// &
+      'GMRES. auto: the cheapest by prediction')
     call add_choice(t, 'solver', 'kinematics', 'model', s%kinematics, 'linear nonlinear auto', &
-      'small displacements, large ones (total Lagrangian; method newton), or whichever '// &
-      'run.tolerance needs (linear without one)')
+      'linear: small displacements; nonlinear: large ones (total Lagrangian, method newton); auto: what run.tolerance needs, '// &
+      'linear without it')
     call add_choice(t, 'solver', 'start', 'assembly', s%start, 'auto rest coarser', &
-      'first guesses: from a mesh of half as many facets either '// &
-      'way that is solved before (hex8, hex8i), from the steps before alone, or the former where it saves time')
+      'first guess of a load step. rest: from the steps before; coarser: from a mesh of half as many facets either way that '// &
+      'is solved before (hex8, hex8i); auto: coarser where it saves time')
     call add_choice(t, 'solver', 'symmetry', 'assembly', s%symmetry, 'auto full half quarter', &
-      'part of the face that is solved: '// &
-      'what the scene allows in each load step, the whole, or as much as is named in the assembly (not by schur or exact)')
+      'part of the contact face that is solved. auto: what the scene allows in each load step; full: all; half, quarter: so '// &
+      'much in the assembly (not with schur or exact)')
     call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.1_dp, &
-      'relative residual of forces and contact law; with run.tolerance a thousandth of that if it is more', closed=.true.)
+      'relative residual of forces and contact law; with run.tolerance a thousandth of that, if it is more', closed=.true.)
     call add_integer(t, 'solver', 'max_iterations', 'assembly limit', s%max_iterations, 1, 10000, &
       'Newton iterations of one attempt at a load step')
     call add_integer(t, 'solver', 'max_cuts', 'assembly limit', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
     call add_real(t, 'solver', 'time_limit_s', 'control', s%time_limit_s, 's', 0._dp, big, &
-      'wall clock after which the run stops in order; 0: none', closed=.true.)
+      'clock time after which the run stops in order, to be resumed; 0: none', closed=.true.)
     call add_choice(t, 'joint', 'model', 'joint', s%joint_model, 'hu2023 spectrum boundary_elements table', &
-      'stiffness of the joint: statistical model of Hu et al. (rests on r_m and s_min), theory from the power spectrum, or '// &
-      'k_N over pressure from table_file (boundary elements on a map: hdengine joint; or measured)')
-    call add_choice(t, 'joint', 'table_file', 'joint', s%joint_table, '', 'CSV of the models boundary_elements and table, with '// &
-      'columns pressure_pa, k_n_pa_per_m, and k_t_pa_per_m if known')
-    call add_choice(t, 'joint', 'spectrum_file', 'joint', s%joint_spectrum, '', 'CSV of the model spectrum, with columns '// &
-      'q_per_m, height_variance_m2 (hdengine joint writes it); empty: D, G, sample_length, shortest_wavelength')
+      'where the stiffness of the joint comes from. hu2023: statistical model of Hu et al., rests on r_m and s_min; '// &
+      'spectrum: theory from the power spectrum; boundary_elements: table_file, solved on a map by hdengine joint; table: '// &
+      'table_file, measured')
+    call add_choice(t, 'joint', 'table_file', 'joint', s%joint_table, '', &
+      'CSV of the models boundary_elements and table: columns pressure_pa, k_n_pa_per_m and, if known, k_t_pa_per_m')
+    call add_choice(t, 'joint', 'spectrum_file', 'joint', s%joint_spectrum, '', &
+      'CSV of the model spectrum, written by hdengine joint: columns q_per_m, height_variance_m2; empty: from D, G, '// &
+      'sample_length, shortest_wavelength')
     call add_choice(t, 'joint', 'from_fit', 'joint', s%joint_from_fit, '', &
-      "folder that 'hdengine surface' wrote: D, G, L, L_s and the model as its scene.nml says, but for keys that are given here")
+      "folder that 'hdengine surface' wrote: its scene.nml gives D, G, L, L_s and the model, but for keys that are given here")
     call add_real(t, 'joint', 'fractal_dimension', 'joint', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')
     call add_real(t, 'joint', 'roughness', 'joint', s%roughness, 'm', 0._dp, 1e-4_dp, 'fractal roughness G')
     call add_real(t, 'joint', 'gamma', 'joint', s%gamma, '', 1._dp, big, 'frequency ratio of the Weierstrass-Mandelbrot function')
-    call add_real(t, 'joint', 'sample_length', 'joint', s%sample_length, 'm', 0._dp, big, 'L; the nominal reference area is L^2')
-    call add_real(t, 'joint', 'shortest_wavelength', 'joint', s%shortest_wavelength, 'm', 0._dp, big, 'L_s')
+    call add_real(t, 'joint', 'sample_length', 'joint', s%sample_length, 'm', 0._dp, big, &
+      'L, the longest wavelength; the reference area is L^2')
+    call add_real(t, 'joint', 'shortest_wavelength', 'joint', s%shortest_wavelength, 'm', 0._dp, big, &
+      'L_s, the shortest wavelength')
     call add_real(t, 'joint', 'asperity_radius', 'joint', s%asperity_radius, 'm', 0._dp, big, 'r_m, half the base of an asperity')
     call add_real(t, 'joint', 's_min', 'joint', s%s_min, 'm^2', 0._dp, big, 'smallest contact spot; 0: pi (L_s/2)^2', closed=.true.)
     call add_real(t, 'joint', 'hardness', 'joint', s%hardness, 'Pa', 0._dp, big, &
-      'of the softer body; 0: 2.8 yield_strength', closed=.true.)
+      'hardness of the softer body; 0: 2.8 yield_strength', closed=.true.)
     call add_choice(t, 'joint', 'closure', 'joint', s%closure, 'nominal paper', &
-      'pressure is force on the reference area, or (Eq. 28 as printed) mean pressure of the real contact')
+      'what the pressure is. nominal: force on the reference area; paper: mean pressure of the real contact, Eq. 28 as '// &
+      'printed')
     call add_choice(t, 'joint', 'plastic_spots', 'joint', s%plastic_spots, 'none elastic', &
-      'stiffness of spots that are fully plastic: none, as in the paper, or that of their elastic unloading, 2 E a')
+      'stiffness of spots that are fully plastic. none: 0, as in the paper; elastic: that of their elastic unloading, 2 E a')
     call add_choice(t, 'output', 'vtu', 'output', s%vtu, 'none last all', 'steps written for ParaView')
     call add_reals(t, 'output', 'positions', 'output', s%positions, 'm', 0._dp, big, &
       'Positions I, II, III: distances from the front edge of the contact band')
@@ -323,6 +332,7 @@ contains
       if (n > 0 .and. n <= size(p%reals)) wanted = n
     end if
     hint = 'valid: '//range_text(p)
+    if (len(p%unit) > 0) hint = hint//' ['//p%unit//']'
     if (n < 0) then
       what = "'"//p%key//"' is not "//trim(merge('an integer', 'a number  ', associated(p%integer)))//": '"//words(-n)%s//"'"
     else if (n /= wanted) then
@@ -345,7 +355,7 @@ contains
     type(parameter_t), intent(inout) :: p
     type(string_t), intent(in) :: words(:)
     character(len=:), allocatable, intent(inout) :: what, hint
-    character(len=:), allocatable :: s, best
+    character(len=:), allocatable :: s
     integer :: i
     s = words(1)%s
     s = unquoted(s)
@@ -358,9 +368,7 @@ contains
       hint = 'valid: up to '//to_text(len(p%text))//' characters'
     else if (size(p%choices) > 0 .and. .not. any([(p%choices(i)%s == s, i=1, size(p%choices))])) then
       what = "'"//p%key//"' has no choice '"//s//"'"
-      best = nearest_name(s, p%choices)
-      if (len(best) > 0) hint = "did you mean '"//best//"'?  "
-      hint = hint//'valid: '//join(p%choices, ', ')
+      hint = suggestion(s, p%choices)
     else
       p%text = s
     end if
@@ -404,7 +412,6 @@ contains
     if (p%low > -huge(1._dp)) s = s//trim(merge(' > ', ' >=', p%open_low))//' '//bound(p%low)
     if (p%low > -huge(1._dp) .and. p%high < huge(1._dp)) s = s//' and'
     if (p%high < huge(1._dp)) s = s//trim(merge(' < ', ' <=', p%open_high))//' '//bound(p%high)
-    if (len(p%unit) > 0) s = s//' ['//p%unit//']'
   contains
     pure function bound(x) result(t)
       real(dp), intent(in) :: x

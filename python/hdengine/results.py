@@ -35,7 +35,8 @@ def read_csv(path: Any, *needed: Any) -> Any:
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, Warning, IndexError) as e:
-        first = next((line.strip() for line in str(e).splitlines() if line.strip()), type(e).__name__)
+        said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
+        first = next((line for line in said if line.startswith("Line #")), said[0])
         raise FileError(f"'{path}' is no table of comma-separated values under a line of names: {first}") from None
     if table.dtype.names is None:
         raise FileError(f"'{path}' is no table of comma-separated values under a line of names")

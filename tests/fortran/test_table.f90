@@ -61,7 +61,44 @@ contains
     call table%reopen(path, bytes, sum, error)
     call check(allocated(error), 'a table that was changed does not go on')
     call remove_file(path)
+    call check_digits()
     call check(checksum('123456789') == int(z'995DC9BBDF1939FA', int64), 'CRC-64 has the value that xz states for 123456789')
     call check(checksum('6789', checksum('12345')) == checksum('123456789'), 'a checksum goes on behind another')
   end subroutine run_table
+
+  !> Numbers of any size and sign read back to the last bit.
+  subroutine check_digits()
+    integer, parameter :: rows = 2000, columns = 50
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    real(dp) :: x(columns, rows), y(columns, rows)
+    integer(int64) :: bits(columns, rows)
+    integer :: i, j, unit
+    bits(1, 1) = 88172645463325252_int64
+    do i = 2, size(bits)  ! xorshift of Marsaglia
+      associate (now => bits(mod(i - 1, columns) + 1, (i - 1)/columns + 1))
+        now = bits(mod(i - 2, columns) + 1, (i - 2)/columns + 1)
+        now = ieor(now, ishft(now, 13))
+        now = ieor(now, ishft(now, -7))
+        now = ieor(now, ishft(now, 17))
+      end associate
+    end do
+    x = reshape(transfer(bits, x, size(x)), [columns, rows])
+    where (abs(x) > huge(x) .or. x /= x) x = 0.1_dp
+    x(:, :99) = spread([(10._dp**(i - 25), i=1, columns)], 2, 99)*spread([(real(i, dp), i=1, 99)], 1, columns)
+    call table%open(path, 'a', error)
+    do i = 1, rows
+      do j = 1, columns
+        call table%add(x(j, i))
+      end do
+      call table%end_row(error)
+    end do
+    call table%close()
+    open (newunit=unit, file=path, action='read', status='old', recl=6000)
+    read (unit, *)
+    read (unit, *) y
+    close (unit)
+    call check(all(abs(x - y) <= 0), 'a hundred thousand reals of all sizes read back as the same numbers')
+    call remove_file(path)
+  end subroutine check_digits
 end module test_table

@@ -227,7 +227,7 @@ def test_bad_file(exe, tmp_path, name):
     assert done.returncode == code
     assert done.stdout == ""
     if expected is None:
-        assert "MB, the limit is 1000.0 MB" in done.stderr and "mesh.divisions (100000)" in done.stderr
+        assert "MB, the limit is 1000 MB" in done.stderr and "mesh.divisions (100000)" in done.stderr
     else:
         assert done.stderr == expected.format(f=file, blank=" ")
     assert [p.name for p in tmp_path.iterdir()] == ["in.nml"]
@@ -287,6 +287,30 @@ def test_usage(exe, args, expected):
         assert "no key 'frcition'" in done.stderr and "did you mean 'friction'?" in done.stderr
     else:
         assert done.stderr == expected
+
+
+@pytest.mark.parametrize("keys, named, way_out", [
+    (["wave_generator.cam=table"], "wave_generator.cam = 'table'", "wave_generator.cam_file"),
+    (["load.support=drive", "wave_generator.ring_contact=unilateral"], "wave_generator.ring_contact = 'unilateral'", "'tied'"),
+    (["load.support=drive", "solver.kinematics=nonlinear"], "solver.kinematics = 'nonlinear'", "'linear'"),
+    (["load.support=bearing", "contact.mode=frictionless"], "contact.mode = 'frictionless'", "'frictional'"),
+    (["contact.law=joint", "contact.mode=bonded"], "contact.law = 'joint'", "'hard'"),
+    (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0055"),
+])
+def test_choices_that_do_not_fit_are_named(exe, tmp_path, keys, named, way_out):
+    """The message names the key that does not fit, with its value, and what would fit."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD)
+    done = call(exe, file, *keys)
+    assert done.returncode == 2 and f"error: {named}\n      valid: " in done.stderr and way_out in done.stderr
+
+
+def test_nothing_in_contact_warns(exe, tmp_path):
+    """A ring that is smaller than the bore by a millimetre touches nothing: the run says so and what to do."""
+    file = tmp_path / "in.nml"
+    file.write_text(HEAD)
+    done = call(exe, file, "wave_generator.interference=-1e-3", "mesh.divisions=16", "mesh.band_facets=3", "--out", tmp_path / "o")
+    assert done.returncode == 0 and "warning: nothing is in contact" in done.stdout and "Raise wave_generator.interference" in done.stdout
 
 
 def test_bad_assignment(exe, tmp_path):

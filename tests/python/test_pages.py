@@ -109,3 +109,22 @@ def test_pages_fit_three_screens():
         for page in (ROOT / "docs" / room).glob("*.md"):
             words = sum(any(map(str.isalnum, word)) for word in BLOCK.sub("", page.read_text()).split())
             assert words <= 1000 or f"{room}/{page.name}" in LONG, f"{page}: {words} words"
+
+
+def cells(page):
+    """Cells of a page's tables as they are shown: without the targets of links and the marks of code and formulas."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.S | re.M)
+    for line in text.splitlines():
+        if line.startswith("|"):
+            yield from (re.sub(r"\]\([^)]*\)|[`$*[]", "", cell).strip() for cell in re.split(r"(?<!\\)\|", line.strip("|")))
+
+
+def test_cells_fit_a_line():
+    """No cell of a table is longer than 90 characters, about a line of the page; the notebook is left out."""
+    pages = [ROOT / "README.md", *(p for p in (ROOT / "docs").rglob("*.md") if not {"notebook", "api", "gallery", "_build"} & set(p.parts))]
+    assert [(str(page.relative_to(ROOT)), cell) for page in pages for cell in cells(page) if len(cell) > 90] == []
+
+
+def test_keys_are_those_of_the_engine():
+    """The page of keys is what `hdengine.x --explain all` prints."""
+    assert (ROOT / "docs/reference/parameters.md").read_text() == shell("hdengine.x --explain all", ROOT)

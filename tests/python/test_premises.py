@@ -139,7 +139,7 @@ def test_range_warnings_come_once_per_process(recwarn):
     for pressure in (40e6, 50e6, 60e6):
         Joint().stiffness(pressure)
     texts = [str(w.message) for w in recwarn if issubclass(w.category, hdengine.JointWarning)]
-    assert len(texts) == 1 and "raise asperity_radius to" in texts[0]
+    assert len(texts) == 1 and "raise joint.asperity_radius to" in texts[0]
 
 
 def test_model_error_stands_beside_the_tolerance(tmp_path):

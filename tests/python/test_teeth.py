@@ -76,7 +76,7 @@ def test_stiff_teeth_leave_the_cup(exe, tmp_path):
 
 def test_modes_that_do_not_fit_are_refused(exe, tmp_path):
     """Support 'teeth' without bonded contact, or an odd number of pairs: code 2 with the reason."""
-    for keys, what in ((["contact.mode=frictional"], "must be 'bonded'"), (["load.tooth_pairs=39"], "an even number")):
+    for keys, what in ((["contact.mode=frictional"], "'bonded' with load.support = 'teeth'"), (["load.tooth_pairs=39"], "an even number")):
         done = call(exe, ROOT / "data/teeth.nml", *keys, "--out", tmp_path / "x", "-q")
         assert done.returncode == 2 and what in done.stderr
 

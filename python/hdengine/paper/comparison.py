@@ -241,6 +241,7 @@ def of_study(result: Any) -> Any:
 
 
 def markdown(rows: Any) -> Any:
-    """Rows as a table for docs."""
-    lines = ["| " + " | ".join(Row.HEAD) + " |", "|---" * len(Row.HEAD) + "|"]
-    return "\n".join(lines + ["| " + " | ".join(f"**{c}**" if i == 4 else c for i, c in enumerate(r.cells())) + " |" for r in rows])
+    """Rows as a table for docs, and below it why each verdict is what it is."""
+    lines = ["| " + " | ".join(Row.HEAD[:-1]) + " |", "|---" * (len(Row.HEAD) - 1) + "|"]
+    lines += ["| " + " | ".join(f"**{c}**" if i == 4 else c for i, c in enumerate(r.cells()[:-1])) + " |" for r in rows]
+    return "\n".join([*lines, "", "Why:", "", *(f"- *{r.quantity}*: {r.because}." for r in rows)])

@@ -77,6 +77,8 @@ def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
             line = re.search(r"line (\d+)", str(e))
             raise InputError(f"{e}\n  --> {path}:{line.group(1) if line else len(text.splitlines())}") from None
         groups = {name: _lists(path, text, name, keys) for name, keys in groups.items()}
+    if mark and not set(groups) & set(GROUPS):
+        raise InputError(f"'{path}' holds one scene, not a study of many: 'hdengine run {path}' solves it")
     for group, keys in groups.items():
         valid = GROUPS.get(group, ())
         if group not in GROUPS:

@@ -138,6 +138,8 @@ def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel
         heights: np.ndarray = np.ma.filled(np.ma.asarray(map_.heights(), dtype=float), np.nan)
     except Exception as e:
         text = " ".join(str(e).split()) or type(e).__name__
+        if text.startswith("tried "):
+            text = "no reader takes it; valid: .sdf, .npy, or what SurfaceTopography reads, as .x3p, .al3d, .sur, .opd, .xyz"
         raise FileError(f"{path.name} cannot be read: {text[:200]}") from e
     if info.dim == 1 and Path(path).suffix.lower() in (".xml", ".x3p") and not sized and map_.unit is None:
         raise FileError(f"{path.name} cannot be read: its numbers run together as one profile, for its format is not known")

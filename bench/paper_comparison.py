@@ -191,9 +191,12 @@ def comparison(work, explored):
 
 
 def spread(values):
-    """The range of changes in per cent."""
+    """The range of changes in per cent; what is above 100 % without decimals, above 1000 % without its size."""
     values = np.array([v for v in values if np.isfinite(v)])
-    return f"{values.min():+.1f} to {values.max():+.1f} %" if len(values) else "-"
+
+    def shown(v):
+        return "above +1000" if v > 1000 else f"{v:+.{1 if abs(v) < 100 else 0}f}"
+    return f"{shown(values.min())} to {shown(values.max())} %" if len(values) else "-"
 
 
 def group_lines(found):

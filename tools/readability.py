@@ -12,8 +12,10 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).parents[1]
+LISTS = {"parameters.md", "command_line.md", "requirements.md", "record_ages.md", "coverage.md", "equations.md"}  # made from the sources
 
 
 def prose(text):
@@ -59,6 +61,15 @@ def shown(found):
     return f"{found[0]:6d} {'-' if found[1] is None else format(found[1], '.0f'):>4}" if found else f"{'-':>6} {'-':>4}"
 
 
+def summary(name, found):
+    """One line on the pages besides notebook and lists: number, longest, medians of words and Flesch."""
+    own = {page: (words, ease) for page, (words, ease) in found.items() if page.startswith("docs/") and not {"notebook", "gallery", "api"} & set(page.split("/"))
+           and page.rsplit("/", 1)[1] not in LISTS}
+    longest = max(own, key=lambda page: own[page][0])
+    return (f"  {name}: {len(own)} pages, longest {own[longest][0]} words ({longest}), median {median(w for w, _ in own.values()):.0f} words, "
+            f"Flesch {median(e for _, e in own.values() if e is not None):.0f}")
+
+
 def main():
     """Print the table."""
     commit = sys.argv[1] if len(sys.argv) > 1 else None
@@ -67,6 +78,9 @@ def main():
     print(f"{'words, Flesch':>13}{'  of ' + commit[:7] if commit else ''}")
     for name in sorted({**now, **old}, key=lambda n: (now.get(n) or old[n])[1] or 100):
         print(f"  {shown(now.get(name))}{'  ' + shown(old.get(name)) if commit else ''}  {name}")
+    for name, found in ((commit, old), ("now", now)):
+        if found:
+            print(summary(name, found))
     print(f"  {sum(w for w, _ in now.values()):6d} words on {len(now)} pages" + (f", {sum(w for w, _ in old.values())} on {len(old)}" if commit else ""))
 
 

@@ -170,8 +170,8 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< says so
     run%record%interrupted = .true.
-    call raise(error, code_stopped, 'interrupted after '//to_text(run%record%steps)// &
-      ' load steps; their results are kept, --resume goes on')
+    call raise(error, code_stopped, 'interrupted after '//to_text(run%record%steps)//' load steps; '// &
+      trim(merge('their results are kept, --resume goes on', '--resume begins with the first one      ', run%record%steps > 0)))
   end subroutine interrupt
 
   !> What a time limit leaves; one that is too short for a load step would stop every resumed run too.

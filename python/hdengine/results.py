@@ -42,7 +42,8 @@ def read_csv(path: Any, *needed: Any) -> Any:
         raise FileError(f"'{path}' is no table of comma-separated values under a line of names")
     missing = [name for name in needed if name not in table.dtype.names]
     if missing or (needed and not len(table)):   # only what every run leaves must have rows
-        raise FileError(f"'{path}' is not what hdengine writes: {'no row' if not missing else 'no column ' + ', '.join(missing)}")
+        why = f"is not what hdengine writes: no column {', '.join(missing)}" if missing else "has no row: no load step was done"
+        raise FileError(f"'{path}' {why}")
     return table
 
 

@@ -205,7 +205,7 @@ def test_an_elastic_circular_spline(exe, tmp_path):
     left = [(loop["work_j"] - loop["stored_j"] - loop["dissipated_j"])[-1] for loop in (rigid[1], ours[1])]
     assert left[1] == pytest.approx(left[0], abs=1e-3 * ours[1]["work_j"].max())
     done = call(exe, ROOT / "data/cd14.nml", "load.spline_thickness=7e-3", "--check")
-    assert done.returncode == 2 and "load.spline_thickness" in done.stderr and "support 'drive'" in done.stderr
+    assert done.returncode == 2 and "load.spline_thickness" in done.stderr and "load.support = 'drive'" in done.stderr
 
 
 def test_a_groove_for_the_balls(exe, tmp_path):
@@ -485,4 +485,4 @@ def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
     result = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys)
     assert len(result.turning) == 3 and "turning.png" in {p.name for p in plot_run(result)}
     done = call(exe, ROOT / "data/cd14.nml", "turning.positions=3", "--out", tmp_path / "c")
-    assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "support 'drive'" in done.stderr
+    assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "load.support = 'drive'" in done.stderr

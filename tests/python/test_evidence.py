@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pages of evidence show what the records of the benches hold."""
+import re
 import sys
 
 import pytest
@@ -24,3 +25,14 @@ def test_pages_are_short(page):
     text = (ROOT / f"docs/evidence/{page}.md").read_text()
     assert sum(any(map(str.isalnum, word)) for word in text.split()) <= 900
     assert text.split("\n\n")[1].startswith("This page shows")
+
+
+def test_headline_figures_stand_on_their_pages():
+    """Every number of a headline in the list of evidence, but for digits and powers of ten, is one of the page that it leads to, or counts the rows of a table there."""
+    number = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
+    rows = re.findall(r"^\| (\[.*?) \| .*? \| (.*?) \|$", (ROOT / "docs/evidence/index.md").read_text(), re.M)
+    assert len(rows) > 30
+    for links, headline in rows:
+        text = " ".join((ROOT / "docs/evidence" / name).read_text() for name in re.findall(r"\((\w+\.md)\)", links))
+        tables = [m[1].count("\n") for m in re.finditer(r"^\|[-| ]+\|\n((?:\|.*\n)+)", text, re.M)]
+        assert {n for n in number.findall(headline) if len(n) > 1 and "e" not in n} <= {*number.findall(text), *map(str, tables)}, (links, headline)

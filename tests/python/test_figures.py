@@ -3,6 +3,10 @@
 import subprocess
 import sys
 
+import hdengine
+from conftest import ROOT
+from hdengine.figures.run import plot_run
+
 CODE = """
 import matplotlib
 matplotlib.use("svg")
@@ -28,3 +32,12 @@ def test_the_session_stays_as_it_was(tmp_path):
     no setting of the session for what the style names."""
     done = subprocess.run([sys.executable, "-c", CODE], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_run_stopped_in_the_assembly_is_drawn(tmp_path):
+    """A run that ended before the torque has figures of its contact, and none of the torque."""
+    small = {"mesh.divisions": 16, "mesh.band_facets": 3}
+    with hdengine.Run(ROOT / "data/cd14.nml", tmp_path / "a", **small) as run:
+        next(iter(run))
+    names = {p.name for p in plot_run(hdengine.load(tmp_path / "a"))}
+    assert "pressure_band.png" in names and "torsion.png" not in names

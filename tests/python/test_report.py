@@ -161,7 +161,7 @@ def test_report_opens_with_the_answer(folder):
     assert 'name="viewport"' in page
     head, rest = page.split("<nav>")
     assert "<details" not in head and head.count("<img") == 3 and "<svg" in head
-    assert "m/rad</p>" in head and "arcsec" in head and "Band: mesh: no tolerance was promised" in head
+    assert "m/rad</p>" in head and "arcsec" in head and "Band: The error of the mesh is not known: run again" in head
     links = re.findall(r'href="#([^"]+)"', rest)
     assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
     assert all(page.count(f'id="{mark}"') == 1 for mark in links)

@@ -153,7 +153,7 @@ def test_a_limit_of_the_shell_counts_as_the_machines(exe, tmp_path):
                               capture_output=True, text=True, env=environment, timeout=60)
 
     refused = run(500000, "mesh.divisions=400", "mesh.band_facets=80")
-    assert refused.returncode == 6 and "the limit is 151.0 MB, 80 % of what is free" in refused.stderr
+    assert refused.returncode == 6 and "the limit is 151 MB, 80 % of what is free" in refused.stderr
     assert run(300000, *SMALL).returncode == 6
     done = run(500000, *SMALL)
     assert done.returncode == 0, done.stderr

@@ -32,7 +32,8 @@ def plot_run(result: Any) -> list:
         "pressure_steps.png": plot_steps(result),
         "newton.png": plot_newton(result),
     }
-    if not (result.against_teeth and np.all(result.torque_nm == 0)):
+    assembled = np.any(result.steps["load_factor"] >= 1 - 1e-9)  # else the run was stopped on the way there
+    if np.any(result.torque_nm != 0) if result.against_teeth else assembled:
         figures["torsion.png"] = plot_torsion(result)
     if result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists():
         figures |= {"loop.png": plot_loop(result), "loads.png": plot_loads(result), "fatigue.png": plot_fatigue(result)}

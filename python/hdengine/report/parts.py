@@ -228,19 +228,19 @@ def _band_of(result, k):
     path = result.folder / "sensitivity.json"
     known = []
     if "k_ts_tangent_nm_per_rad" in result.limits:
-        error = result.limits["k_ts_tangent_nm_per_rad"][1]
-        known.append(f"mesh: the limit of the tangent on fine meshes is known to {100 * error:.2g} %")
+        limit, error, *_ = result.limits["k_ts_tangent_nm_per_rad"]
+        known.append(f"On ever finer meshes the tangent goes to {_engineering(limit)}, known to {100 * error:.2g} %.")
     else:
-        known.append("mesh: no tolerance was promised, its share of the error is not known (<code>run.tolerance</code>)")
+        known.append("The error of the mesh is not known: run again with <code>run.tolerance</code>.")
     if path.is_file():
         found = read_json(path, "bands_95_nm_per_rad")
         name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
             ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
         low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
-        known.append(f"inputs: 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}")
+        known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
     else:
-        known.append("inputs: not varied (<code>hdengine sensitivity</code> does)")
-    return "Band: " + "; ".join(known) + "."
+        known.append("The error of the inputs is not known: <code>hdengine sensitivity</code> varies them.")
+    return "Band: " + " ".join(known)
 
 
 def _engineering(k):

@@ -80,7 +80,7 @@ def draw_scene(scene: dict) -> str:
         _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 15, "ring of the bearing"),
         _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 29,
               f'<tspan fill="{_BAND}">contact band</tspan>, {1e3 * g["band_length"]:.3g} mm'),
-        _text(z(length) + 2, y(outside) - 6, f"flexspline (cup), {1e3 * length:.3g} mm long", "end"),
+        _text(left - 12, y(outside) - 6, f"flexspline (cup), {1e3 * length:.3g} mm long", "start"),
         _text(z(length - g["bottom_thickness"]) - 5, y(g["hub_radius"]) - 3,
               {"hub": "held at the hub", "bearing": "hub free to turn"}.get(scene["load.support"], "torque at the hub"), "end"),
         _text(z(0) - 4, axis - 4, "axis", "start"),

@@ -58,7 +58,8 @@ def models():
 def bands():
     """95 % bands of both readings by group of causes."""
     found = read_record("joint_band")["summary"]
-    names = {"maps": "two maps of 1 mm", "joint": "the same, scatter of the law, E*, hardness", "friction": "friction 0.05 to 0.15",
+    names = {"maps": "two maps of 1 mm", "joint": "the same, scatter of the law, E*, hardness", "joint of one patch": "the same on a contact as large as one map",
+             "friction": "friction 0.05 to 0.15",
              "geometry": "geometry and wave generator", "elastic constants": "Young's moduli", "all": "all"}
     return (("cause", "tangent / %", "Eq. 45 / %"),
             [(names[g], *("{:+.1f} to {:+.1f}".format(*found[r]["bands_percent"][g]) for r in ("tangent", "eq45"))) for g in names])

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Band of K_TS of CD-14-100 for a user with two maps of 1 mm: the tangent and Eq. 45; what widens it. The ring slides.
 
-Two generated maps of the ground rings (data/cd14_ground.nml), 512 x 512 points, 2 um apart. Each cause of the joint's band
+Two generated maps of the ground rings (data/cd14_ground.nml), 512 x 512 points, 2 um apart. The band stands for the area that sticks, which
+carries both readings; beside it the band of a patch as large as the map, and that of a law from D and G alone. Each cause of the joint's band
 (`Prediction.parts`) scales k_N and k_T to its ends; friction, geometry and elastic constants go to the ends of `uncertainty.DRIVE`. Each end
 is a run. The band takes each cause as a factor, a straight line from its low end over the scene to its high end; 24 runs with all causes of
 the joint drawn at once test the product. Writes bench/results/joint_band.json and docs/figures/joint_band.png.
@@ -18,7 +19,9 @@ import numpy as np
 import hdengine
 from common import DATA, new_axes, read_record, save_figure, styled, write_record
 from hdengine import Run, surface
+from hdengine.prediction.choice import scatter_of
 from hdengine.prediction.law import predict
+from hdengine.prediction.spectrum import Spectrum
 from hdengine.uncertainty import DRIVE
 
 PRESSURE = np.geomspace(1e5, 400e6, 16)
@@ -28,13 +31,22 @@ GROUPS = {"maps": ("sampling", "noise", "longer waves"), "joint": ("sampling", "
           "friction": ("contact.friction",), "geometry": ("geometry.", "wave_generator."), "elastic constants": ("material.",)}
 
 
-def law_of(side):
-    """Law of two maps of a side [m] with the spectrum of the ground rings."""
+def law_of(side, loaded=None):
+    """Law of two maps of a side [m] with the spectrum of the ground rings, for a contact of a loaded area [m^2]."""
     s = hdengine.read_scene(DATA / "cd14_ground.nml")
     d, g = s["joint.fractal_dimension"], s["joint.roughness"] / 2 ** (0.5 / (s["joint.fractal_dimension"] - 2))   # of one ring
     n = round(side / 2e-6)
     whole = [surface.periodic(2 * n, 2 * side, d, g, 6e-6, seed) for seed in (1, 2)]
-    return predict(*((z[:n, :n], (2e-6, 2e-6)) for z in whole), pressure=PRESSURE, model="spectrum", longest=s["joint.sample_length"])
+    return predict(*((z[:n, :n], (2e-6, 2e-6)) for z in whole), pressure=PRESSURE, model="spectrum", longest=s["joint.sample_length"], loaded=loaded)
+
+
+def of_d_and_g(contact, area):
+    """Half width of ln k_N (95 %) of a law from D and G alone on a contact [m^2] of which shares touch."""
+    s = hdengine.read_scene(DATA / "cd14_ground.nml")
+    a = 2 * (3 - s["joint.fractal_dimension"])
+    f = np.geomspace(1 / s["joint.sample_length"], 1 / s["joint.shortest_wavelength"], 200)
+    waves = Spectrum(np.pi * (f[1:] + f[:-1]), f[:-1] ** -a - f[1:] ** -a, np.pi * np.diff(f**2) * contact).waves
+    return 1.96 * scatter_of(area, waves)
 
 
 def run(keys, table, factor, folder):
@@ -46,7 +58,8 @@ def run(keys, table, factor, folder):
         for _ in steps:
             pass
     results = json.loads((out / "summary.json").read_text())["results"]
-    return {name: results[column] for name, column in READINGS.items()}
+    return {name: results[column] for name, column in READINGS.items()} | {
+        "stuck_area_m2": results["contact_area_m2"] * (1 - results["slip_share_area"])}
 
 
 def collect(draws):
@@ -55,7 +68,10 @@ def collect(draws):
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         middle, ends = run({}, found.table, 1.0, folder), {}
+        patch, found = found, law_of(1.024e-3, middle["stuck_area_m2"])
         print(found, middle, flush=True)
+        one_patch = {name: [run({}, patch.table, f, folder) for f in (np.exp(-low), np.exp(high))]
+                     for name, (low, high) in patch.parts.items() if name == "law"}
         for name, (low, high) in found.parts.items():
             ends[name] = [run({}, found.table, f, folder) for f in (np.exp(-low), np.exp(high))]
             print(name, ends[name], flush=True)
@@ -74,7 +90,9 @@ def collect(draws):
             ln = sum(np.where(v > 0, v * high, v * low) for v, (low, high) in zip(x, found.parts.values()))
             drawn.append({"x": x.tolist(), **run({}, found.table, np.exp(ln), folder)})
     places = {key: (DRIVE[key][0], base[key], DRIVE[key][1]) for key in DRIVE}
-    return {"middle": middle, "ends": ends, "places": places, "joint_causes": list(found.parts), "drawn": drawn,
+    of_patch, touching = patch.parts["law"][0][8], found.table["contact_area_fraction"][8:9]
+    return {"middle": middle, "one_patch": one_patch, "law_half_width_of_one_patch": float(of_patch),
+            "law_half_width_from_d_and_g": float(of_d_and_g(middle["stuck_area_m2"], touching)[0]), "ends": ends, "places": places, "joint_causes": list(found.parts), "drawn": drawn,
             "half_widths_ln_k_n": {n: [float(low[8]), float(high[8])] for n, (low, high) in found.parts.items()},
             "at_pressure_pa": float(PRESSURE[8])}
 
@@ -101,11 +119,15 @@ def summary(record):
     for reading in READINGS:
         f = {n: np.maximum(v, 1e-6) for n, v in factors(record, reading).items()}
         groups = {**GROUPS, "all": ("",)}
+        patch = factors({**record, "ends": {**record["ends"], **record["one_patch"]}}, reading)
         bands = {}
         for name, starts in groups.items():
             use = [v for n, v in f.items() if n.startswith(starts)]
             low, high = np.quantile(np.prod(use, axis=0) if use else [1.0], [0.025, 0.975])
             bands[name] = [float(f"{100 * (low - 1):.3g}"), float(f"{100 * (high - 1):.3g}")]
+            if name == "joint":
+                low, high = np.quantile(np.prod([np.maximum(patch[n], 1e-6) for n in patch if n.startswith(starts)], axis=0), [0.025, 0.975])
+                bands["joint of one patch"] = [float(f"{100 * (low - 1):.3g}"), float(f"{100 * (high - 1):.3g}")]
         logs = {n: float(np.var(np.log(v))) for n, v in f.items()}
         shares = {n: float(f"{v / sum(logs.values()):.3g}") for n, v in sorted(logs.items(), key=lambda x: -x[1])}
         direct = [d[reading] / record["middle"][reading] - 1 for d in record["drawn"]]

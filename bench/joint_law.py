@@ -123,8 +123,7 @@ def bound():
         rows.append({"solver": name, "bound_over_e_star": limit, "largest_pressure_over_e_star": float(f"{traction.max():.4g}"),
                      "contact": float(f"{(traction > 0).mean():.4g}"), "seconds": float(f"{time.perf_counter() - start:.3g}")})
         print(rows[-1], flush=True)
-    (RESULTS / "joint_bound.json").write_text(json.dumps({"script": "bench/joint_law.py bound", "tamaas": tm.__version__, "rows": rows},
-                                                         indent=1) + "\n")
+    write_record("joint_bound", rows, seed=3, peers=(tm,))
 
 
 def scaled(s):

@@ -126,6 +126,9 @@ def test_facts_of_a_map():
     assert lay["isotropy"] < 0.2
     noisy = of_map(z + np.random.default_rng(1).normal(scale=5e-9, size=z.shape), (1e-6, 1e-6))[1]
     assert noisy["noise_variance_m2"] == pytest.approx(25e-18, rel=0.2)
+    z6 = rough(128, 0.7, 24, 6, 3)   # its waves end in the last two octaves of the map
+    late = of_map(z6 + np.random.default_rng(1).normal(scale=10e-9, size=z.shape), (1e-6, 1e-6))[1]
+    assert of_map(z6, (1e-6, 1e-6))[1]["noise_variance_m2"] == 0 and late["noise_variance_m2"] == pytest.approx(1e-16, rel=0.1)
     z[10:14, 5:40] = np.nan
     assert of_map(z, (1e-6, 1e-6))[1]["holes"] == pytest.approx(140 / z.size)
 
@@ -212,12 +215,56 @@ def test_command_writes_the_interface(tmp_path, capsys):
 
 @pytest.mark.parametrize("options, what", [
     (["--dx", "1e-6", "--pressure", "2e6,1e6"], "rising"), ([], "--dx"), (["--dx", "1e-6", "--pressure", "x"], "--pressure"),
-    (["--dx", "1e-6", "--pressure", "5e9"], "hardness")])
+    (["--dx", "1e-6", "--pressure", "5e9"], "hardness"), (["--dx", "nan"], "--dx nan: valid: above 0"),
+    (["--dx", "1e-6", "--seconds", "nan"], "--seconds nan"), (["--dx", "1e-6", "--e1", "-1"], "--e1 -1"),
+    (["--dx", "1e-6", "--nu2", "0.5"], "--nu2 0.5: valid: between"), (["--dx", "1e-6", "--unit", "mm,um,nm"], "--unit mm,um,nm"),
+    (["--dx", "1e-6", "--unit", "furlong"], "--unit furlong: valid: m, mm"), (["--dx", "1e-6", "--longest", "1e-9"], "--longest"),
+    (["--dx", "1e-12"], "map 1 (a)")])
 def test_command_refuses(tmp_path, capsys, options, what):
-    """Wrong pressures and a missing spacing are input errors that name the option."""
+    """Wrong options and a missing spacing are input errors that name option, value and what is valid."""
     np.save(tmp_path / "a.npy", rough(32, 0.7, 16, 6, 20))
     assert cli.main(["joint", str(tmp_path / "a.npy"), *options, "--out", str(tmp_path / "o")]) == 2
     assert what in capsys.readouterr().err
+
+
+def test_command_overwrites_nothing(tmp_path, capsys):
+    """A folder with an earlier law is refused before anything is computed, and replaced with --force; that of a run never is."""
+    np.save(tmp_path / "a.npy", rough(32, 0.7, 16, 6, 20))
+    words = ["joint", str(tmp_path / "a.npy"), "--dx", "1e-6", "--model", "spectrum", "--out", str(tmp_path / "o"), "--pressure"]
+    assert cli.main([*words, "1e7"]) == 0
+    first = (tmp_path / "o/joint.csv").read_text()
+    capsys.readouterr()
+    assert cli.main([*words, "2e7"]) == 3
+    said = capsys.readouterr()
+    assert "add --force" in said.err and not said.out and (tmp_path / "o/joint.csv").read_text() == first
+    assert cli.main([*words, "2e7", "--force"]) == 0
+    assert (tmp_path / "o/joint.csv").read_text() != first
+    (tmp_path / "o/summary.json").write_text("{}")
+    assert cli.main([*words, "2e7", "--force"]) == 3
+
+
+def test_unit_and_spacing_go_to_the_map_that_lacks_them(tmp_path, capsys):
+    """A file that states its size and a .npy map make a pair with --dx; where no map lacks it the option is refused by its name."""
+    np.save(tmp_path / "a.npy", 1e6 * rough(64, 0.7, 16, 6, 20))
+    sdf, out = str(ROOT / "data/specimen_bearing.sdf"), str(tmp_path / "o")
+    rest = ["--model", "spectrum", "--pressure", "1e7", "--out", out]
+    assert cli.main(["joint", sdf, str(tmp_path / "a.npy"), "--dx", "5e-6", "--unit", "um", *rest]) == 0
+    assert len(json.loads((tmp_path / "o/joint.json").read_text())["surfaces"]) == 2
+    assert cli.main(["joint", sdf, "--dx", "5e-6", *rest, "--force"]) == 2
+    assert "leave out --dx" in capsys.readouterr().err
+
+
+def test_closure_is_the_approach():
+    """The closure does not depend on which other pressures are asked for, and grows from one to the next as boundary elements approach."""
+    pytest.importorskip("tamaas")
+    p, same, theory, found = [2e7, 1e8, 5e8], dict(model="spectrum", draws=2, bodies=Bodies(hardness=1e13)), [], []
+    for seed in range(4):
+        z = rough(128, 0.7, 24, 6, seed)
+        theory.append(predict((z, (1e-6, 1e-6)), pressure=p, **same).table["closure_m"])
+        assert predict((z, (1e-6, 1e-6)), pressure=[5e8], **same).table["closure_m"][0] == pytest.approx(theory[-1][2], rel=0.01)
+        space = half_space.HalfSpace(z, (1e-6, 1e-6), E_STAR)
+        found.append([space.approach(space.press(x)) for x in p])
+    assert np.diff(np.mean(theory, axis=0)) == pytest.approx(np.diff(np.mean(found, axis=0)), rel=0.07)
 
 
 def test_without_tamaas(monkeypatch):

@@ -7,7 +7,7 @@ import numpy as np
 TRUST = 0.25        # ln k_N within which the theory must hold 95 of 100 single maps to be taken
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
-STEEP = 5.0         # E* slope over hardness beyond which nearly all contact yields: boundary elements do not converge
+STEEP = 5.0         # E* slope over hardness beyond which nearly all contact yields: boundary elements may not converge
 # rms error of ln k_N of single maps, over true contact times independent waves (bench/joint_law.py train, 63 generated maps)
 SCATTER = ((0.025, 0.31), (0.066, 0.28), (0.2, 0.27), (0.6, 0.17), (1.8, 0.15), (5.6, 0.073), (18, 0.056), (55, 0.054),
            (170, 0.053), (520, 0.049))
@@ -47,8 +47,8 @@ def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: flo
     model, reason : str
     """
     if steepness > STEEP:
-        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements do "
-                            "not converge")
+        return "spectrum", (f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where boundary elements "
+                            "may not converge")
     lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
     if lay < LAY:
         return "boundary_elements", (f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the "

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from .._engine import InputError
+from ..files import check_folder
 from ..surfaces import specimen
-from .law import PRESSURES, Bodies, predict
+from .law import FILES, PRESSURES, Bodies, predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -19,12 +20,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     b = Bodies()
     parser.add_argument("maps", nargs="+", metavar="MAP",
                         help="one or two height maps: .sdf, .npy (with --dx), or what SurfaceTopography reads")
-    parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
-    parser.add_argument("--dx", type=float, help="spacing of maps that state no size, as .npy [m]")
+    parser.add_argument("--unit", help="unit of those maps that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
+    parser.add_argument("--dx", type=float, help="spacing of those maps that state no size, as .npy [m]")
     parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
     parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
     parser.add_argument("--pressure", metavar="P1,P2,...", help="rising pressures [Pa] (default: 1 to 500 MPa)")
     parser.add_argument("--longest", type=float, default=np.inf, help="longest wavelength that counts as roughness [m]")
+    parser.add_argument("--loaded-area", type=float, metavar="A",
+                        help="area of the contact that the band stands for [m^2] (default: that of the map)")
     parser.add_argument("--e1", type=float, default=b.e1, help="Young's modulus of the first body [Pa]")
     parser.add_argument("--nu1", type=float, default=b.nu1, help="its Poisson's ratio")
     parser.add_argument("--e2", type=float, default=b.e2, help="Young's modulus of the second body [Pa]")
@@ -35,32 +38,54 @@ def add_options(parser: argparse.ArgumentParser) -> None:
                         help="most that boundary elements may take: fewer points, then the theory (default: 120; no bound "
                         "with --model boundary_elements)")
     parser.add_argument("--out", default="joint.out", help="folder for joint.csv, spectrum.csv, joint.json, joint.png")
+    parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def read_map(path: str | Path, unit: Any = None, dx: float | None = None, dy: float | None = None) -> tuple:
-    """Heights and spacing of a file [m].
+def read_maps(paths: list, unit: Any = None, dx: float | None = None, dy: float | None = None) -> list:
+    """Height maps of files. Unit and spacing go to those that do not state them.
 
     Parameters
     ----------
-    path : path-like
+    paths : list of path-like
     unit : str or (str, str), optional
     dx, dy : float, optional
         Spacing of files that state no size [m].
 
     Returns
     -------
-    heights : ndarray
-    spacing : (float, float)
+    list of Specimen
 
     Raises
     ------
     InputError, FileError
-        As `specimen.read`; a profile.
+        As `specimen.read`; a profile; a unit or a spacing that no file lacks.
     """
-    s = specimen.read(path, unit, None if dx is None else (dy or dx, dx))
-    if s.heights.ndim != 2:
-        raise InputError(f"{Path(path).name} holds a profile of {s.heights.size} points; valid: a map, numbers in two dimensions")
-    return s.heights, s.spacing
+    spacing = None if dx is None else (dy or dx, dx)
+    for word in (unit,) if isinstance(unit, str) else unit or ():
+        if word not in specimen.METRES:
+            raise InputError(f"--unit {word}: valid: {', '.join(specimen.METRES)}")
+    offers = [(unit, spacing), (unit, None), (None, spacing), (None, None)]
+    found, lacking = [], [offers[0]]
+    for path in paths:
+        refusal = None
+        for offer in dict.fromkeys(offers):
+            try:
+                found.append(specimen.read(path, *offer))
+                lacking.append(offer)
+                break
+            except InputError as why:
+                refusal = refusal or why
+        else:
+            raise InputError(str(refusal).replace("spacing=", "--dx")) from None
+    for i, option in enumerate(("--unit", "--dx")):
+        if lacking[0][i] is not None and all(offer[i] is None for offer in lacking[1:]):
+            stated = "its unit" if i == 0 else "its size"
+            raise InputError(f"{' and '.join(Path(p).name for p in paths)} states {stated}: leave out {option}")
+    for path, s in zip(paths, found):
+        if s.heights.ndim != 2:
+            raise InputError(f"{Path(path).name} holds a profile of {s.heights.size} points; valid: a map, numbers in two "
+                             "dimensions")
+    return found
 
 
 def _say(text, replaces):
@@ -74,6 +99,8 @@ def _say(text, replaces):
 def run_joint(args: argparse.Namespace) -> int:
     """Read, predict, write, print; returns 0."""
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
+    if isinstance(unit, tuple) and len(unit) != 2:
+        raise InputError(f"--unit {args.unit}: one unit, or two as lateral,height")
     if len(args.maps) > 2:
         raise InputError(f"a joint has one or two maps, got {len(args.maps)}")
     pressure = list(PRESSURES)
@@ -82,18 +109,23 @@ def run_joint(args: argparse.Namespace) -> int:
             pressure = [float(x) for x in args.pressure.split(",")]
         except ValueError:
             raise InputError(f"--pressure {args.pressure}: numbers in Pa joined by commas, as 10e6,50e6") from None
-    if not (min(args.e1, args.e2, args.hardness) > 0 and min(args.nu1, args.nu2) > -1 and max(args.nu1, args.nu2) < 0.5):
-        raise InputError("--e1, --e2 and --hardness must be above 0, --nu1 and --nu2 between -1 and 0.5")
+    for name in ("dx", "dy", "longest", "seconds", "loaded_area", "e1", "e2", "hardness"):
+        value = getattr(args, name)
+        if value is not None and not value > 0:
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: valid: above 0")
+    for name in ("nu1", "nu2"):
+        if not -1 < getattr(args, name) < 0.5:
+            raise InputError(f"--{name} {getattr(args, name):g}: valid: between -1 and 0.5")
     if not 16 <= args.points <= 4096:
         raise InputError(f"--points {args.points}: valid: 16 to 4096")
-    if not min(x for x in (args.dx, args.dy, args.seconds, args.longest, np.inf) if x is not None) > 0:
-        raise InputError("--dx, --dy, --longest and --seconds must be above 0")
+    check_folder(args.out, FILES, args.force)
     seconds = args.seconds or (np.inf if args.model else 120.0)
-    maps = [read_map(m, unit, args.dx, args.dy) for m in args.maps]
+    maps = read_maps(args.maps, unit, args.dx, args.dy)
     found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points, seconds=seconds,
-                    say=_say,
-                    bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
+                    loaded=args.loaded_area, say=_say, bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
     print(found)
-    for path in found.write(args.out):
+    for s in maps:
+        print("".join(f"  {s.name}: {note}\n" for note in s.notes), end="")
+    for path in found.write(args.out, args.force):
         print(f"written: {path}")
     return 0

@@ -2,7 +2,6 @@
 """The law of a joint from the maps of its two surfaces: stiffness, closure and true contact over pressure, with a band."""
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,11 +14,14 @@ from numpy.typing import ArrayLike
 from .. import _engine
 from .._engine import InputError
 from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
+from ..files import csv_text, write_folder
 from . import half_space, patches
 from .choice import LAY, choose, scatter_of
 from .spectrum import Spectrum, bands, of_map
 
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
+FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
+STUDENT = 3.18      # 95 % of Student's t with three degrees of freedom: four quarters
 UNIT = 30.0         # slope beyond which heights are taken for those of another unit
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 
@@ -61,7 +63,7 @@ class Prediction:
         Of the equivalent surface.
     bodies : Bodies
     waves : float
-        Its independent waves.
+        Its independent waves on the area that the band stands for.
     notes : tuple of str
         What decides the law and what speaks against it.
     facts : tuple of dict
@@ -106,42 +108,33 @@ class Prediction:
 
         return plot_prediction(self)
 
-    def write(self, folder: str | os.PathLike) -> list[Path]:
-        """Write joint.csv, spectrum.csv, joint.json and joint.png; returns their paths."""
-        folder = Path(folder)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as e:
-            raise _engine.FileError(f"'{folder}' cannot be made: {e.strerror}") from None
+    def write(self, folder: str | os.PathLike, force: bool = False) -> list[Path]:
+        """Write joint.csv, spectrum.csv, joint.png and, last, joint.json; returns their paths.
+
+        Parameters
+        ----------
+        folder : path-like
+        force : bool
+            Replace files of these names.
+
+        Raises
+        ------
+        FileError
+            The folder holds such files, or what another command wrote, or cannot be written.
+        """
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
         record = {"model": self.model, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
                   "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "independent_waves": self.waves,
-                  "band_half_widths_ln_k_n": {n: {"low": list(low), "high": list(high)} for n, (low, high) in self.parts.items()},
-                  "hdengine": _engine.version(),
+                  "band_half_widths_ln_k_n": {n: {"low": low, "high": high} for n, (low, high) in self.parts.items()},
                   "tamaas": half_space.tamaas().__version__ if self.model == "boundary_elements" else None}
-        paths = [folder / name for name in ("joint.csv", "spectrum.csv", "joint.json", "joint.png")]
-        _write_table(paths[0], self.table)
-        _write_table(paths[1], spectrum)
-        _replace(paths[2], lambda part: part.write_text(json.dumps(record, indent=1) + "\n"))
-        self.plot().savefig(paths[3])
-        return paths
-
-
-def _replace(path, write):
-    part = path.with_name(path.name + ".part")
-    write(part)
-    os.replace(part, path)
-
-
-def _write_table(path, columns):
-    _replace(path, lambda part: np.savetxt(part, np.column_stack(list(columns.values())), delimiter=",", comments="",
-                                           header=",".join(columns), fmt="%.9g"))
+        return write_folder(folder, FILES[0], record, {FILES[1]: csv_text(self.table), FILES[2]: csv_text(spectrum),
+                                                       FILES[3]: self.plot()}, force)
 
 
 def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
             longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
-            say: Callable[[str, bool], None] | None = None) -> Prediction:
+            loaded: float | None = None, say: Callable[[str, bool], None] | None = None) -> Prediction:
     """The joint of one or two surfaces.
 
     Parameters
@@ -165,6 +158,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     seconds : float
         Most that boundary elements may take: fewer points are taken first; then the theory, or an error where they were
         asked for [s].
+    loaded : float, optional
+        Area of the contact that the band stands for [m^2]; default: that of the smaller map. A larger contact holds more waves.
     say : callable, optional
         Takes what boundary elements will take and how far they are: a sentence, and whether it replaces the one before.
 
@@ -175,12 +170,13 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     Raises
     ------
     InputError
-        No map, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+        No map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
     NotConvergedError, StoppedError
         Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
     bodies = bodies or Bodies()
     pairs = [(m.heights, m.spacing) if hasattr(m, "heights") else m for m in maps]
+    names = [f"map {i} ({m.name})" if hasattr(m, "name") else f"map {i}" for i, m in enumerate(maps, 1)]
     if not 1 <= len(pairs) <= 2:
         raise InputError(f"a joint has one or two maps, got {len(pairs)}")
     if model not in (None, "spectrum", "boundary_elements"):
@@ -189,30 +185,45 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
                          f"{bodies.hardness:g} Pa")
-    found = _facts_of(pairs, longest)
+    if loaded is not None and not 0 < loaded < np.inf:
+        raise InputError(f"loaded area of {loaded:g} m^2; valid: above 0")
+    found = _facts_of(pairs, names, longest)
     raw = [s for s, _ in found]
     clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
     spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
+    patch = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
+    alone = scatter_of(area, waves)
+    waves *= (loaded or patch) / patch   # those of a contact of so many patches
     wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
     if model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = scatter_of(area, waves)
-    longer = not all(f["rolls_off"] for f in facts) and longest > min(_length(m) for m in pairs)
+    rises = not all(f["rolls_off"] for f in facts)   # a contact larger than the map has longer waves in any case
+    longer = (rises or bool(loaded and loaded > patch)) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
-    spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None, longer, p, bodies, k_n, area, draws, seed)
+    if loaded is not None:
+        notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / patch:.3g} times the map",)
+    spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None,
+              ((1.5, 4.0) if rises else (0.25, 0.25)) if longer else None, p, bodies, k_n, area, draws, seed)
     parts = _spread(*spread, whole=wanted == "boundary_elements")
     k_t = bodies.ratio * k_n
     if wanted == "boundary_elements":
         effort = patches.Effort(seconds, say)
         effort.tell(f"boundary elements: {reason}")
         try:
-            k_n, k_t, area, scatter, points = patches.solve(pairs, p, bodies, points, longest, effort)
-            notes += (f"boundary elements on maps averaged to {points} points a side, continued evenly, {effort.spent:.0f} s; "
-                      "band from the four quarters, E*, hardness and the spectrum's ends",)
-            parts["four quarters"] = (1.96 * scatter,) * 4
+            k_n, k_t, area, scatter, coarse, points = patches.solve(pairs, p, bodies, points, longest, effort)
+            rest = f"{'averaged to' if coarse.any() else 'of'} {points} points a side"
+            notes += (f"boundary elements on maps {rest}{', shorter waves by theory' if coarse.any() else ''}, continued evenly, "
+                      f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
+            if loaded is not None:
+                notes += ("boundary elements know one map: its scatter stays in the band, however large the contact",)
+            parts["four quarters"] = (STUDENT * scatter,) * 4
+            parts["one map"] = (1.96 * alone, 1.96 * alone, *(np.zeros(len(p)),) * 2)
+            if coarse.any():
+                parts["averaging"] = (1.96 * coarse,) * 4
         except (InputError, _engine.NotConvergedError, _engine.StoppedError) as why:
             if model:
                 raise
@@ -226,7 +237,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                                       for i in range(4))
     low = low + bias
     low, high = np.exp(-low), np.exp(high)
-    closure = _closure(p, k_n)
+    closure = _closure(p, k_n, lambda x: stiffness_from_spectrum(spectrum.q, spectrum.height_variance, x, bodies.e_star,
+                                                                 bodies.hardness)[0])
     table = {"pressure_pa": p}
     for name, value, (a, b) in (("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
                                 ("closure_m", closure, (1 / high, 1 / low)),
@@ -236,18 +248,18 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     return Prediction(table, wanted, reason, spectrum, bodies, waves, notes, tuple(facts), parts)
 
 
-def _facts_of(pairs, longest):
+def _facts_of(pairs, names, longest):
     """Spectrum and facts of each map; errors name it."""
     found = []
-    for i, m in enumerate(pairs, 1):
+    for m, name in zip(pairs, names):
         try:
             found.append(of_map(*m))
         except InputError as why:
-            raise InputError(f"map {i}: {why}") from None
+            raise InputError(f"{name}: {why}") from None
         found[-1][1]["rolls_off"] |= longest < _length(m) / 3
         slope = found[-1][1]["slope_rms"]
         if slope > UNIT:
-            raise InputError(f"map {i} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: "
+            raise InputError(f"{name} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: "
                              f"up to {UNIT:g}; say --unit or --dx")
     return found
 
@@ -257,14 +269,14 @@ def _length(m):
     return min(n * d for n, d in zip(np.shape(m[0]), m[1]))
 
 
-def _closure(p, k_n):
-    """Approach from first touch to each pressure [m]: int dP/k_N, k_N a power of P below the first."""
-    if len(p) < 2:
-        return p / k_n
-    joint = ElasticJoint(p, k_n, k_n)
-    d = joint.closure(p, p[0])[0]
-    power = min(max(np.log(k_n[1] / k_n[0]) / np.log(p[1] / p[0]), 0.0), 1.0)
-    return d + p[0] / k_n[0] / max(1 - power, 0.05)
+def _closure(p, k_n, theory):
+    """Approach to each pressure [m], int dP/k_N from none; between and below the pressures k_N has the form of the theory."""
+    fine = np.unique(np.concatenate([np.geomspace(1e-4 * p[0], p[-1], 300), p]))
+    x = fine / (theory(fine) * np.exp(np.interp(np.log(fine), np.log(p), np.log(k_n / theory(p)))))
+    steps = np.diff(np.log(fine))
+    power = min(np.log(x[1] / x[0]) / steps[0], 1.0)     # x = P/k_N goes as this power of P at first touch
+    d = x[0] / max(power, 0.05) + np.concatenate([[0.0], np.cumsum(steps * (x[1:] + x[:-1]) / 2)])
+    return d[np.searchsorted(fine, p)]
 
 
 def _denoise(spectrum, noise, points):
@@ -318,24 +330,24 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
     if noisy is not None:
         less, less_area = (np.maximum(-x, 0) for x in change(noisy.q, noisy.height_variance))
         parts["noise"] = (none, less, none, none) if whole else (less, none, less_area, none)
-    if longer:
-        more = _longer(spectrum)
+    if longer is not None:
+        more = _longer(spectrum, *longer)
         parts["longer waves"] = (np.maximum(-change(more.q, more.height_variance)[0], 0), none, none, none)
     return parts
 
 
-def _longer(spectrum):
+def _longer(spectrum, least, most):
     """Spectrum with the waves from the length of the map to twice that.
 
-    Levelling took them, so their variance is that of the octaves below times their growth. On maps cut from four times as long ones
-    without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
+    Levelling took them: their variance is that of the octaves below times their growth (flat: 0.25). On maps cut from four times as
+    long ones without roll-off this is 0.77 to 0.83 of the true change of ln k_N (Hurst exponents from 0.3 to 0.9).
     """
     q, h = spectrum.q, spectrum.height_variance
 
     def octave(n):
         return h[(q >= 2**n * q[0]) & (q < 2 ** (n + 1) * q[0])].sum()
 
-    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), 1e-300), 1.5), 4.0)
+    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), 1e-300), least), most)
     below = max(octave(1), octave(2) * growth)
     missing = [max(below * growth - octave(0), 0.0), below - octave(1)]
     return bands(np.concatenate([q[0] * 2 ** np.array([0.5, 1.5]), q]), np.concatenate([missing, h]))

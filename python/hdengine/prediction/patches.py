@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from .._engine import InputError, StoppedError
+from ..elastic import stiffness_from_spectrum
 from . import half_space
-from .spectrum import level
+from .spectrum import bands, level, waves
 
 FEWEST = 64      # points a side to which the bound of time may take a map
 GROWTH = 4.6     # time of twice the points a side, over that of the points: transforms and iterations
+COARSE = 0.3, 0.02   # rms error of ln k_N of an averaged map: over the root of its touching points, and however many touch
 SHEAR = 2.2      # time with the tangential stiffness, over that without it
 
 
@@ -85,8 +87,8 @@ def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: f
     -------
     k_n, k_t, area : ndarray
         [Pa/m], [Pa/m], share.
-    scatter : ndarray
-        Standard deviation of ln k_N of the mean of four quarters.
+    scatter, coarse : ndarray
+        Standard deviation of ln k_N of the mean of four quarters, and by the averaging.
     points : int
         That were taken.
 
@@ -123,14 +125,60 @@ def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: f
     effort.count, effort.start = 5 * pressure.size, time.monotonic()
     logs = []
     for i, part in enumerate(quarters, 1):
-        small, step = _averaged(part, spacing, points // 2)
-        k_n = half_space.stiffness_on_map(half_space.mirrored(small), step, pressure, *args, tangential=False,
-                                          tell=partial(effort.step, f"quarter {i}"))[0]
-        logs.append(np.log(k_n))
-    whole, step = _averaged(z, spacing, points)
-    k_n, k_t, area = half_space.stiffness_on_map(half_space.mirrored(whole), step, pressure, *args,
-                                                 tell=partial(effort.step, "whole map"))
-    return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), points
+        found = on_fewer_points(part, spacing, points // 2, pressure, *args, tangential=False,
+                                tell=partial(effort.step, f"quarter {i}"))
+        logs.append(np.log(found[0]))
+    k_n, k_t, area, coarse = on_fewer_points(z, spacing, points, pressure, *args, tell=partial(effort.step, "whole map"))
+    return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), coarse, points
+
+
+def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pressure: np.ndarray, e_star: float, ratio: float,
+                    hardness: float = np.inf, periodic: bool = False, **options: Any) -> tuple:
+    """Boundary elements on an averaged map; the waves that averaging takes add their compliance by theory.
+
+    Parameters
+    ----------
+    z : ndarray
+        Levelled heights [m].
+    spacing : (float, float)
+        [m].
+    points : int
+        Most points a side after averaging over blocks.
+    pressure : ndarray
+        Rising [Pa].
+    e_star, ratio, hardness : float
+        As `HalfSpace`.
+    periodic : bool
+        Take the map as periodic; else it is continued evenly.
+    **options
+        Of `half_space.stiffness_on_map`.
+
+    Returns
+    -------
+    k_n, k_t, area, error : ndarray
+        [Pa/m], [Pa/m], share that touches, standard deviation of ln k_N by the averaging.
+    """
+    small, step = _averaged(z, spacing, points)
+    heights = small if periodic else half_space.mirrored(small)
+    k_n, k_t, area = half_space.stiffness_on_map(heights, step, pressure, e_star, ratio, hardness, **options)
+    if small.shape == z.shape:
+        return k_n, k_t, area, np.zeros(len(k_n))
+    (k_all, a_all), (k_small, a_small) = (_by_theory(m, d, pressure, e_star, hardness) for m, d in ((z, spacing), (small, step)))
+    softer = 1 / (1 + k_n * np.maximum(1 / k_all - 1 / k_small, 0))
+    area = np.minimum(area * a_all / a_small, 1)
+    return k_n * softer, k_t * softer, area, coarse_error(area * small.size)
+
+
+def coarse_error(touching: np.ndarray) -> np.ndarray:
+    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_choice.py fewer)."""
+    return np.hypot(COARSE[0] / np.sqrt(np.maximum(touching, 1)), COARSE[1])
+
+
+def _by_theory(z, spacing, pressure, e_star, hardness):
+    qy, qx, power = waves(z, spacing)
+    q = np.hypot(qy, qx)
+    s = bands(q[q > 0], power[q > 0])
+    return stiffness_from_spectrum(s.q, s.height_variance, pressure, e_star, hardness)
 
 
 def _sum(maps, longest):

@@ -67,8 +67,8 @@ class Spectrum:
         """
         keep = (2 * np.pi / self.q <= longest) & (2 * np.pi / self.q >= shortest)
         if keep.sum() < 2:
-            raise InputError(f"between {shortest:g} and {longest:g} m lie {keep.sum()} bands of the spectrum; it has wavelengths "
-                             f"from {2 * np.pi / self.q[-1]:.3g} to {2 * np.pi / self.q[0]:.3g} m")
+            raise InputError(f"wavelengths from {shortest:g} to {longest:g} m hold {keep.sum()} bands of the spectrum; valid: two "
+                             f"or more of those from {2 * np.pi / self.q[-1]:.3g} to {2 * np.pi / self.q[0]:.3g} m (--longest)")
         return Spectrum(self.q[keep], self.height_variance[keep], self.modes[keep])
 
 
@@ -202,7 +202,7 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
 
 def _noise(spectrum, points):
     """Variance of white noise over all points that a flat end of the spectrum shows [m^2]; 0 where it still falls."""
-    last = spectrum.q > spectrum.q[-1] / 3
+    last = spectrum.q > spectrum.q[-1] / 2
     per_wave = spectrum.height_variance / spectrum.modes
     if last.sum() < 4 or not np.all(per_wave[last] > 0):
         return 0.0

@@ -20,7 +20,7 @@ from .._check import path as a_path
 from .._engine import FileError, InputError
 from . import roughness
 
-_METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
+METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ def _factor(unit, path):
     """Metres per unit."""
     if unit is None:
         raise InputError(f'{path.name} states no unit: say unit="um" (or mm, nm, m), or unit=("mm", "um") for lateral and height')
-    if unit not in _METRES:
+    if unit not in METRES:
         raise InputError(f"unit {unit!r} of {path.name}: one of m, mm, um, nm, pm")
-    return _METRES[unit]
+    return METRES[unit]
 
 
 @checked(path=a_path, channel=integer(0, optional=True))
@@ -126,10 +126,12 @@ def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel
         raise FileError(f"{path}: no such file")
     with open(path, "rb") as file:
         head = file.read(2000)
-    if head[:8] == b"bISO-1.0":
-        return _load(path)
-    if head[:8] == b"aISO-1.0":
-        return _load_text(path)
+    if head[:8] in (b"bISO-1.0", b"aISO-1.0"):
+        if unit is not None:
+            raise InputError(f"{path.name} states its unit, m: leave out unit={unit!r}")
+        if spacing is not None:
+            raise InputError(f"{path.name} states its size: leave out spacing=")
+        return _load(path) if head[:1] == b"b" else _load_text(path)
     if head[:6] == b"\x93NUMPY":
         return _load_array(path, unit, spacing)
     if b"<!DOCTYPE DATA" in head:

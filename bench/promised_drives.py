@@ -15,9 +15,9 @@ from pathlib import Path
 
 import f90nml
 import numpy as np
+from promised_scenes import is_judged, is_referred, judge, judged, judged_results, planned
 
 from common import DATA, add_row, put, read_rows, table
-from promised_scenes import is_judged, is_referred, judge, judged, judged_results, planned
 
 SCENES = ("drive11", "drive14", "drive17", "drive20", "drive25", "drive14_50", "drive14_160", "drive14_short", "drive14_hat")
 

@@ -416,9 +416,10 @@ contains
       if (hard .or. s%pressure_max > scene%yield_strength) call push(run%record%warnings, 'the peak pressure at a node, '// &
         rounded(s%pressure_max)//' Pa, is above the '//trim(merge('hardness      ', 'yield strength', hard))//' '// &
         to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa'//edge_advice(s))
-      if (run%record%planned_tolerance > 0 .and. scene%support /= 'drive' .and. .not. s%pressure_middle > 0) &
+      if (run%record%planned_tolerance > 0 .and. scene%support /= 'drive' .and. .not. s%pressure_middle > 0) then
         call push(run%record%warnings, 'the middle of the band is not in contact: nothing is promised of its pressure. '// &
-        'Read the normal force')
+          'Read the normal force')
+      end if
     end associate
   end subroutine push_stiffness_warnings
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random whole drives that state a tolerance: how often a planned run promises K1 to K3 and hysteresis, and how often the true error
-keeps the promise. Judged as promised_scenes.py judges; every fourth drive runs its whole loop, the others its first rise. Record
+keeps the promise. Judged as promised_scenes.py judges; every eighth drive runs its whole loop, the others its first rise. Record
 promised_drives.jsonl, table of docs/evidence/planner_promises.md.
 
 Usage: bench/promised_drives.py --seed 3601 [--count 8] [--seconds 540] [--tolerances 0.1 0.05]
@@ -33,7 +33,7 @@ def draw(i, seed):
         "load.pressure_angle_deg": r.uniform(20, 30), "load.tooth_stiffness": 10 ** r.uniform(7.8, 8.4),
     }
     keys = {k: v if isinstance(v, int) else float(f"{v:.6g}") for k, v in keys.items()} | {"joint.model": "hu2023", "bearing.model": "auto"}
-    return data, keys if i % 4 == 0 else keys | {"loop.torques": [rise(data)]}
+    return data, keys if i % 8 == 7 else keys | {"loop.torques": [rise(data)]}
 
 
 def rise(data):

@@ -30,6 +30,7 @@ SEED = 2611   # of the scenes that other scripts draw
 BAND = tuple(mesh_of_level(level)["mesh.band_facets"] for level in range(1, 14))
 NAMES = {"k_ts_tangent_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", "normal_force_n": "normal force",
          "pressure_mid_mean_pa": "mid-band pressure"}
+DRIVE_NAMES = {"k1_nm_per_rad": "K1", "k2_nm_per_rad": "K2", "k3_nm_per_rad": "K3", "hysteresis_rad": "hysteresis"}
 POWER = 1.5
 LIMIT_MB = 300
 LIMIT_S = 900
@@ -80,8 +81,8 @@ def planned(data, keys, tolerance, folder):
     return {"tolerance": tolerance, "met": plan["met"], "level": plan["level"], "seconds": seconds,
             "limit": {n: v[0] for n, v in limits.items()}, "estimate": {n: v[1] for n, v in limits.items()},
             "mesh_gives": {n: found.summary["results"][n] for n in limits},
-            "trials": {words[0]: [float(v) for v in words[1:5]] for words in trials},
-            "layers": scene["mesh.through_wall"], "load_steps": [scene["load.assembly_steps"], scene["load.torque_steps"]]}
+            "trials": {words[0]: [float(v) for v in words[1:5]] for words in trials}, "reasons": plan["reasons"],
+            "layers": scene["mesh.through_wall"], "band_length": scene["geometry.band_length"], "load_steps": [scene["load.assembly_steps"], scene["load.torque_steps"]]}
 
 
 def reference(data, keys, made, folder):
@@ -89,13 +90,15 @@ def reference(data, keys, made, folder):
     level = max(run["level"] for run in made)
     layers = 2 * max(run["layers"] for run in made)
     steps = [2 * max(run["load_steps"][k] for run in made) for k in range(2)]
+    band = keys.get("geometry.band_length") or made[0]["band_length"]
+    names = DRIVE_NAMES if data.startswith("drive") else NAMES
 
     def solved(k):
-        mesh = mesh_of_level(k, geometry={"band_length": keys["geometry.band_length"]})
+        mesh = mesh_of_level(k, ROOT / "data" / data, geometry={"band_length": band})
         result, seconds = solve(data, keys | mesh | {
-            "mesh.edge_length": keys["geometry.band_length"] / (16 * BAND[k - 1]), "mesh.through_wall": layers, "mesh.through_ring": layers,
+            "mesh.edge_length": band / (16 * BAND[k - 1]), "mesh.through_wall": layers, "mesh.through_ring": layers,
             "solver.tolerance": 1e-6, "solver.time_limit_s": 2 * LIMIT_S, "load.assembly_steps": steps[0], "load.torque_steps": steps[1]}, folder)
-        return {n: result.summary["results"][n] for n in NAMES} | {"seconds": seconds}
+        return {n: result.summary["results"].get(n) or None for n in names} | {"seconds": seconds}
     found = {level: solved(level)}
     for k in (level + 1, level + 2):
         if GROWTH * found[max(found)]["seconds"] > LONGEST:
@@ -109,7 +112,8 @@ def reference(data, keys, made, folder):
 def true_limits(found):
     """Limits of a reference: the line through its meshes at facets of length 0."""
     x = np.array([BAND[int(k) - 1] for k in found], float)**-POWER
-    return {n: float(np.polyfit(x, [row[n] for row in found.values()], 1)[1]) for n in NAMES if None not in (row[n] for row in found.values())}
+    names = [n for n in next(iter(found.values())) if n != "seconds" and None not in (row[n] for row in found.values())]
+    return {n: float(np.polyfit(x, [row[n] for row in found.values()], 1)[1]) for n in names}
 
 
 def judge(row, folder):

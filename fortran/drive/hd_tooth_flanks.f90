@@ -31,10 +31,20 @@ contains
     x = scene%tooth_phase + [(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1), i=1, scene%tooth_pairs)]
   end function places
 
-  !> Clearances along the normals when the assembly ends: 0 on the long axis, growing with the square of the distance [m].
+  !> Clearances along the normals when the assembly ends: those of the scene's list, linear between its pairs where the wave
+  !> generator has turned on, or 0 on the long axis, growing with the square of the distance [m].
   pure function tooth_gaps(scene) result(gap)
     type(scene_t), intent(in) :: scene  !< scene
-    real(dp) :: gap(scene%tooth_pairs)
+    real(dp) :: gap(scene%tooth_pairs), x(scene%tooth_pairs)
+    integer :: at(scene%tooth_pairs), from(scene%tooth_pairs), i, half
+    half = scene%tooth_pairs/2
+    if (scene%gap_count > 1) then
+      x = min(max(places(scene) + 0.5_dp*(half + 1), 1._dp), real(half, dp))
+      at = min(floor(x), half - 1)
+      from = [(merge(half, 0, i > half .and. scene%gap_count > half), i=1, scene%tooth_pairs)]
+      gap = scene%gaps(from + at) + (x - at)*(scene%gaps(from + at + 1) - scene%gaps(from + at))
+      return
+    end if
     gap = scene%tooth_clearance*(2*places(scene)/max(1, scene%tooth_pairs/2 - 1))**2
   end function tooth_gaps
 

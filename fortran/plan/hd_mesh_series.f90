@@ -24,32 +24,36 @@ module hd_mesh_series
   !> Errors of the limits of tangent K_TS, rotation, normal force and mid-band pressure that two layers leave: root mean squares
   !> of 22 scenes; four layers leave a third of that.
   real(dp), parameter :: left(promises) = [0.014_dp, 0.005_dp, 0.002_dp, 0.005_dp], share = 0.35_dp
+  !> The same of K1, K2, K3 and hysteresis: of seven whole drives.
+  real(dp), parameter :: left_drive(promises) = [0.004_dp, 0.004_dp, 0.002_dp, 0.016_dp]
   real(dp), parameter :: least_tolerance = 5.5e-3_dp  !< what four layers leave, rounded up
-  real(dp), parameter :: typical = 1.4_dp       !< estimated error of limits, times rows^power: the median of these scenes
+  !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
+  real(dp), parameter :: typical = 1.4_dp, typical_drive = 3
 
 contains
 
   !> Level on which the tolerance is met as a rule.
-  pure integer function first_level(tolerance) result(level)
-    real(dp), intent(in) :: tolerance  !< relative
+  pure integer function first_level(scene) result(level)
+    type(scene_t), intent(in) :: scene  !< scene with a tolerance
     do level = first_judged, levels - 1
-      if (expected_error(level, tolerance) <= tolerance) return
+      if (expected_error(level, scene) <= scene%planned_tolerance) return
     end do
   end function first_level
 
   !> Estimated error of a level as a rule.
-  pure real(dp) function expected_error(level, tolerance) result(e)
-    integer, intent(in) :: level       !< of the series
-    real(dp), intent(in) :: tolerance  !< relative
-    e = hypot(maxval(least_error(tolerance)), typical/band(level)**power)
+  pure real(dp) function expected_error(level, scene) result(e)
+    integer, intent(in) :: level        !< of the series
+    type(scene_t), intent(in) :: scene  !< scene with a tolerance
+    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support == 'drive')/band(level)**power)
   end function expected_error
 
-  !> Errors of the limits that the layers of a tolerance leave however well its meshes agree.
-  pure function least_error(tolerance) result(e)
-    real(dp), intent(in) :: tolerance  !< relative
+  !> Errors of the limits that the layers leave however well the meshes agree.
+  pure function least_error(scene) result(e)
+    type(scene_t), intent(in) :: scene  !< scene with a tolerance
     real(dp) :: e(promises)
     e = left
-    if (tolerance < fine) e = share*left
+    if (scene%support == 'drive') e = left_drive
+    if (scene%planned_tolerance < fine) e = share*e
   end function least_error
 
   !> Scene on a mesh of the series; the user's sections stay. Ring and cup match.

@@ -14,7 +14,7 @@ module hd_planner
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, &
     extrapolate
   use hd_output, only: check_folder
-  use hd_promises, only: promises, promised
+  use hd_promises, only: promise_t, promises, promises_of
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
   use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
@@ -31,6 +31,7 @@ module hd_planner
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
     type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
+    type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
     real(dp) :: estimate(promises) = 0          !< estimated relative errors of the limits
     real(dp) :: to_limit(promises) = 1          !< limit over what the mesh gives
@@ -64,10 +65,13 @@ contains
   end function change_of
 
   !> The largest of the promises, and which it is.
-  function worst(values, word) result(text)
+  function worst(scene, values, word) result(text)
+    type(scene_t), intent(in) :: scene        !< of the values
     real(dp), intent(in) :: values(promises)  !< relative
     character(len=*), intent(in) :: word      !< between what and how much
     character(len=:), allocatable :: text
+    type(promise_t) :: promised(promises)
+    promised = promises_of(scene)
     text = trim(promised(maxloc(values, 1))%words)//' '//word//' '//percent(maxval(values))
   end function worst
 
@@ -83,6 +87,10 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
+    if (plan%scene%support == 'drive') then
+      call compare_kinematics(trials, plan, error)
+      return
+    end if
     if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
@@ -94,9 +102,84 @@ contains
     if (allocated(error)) return
     change = change_of(small_q, large_q)
     if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) plan%scene%kinematics = 'nonlinear'
-    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(change, 'by')// &
+    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
       ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
   end subroutine choose_kinematics
+
+  !> A whole drive has small displacements. What large ones change is measured on its cup alone, held at the bottom, on a rigid cam.
+  subroutine compare_kinematics(trials, plan, error)
+    type(trial_runs_t), intent(inout) :: trials       !< runs
+    type(plan_t), intent(inout) :: plan               !< gets a reason, and a warning
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early, but no convergence
+    type(scene_t) :: s
+    real(dp) :: small_q(promises), large_q(promises), change(promises)
+    s = meshed(plan%scene, coarse)
+    s%support = 'hub'
+    s%balls = 0
+    s%ball_stiffness = 0
+    s%turning_positions = 0
+    s%groove_depth = 0
+    s%spline_thickness = 0
+    s%torque = s%torque_1
+    call trials%try(s, small_q, error)
+    s%kinematics = 'nonlinear'
+    if (.not. allocated(error)) call trials%try(s, large_q, error)
+    if (allocated(error)) then
+      if (error%code /= code_not_converged) return
+      deallocate (error)
+      call note(plan, 'kinematics linear: a whole drive has no other; what large displacements would change could not be measured')
+      return
+    end if
+    change = change_of(small_q, large_q)
+    change([1, 4]) = 0  ! of the contact alone; a drive's stiffness does not see them
+    call note(plan, 'kinematics linear: a whole drive has no other; of its cup on a rigid cam large displacements change '// &
+      worst(s, change, 'by'))
+    if (maxval(change) > plan%scene%planned_tolerance) call push(plan%warnings, 'large displacements, which a whole drive '// &
+      'does not have, change '//worst(s, change, 'by')//' of its cup on a rigid cam: more than run.tolerance, which holds for '// &
+      'small displacements. Give a larger one')
+  end subroutine compare_kinematics
+
+  !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls.
+  subroutine choose_wave_generator(trials, plan, error)
+    type(trial_runs_t), intent(inout) :: trials       !< runs
+    type(plan_t), intent(inout) :: plan               !< gets its wave generator
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(scene_t) :: s
+    real(dp) :: balls_q(promises), q(promises), change(promises), stiffness
+    character(len=:), allocatable :: text
+    integer :: i
+    if (plan%scene%balls == 0 .or. plan%scene%bearing_model == 'given') then
+      call note(plan, 'wave generator as the scene says')
+      return
+    end if
+    s = meshed(plan%scene, coarse)
+    call trials%try(s, balls_q, error)
+    if (allocated(error)) return
+    stiffness = trials%balls_of(s)
+    s%balls = 0
+    s%groove_depth = 0
+    text = ''
+    do i = 1, 2
+      s%ball_stiffness = merge(0._dp, stiffness, i == 1)
+      call trials%try(s, q, error)
+      if (allocated(error)) then
+        if (error%code /= code_not_converged) return
+        deallocate (error)
+        cycle
+      end if
+      change = change_of(balls_q, q)
+      if (len(text) > 0) text = text//', '
+      text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(s, change, 'by')
+      if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) cycle
+      plan%scene%balls = 0
+      plan%scene%groove_depth = 0
+      plan%scene%ball_stiffness = s%ball_stiffness
+      exit
+    end do
+    call note(plan, 'wave generator '//trim(merge('on its balls', merge('even spring ', 'rigid       ', &
+      plan%scene%ball_stiffness > 0), plan%scene%balls > 0))//': '//text//'; half the tolerance is '// &
+      percent(0.5_dp*plan%scene%planned_tolerance))
+  end subroutine choose_wave_generator
 
   !> Load steps, doubled on a coarse mesh until that changes less than three tenths of the tolerance. Steps that do not converge
   !> are passed over.
@@ -130,7 +213,7 @@ contains
     end do
     if (allocated(error)) return
     call note(plan, 'load steps '//to_text(plan%scene%assembly_steps)//' + '//to_text(plan%scene%torque_steps)// &
-      ': twice as many change '//worst(plan%change, 'by'))
+      ': twice as many change '//worst(s, plan%change, 'by'))
   end subroutine choose_steps
 
   !> Everything but the mesh.
@@ -140,11 +223,14 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     plan%scene%element = 'hex8i'
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
-    plan%scene%assembly_steps = 1
-    plan%scene%torque_steps = min(1, plan%scene%torque_steps)
+    if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
+      plan%scene%assembly_steps = 1
+      plan%scene%torque_steps = min(1, plan%scene%torque_steps)
+    end if
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
-    call choose_kinematics(trials, plan, error)
+    if (plan%scene%support == 'drive') call choose_wave_generator(trials, plan, error)
+    if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
   end subroutine choose_all
 
@@ -158,7 +244,7 @@ contains
     plan%to_limit = 1
     where (abs(q(:, plan%level)) > 0)
       plan%to_limit = limit/q(:, plan%level)
-      plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene%planned_tolerance)**2)
+      plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene)**2)
     else where
       plan%estimate = 0
     end where
@@ -175,7 +261,7 @@ contains
     real(dp) :: q(promises, levels)
     integer :: level
     plan%scene = scene
-    allocate (plan%reasons(0))
+    allocate (plan%reasons(0), plan%warnings(0))
     call choose_all(trials, plan, error)
     if (allocated(error)) then
       if (error%code /= code_not_converged) return
@@ -203,7 +289,7 @@ contains
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
-        ': the estimated error of the '//worst(plan%estimate, 'is')//', the largest; tolerance '// &
+        ': the estimated error of the '//worst(scene, plan%estimate, 'is')//', the largest; tolerance '// &
         percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
@@ -239,12 +325,13 @@ contains
     run%record%to_limit = plan%to_limit
     run%record%level = plan%level
     run%record%reasons = plan%reasons
+    run%record%warnings = [run%record%warnings, plan%warnings]
     if (plan%level == 0) then
       call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error. The '// &
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '// &
-        worst(plan%estimate, 'is')//'. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
+        worst(scene, plan%estimate, 'is')//'. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine new_planned_run
 
@@ -259,8 +346,10 @@ contains
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
     type(trial_runs_t) :: trials
+    type(promise_t) :: promised(promises)
     logical :: complete
     integer :: i
+    promised = promises_of(scene)
     allocate (run)
     complete = is_complete(folder)
     if (resume .and. complete) then
@@ -306,7 +395,7 @@ contains
     integer :: level, start, i
     plan%scene = scene
     text = ''
-    allocate (plan%reasons(0))
+    allocate (plan%reasons(0), plan%warnings(0))
     call new_trial_runs(scene, '', .false., trials, error)
     if (.not. allocated(error)) call choose_all(trials, plan, error)
     s = meshed(plan%scene, coarse)
@@ -325,7 +414,7 @@ contains
       'the limits are known to '//percent(scene%planned_tolerance)//', the mesh is run ('//trim(plan%scene%kinematics)// &
       ' kinematics)'//nl// &
       'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
-    start = first_level(scene%planned_tolerance)
+    start = first_level(scene)
     before = sum(trials%known%seconds)
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
@@ -335,7 +424,7 @@ contains
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*hypot(expected_error(level, scene%planned_tolerance), maxval(plan%change)), seconds, before + seconds(2), &
+        100*hypot(expected_error(level, scene), maxval(plan%change)), seconds, before + seconds(2), &
         estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)

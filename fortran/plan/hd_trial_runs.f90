@@ -10,10 +10,11 @@ module hd_trial_runs
   use hd_input, only: write_echo
   use hd_load_step, only: solve_step
   use hd_log, only: set_log_level, say, quiet, verbose
-  use hd_promises, only: promises, promised, promised_values
+  use hd_promises, only: promise_t, promises, promises_of, promised_values
   use hd_run, only: run_t, new_run, close_run, final_position
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
+  use hd_strut, only: strut_tangent
   use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
   use hd_text, only: string_t, push, to_text
   implicit none
@@ -26,17 +27,20 @@ module hd_trial_runs
   type :: probe_t
     real(dp) :: q(promises) = 0   !< as promised_values
     real(dp) :: seconds = 0       !< wall clock
+    real(dp) :: balls = 0         !< tangent stiffness of all loaded balls at the end [N/m]
   end type probe_t
 
   type :: trial_runs_t
     character(len=:), allocatable :: folder  !< '' for none
     real(dp) :: begun = 0                    !< wall clock [s]
     integer :: before = 0                    !< runs that were known when it began
+    type(promise_t) :: promised(promises)    !< what is promised
     type(string_t), allocatable :: name(:)   !< meshes that are solved
     type(probe_t), allocatable :: known(:)   !< and their results
   contains
     procedure :: try
     procedure :: seconds_of
+    procedure :: balls_of
     procedure :: foretell
   end type trial_runs_t
 
@@ -51,6 +55,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< another scene, files
     self%folder = folder
     self%begun = wall_seconds()
+    self%promised = promises_of(scene)
     allocate (self%name(0), self%known(0))
     if (len(folder) == 0) return
     if (resume .and. path_kind(folder//'/plan.nml') /= path_absent) then
@@ -90,8 +95,12 @@ contains
     allocate (run)
     call new_run(s, '', '', .false., run, error)
     run%tangent_from = final_position(run)
+    if (scene%support == 'drive') run%tangent_from = huge(1._dp)  ! not promised
     if (.not. allocated(error)) call solve(run, error)
-    if (.not. allocated(error)) q = promised_values(run%scene, run%sums)
+    if (.not. allocated(error)) then
+      q = promised_values(run%scene, run%sums, run%loop)
+      if (scene%balls > 0 .and. scene%support == 'drive') new%balls = stiffness_of_balls(run)
+    end if
     if (allocated(run%drive)) call close_run(run, trouble)
     call set_log_level(level)
     if (allocated(error)) then
@@ -134,6 +143,24 @@ contains
     if (i > 0) seconds = self%known(i)%seconds
   end function seconds_of
 
+  !> Stiffness that its balls had together; 0 if it was not solved or has none [N/m].
+  pure real(dp) function balls_of(self, scene) result(stiffness)
+    class(trial_runs_t), intent(in) :: self  !< results
+    type(scene_t), intent(in) :: scene       !< scene on its mesh
+    integer :: i
+    i = place_of(self, scene)
+    stiffness = 0
+    if (i > 0) stiffness = self%known(i)%balls
+  end function balls_of
+
+  !> Radial tangent stiffness of all loaded balls [N/m].
+  pure real(dp) function stiffness_of_balls(run) result(stiffness)
+    type(run_t), intent(in) :: run  !< solved drive with balls
+    associate (balls => run%drive%problem%struts(:run%drive%balls))
+      stiffness = sum(strut_tangent(balls, run%loop%closing(:run%drive%balls)))
+    end associate
+  end function stiffness_of_balls
+
   !> Say how long the next mesh will take, if that is long.
   subroutine foretell(self, now, next)
     class(trial_runs_t), intent(in) :: self        !< times
@@ -162,6 +189,8 @@ contains
     name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
       to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
       to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
+    if (s%support == 'drive') name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
+    name = name//'_'//trim(s%support)
   end function name_of
 
   !> A mesh for the log.
@@ -175,8 +204,10 @@ contains
   function log_line(s, found) result(line)
     type(scene_t), intent(in) :: s         !< scene on its mesh
     type(probe_t), intent(in) :: found     !< results
+    type(promise_t) :: promised(promises)
     integer :: i
     character(len=200) :: line
+    promised = promises_of(s)
     write (line, '(a,2(i3,a),4(a,es10.3,3a),f7.1,a)') mesh_text(s)//', steps', s%assembly_steps, ' +', s%torque_steps, &
       merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: ', &
       (trim(promised(i)%words), found%q(i), ' ', trim(promised(i)%unit), ', ', i=1, promises), found%seconds, ' s'
@@ -204,10 +235,11 @@ contains
     path = self%folder//'/plan.csv'
     open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
     if (status == 0) write (unit, '(99a)', iostat=status) 'mesh,', &
-      (trim(promised(i)%column), ',', i=1, promises), 'seconds,checksum'
+      (trim(self%promised(i)%column), ',', i=1, promises), 'seconds,ball_stiffness_n_per_m,checksum'
     do i = 1, size(self%known)
       if (status /= 0) exit
-      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds
+      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds, &
+        self%known(i)%balls
       if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
     end do
     if (status == 0) close (unit, iostat=status)
@@ -233,7 +265,7 @@ contains
       if (status /= 0) exit
       comma = index(line, ',')
       last = index(line, ',', back=.true.)
-      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q, one%seconds
+      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q, one%seconds, one%balls
       if (comma >= last .or. status /= 0 .or. line(last + 1:) /= hexadecimal(checksum(line(:last - 1)))) then
         call raise(error, code_file, "'"//self%folder//"/plan.csv' is not as the plan left it (row "// &
           to_text(size(self%name) + 1)//"): begin anew with --force")

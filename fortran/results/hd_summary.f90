@@ -16,7 +16,7 @@ module hd_summary
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
   use hd_parameters, only: parameter_table_t, new_table, value_count
-  use hd_promises, only: promises, promised
+  use hd_promises, only: promise_t, promises, promises_of
   use hd_scene, only: scene_t
   use hd_text, only: string_t, split
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
@@ -81,9 +81,9 @@ contains
     call add_predictions(json, record%choice)
     call add_timers(json, record%timers)
     call json%add('peak_memory_mb', peak_memory_mb())
-    if (record%planned_tolerance > 0) call add_plan(json, record)
+    if (record%planned_tolerance > 0) call add_plan(json, scene, record)
     call json%begin('model_error')
-    call add_lines(json, 'tolerance_covers', covered(record%level > 0, record%limit))
+    call add_lines(json, 'tolerance_covers', covered(scene, record%level > 0, record%limit))
     call add_lines(json, 'left_out', left_out(scene, sums))
     call json%finish()
     call add_lines(json, 'warnings', record%warnings)
@@ -154,10 +154,13 @@ contains
   end subroutine add_timers
 
   !> What was promised, and whether it is kept.
-  subroutine add_plan(json, record)
+  subroutine add_plan(json, scene, record)
     type(json_t), intent(inout) :: json                       !< document
+    type(scene_t), intent(in) :: scene                        !< scene
     type(record_t), intent(in) :: record                      !< plan
+    type(promise_t) :: promised(promises)
     integer :: i
+    promised = promises_of(scene)
     call json%begin('plan')
     call json%add('tolerance', record%planned_tolerance)
     do i = 1, promises

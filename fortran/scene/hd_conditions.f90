@@ -66,6 +66,10 @@ contains
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
     call need(faults, modulo(s%tooth_pairs, 2) == 0, 'load.tooth_pairs', real(s%tooth_pairs, dp), &
       'an even number, half of them at each end of the long axis; below teeth', real(s%teeth, dp))
+    call need(faults, s%gap_count == s%tooth_pairs/2 .or. s%gap_count == s%tooth_pairs .or. (s%gap_count == 1 .and. &
+      .not. s%gaps(1) > 0), 'number of load.tooth_gaps', real(s%gap_count, dp), &
+      'none, or as many values as pairs at one end of the long axis, or at both: half of tooth_pairs, or all', &
+      real(s%tooth_pairs, dp))
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
     call need(faults, abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
       'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
@@ -119,9 +123,6 @@ contains
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))
     call need(faults, s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
       '0 where bearing.balls stand for it')
-    call need(faults, .not. s%planned_tolerance > 0, 'run.tolerance', s%planned_tolerance, &
-      "0 with support 'drive': plans promise K_TS of "// &
-      'one torque, not a loop. Refine mesh.divisions and mesh.band_facets by hand until the loop stays')
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
   end subroutine check_drive
 

@@ -2,7 +2,7 @@
 !> Keys of the whole drive, for the one table of hd_parameters.
 module hd_drive_keys
   use hd_kinds, only: dp
-  use hd_parameter_row, only: parameter_table_t, add_integer, add_list, add_real
+  use hd_parameter_row, only: parameter_table_t, add_choice, add_integer, add_list, add_real
   use hd_scene, only: scene_t
   implicit none
   private
@@ -18,6 +18,9 @@ contains
     call add_integer(t, 'bearing', 'balls', 'model', s%balls, 0, 1000, &
       "balls of the flexible bearing, with support 'drive'; 0: none, the wave generator is rigid or stands on "// &
       'wave_generator.ball_stiffness')
+    call add_choice(t, 'bearing', 'model', 'model', s%bearing_model, 'auto given', &
+      'with run.tolerance; auto: the simplest of a rigid wave generator, an even spring and the balls that keeps it; '// &
+      'given: as the other keys say')
     call add_real(t, 'bearing', 'ball_diameter', 'model', s%ball_diameter, 'm', 0._dp, big, &
       'diameter of a ball')
     call add_real(t, 'bearing', 'inner_conformity', 'model', s%inner_conformity, '', 0.5_dp, big, &

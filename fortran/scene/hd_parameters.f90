@@ -3,7 +3,7 @@
 module hd_parameters
   use hd_kinds, only: dp, i8
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted
-  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice
+  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
@@ -40,8 +40,8 @@ contains
     call add_integer(t, 'hd_input', 'version', 'output', s%version, 1, 1, 'format of this file')
     call add_choice(t, 'run', 'title', 'output', s%title, '', 'one line that names the run in its results')
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
-      'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have; element, kinematics, load '// &
-      'steps and mesh are chosen for it; 0: all as given', closed=.true.)
+      'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 and hysteresis of '// &
+      'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &
@@ -158,6 +158,9 @@ contains
       'pressure angle of the teeth: the radial force, inward, is the tangential one times its tangent', closed=.true.)
     call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
       'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
+    call add_list(t, 'load', 'tooth_gaps', 'load', s%gaps, s%gap_count, 'm', 0._dp, big, &
+      'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv, in the place of '// &
+      'tooth_clearance; 0: none is given')
     call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
       'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &

@@ -28,6 +28,7 @@ module hd_scene
   end type surface_fit_t
 
   integer, parameter, public :: most_torques = 100  !< in the list of a loop
+  integer, parameter, public :: most_gaps = 400     !< in the list of clearances of tooth pairs
   integer, parameter, public :: most_sections = 60  !< of a cup
 
   type :: scene_t
@@ -66,6 +67,8 @@ module hd_scene
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
     integer :: teeth = 200, tooth_pairs = 40
     real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, spline_thickness = 0, spline_width = 0
+    real(dp) :: gaps(most_gaps) = 0
+    integer :: gap_count = 1
     integer :: assembly_steps = 3, torque_steps = 5
     ! bearing: balls of the whole drive
     integer :: balls = 21
@@ -82,7 +85,7 @@ module hd_scene
     real(dp) :: tensile_strength = 980e6_dp, fatigue_limit = 490e6_dp, notch_factor = 1
     ! solver
     character(len=name_length) :: method = 'auto', factors = 'auto', symmetry = 'auto', kinematics = 'auto', &
-      start = 'auto'
+      start = 'auto', bearing_model = 'auto'
     real(dp) :: tolerance = 1e-8_dp
     integer :: max_iterations = 60, max_cuts = 8
     real(dp) :: time_limit_s = 0

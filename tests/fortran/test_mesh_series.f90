@@ -30,11 +30,14 @@ contains
     call check(abs(limit(4) - 2) < 2*estimate(4)*limit(4), &
       'the estimate covers half of a first order taken for one of three halves')
     do i = 1, 3
-      call check(first_level(x(i)) >= first_judged .and. expected_error(first_level(x(i)), x(i)) <= x(i), &
+      scene%planned_tolerance = x(i)
+      call check(first_level(scene) >= first_judged .and. expected_error(first_level(scene), scene) <= x(i), &
         'the first level may keep the promise')
     end do
-    call check(maxval(least_error(least_tolerance)) < least_tolerance .and. &
-      expected_error(levels, least_tolerance) < least_tolerance, 'the finest level may keep the least promise')
+    scene%planned_tolerance = least_tolerance
+    call check(maxval(least_error(scene)) < least_tolerance .and. expected_error(levels, scene) < least_tolerance, &
+      'the finest level may keep the least promise')
+    scene%planned_tolerance = 0
     scene%ring_divisions = 40
     scene%ring_facets = 7
     one = meshed(scene, 5)

@@ -301,10 +301,52 @@ def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
     assert ours["results"] == other["results"] and ours["model"]["resumed"] and not other["model"]["resumed"]
 
 
-def test_a_plan_of_a_drive_is_refused(exe, tmp_path):
-    """A plan promises K_TS of one torque: with support 'drive' run.tolerance is refused, and the message says what to do."""
-    done = call(exe, ROOT / "data/drive14.nml", "run.tolerance=0.05", "--out", tmp_path / "p")
-    assert done.returncode == 2 and "run.tolerance = 0.05" in done.stderr and "Refine mesh.divisions" in done.stderr
+RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.vtu=none"]
+
+
+def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
+    """Limits of K1 to K3 stand in the summary with their errors, a rise alone promises no hysteresis, and Python reads them."""
+    done = call(exe, ROOT / "data/drive14.nml", *RISE, "run.tolerance=0.2", "bearing.model=given", "solver.kinematics=linear",
+                "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    found = load(tmp_path / "p")
+    plan, names = found.summary["plan"], ["k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"]
+    assert plan["met"] == "yes" and list(found.limits) == names == found.summary["model_error"]["tolerance_covers"]
+    assert found.balls is not None and any("wave generator as the scene says" in line for line in plan["reasons"])
+    for name in names:
+        limit, error, over = found.limits[name]
+        assert 0.004 < error < 0.2 and limit * over == pytest.approx(found.summary["results"][name], rel=1e-9)
+    rows = read_csv(tmp_path / "p/plan.csv")
+    assert rows["ball_stiffness_n_per_m"].min() > 1e8
+
+
+@pytest.mark.parametrize("tolerance, chosen", [(0.5, "rigid"), (0.2, "even spring"), (0.02, "on its balls")])
+def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
+    """A rigid one, an even spring as stiff as all balls, or the balls: what changes K1 to K3 by less than half the tolerance."""
+    done = call(exe, "--plan", ROOT / "data/drive14.nml", *RISE, f"run.tolerance={tolerance}", "solver.kinematics=linear")
+    assert done.returncode == 0, done.stderr
+    assert f"wave generator {chosen}: a rigid one changes K3 by" in done.stdout
+
+
+def test_a_planned_drive_says_what_large_displacements_would_change(exe):
+    """They are measured on the cup alone: 1.4 % of the force at w = 0.2 mm, which a tolerance of 1 % does not cover."""
+    done = call(exe, "--plan", ROOT / "data/drive14.nml", *RISE, "run.tolerance=0.1", "bearing.model=given")
+    assert done.returncode == 0, done.stderr
+    share = float(re.search(r"of its cup on a rigid cam large displacements change (?:normal force|rotation) by ([0-9.]+) %", done.stdout)[1])
+    assert 0.5 < share < 3
+
+
+def test_clearances_of_single_pairs(exe, tmp_path):
+    """The parabola of load.tooth_clearance as a list gives the same loop; a list of both ends tells them apart; a short one is refused."""
+    keys = ["load.tooth_pairs=8", "loop.torques=6", "load.torque_steps=2"]
+    _, one, _, _ = solve(exe, tmp_path / "a", *keys, "load.tooth_clearance=9e-6")
+    _, two, _, _ = solve(exe, tmp_path / "b", *keys, "load.tooth_gaps=9e-6,1e-6,1e-6,9e-6")
+    np.testing.assert_allclose(two["angle_rad"], one["angle_rad"], rtol=1e-9)
+    *_, teeth = solve(exe, tmp_path / "c", *keys, "load.tooth_gaps=0,0,0,0,0,0,0,1e-3")
+    last = teeth[teeth["step"] == teeth["step"].max()]
+    assert last["force_n"][-1] == 0 < last["force_n"][3]
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "load.tooth_gaps=1e-6,2e-6", "--out", tmp_path / "d")
+    assert done.returncode == 2 and "as many values as pairs" in done.stderr
 
 
 def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):

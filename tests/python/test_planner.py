@@ -41,7 +41,7 @@ def test_a_run_meets_its_tolerance_and_says_why(whole):
     assert f"{s['scene']['mesh.divisions']} x " in reasons and s["scene"]["mesh.band_facets"] == 16
     assert s["model_error"]["tolerance_covers"] == list(PROMISED) and len(s["model_error"]["left_out"]) >= 5
     widths = {row.count(",") for row in (whole[0] / "plan.csv").read_text().splitlines()}
-    assert widths == {len(PROMISED) + 2}  # mesh, what is promised, seconds, checksum
+    assert widths == {len(PROMISED) + 3}  # mesh, what is promised, seconds, stiffness of the balls, checksum
     assert all(f"limit     {words} " in whole[1] for words in ("tangent K_TS", "rotation", "normal force", "mid-band pressure"))
 
 

@@ -96,8 +96,9 @@ def plot_turning(result: Any) -> Any:
     error = ARCMIN * 60 * result.summary["results"]["turning_angle_error_rad"]
     axes[0].set_title(f"turn of the bottom about its mean / arc second\nerror {error:.2f}'' at {torque:g} N m", fontsize=12)
     axes[1].set_title("stiffness / (kN m/rad)\nfrom half to all of the torque", fontsize=12)
+    whole = len(angle) * angle[-1] / max(1, len(angle) - 1)  # the last place would be the first again
     for axis in axes:
         axis.set_xlabel("turn of the wave generator / degree")
-        for i in range(int(angle[-1] / pitch) + 1 if balls else 0):
+        for i in range(int(whole / pitch + 1e-6) + 1 if balls else 0):
             axis.axvline(i * pitch, color="0.6", ls=":", lw=1)
     return figure

@@ -218,9 +218,9 @@ def hard_scenes():
          f"{1e6 * x['rotation_rad']:.1f}", f"{x['friction_capacity_nm']:.1f}") for r in read_record("peer_scenes") for x in [r["results"]] if r["code"] == 0]
 
 
-def promised_rows():
-    """Random scenes of the record."""
-    return list(read_rows("promised_scenes", "scene").values())
+def promised_rows(record="promised_scenes"):
+    """Random scenes of a record."""
+    return list(read_rows(record, "scene").values())
 
 
 def tolerances(rows):
@@ -238,9 +238,14 @@ def ratio(value):
     return f"{value:.1f}"
 
 
-def promises():
+def promised_drives():
+    """The same of whole drives."""
+    return promises("promised_drives")
+
+
+def promises(record="promised_scenes"):
     """Promised and kept by tolerance."""
-    rows, out = promised_rows(), []
+    rows, out = promised_rows(record), []
     for tolerance in tolerances(rows):
         made = [run for row in rows for run in judged(row) if run["tolerance"] == tolerance]
         whole = [run for run in made if is_judged(run)]

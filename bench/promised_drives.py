@@ -8,16 +8,15 @@ Usage: bench/promised_drives.py --seed 3601 [--count 8] [--seconds 540] [--toler
 """
 import argparse
 import shutil
-import statistics
 import tempfile
 import time
 from pathlib import Path
 
 import f90nml
 import numpy as np
-from promised_scenes import is_judged, is_referred, judge, judged, judged_results, planned
+from promised_scenes import is_referred, judge, judged, planned
 
-from common import DATA, add_row, put, read_rows, table
+from common import DATA, add_row, read_rows
 
 SCENES = ("drive11", "drive14", "drive17", "drive20", "drive25", "drive14_50", "drive14_160", "drive14_short", "drive14_hat")
 
@@ -65,23 +64,6 @@ def main():
         print(name, data, [(run["tolerance"], run["met"], run.get("level"), run.get("message", "")) for run in row["runs"]],
               [(run["tolerance"], run["estimate"], run["true_error"]) for run in judged(row)], row.get("reference_message", ""), flush=True)
     shutil.rmtree(folder)
-    write_table(list(read_rows("promised_drives", "scene").values()))
-
-
-def write_table(rows):
-    """Promises made and kept by tolerance."""
-    lines = []
-    for tolerance in sorted({run["tolerance"] for row in rows for run in row["runs"]}, reverse=True):
-        made = [run for row in rows for run in judged(row) if run["tolerance"] == tolerance]
-        sure = [run for run in made if is_judged(run)]
-        found = judged_results(rows, tolerance)
-        kept = sum(max(run["true_error"].values()) <= tolerance for run in sure)
-        lines.append((f"{100 * tolerance:g} %", len(rows), len(made), len(sure), kept,
-                      f"{sum(e <= tolerance for *_, e in found)} of {len(found)}",
-                      f"{statistics.median(est / max(e, 1e-12) for _, est, e in found):.1f}" if found else "-",
-                      f"{statistics.median(run['seconds'] for run in made):.0f} s" if made else "-"))
-    put("promised drives", table(("tolerance", "drives", "promised", "of them judged", "kept", "results kept", "estimate over error, median",
-                                  "processor time, median"), lines), page="evidence/planner_promises")
 
 
 if __name__ == "__main__":

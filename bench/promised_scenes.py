@@ -176,7 +176,7 @@ def figure(rows):
             side.set_major_locator(LogLocator(subs=(1, 3)))
             side.set_major_formatter("{x:g}")
             side.set_minor_formatter(NullFormatter())
-    np.atleast_1d(axes)[0].legend(fontsize=8, loc="upper left", bbox_to_anchor=(0, 0.95))
+    np.atleast_1d(axes)[0].legend(fontsize=8, loc="lower right")
     fig.savefig(FIGURES / "promised_scenes.png", dpi=110)
 
 

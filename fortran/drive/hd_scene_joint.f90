@@ -59,6 +59,7 @@ contains
     integer :: i, n
     if (len_trim(scene%joint_spectrum) > 0) then
       call read_columns(trim(scene%joint_spectrum), columns, error)
+      if (allocated(error)) error%message = 'joint.spectrum_file: '//error%message
       if (.not. allocated(error)) call columns%take('q_per_m', q, error)
       if (.not. allocated(error)) call columns%take('height_variance_m2', height, error)
       if (.not. allocated(error)) call sampled_spectrum(q, height, spectrum, error)
@@ -91,6 +92,7 @@ contains
       return
     end if
     call read_columns(trim(scene%joint_table), columns, error)
+    if (allocated(error)) error%message = 'joint.table_file: '//error%message
     if (.not. allocated(error)) call columns%take('pressure_pa', p, error)
     if (.not. allocated(error)) call columns%take('k_n_pa_per_m', k_n, error)
     if (allocated(error)) return

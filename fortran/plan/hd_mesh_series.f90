@@ -28,7 +28,7 @@ module hd_mesh_series
   real(dp), parameter :: left_drive(promises) = [0.004_dp, 0.004_dp, 0.002_dp, 0.016_dp]
   real(dp), parameter :: least_tolerance = 5.5e-3_dp  !< what four layers leave, rounded up
   !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
-  real(dp), parameter :: typical = 1.4_dp, typical_drive = 3
+  real(dp), parameter :: typical = 1.4_dp, typical_drive = 5
 
 contains
 

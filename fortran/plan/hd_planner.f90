@@ -176,6 +176,7 @@ contains
       plan%scene%ball_stiffness = s%ball_stiffness
       exit
     end do
+    if (len(text) == 0) text = 'no simpler one converges'
     call note(plan, 'wave generator '//trim(merge('on its balls', merge('even spring ', 'rigid       ', &
       plan%scene%ball_stiffness > 0), plan%scene%balls > 0))//': '//text//'; half the tolerance is '// &
       percent(0.5_dp*plan%scene%planned_tolerance))

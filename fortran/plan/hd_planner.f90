@@ -382,7 +382,7 @@ contains
 
   !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
   !> Time grows as facets^1.4 (condensed) and ^1.1 (large displacements, up to level 6); a linear run repeats its estimate from
-  !> known states, first guesses save large displacements three fifths of the iterations.
+  !> known states, but a drive its whole loop, with tangents and stresses; first guesses save large displacements three fifths of the iterations.
   subroutine plan_text(scene, text, error)
     type(scene_t), intent(in) :: scene                       !< scene with a tolerance
     character(len=:), allocatable, intent(out) :: text       !< plan
@@ -420,7 +420,7 @@ contains
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
-      if (s%kinematics == 'linear') seconds(2) = 0.1_dp*seconds(1)
+      if (s%kinematics == 'linear') seconds(2) = merge(2._dp, 0.1_dp, s%support == 'drive')*seconds(1)
       if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle

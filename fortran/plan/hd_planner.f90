@@ -382,7 +382,8 @@ contains
 
   !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
   !> Time grows as facets^1.4 (condensed) and ^1.1 (large displacements, up to level 6); a linear run repeats its estimate from
-  !> known states, but a drive its whole loop, with tangents and stresses; first guesses save large displacements three fifths of the iterations.
+  !> known states, but a drive its whole loop, with tangents and stresses; first guesses save large displacements three fifths of
+  !> the iterations.
   subroutine plan_text(scene, text, error)
     type(scene_t), intent(in) :: scene                       !< scene with a tolerance
     character(len=:), allocatable, intent(out) :: text       !< plan

@@ -63,7 +63,7 @@ TABLES = {  # marker: page, record, builder
     "hard-scenes": ("robustness", "peer_scenes", scenes.hard_scenes),
     "promises": ("planner_promises", "promised_scenes", scenes.promises),
     "promised-groups": ("planner_promises", "promised_scenes", scenes.promised_groups),
-    "promised-drives": ("planner_promises", "promised_drives", scenes.promised_drives),
+    "promised-drives": ("planned_drives", "promised_drives", scenes.promised_drives),
     "promised-results": ("planner_promises", "promised_scenes", scenes.promised_results),
 }
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random whole drives that state a tolerance: how often a planned run promises K1 to K3 and hysteresis, and how often the true error
 keeps the promise. Judged as promised_scenes.py judges; every eighth drive runs its whole loop, the others its first rise. Record
-promised_drives.jsonl, table of docs/evidence/planner_promises.md.
+promised_drives.jsonl, table of docs/evidence/planned_drives.md.
 
 Usage: bench/promised_drives.py --seed 3601 [--count 8] [--seconds 540] [--tolerances 0.1 0.05]
 """

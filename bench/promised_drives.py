@@ -6,17 +6,11 @@ promised_drives.jsonl, table of docs/evidence/planned_drives.md.
 
 Usage: bench/promised_drives.py --seed 3601 [--count 8] [--seconds 540] [--tolerances 0.1 0.05]
 """
-import argparse
-import shutil
-import tempfile
-import time
-from pathlib import Path
-
 import f90nml
 import numpy as np
-from promised_scenes import is_referred, judge, judged, planned
+from promised_scenes import go_on, judged
 
-from common import DATA, add_row, read_rows
+from common import DATA
 
 SCENES = ("drive11", "drive14", "drive17", "drive20", "drive25", "drive14_50", "drive14_160", "drive14_short", "drive14_hat")
 
@@ -40,31 +34,11 @@ def rise(data):
     return f90nml.read(DATA / data)["load"]["torque"]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seed", type=int, required=True, help="of the drives; a record holds those of several seeds")
-    parser.add_argument("--count", type=int, default=8)
-    parser.add_argument("--seconds", type=float, default=540, help="no new drive is begun after so long")
-    parser.add_argument("--tolerances", type=float, nargs="+", default=(0.1, 0.05))
-    args = parser.parse_args()
-    known = read_rows("promised_drives", "scene")
-    start, folder = time.time(), Path(tempfile.mkdtemp())
-    for i in range(args.count):
-        if time.time() - start > args.seconds:
-            break
-        name = f"{args.seed}-{i}"
-        data, keys = draw(i, args.seed)
-        row = known.get(name, {"scene": name, "data": data, "keys": keys, "runs": []})
-        if row["runs"] and is_referred(row):
-            continue
-        for tolerance in () if row["runs"] else args.tolerances:
-            row["runs"].append(planned(data, keys, tolerance, folder))
-        judge(row, folder)
-        add_row("promised_drives", row, seed=args.seed)
-        print(name, data, [(run["tolerance"], run["met"], run.get("level"), run.get("message", "")) for run in row["runs"]],
-              [(run["tolerance"], run["estimate"], run["true_error"]) for run in judged(row)], row.get("reference_message", ""), flush=True)
-    shutil.rmtree(folder)
+def told(row):
+    """Random whole drives that state a tolerance: promises made and kept."""
+    return ([(run["tolerance"], run["met"], run.get("level"), run.get("message", "")) for run in row["runs"]],
+            [(run["tolerance"], run["estimate"], run["true_error"]) for run in judged(row)])
 
 
 if __name__ == "__main__":
-    main()
+    go_on("promised_drives", draw, (0.1, 0.05), lambda runs, tolerance: True, told)

@@ -180,14 +180,18 @@ def figure(rows):
     fig.savefig(FIGURES / "promised_scenes.png", dpi=110)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+def go_on(record, draw, tolerances, wanted, told):
+    """Draw, plan and judge scenes until the time of the command line is over; what the record holds is not run again.
+
+    `wanted(runs, tolerance)` says whether a scene is asked for one more tolerance, `told(row)` what is printed of it.
+    """
+    parser = argparse.ArgumentParser(description=told.__doc__)
     parser.add_argument("--seed", type=int, required=True, help="of the scenes; a record holds the scenes of several seeds")
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--seconds", type=float, default=540, help="no new scene is begun after so long")
-    parser.add_argument("--tolerances", type=float, nargs="+", default=(0.05, 0.02, 0.01))
+    parser.add_argument("--tolerances", type=float, nargs="+", default=tolerances)
     args = parser.parse_args()
-    known = read_rows("promised_scenes", "scene")
+    known = read_rows(record, "scene")
     start, folder = time.time(), Path(tempfile.mkdtemp())
     for i in range(args.count):
         if time.time() - start > args.seconds:
@@ -198,14 +202,24 @@ def main():
         if row["runs"] and is_referred(row):
             continue
         for tolerance in () if row["runs"] else args.tolerances:
-            if tolerance >= 0.02 or row["runs"][-1].get("seconds", QUICK) < QUICK:
+            if wanted(row["runs"], tolerance):
                 row["runs"].append(planned(data, keys, tolerance, folder))
         judge(row, folder)
-        add_row("promised_scenes", row, seed=args.seed)
-        print(name, data, keys["load.support"], keys["contact.law"], keys["solver.kinematics"],
-              [(run["tolerance"], run["level"], len(run["true_error"]), max(run["true_error"].values(), default=0)) for run in judged(row)],
-              {k: round(found["seconds"]) for k, found in row.get("reference", {}).items()}, row.get("reference_message", ""), flush=True)
+        add_row(record, row, seed=args.seed)
+        print(name, data, *told(row), row.get("reference_message", ""), flush=True)
     shutil.rmtree(folder)
+
+
+def told(row):
+    """Random scenes that state a tolerance: promises made and kept."""
+    return ([row["keys"][key] for key in ("load.support", "contact.law", "solver.kinematics")],
+            [(run["tolerance"], run["level"], len(run["true_error"]), max(run["true_error"].values(), default=0)) for run in judged(row)],
+            {k: round(found["seconds"]) for k, found in row.get("reference", {}).items()})
+
+
+def main():
+    go_on("promised_scenes", draw, (0.05, 0.02, 0.01),
+          lambda runs, tolerance: tolerance >= 0.02 or runs[-1].get("seconds", QUICK) < QUICK, told)
     figure(list(read_rows("promised_scenes", "scene").values()))
 
 

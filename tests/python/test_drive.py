@@ -329,7 +329,7 @@ def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
 
 
 def test_a_planned_drive_says_what_large_displacements_would_change(exe):
-    """They are measured on the cup alone: 1.4 % of the force at w = 0.2 mm, which a tolerance of 1 % does not cover."""
+    """They are measured on the cup alone: 1.4 % of the force at w = 0.2 mm."""
     done = call(exe, "--plan", ROOT / "data/drive14.nml", *RISE, "run.tolerance=0.1", "bearing.model=given")
     assert done.returncode == 0, done.stderr
     share = float(re.search(r"of its cup on a rigid cam large displacements change (?:normal force|rotation) by ([0-9.]+) %", done.stdout)[1])

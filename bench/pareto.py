@@ -23,7 +23,10 @@ from hdengine import _engine, read_scene
 PAGES = {  # page of docs/evidence: its charts
     "speed_surfaces": ("heights", "structure_function", "fit", "joint"),
     "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
-    "speed_runs": ("solvers", "residual", "start", "meshes", "planner", "load_steps", "symmetry", "kinematics", "loop")}
+    "speed_solvers": ("solvers", "residual", "start", "symmetry", "kinematics"),
+    "speed_runs": ("meshes", "planner", "load_steps", "loop")}
+UNITS = (" cells in a", " divisions", " cells round the pin")  # of settings: they stand in the first head of a table
+BELOW = {"heights"}  # charts whose table is too wide to stand beside its figure
 
 
 def charted():
@@ -38,7 +41,7 @@ def charted():
 
 def draw(chart):
     """A chart as figure: error over CPU seconds, a star for the default, hollow marks for peers."""
-    figure, ax = new_axes(figsize=(6.4, 4.6))
+    figure, ax = new_axes(figsize=(5.0, 3.8))
     for method in dict.fromkeys(p["method"] for p in chart["points"]):
         mine = [p for p in chart["points"] if p["method"] == method]
         peer = mine[0]["peer"]
@@ -52,7 +55,7 @@ def draw(chart):
         low, high = axis.get_view_interval()
         limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
         axis.set_minor_formatter(NullFormatter())
-    ax.legend(fontsize=11, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
+    ax.legend(fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.19), ncols=2, columnspacing=1)
     path = FIGURES / f"speed/{chart['name']}.png"
     path.parent.mkdir(exist_ok=True)
     figure.savefig(path, dpi=80)
@@ -71,9 +74,10 @@ def chart_table(points):
     at = {(p["method"], p["setting"]): p for p in points}
 
     def cell(p):
-        text = f"{shown(p['error'])} in {p['seconds']:.2g} s" if p else "-"
+        text = f"{shown(p['error'])}, {p['seconds']:.2g} s" if p else "-"
         return f"**{text}**" if p and p["default"] else text
-    return table(("method", *settings), [(name, *(cell(at.get((name, s))) for s in settings)) for name in names])
+    unit = next((u for u in UNITS if all(s.endswith(u) for s in settings)), "")
+    return table((f"method;{unit}" if unit else "method", *(s.removesuffix(unit) for s in settings)), [(name, *(cell(at.get((name, s))) for s in settings)) for name in names])
 
 
 def point_table(points):
@@ -98,6 +102,14 @@ def default_of(points):
     return span([p["error"] for p in mine], shown), span([p["seconds"] for p in mine], lambda s: f"{s:.2g}")
 
 
+def section(chart):
+    """A chart on its page: heading, what it decides, the figure with its table."""
+    shown = f"![Relative error over CPU time](../figures/speed/{chart['name']}.png)\n\n{chart_table(chart['points'])}"
+    if chart["name"] not in BELOW:
+        shown = f":::{{container}} beside\n{shown}\n:::"
+    return f"## {chart['title']}\n\n{chart['decides']}\n\n{shown}"
+
+
 def write_pages(charts):
     """Figures and tables of every page, and the list of charts."""
     found, lines = {c["name"]: c for c in charts}, []
@@ -105,8 +117,7 @@ def write_pages(charts):
         mine = [found[name] for name in names if name in found]
         for c in mine:
             draw(c)
-        put("charts", "\n\n".join(f"## {c['title']}\n\n{c['decides']}\n\n![Relative error over CPU time](../figures/speed/{c['name']}.png)\n\n"
-                                  f"{chart_table(c['points'])}" for c in mine), f"evidence/{page}")
+        put("charts", "\n\n".join(map(section, mine)), f"evidence/{page}")
         lines += [(f"[{c['title']}]({page}.md)", *default_of(c["points"])) for c in mine]
     put("charts", table(("chart", "error of the default", "CPU time / s"), lines), "evidence/speed_accuracy")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The worked example of docs/explain/new_element.md: its changes fit the sources, and the element that they add does what the page says."""
+"""The worked example of docs/explain/new_element.md and new_element_tests.md: its changes fit the sources, and the element that they add does what the page says."""
 import re
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ from conftest import ROOT
 from hdengine import mesh
 
 pytestmark = pytest.mark.skipif(not shutil.which("git"), reason="git applies the changes")
-PAGE = (ROOT / "docs/explain/new_element.md").read_text()
+PAGE = "".join((ROOT / f"docs/explain/{page}.md").read_text() for page in ("new_element", "new_element_tests"))
 CHANGES = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE, re.S | re.M))
 SOURCES = ("base/hd_kinds.f90", "base/hd_text.f90", "base/hd_error.f90", "lib/hd_blas_threads.c", "lib/hd_lapack.f90", "elements/hd_hexahedron.f90")
 PROGRAM = """program stiffness

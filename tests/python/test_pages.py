@@ -16,7 +16,7 @@ import pytest
 from conftest import ROOT, executable
 
 SHORT = sorted(str(p.relative_to(ROOT)) for room in ("start", "howto") for p in (ROOT / "docs" / room).glob("*.md"))
-OWN_TEST = {"docs/reference/command_line.md": "test_cli.py", "docs/explain/new_element.md": "test_new_element.py"}
+OWN_TEST = {"docs/reference/command_line.md": "test_cli.py", **{f"docs/explain/new_element{more}.md": "test_new_element.py" for more in ("", "_tests")}}
 BLOCK = re.compile(r"(?:<!-- not run: (?P<why>[^\n]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```", re.S | re.M)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN_AT_MOST = 10

@@ -128,10 +128,10 @@ def age(bench):
     commit = made_of(path)
     count = changes_since(commit)
     if count is None:
-        return f"made of {commit[:8]}, which is not in this history" if commit else "commit not stated"
+        return f"{commit[:8]}, not in this history" if commit else "commit not stated"
     if count == 0 and not commit.endswith("+"):
         return "of the present sources"
-    return f"{count} change{'s' if count != 1 else ''} of the sources since {commit[:8]}"
+    return f"{count} change{'s' if count != 1 else ''} since {commit[:8]}"
 
 
 def known():

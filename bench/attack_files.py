@@ -5,7 +5,7 @@
 Usage: bench/attack_files.py [--quick | --table]
 Changes checkpoints and tables of a stopped run (resumed in a child process each), feeds namelists put together at random, starts pairs of
 runs into one folder, and kills runs that are then resumed. What may not happen: a wrong result called complete, a signal, a hang, output
-that is no UTF-8. Record: attack_files.json, table into docs/evidence/robustness.md.
+that is no UTF-8. Record: attack_files.json, table into docs/evidence/attacks.md.
 """
 import argparse
 import collections
@@ -165,7 +165,7 @@ def tell(found):
     rows += [["namelists put together at random, `--check`", 200, told(found["namelists"])],
              ["two runs started into one folder", 20, told(found["pairs"])],
              ["runs killed by SIGKILL, then `--resume`", 25, told(found["kills"])]]
-    put("attack_files", table(["attack", "count", "how they ended"], rows), "evidence/robustness")
+    put("attack_files", table(["attack", "count", "how they ended"], rows), "evidence/attacks")
 
 
 def told(ends):

@@ -30,18 +30,17 @@ def draw(rows, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    fig, axes = plt.subplots(3, 1, figsize=(7.5, 12), constrained_layout=True, sharex=True)
+    fig, axes = plt.subplots(1, 3, figsize=(11, 4.6), constrained_layout=True)
     for ax, i in zip(axes, range(3)):
         for wall, color in zip(WALL, ("C0", "C1", "C2")):
             for torque, style in zip(TORQUES, (":", "--", "-")):
                 mine = [r for r in rows if r["wall_m"] == wall and r["torque_nm"] == torque]
                 ax.plot([1e3 * r["w_m"] for r in mine], [100 * r["error"][i] for r in mine], "o" + style, color=color, ms=4,
                         label=f"wall {1e3 * wall:.2f} mm, {torque:g} N m")
-        ax.set_ylabel("linear against nonlinear / %")
-        ax.set_title(NAMES[i])
+        ax.set(xlabel="w / mm", title=NAMES[i])
         ax.grid(alpha=0.3)
-    axes[2].set_xlabel("w / mm")
-    fig.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    axes[0].set_ylabel("linear against nonlinear / %")
+    fig.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     fig.savefig(path, dpi=110)
 
 

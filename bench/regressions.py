@@ -110,7 +110,7 @@ def main():
     lost = losses(found, record)
     if arguments.record:
         add_row("regressions", {"date": date.today().isoformat(), "instructions": {**record, **found}})
-        put("regressions", page_table(), "evidence/records")
+        put("regressions", page_table(), "evidence/regressions")
         return
     if lost:
         sys.exit("slower than recorded: " + ", ".join(f"{name} {ratio:.2f} times" for name, ratio in lost.items()))

@@ -3,7 +3,7 @@
 """Sobol indices of the tangent K_TS with every input of `hdengine.uncertainty` at once, each point solved anew, by SALib.
 
 The mesh is coarse: 24 divisions and 4 rows. The same indices by one-at-a-time factors (`drive_bands`) stand beside them.
-Writes bench/results/tangent_indices.json and the table of docs/evidence/sensitivity.md.
+Writes bench/results/tangent_indices.json and the table of docs/evidence/sensitivity_tangent.md.
 Usage: bench/tangent_indices.py [--base N] [--work DIR] | factors | pages    factors: the indices stay as the record has them
 """
 import argparse
@@ -73,7 +73,7 @@ def pages(found):
     """The table of the page."""
     put("tangent-indices", table(("input", "first order", "total", "by factors"), [
         (f"`{r['input']}`", f"{r['S1']:.2f} ± {r['S1_conf']:.2f}", f"{r['ST']:.2f} ± {r['ST_conf']:.2f}", f"{found['share_by_factors'][r['input']]:.2f}")
-        for r in found["indices"] if max(r["ST"], found["share_by_factors"][r["input"]]) >= 0.005]), "evidence/sensitivity")
+        for r in found["indices"] if max(r["ST"], found["share_by_factors"][r["input"]]) >= 0.005]), "evidence/sensitivity_tangent")
 
 
 def main():

@@ -166,29 +166,26 @@ def clean_rows():
 
 
 def put_tables(record):
-    """Before and now side by side."""
-    before, now = record["before"], record["now"]
+    """What each fault does to the present build; rows of an earlier one stay in the record."""
+    now = record["now"]
 
     def each(row, key, text, scale=1):
         return "/".join("-" if row[d][key] is None else text.format(scale * row[d][key]) for d in ("2.1", "2.5", "2.9"))
 
-    old = {r["fault"]: r for r in before["faults"]}
-    put("faults", table(("fault", "D moved before", "now", "largest now", "D inside, %", "fractal, %", "wrong points found, %", "right ones lost",
-                         "seams"), [
-        (r["fault"], each(old[r["fault"]], "moved", "{:.3f}"), each(r, "moved", "{:.3f}"), each(r, "moved_most", "{:.2f}"),
+    put("faults", table(("fault", "D moved", "largest", "D inside, %", "fractal, %", "found, %", "lost", "seams"), [
+        (r["fault"], each(r, "moved", "{:.3f}"), each(r, "moved_most", "{:.2f}"),
          each(r, "inside", "{:.0f}", 100), each(r, "fractal", "{:.0f}", 100), each(r, "found", "{:.0f}", 100), each(r, "lost", "{}"),
          each(r, "seams", "{:.1f}")) for r in now["faults"]]), "evidence/wrong_points")
     put("structure", table(("fault", "as it is", "robust estimator", "masked"), [
         (r["fault"], *(each(r, k, "{:.3f}") for k in ("plain", "robust", "masked"))) for r in now["structure"] if "jitter of" not in r["fault"]]), "evidence/wrong_points")
-    old = {(r["map"], r["points"]): r for r in before["clean"]}
-    put("clean", table(("maps", "points", "number", "points lost before", "now", "maps that lose", "maps with a seam", "with an axis"), [
-        (r["map"], r["points"], r["maps"], old[r["map"], r["points"]]["lost"], r["lost"], r["maps_that_lose"],
+    put("clean", table(("maps", "points", "number", "points lost", "maps that lose", "maps with a seam", "with an axis"), [
+        (r["map"], r["points"], r["maps"], r["lost"], r["maps_that_lose"],
          *(r[key] if r["points"] == 128 else "-" for key in ("maps_with_seams", "maps_with_axes"))) for r in now["clean"]]),
         "evidence/wrong_points")
 
 
 def put_figure(record):
-    """A map with every fault, the same cleaned, and how far each fault moves D, before and now."""
+    """A map with every fault, the same cleaned, and how far each fault moves D."""
     z, bad, _, spacing = spoil(2.5, 3, all_of_them)
     mended = clean(bad, spacing).heights
     fig, axes = plt.subplots(1, 3, figsize=(12, 3.8), width_ratios=(1, 1, 1.5), layout="constrained")
@@ -197,11 +194,9 @@ def put_figure(record):
         ax.imshow(m * 1e6, origin="lower", extent=(0, 128, 0, 128), vmin=low, vmax=high, cmap=matplotlib.colormaps["viridis"].with_extremes(bad="red"))
         ax.set(title=title, xlabel="x / µm", ylabel="y / µm" if m is bad else "")
     names = [r["fault"] for r in record["now"]["faults"]][1:]
-    for name, colour, shift in (("before", "tab:red", 0.15), ("now", "tab:blue", -0.15)):
-        rows_of = {r["fault"]: r for r in record[name]["faults"]}
-        for d, marker in (("2.1", "v"), ("2.5", "o"), ("2.9", "^")):
-            axes[2].plot([max(rows_of[n][d]["moved"], 1e-4) for n in names], np.arange(len(names)) + shift, marker, color=colour,
-                         label=f"{name}, D = {d}")
+    rows_of = {r["fault"]: r for r in record["now"]["faults"]}
+    for d, marker in (("2.1", "v"), ("2.5", "o"), ("2.9", "^")):
+        axes[2].plot([max(rows_of[n][d]["moved"], 1e-4) for n in names], np.arange(len(names)), marker, label=f"D = {d}")
     axes[2].set(xscale="log", xlabel="|change of D by the fault|, median of 12 maps", yticks=range(len(names)), yticklabels=names)
     axes[2].invert_yaxis()
     axes[2].grid(alpha=0.3)
@@ -220,7 +215,7 @@ def main(name, build, parts):
         record.setdefault(name, {}).setdefault("commits", {})[key] = build
         record[name][key] = list(PARTS[key]())
         write_record("wrong_points", record, seed=3000)
-    if {"before", "now"} <= set(record):
+    if "now" in record:
         put_tables(record)
         put_figure(record)
 

@@ -5,6 +5,7 @@
 The page is made whenever the site is built (docs/conf.py) and is not kept in the repository. Usage: tools/requirements_page.py
 """
 import ast
+import html
 import re
 from pathlib import Path
 
@@ -12,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/reference/requirements.md"
 HEAD = """# What the tests require
 
-One sentence per test, by subject; made from `tests/` when this site is built. `./hd test` passes them all.
+One sentence per test, by subject; made from `tests/` when this site is built. `./hd test` passes them all. A touch opens a subject.
 """
 
 
@@ -48,18 +49,23 @@ def fortran_checks(path):
             yield message
 
 
+def folded(subject, path, sentences):
+    """What one file of tests requires, under a line that opens it."""
+    lines = "\n".join(f"- {sentence}" for sentence in sentences)
+    return f"\n<details>\n<summary>{html.escape(subject, quote=False)}</summary>\n\n`{path.relative_to(ROOT)}`\n\n{lines}\n\n</details>\n"
+
+
 def page():
     """The page as text."""
     parts, count = [HEAD], 0
     for path in sorted((ROOT / "tests/python").glob("test_*.py")):
         subject, tests = python_tests(path)
         count += len(tests)
-        parts.append(f"\n## {subject}\n\n`tests/python/{path.name}`\n\n" + "\n".join(f"- {sentence}" for _, sentence in tests) + "\n")
+        parts.append(folded(subject, path, [sentence for _, sentence in tests]))
     for path in sorted((ROOT / "tests/fortran").glob("test_*.f90")):
         checks = list(dict.fromkeys(fortran_checks(path))) or ["see the file: its messages are made at run time"]
         count += len(checks)
-        parts.append(f"\n## {path.stem.removeprefix('test_').replace('_', ' ').capitalize()} (Fortran)\n\n"
-                     f"`tests/fortran/{path.name}`\n\n" + "\n".join(f"- {m}" for m in checks) + "\n")
+        parts.append(folded(f"{path.stem.removeprefix('test_').replace('_', ' ').capitalize()} (Fortran)", path, checks))
     return "".join(parts), count
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every command and code block of the README and of docs is run; docs/reference/command_line.md is written by the commands themselves.
+"""Every command and code block of the README and of docs is run; docs/reference/command_line*.md are written by the commands themselves.
 
 A block runs in the order of its page, in a folder that looks like a checkout. `python`: executed. `sh`: executed, must succeed.
 `console`: lines after `$` are commands, the others what they print; `...` leaves lines out, numbers hold within 2 %. A block whose first line is
@@ -16,7 +16,8 @@ import pytest
 from conftest import ROOT, executable
 
 SHORT = sorted(str(p.relative_to(ROOT)) for room in ("start", "howto") for p in (ROOT / "docs" / room).glob("*.md"))
-OWN_TEST = {"docs/reference/command_line.md": "test_cli.py", **{f"docs/explain/new_element{more}.md": "test_new_element.py" for more in ("", "_tests")}}
+OWN_TEST = {**{f"docs/reference/command_line{more}.md": "test_cli.py" for more in ("", "_run", "_results", "_surfaces")},
+            **{f"docs/explain/new_element{more}.md": "test_new_element.py" for more in ("", "_tests")}}
 BLOCK = re.compile(r"(?:<!-- not run: (?P<why>[^\n]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```", re.S | re.M)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN_AT_MOST = 10
@@ -125,6 +126,11 @@ def test_cells_fit_a_line():
     assert [(str(page.relative_to(ROOT)), cell) for page in pages for cell in cells(page) if len(cell) > 90] == []
 
 
-def test_keys_are_those_of_the_engine():
-    """The page of keys is what `hdengine.x --explain all` prints."""
-    assert (ROOT / "docs/reference/parameters.md").read_text() == shell("hdengine.x --explain all", ROOT)
+def test_keys_are_those_of_the_engine(monkeypatch):
+    """The pages of keys hold what `hdengine.x --explain all` prints, each key once."""
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    import keys_pages
+    assert {name: (keys_pages.FOLDER / f"{name}.md").read_text() for name in keys_pages.pages()} == keys_pages.pages(), "run tools/keys_pages.py"
+    entry = re.compile(r"^\w+\.\w+$", re.M)
+    shown = entry.findall("".join(path.read_text() for path in keys_pages.FOLDER.glob("keys_*.md")))
+    assert sorted(shown) == sorted(entry.findall(shell("hdengine.x --explain all", ROOT))) == sorted(set(shown))

@@ -14,7 +14,7 @@ PLACE = "Columns that tables of steps begin with"
 def _described():
     """Names in the first column of the tables, by heading."""
     found, heading = {}, ""
-    for line in (REFERENCE / "outputs.md").read_text().splitlines():
+    for line in "\n".join(path.read_text() for path in sorted(REFERENCE.glob("outputs*.md"))).splitlines():
         if line.startswith("## "):
             heading = line[3:]
         elif line.startswith("| `"):
@@ -64,6 +64,6 @@ def test_exit_codes_are_those_of_the_exceptions():
 
 def test_python_page_lists_everything_public():
     """Every name of the package is on the page of the Python interface."""
-    page = set(re.findall(r"^   ([\w.]+)$", (REFERENCE / "api.md").read_text(), re.M))
+    page = {name for path in ("api.md", "api_surfaces.md") for name in re.findall(r"^   ([\w.]+)$", (REFERENCE / path).read_text(), re.M)}
     named = {part for name in page for part in name.split(".")}
     assert set(hdengine.__all__) <= named

@@ -93,7 +93,7 @@ BENCHES = (
 
 
 ASIDE = {  # scripts that need what the checkout lacks, or make data
-    "areal_numbers": "a folder of measured maps, Gwyddion's libraries", "measured_surfaces": "a folder of measured maps",
+    "areal_numbers": "a folder of measured maps, Gwyddion's libraries", "joint_patch": "a folder of measured maps", "measured_surfaces": "a folder of measured maps",
     "premises_table": "a tree of commit c6eee82", "joint_bem": "refits data/joint_calibration.json", "torque_record": "writes data/torque_record.csv"}
 
 

@@ -17,8 +17,8 @@ import hdengine
 from common import DATA, new_axes, read_record, save_figure, styled, write_record
 from hdengine import Run, surface
 from hdengine.elastic import moduli
+from hdengine.prediction.choice import STEEP
 from hdengine.prediction.half_space import stiffness_on_map
-from hdengine.prediction.law import STEEP
 
 POINTS = [{"wave_generator.w": w} for w in (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)] + [{"wave_generator.eccentricity": 1e-5}]
 PRESSURE = np.geomspace(1e6, 400e6, 10)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_prediction import rough
 
-from hdengine import InputError
+from hdengine import InputError, NotConvergedError
 from hdengine.elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space
 from hdengine.prediction.half_space import HalfSpace, corrected_area
@@ -161,3 +161,62 @@ def test_boundary_of_the_stiffness_on_two_axes():
         k_n, k_t, _ = half_space.stiffness_on_map(heights, (1e-6, 1e-6), [1e8, 4e8], E_STAR, RATIO)
         ratios.append(k_t / k_n)
     assert np.mean(ratios, axis=0) == pytest.approx(RATIO, rel=0.01)
+
+
+def free_ball(n, cell):
+    x = (np.arange(n) + 0.5) * cell / n - cell / 2
+    r = np.hypot(*np.meshgrid(x, x))
+    return HalfSpace(-(r**2) / (2 * RADIUS), (cell / n,) * 2, E_STAR, RATIO, free=True), r
+
+
+def test_hertz_on_a_free_patch():
+    """A ball on a patch little larger than its spot has Hertz's pressures within 1 % of the peak, his approach a^2/R and stiffness 2 E* a within
+    0.3 %, and the errors fall with the grid; the images of a periodic cell would move the approach by 60 %."""
+    cell, load, errors = 32e-6, 4 * E_STAR * SPOT**3 / (3 * RADIUS) / (32e-6) ** 2, []
+    peak = 2 * E_STAR * SPOT / (np.pi * RADIUS)
+    for n in (32, 64, 128):
+        space, r = free_ball(n, cell)
+        found = space.press(load)
+        exact = peak * np.sqrt(np.maximum(1 - (r / SPOT) ** 2, 0))
+        k_n = space.normal_stiffness(found > 0)
+        whole = cell**2 / (1 / k_n + 1 / space.bulk)
+        errors.append([np.sqrt(((found - exact)[r < 1.2 * SPOT] ** 2).mean()) / peak, abs(space.approach(found) / (SPOT**2 / RADIUS) - 1),
+                       abs(whole / (2 * E_STAR * SPOT) - 1)])
+    errors = np.array(errors)
+    assert (errors[:, 0] < 0.01).all() and (errors[:, 1:] < 3e-3).all() and (errors[2] < 0.7 * errors[0]).all()
+
+
+def test_flat_punches_on_a_free_patch():
+    """A round spot that is pressed flat is 2 E* a stiff within 0.5 %; a square smooth patch 1.15 E* times its side within 0.7 %, whatever its size."""
+    space, r = free_ball(128, 40e-6)
+    radius = 14e-6
+    disc = r < radius
+    whole = 40e-6**2 / (1 / space.normal_stiffness(disc) + 1 / space.bulk)
+    assert whole == pytest.approx(2 * E_STAR * np.sqrt(disc.mean() * 40e-6**2 / np.pi), rel=5e-3)
+    assert [space.bulk * 40e-6, free_ball(64, 1e-3)[0].bulk * 1e-3] == pytest.approx([1.1517 * E_STAR] * 2, rel=7e-3)
+
+
+def test_a_small_spot_does_not_feel_the_patch():
+    """The bulk takes 2 a / 1.15 L of the compliance of a spot of radius a on a patch of side L; where all touches no stiffness is left,
+    and shear is refused by its reason."""
+    space, r = free_ball(400, 400e-6)
+    k_n = space.normal_stiffness(r < 8e-6)
+    assert k_n / (k_n + space.bulk) == pytest.approx(16 / (1.15 * 400), rel=0.02)
+    with pytest.raises(NotConvergedError, match="all of the free patch touches"):
+        space.normal_stiffness(r >= 0)
+    with pytest.raises(InputError, match="no shear"):
+        space.tangential_stiffness(r < SPOT)
+
+
+def test_a_free_patch_of_many_waves_is_its_periodic_map():
+    """With the bulk of a smooth patch taken off, a free patch of many waves has k_N of its periodic map within 10 % while the bulk takes up to nine
+    tenths of its compliance; left in, it would be a tenth. The bound of the pressure holds, and yield lowers k_N as it does there."""
+    z, p = rough(128, 0.7, 8, 6, 1), 0.05 * E_STAR * np.array([0.004, 0.02, 0.06])
+    free, periodic = ([s.normal_stiffness(s.press(x) > 0) for x in p] for s in (HalfSpace(z, (1e-6, 1e-6), E_STAR, free=f) for f in (True, False)))
+    assert free == pytest.approx(periodic, rel=0.10)
+    bulk = HalfSpace(z, (1e-6, 1e-6), E_STAR, free=True).bulk
+    assert 0.85 < free[-1] / (free[-1] + bulk) < 0.92
+    hard = HalfSpace(z, (1e-6, 1e-6), E_STAR, hardness=3e9, free=True)
+    found = hard.press(p[1])
+    assert found.max() == pytest.approx(3e9, rel=1e-6) and found.mean() == pytest.approx(p[1], rel=1e-9)
+    assert half_space.stiffness_on_map(z, (1e-6, 1e-6), p, E_STAR, RATIO, free=True)[1] == pytest.approx(RATIO * np.array(free))

@@ -219,7 +219,7 @@ def test_command_writes_the_interface(tmp_path, capsys):
     (["--dx", "1e-6", "--seconds", "nan"], "--seconds nan"), (["--dx", "1e-6", "--e1", "-1"], "--e1 -1"),
     (["--dx", "1e-6", "--nu2", "0.5"], "--nu2 0.5: valid: between"), (["--dx", "1e-6", "--unit", "mm,um,nm"], "--unit mm,um,nm"),
     (["--dx", "1e-6", "--unit", "furlong"], "--unit furlong: valid: m, mm"), (["--dx", "1e-6", "--longest", "1e-9"], "--longest"),
-    (["--dx", "1e-12"], "map 1 (a)")])
+    (["--dx", "1e-12"], "map 1 (a)"), (["--dx", "1e-6", "--model", "spectrum", "--patch", "free"], "patch 'free' with model 'spectrum'")])
 def test_command_refuses(tmp_path, capsys, options, what):
     """Wrong options and a missing spacing are input errors that name option, value and what is valid."""
     np.save(tmp_path / "a.npy", rough(32, 0.7, 16, 6, 20))
@@ -287,6 +287,26 @@ def test_boundary_elements_predict():
     assert found.table["k_n_pa_per_m"] == pytest.approx(theory.table["k_n_pa_per_m"], rel=0.3)
     # spots that the seams of the even continuation double are not round: the ratio depends on the direction
     assert found.table["k_t_pa_per_m"] / found.table["k_n_pa_per_m"] == pytest.approx(RATIO, rel=0.05)
+
+
+def test_free_patch_of_the_command(tmp_path, capsys):
+    """`hdengine joint --patch free` takes boundary elements and says so, also on averaged maps: k_N within 15 % of the map continued evenly, k_T by
+    Mindlin's ratio exactly; where the bulk takes over nine tenths it warns; another word is refused."""
+    pytest.importorskip("tamaas")
+    np.save(tmp_path / "a.npy", rough(128, 0.7, 12, 6, 9))
+    rest = ["joint", str(tmp_path / "a.npy"), "--dx", "1e-6", "--points", "64", "--pressure", "2e7,1e8,6e8"]
+    tables = []
+    for name, options in (("free", ["--patch", "free"]), ("periodic", ["--model", "boundary_elements"])):
+        assert cli.main([*rest, *options, "--out", str(tmp_path / name)]) == 0
+        tables.append(np.genfromtxt(tmp_path / name / "joint.csv", delimiter=",", names=True))
+        record = json.loads((tmp_path / name / "joint.json").read_text())
+        assert (record["model"], record["patch"]) == ("boundary_elements", name)
+        said = capsys.readouterr().out
+        assert ("a free patch was asked for" in said) == ("is taken off" in said) == ("from 600 MPa on that is over 90 %" in said) == (name == "free")
+    assert tables[0]["k_n_pa_per_m"][:2] == pytest.approx(tables[1]["k_n_pa_per_m"][:2], rel=0.15)
+    assert tables[0]["k_t_pa_per_m"] == pytest.approx(RATIO * tables[0]["k_n_pa_per_m"], rel=1e-9)
+    with pytest.raises(hdengine.InputError, match="patch 'open'; valid: periodic, free"):
+        predict((rough(32, 0.7, 16, 6, 9), (1e-6, 1e-6)), patch="open")
 
 
 def test_boundary_elements_take_the_sum_of_two_maps():

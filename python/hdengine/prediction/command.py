@@ -12,7 +12,7 @@ import numpy as np
 from .._engine import InputError
 from ..files import check_folder
 from ..surfaces import specimen
-from .law import FILES, PRESSURES, Bodies, predict
+from .law import FILES, PATCHES, PRESSURES, Bodies, predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +24,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dx", type=float, help="spacing of those maps that state no size, as .npy [m]")
     parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
     parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
+    parser.add_argument("--patch", choices=PATCHES, default=PATCHES[0],
+                        help="boundary elements: the map goes on evenly, or nothing touches outside it (asks for them)")
     parser.add_argument("--pressure", metavar="P1,P2,...", help="rising pressures [Pa] (default: 1 to 500 MPa)")
     parser.add_argument("--longest", type=float, default=np.inf, help="longest wavelength that counts as roughness [m]")
     parser.add_argument("--loaded-area", type=float, metavar="A",
@@ -36,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", type=int, default=256, help="boundary elements: points a side of the map after averaging")
     parser.add_argument("--seconds", type=float, metavar="S",
                         help="most that boundary elements may take: fewer points, then the theory (default: 120; no bound "
-                        "with --model boundary_elements)")
+                        "where --model or --patch asks for them)")
     parser.add_argument("--out", default="joint.out", help="folder for joint.csv, spectrum.csv, joint.json, joint.png")
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
@@ -119,10 +121,11 @@ def run_joint(args: argparse.Namespace) -> int:
     if not 16 <= args.points <= 4096:
         raise InputError(f"--points {args.points}: valid: 16 to 4096")
     check_folder(args.out, FILES, args.force)
-    seconds = args.seconds or (np.inf if args.model else 120.0)
+    seconds = args.seconds or (np.inf if args.model or args.patch == "free" else 120.0)
     maps = read_maps(args.maps, unit, args.dx, args.dy)
     found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points, seconds=seconds,
-                    loaded=args.loaded_area, say=_say, bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
+                    loaded=args.loaded_area, patch=args.patch, say=_say,
+                    bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))
     print(found)
     for s in maps:
         print("".join(f"  {s.name}: {note}\n" for note in s.notes), end="")

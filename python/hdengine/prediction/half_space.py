@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,12 +32,12 @@ def tamaas() -> Any:
 
 
 class HalfSpace:
-    """A rigid rough surface on an elastic half space with the moduli of two bodies, periodic.
+    """A rigid rough surface on an elastic half space with the moduli of two bodies, periodic or a free patch.
 
     Parameters
     ----------
     heights : ndarray (n, m)
-        [m], upwards into the half space; periodic across the edges (`mirrored` makes any map so).
+        [m], upwards into the half space; periodic across the edges (`mirrored` makes any map so), unless `free`.
     spacing : (float, float)
         [m].
     e_star : float
@@ -45,10 +46,14 @@ class HalfSpace:
         k_T/k_N of full stick, 4 G*/E*.
     hardness : float
         Upper bound of the pressure [Pa]; inf: elastic.
+    residual : float
+        Of `press`, relative.
+    free : bool
+        The half space goes on beyond the map, and nothing touches there: tamaas's operator on a doubled grid.
     """
 
     def __init__(self, heights: np.ndarray, spacing: tuple[float, float], e_star: float, ratio: float = 0.8235,
-                 hardness: float = np.inf, residual: float = RESIDUAL) -> None:
+                 hardness: float = np.inf, residual: float = RESIDUAL, free: bool = False) -> None:
         self._tm = tm = tamaas()
         self.heights = np.ascontiguousarray(heights, dtype=float)
         size = [n * d for n, d in zip(self.heights.shape, spacing)]
@@ -59,7 +64,10 @@ class HalfSpace:
         self._shear.E, self._shear.nu = e_star * (1 - nu**2), nu
         self._hardness, self._residual = hardness, residual
         self._solver = tm.PolonskyKeerRey(self._model, self.heights, residual)
-        self.error = 0.0
+        self.error, self.free = 0.0, free
+        if free:
+            tm.ModelFactory.registerNonPeriodic(self._model, "free")
+            self._solver.setIntegralOperator("free")
 
     def press(self, pressure: float) -> np.ndarray:
         """Solve the contact under a mean pressure.
@@ -126,9 +134,31 @@ class HalfSpace:
         return p
 
     def _displacement_of(self, traction):
+        return np.array(self._moved(traction))
+
+    def _moved(self, traction):
+        """Displacements under pressures, in the model's own array."""
         self._model.traction[...] = traction
-        self._model.solveNeumann()
-        return np.array(self._model.displacement)
+        if self.free:
+            self._model.operators["free"](self._model.traction, self._model.displacement)
+        else:
+            self._model.solveNeumann()
+        return self._model.displacement
+
+    def _sheared(self, traction):
+        """The same of three components (n, m, 3); periodic alone."""
+        if self.free:
+            raise InputError("a free patch has no shear by boundary elements, since tamaas has no operator for it; valid: a "
+                             "periodic map")
+        self._shear.traction[...] = traction
+        self._shear.solveNeumann()
+        return self._shear.displacement
+
+    @cached_property
+    def bulk(self) -> float:
+        """Stiffness per area of the half space under a smooth patch as large as the map [Pa/m]; periodic: inf, as the mean
+        displacement is left out."""
+        return self._stiffness(self._moved, np.ones(self.heights.shape)) if self.free else np.inf
 
     @property
     def softest_shear(self) -> float:
@@ -138,10 +168,7 @@ class HalfSpace:
 
     def shear_displacement(self, traction: np.ndarray) -> np.ndarray:
         """Tangential displacements (n, m, 2) [m] under tangential tractions (n, m, 2) [Pa], of similar materials."""
-        self._shear.traction[..., :2] = traction
-        self._shear.traction[..., 2] = 0
-        self._shear.solveNeumann()
-        return np.array(self._shear.displacement[..., :2])
+        return np.array(self._sheared(np.pad(traction, ((0, 0), (0, 0), (0, 1))))[..., :2])
 
     def approach(self, traction: np.ndarray) -> float:
         """Rigid approach of the half space under pressures from `press`, from where the highest point touches [m]."""
@@ -149,16 +176,27 @@ class HalfSpace:
         return float(self.heights.max() - (self.heights - self._displacement_of(traction))[carrying].mean())
 
     def normal_stiffness(self, touching: np.ndarray) -> float:
-        """Stiffness per area when points that touch (ndarray of bool) move together along the normal [Pa/m]."""
-        return self._stiffness(self._model, touching.astype(float))
+        """Stiffness per area when points that touch (ndarray of bool) move together along the normal [Pa/m].
+
+        Of a free patch: of its roughness, the compliance 1/`bulk` of a smooth patch taken off.
+
+        Raises
+        ------
+        NotConvergedError
+            The linear solve stopped, or all of a free patch touches, which leaves its roughness no compliance.
+        """
+        whole = self._stiffness(self._moved, touching.astype(float))
+        if not whole < self.bulk:
+            raise NotConvergedError("all of the free patch touches: its roughness gives way no more; take lower pressures")
+        return 1 / (1 / whole - 1 / self.bulk)
 
     def tangential_stiffness(self, touching: np.ndarray) -> float:
         """The same along the second axis of the map, full stick [Pa/m]."""
         use = np.zeros((*touching.shape, 3))
         use[touching, :2] = 1
-        return self._stiffness(self._shear, use, 1)
+        return self._stiffness(self._sheared, use, 1)
 
-    def _stiffness(self, model, use, direction=None):
+    def _stiffness(self, moved, use, direction=None):
         """Mean traction of a unit displacement of what is used, by conjugate gradients on tamaas's half-space operator."""
         r = use.copy()
         if direction is not None:
@@ -166,9 +204,7 @@ class HalfSpace:
         d, t, rr = r.copy(), np.zeros(r.shape), float((r * r).sum())
         goal = STIFFNESS_RESIDUAL**2 * rr
         for _ in range(4000):
-            model.traction[...] = d
-            model.solveNeumann()
-            ad = model.displacement * use
+            ad = moved(d) * use
             step = rr / float((d * ad).sum())
             t += step * d
             r -= step * ad
@@ -204,13 +240,13 @@ def mirrored(z: np.ndarray) -> np.ndarray:
 
 def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure: Sequence[float] | np.ndarray, e_star: float,
                      ratio: float, hardness: float = np.inf, tangential: bool = True,
-                     tell: Callable[[float], None] | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Stiffness per area of a periodic map under pressures.
+                     tell: Callable[[float], None] | None = None, free: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stiffness per area of a periodic map, or of a free patch, under pressures.
 
     Parameters
     ----------
     heights : ndarray (n, m)
-        Periodic [m].
+        Periodic, unless `free` [m].
     spacing : (float, float)
         [m].
     pressure : sequence of float
@@ -221,26 +257,32 @@ def stiffness_on_map(heights: np.ndarray, spacing: tuple[float, float], pressure
         Also k_T, about as long again; without it ratio times k_N.
     tell : callable, optional
         Takes each pressure that is done.
+    free : bool
+        As `HalfSpace`; k_T is then ratio times k_N.
 
     Returns
     -------
     k_n, k_t, area : ndarray
         [Pa/m], [Pa/m], share of the area that touches (`corrected_area`).
     """
-    space = HalfSpace(heights, spacing, e_star, ratio, hardness)
+    space = HalfSpace(heights, spacing, e_star, ratio, hardness, free=free)
     rows = []
     for p in pressure:
         touching = space.press(p) > 0
         k_n = space.normal_stiffness(touching)
-        k_t = space.tangential_stiffness(touching) if tangential else ratio * k_n
-        rows.append((k_n, k_t, corrected_area(touching)))
+        k_t = space.tangential_stiffness(touching) if tangential and not free else ratio * k_n
+        rows.append((k_n, k_t, corrected_area(touching, free)))
         if tell:
             tell(float(p))
     k_n_all, k_t_all, areas = np.array(rows).T
     return k_n_all, k_t_all, areas
 
 
-def corrected_area(touching: np.ndarray) -> float:
-    """Share that touches with the grid's excess along the rim of spots removed: A - (pi - 1 + ln 2)/24 S_d h (arXiv 1701.02727)."""
-    rim = sum((touching != np.roll(touching, 1, axis)).sum() for axis in (0, 1))
+def corrected_area(touching: np.ndarray, free: bool = False) -> float:
+    """Share that touches with the grid's excess along the rim of spots removed: A - (pi - 1 + ln 2)/24 S_d h (arXiv 1701.02727).
+
+    The edge of a free patch is no such rim.
+    """
+    rim = (np.diff(touching, axis=0).sum() + np.diff(touching, axis=1).sum() if free else
+           sum((touching != np.roll(touching, 1, axis)).sum() for axis in (0, 1)))
     return float((touching.sum() - (np.pi - 1 + np.log(2)) / 24 * rim) / touching.size)

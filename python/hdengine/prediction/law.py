@@ -24,6 +24,9 @@ FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
 STUDENT = 3.18      # 95 % of Student's t with three degrees of freedom: four quarters
 UNIT = 30.0         # slope beyond which heights are taken for those of another unit
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
+PATCHES = ("periodic", "free")
+PUNCH = 1.15        # stiffness of a smooth square patch over E* times its side
+OWN = 0.9           # share of a free patch's compliance that its own bulk may take (bench/joint_patch.py)
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,8 @@ class Prediction:
     bodies : Bodies
     waves : float
         Its independent waves on the area that the band stands for.
+    patch : str
+        'periodic' or 'free', of boundary elements.
     notes : tuple of str
         What decides the law and what speaks against it.
     facts : tuple of dict
@@ -78,6 +83,7 @@ class Prediction:
     spectrum: Spectrum = field(repr=False)
     bodies: Bodies
     waves: float
+    patch: str = "periodic"
     notes: tuple = ()
     facts: tuple = field(default=(), repr=False)
     parts: dict = field(default_factory=dict, repr=False)
@@ -123,7 +129,7 @@ class Prediction:
             The folder holds such files, or what another command wrote, or cannot be written.
         """
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
-        record = {"model": self.model, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
+        record = {"model": self.model, "patch": self.patch, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
                   "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "independent_waves": self.waves,
                   "band_half_widths_ln_k_n": {n: {"low": low, "high": high} for n, (low, high) in self.parts.items()},
@@ -134,7 +140,7 @@ class Prediction:
 
 def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
             longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
-            loaded: float | None = None, say: Callable[[str, bool], None] | None = None) -> Prediction:
+            loaded: float | None = None, patch: str = "periodic", say: Callable[[str, bool], None] | None = None) -> Prediction:
     """The joint of one or two surfaces.
 
     Parameters
@@ -160,6 +166,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         asked for [s].
     loaded : float, optional
         Area of the contact that the band stands for [m^2]; default: that of the smaller map. A larger contact holds more waves.
+    patch : str
+        'periodic' or 'free', of boundary elements: the map goes on evenly, or nothing touches outside it. 'free' asks for them.
     say : callable, optional
         Takes what boundary elements will take and how far they are: a sentence, and whether it replaces the one before.
 
@@ -181,6 +189,11 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         raise InputError(f"a joint has one or two maps, got {len(pairs)}")
     if model not in (None, "spectrum", "boundary_elements"):
         raise InputError(f"model {model!r}; valid: spectrum, boundary_elements")
+    if patch not in PATCHES:
+        raise InputError(f"patch {patch!r}; valid: {', '.join(PATCHES)}")
+    free = patch == "free"
+    if free and model == "spectrum":
+        raise InputError("patch 'free' with model 'spectrum': the theory knows no edge; valid: model 'boundary_elements'")
     p = np.atleast_1d(np.asarray(pressure, float))
     if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
@@ -194,18 +207,21 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
     facts = [f for _, f in found]
     k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
-    patch = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
+    one_map = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
     alone = scatter_of(area, waves)
-    waves *= (loaded or patch) / patch   # those of a contact of so many patches
+    waves *= (loaded or one_map) / one_map   # those of a contact of so many patches
     wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
-    if model:
+    if free and not model:
+        model = wanted = "boundary_elements"
+        reason = "a free patch was asked for"
+    elif model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     scatter = scatter_of(area, waves)
     rises = not all(f["rolls_off"] for f in facts)   # a contact larger than the map has longer waves in any case
-    longer = (rises or bool(loaded and loaded > patch)) and longest > min(_length(m) for m in pairs)
+    longer = (rises or bool(loaded and loaded > one_map)) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
     if loaded is not None:
-        notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / patch:.3g} times the map",)
+        notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / one_map:.3g} times the map",)
     spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None,
               ((1.5, 4.0) if rises else (0.25, 0.25)) if longer else None, p, bodies, k_n, area, draws, seed)
     parts = _spread(*spread, whole=wanted == "boundary_elements")
@@ -214,10 +230,12 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         effort = patches.Effort(seconds, say)
         effort.tell(f"boundary elements: {reason}")
         try:
-            k_n, k_t, area, scatter, coarse, points = patches.solve(pairs, p, bodies, points, longest, effort)
-            rest = f"{'averaged to' if coarse.any() else 'of'} {points} points a side"
-            notes += (f"boundary elements on maps {rest}{', shorter waves by theory' if coarse.any() else ''}, continued evenly, "
-                      f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
+            k_n, k_t, area, scatter, coarse, points = patches.solve(pairs, p, bodies, points, longest, effort, free)
+            rest = f"averaged to {points} points a side, shorter waves by theory" if coarse.any() else f"of {points} points a side"
+            notes += (f"boundary elements on maps {rest}, {'as free patches' if free else 'continued evenly'}, {effort.spent:.0f} s; "
+                      "band from the four quarters, E*, hardness and the spectrum's ends",)
+            if free:
+                notes += _free_notes(p, k_n, PUNCH * bodies.e_star / np.sqrt(one_map))
             if loaded is not None:
                 notes += ("boundary elements know one map: its scatter stays in the band, however large the contact",)
             parts["four quarters"] = (STUDENT * scatter,) * 4
@@ -245,7 +263,7 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                                 ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
     parts = {name: part[:2] for name, part in parts.items()}
-    return Prediction(table, wanted, reason, spectrum, bodies, waves, notes, tuple(facts), parts)
+    return Prediction(table, wanted, reason, spectrum, bodies, waves, patch, notes, tuple(facts), parts)
 
 
 def _facts_of(pairs, names, longest):
@@ -304,6 +322,16 @@ def _notes(facts, spectrum, longer):
         if f["holes"]:
             notes.append(f"map {i} has {100 * f['holes']:.2g} % holes: interpolated")
     return tuple(notes)
+
+
+def _free_notes(p, k_n, bulk):
+    """What a free patch's own bulk [Pa/m] takes of its compliance, and where that is too much."""
+    own = k_n / (k_n + bulk)
+    note = (f"free patch: the compliance of a smooth one, {1 / bulk:.3g} m/Pa, is taken off (it is {100 * own[0]:.2g} to "
+            f"{100 * own[-1]:.2g} % of the whole); k_T follows from k_N: tamaas has no shear of a free patch")
+    late = p[own > OWN]
+    return (note,) + ((f"from {late[0] / 1e6:.3g} MPa on that is over {100 * OWN:g} %: k_N is the difference of near numbers, so take "
+                       "a larger map or --patch periodic",) if late.size else ())
 
 
 def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=False):

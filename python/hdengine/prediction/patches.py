@@ -66,7 +66,7 @@ class Effort:
                               f"at {self.done} of {self.count} solutions")
 
 
-def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: float, effort: Effort) -> tuple:
+def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: float, effort: Effort, free: bool = False) -> tuple:
     """Stiffness and contact on the sum of the maps, and its scatter among the four quarters.
 
     Parameters
@@ -77,11 +77,13 @@ def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: f
         Rising [Pa].
     bodies : Bodies
     points : int
-        A side of the map after averaging; the half space has twice as many.
+        A side of the map after averaging; the half space of one continued evenly has twice as many.
     longest : float
         Longest wavelength that counts [m].
     effort : Effort
         Its bound makes the points fewer, to `FEWEST`.
+    free : bool
+        Nothing touches outside the map and, solved alone, outside each quarter; k_T is then ratio times k_N.
 
     Returns
     -------
@@ -106,11 +108,11 @@ def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: f
     trial, step = _averaged(quarters[0], spacing, max(16, points // 4))
     begun = time.monotonic()
     some = pressure[::4]
-    half_space.stiffness_on_map(half_space.mirrored(trial), step, some, *args, tangential=False)
+    half_space.stiffness_on_map(trial if free else half_space.mirrored(trial), step, some, *args, tangential=False, free=free)
     unit = (time.monotonic() - begun) * pressure.size / some.size / GROWTH ** np.log2(max(trial.shape))
 
     def foretell(n):
-        return unit * GROWTH ** np.log2(n) * (SHEAR + 4 / GROWTH)
+        return unit * GROWTH ** np.log2(n) * ((1 if free else SHEAR) + 4 / GROWTH)
 
     first = foretell(points)
     while foretell(points) > effort.most and points // 2 >= FEWEST:
@@ -125,15 +127,15 @@ def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: f
     effort.count, effort.start = 5 * pressure.size, time.monotonic()
     logs = []
     for i, part in enumerate(quarters, 1):
-        found = on_fewer_points(part, spacing, points // 2, pressure, *args, tangential=False,
+        found = on_fewer_points(part, spacing, points // 2, pressure, *args, free=free, tangential=False,
                                 tell=partial(effort.step, f"quarter {i}"))
         logs.append(np.log(found[0]))
-    k_n, k_t, area, coarse = on_fewer_points(z, spacing, points, pressure, *args, tell=partial(effort.step, "whole map"))
+    k_n, k_t, area, coarse = on_fewer_points(z, spacing, points, pressure, *args, free=free, tell=partial(effort.step, "whole map"))
     return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), coarse, points
 
 
 def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pressure: np.ndarray, e_star: float, ratio: float,
-                    hardness: float = np.inf, periodic: bool = False, **options: Any) -> tuple:
+                    hardness: float = np.inf, periodic: bool = False, free: bool = False, **options: Any) -> tuple:
     """Boundary elements on an averaged map; the waves that averaging takes add their compliance by theory.
 
     Parameters
@@ -148,8 +150,8 @@ def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pr
         Rising [Pa].
     e_star, ratio, hardness : float
         As `HalfSpace`.
-    periodic : bool
-        Take the map as periodic; else it is continued evenly.
+    periodic, free : bool
+        Take the map as periodic, or as a free patch (`HalfSpace`); else it is continued evenly.
     **options
         Of `half_space.stiffness_on_map`.
 
@@ -159,8 +161,8 @@ def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pr
         [Pa/m], [Pa/m], share that touches, standard deviation of ln k_N by the averaging.
     """
     small, step = _averaged(z, spacing, points)
-    heights = small if periodic else half_space.mirrored(small)
-    k_n, k_t, area = half_space.stiffness_on_map(heights, step, pressure, e_star, ratio, hardness, **options)
+    heights = small if periodic or free else half_space.mirrored(small)
+    k_n, k_t, area = half_space.stiffness_on_map(heights, step, pressure, e_star, ratio, hardness, free=free, **options)
     if small.shape == z.shape:
         return k_n, k_t, area, np.zeros(len(k_n))
     (k_all, a_all), (k_small, a_small) = (_by_theory(m, d, pressure, e_star, hardness) for m, d in ((z, spacing), (small, step)))

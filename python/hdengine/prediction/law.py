@@ -232,8 +232,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         try:
             k_n, k_t, area, scatter, coarse, points = patches.solve(pairs, p, bodies, points, longest, effort, free)
             rest = f"averaged to {points} points a side, shorter waves by theory" if coarse.any() else f"of {points} points a side"
-            notes += (f"boundary elements on maps {rest}, {'as free patches' if free else 'continued evenly'}, {effort.spent:.0f} s; "
-                      "band from the four quarters, E*, hardness and the spectrum's ends",)
+            notes += (f"boundary elements on maps {rest}, {'as free patches' if free else 'continued evenly'}, "
+                      f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
             if free:
                 notes += _free_notes(p, k_n, PUNCH * bodies.e_star / np.sqrt(one_map))
             if loaded is not None:
@@ -330,8 +330,8 @@ def _free_notes(p, k_n, bulk):
     note = (f"free patch: the compliance of a smooth one, {1 / bulk:.3g} m/Pa, is taken off (it is {100 * own[0]:.2g} to "
             f"{100 * own[-1]:.2g} % of the whole); k_T follows from k_N: tamaas has no shear of a free patch")
     late = p[own > OWN]
-    return (note,) + ((f"from {late[0] / 1e6:.3g} MPa on that is over {100 * OWN:g} %: k_N is the difference of near numbers, so take "
-                       "a larger map or --patch periodic",) if late.size else ())
+    return (note,) + ((f"from {late[0] / 1e6:.3g} MPa on that is over {100 * OWN:g} %: k_N is the difference of near "
+                       "numbers, so take a larger map or --patch periodic",) if late.size else ())
 
 
 def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=False):

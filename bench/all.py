@@ -67,7 +67,7 @@ BENCHES = (
     Bench("paper_comparison.py", "the paper's figures and trends", 15),
     Bench("tooth_causes.py", "K_FTS and the catalogue", 3),
     Bench("joint_law.py", "the joint law beside boundary elements", 5, full=("judge",)),
-    Bench("joint_choice.py", "theory or boundary elements: the planner's rule on fresh maps, few points, larger contacts", 25),
+    Bench("joint_choice.py", "theory or boundary elements: rule, few points, contacts", 25),
     Bench("joint_causes.py", "the joint law: bias or scatter, k_T/k_N over the contact", 15),
     Bench("joint_second.py", "boundary elements beside ContactMechanics", 0.3),
     Bench("joint_shear.py", "shear with friction beside the law", 15),

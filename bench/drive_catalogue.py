@@ -12,7 +12,7 @@ import tempfile
 
 import numpy as np
 
-from common import DATA, RESULTS, commit, put, save_figure, solve, table, write_record
+from common import DATA, RESULTS, commit, put, read_record, save_figure, solve, table, write_record
 from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
@@ -108,9 +108,13 @@ def fine():
                      "memory_mb": summary["peak_memory_mb"], "k": three(r), "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"],
                      "torque_nm": loop["torque_nm"].tolist(), "angle_rad": loop["angle_rad"].tolist()})
     write_record("drive_fine", rows, threads=1)
-    put("drive fine", table(("dof", "load steps", "Newton iterations, steps of GMRES in them", "processor time", "of it Newton, tangents", "memory",
-                             "target", "K1 / K2 / K3 in kN m/rad", "hysteresis"), [
-        (r["dof"], r["steps"], f"{r['iterations']}, {r['inner_iterations']}", f"{r['cpu_s']:.1f} s",
+    fine_table(rows)
+
+
+def fine_table(rows):
+    """The table of the default mesh and of the refined one."""
+    put("drive fine", table(("dof", "steps", "iterations", "GMRES", "time", "Newton / tangents", "memory", "target", "K1 / K2 / K3", "hysteresis"), [
+        (r["dof"], r["steps"], r["iterations"], r["inner_iterations"], f"{r['cpu_s']:.1f} s",
          " / ".join(f"{100 * r['timers_s'][k] / r['timers_s']['total']:.0f}" for k in ("newton", "stiffness")) + " %",
          f"{r['memory_mb']:.0f} MB", t, " / ".join(f"{k:.4g}" for k in r["k"]), f"{r['hysteresis_arcmin']:.3f}'")
         for r, t in zip(rows, ("10 s, 200 MB", "180 s"))]), page="evidence/drive")
@@ -173,15 +177,13 @@ def main():
         found["commits"][name] = commit()
         write_record("drive_catalogue", {key: found[key] for key in (*parts, "commits") if key in found}, threads=1)
     size, inputs, path = found["sizes"], found["inputs"], found["trends"]
-    put("drive sizes", table(("size", "K1 / K2 / K3 in kN m/rad", "catalogue", "ours over the catalogue's", "hysteresis",
-                              "lost motion", "largest ball, pair", "wave generator, T over it"), [
+    put("drive sizes", table(("size", "K1 / K2 / K3", "catalogue", "ours over it", "hysteresis", "lost motion", "ball, pair / N", "cam / N m", "T over it"), [
         (r["size"], " / ".join(f"{k:.3g}" for k in r["ours"]), " / ".join(f"{k:.3g}" for k in r["catalogue"] or []) or "not known",
          " / ".join(f"{a / b:.2f}" for a, b in zip(r["ours"], r["catalogue"] or [])) or "-", f"{r['hysteresis_arcmin']:.2f}'",
-         f"{r['lost_motion_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}, {r['tooth_force_max_n']:.0f} N",
-         f"{r['wave_generator_torque_nm']:.3g} N m, {r['torque_max_nm'] / r['wave_generator_torque_nm']:.0f}") for r in size]),
+         f"{r['lost_motion_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}, {r['tooth_force_max_n']:.0f}",
+         f"{r['wave_generator_torque_nm']:.3g}", f"{r['torque_max_nm'] / r['wave_generator_torque_nm']:.0f}") for r in size]),
         page="evidence/drive")
-    put("drive loops", table(("size", "Newton iterations in 43 steps", "processor time", "of it Newton, tangents, stresses and files", "memory",
-                              "work less stored, over friction's heat"), [
+    put("drive loops", table(("size", "iterations", "time", "Newton / tangents / files", "memory", "energy balance"), [
         (r["size"], r["iterations"], f"{r['cpu_s']:.1f} s", " / ".join(f"{100 * r['timers_s'][k] / r['timers_s']['total']:.0f}" for k in (
             "newton", "stiffness")) + f" / {100 * (r['timers_s']['output'] - r['timers_s']['stiffness']) / r['timers_s']['total']:.0f} %",
          f"{r['memory_mb']:.0f} MB", f"{100 * r['unbalanced']:+.1f} %") for r in size]), page="evidence/drive")
@@ -190,16 +192,16 @@ def main():
         (r["input"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], base)))
         for r in inputs]), page="evidence/drive_inputs")
     plain = {r["ring_facets"]: r["k"] for r in found["groove"] if not r["depth_m"]}
-    put("drive groove", table(("depth", "width", "least thickness of the ring", "cells along the ring", "K1 / K2 / K3 in kN m/rad", "change in %",
-                               "hysteresis", "largest ball", "largest stress"), [
-        (f"{1e3 * r['depth_m']:.1f} mm", f"{1e3 * r['width_m']:.2f} mm", f"{1 - 1e3 * r['depth_m']:.1f} mm", r["ring_facets"],
+    put("drive groove", table(("depth, width, ring / mm", "cells", "K1 / K2 / K3", "change in %", "hysteresis", "ball / N", "stress / MPa"), [
+        (f"{1e3 * r['depth_m']:.1f}, {1e3 * r['width_m']:.2f}, {1 - 1e3 * r['depth_m']:.1f}", r["ring_facets"],
          " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.1f}" for k, b in zip(r["k"], plain[r["ring_facets"]])),
-         f"{r['hysteresis_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f} N", f"{r['von_mises_max_pa'] / 1e6:.0f} MPa")
+         f"{r['hysteresis_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}", f"{r['von_mises_max_pa'] / 1e6:.0f}")
         for r in found["groove"]]), page="evidence/drive_inputs")
-    put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent of the coupled law"), [
-        (f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm",
-         *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) + ("" if i == 0 else f" ({change(path, k)(r)} %)")
-           for k in ("drive", "eq45", "tangent"))) for i, r in enumerate(path)]), page="evidence/drive_trends")
+    kinds = ("drive", "eq45", "tangent")
+    lines = [(f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm", *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) for k in kinds)) for r in path]
+    lines += [(*line[:2], *(f"{change(path, k)(r)} %" for k in kinds)) for r, line in zip(path[1:], lines[1:])]
+    put("drive trends", table(("eccentricity", "w", "torque over angle", "K_TS by Eq. 45", "K_TS, tangent"), lines), page="evidence/drive_trends")
+    fine_table(read_record("drive_fine"))
     draw(size)
 
 

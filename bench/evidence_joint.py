@@ -18,7 +18,7 @@ def shear():
 
         out.append((surface, *(span(f"{law}_{part}_error") for law in ("law", "theory") for part in ("curve", "loop")),
                     span("k_t_over_k_n", digits=3, factor=1)))
-    return ("surface", "k_N of boundary elements: loading / % of µP", "loop", "k_N of the spectrum: loading / % of µP", "loop", "k_T/k_N"), out
+    return ("surface", "loading, own k_N", "loop, own k_N", "loading, spectrum", "loop, spectrum", "k_T/k_N"), out
 
 
 def spot():
@@ -48,8 +48,7 @@ def ten():
 def models():
     """K_TS of CD-14-100 by each model, and what changes it."""
     rings = {"cd14": "of the paper", "cd14_ground": "ground"}
-    return (("rings", "model", "Eq. 45 at 5 N m / (MN m/rad)", "tangent at 1 N m", "tangent at 5 N m", "tangent, 1 to 5 N m / %",
-             "tangent, w 0.195 to 0.215 mm / %", "tangent, 10 µm eccentric / %"),
+    return (("rings", "model", "Eq. 45, 5 N m", "tangent, 1 N m", "tangent, 5 N m", "by torque / %", "by w / %", "eccentric / %"),
             [(rings[c["scene"]], f"`{c['model']}`", f"{c['eq45_5_nm'] / 1e6:.3f}", f"{c['tangent_1_nm'] / 1e6:.3f}", f"{c['tangent_5_nm'] / 1e6:.3f}",
               *(f"{c[k]:+.1f}" for k in ("torque_1_to_5_percent", "w_0195_to_0215_percent", "eccentricity_10um_percent")))
              for c in read_record("joint_models")["conclusions"]])
@@ -82,4 +81,4 @@ def measured():
         mean, spread = r["geometric_mean_over_law"], r["spread"]
         out.append((r["joint"], r["source"], len(r["measured"]), f"{r['pressure_pa'][0] / 1e6:.2g} to {r['pressure_pa'][-1] / 1e6:.2g}",
                     f"{mean[0]:.2f} to {mean[-1]:.2f}", f"{min(spread):.1f} to {max(spread):.1f}"))
-    return ("joint", "of the book", "joints", "pressure / MPa", "measured mean over law, over that range", "largest over smallest measured"), out
+    return ("joint", "book", "joints", "P / MPa", "mean over law", "largest over smallest"), out

@@ -255,8 +255,7 @@ def promises(record="promised_scenes"):
         out.append((f"{100 * tolerance:g} %", sum(run["tolerance"] == tolerance for row in rows for run in row["runs"]), len(made), len(whole),
                     sum(w <= tolerance for w in worst), shown(median, worst), shown(max, worst), shown(median, cautious, ratio), shown(median, of_mesh),
                     f"{median(run['seconds'] for run in made):.0f}"))
-    return ("tolerance", "scenes", "promised", "judged", "kept", "median error", "largest error", "estimate over error, median",
-            "median error of the mesh", "median CPU s"), out
+    return ("tolerance", "scenes", "promised", "judged", "kept", "median", "largest", "estimate over it", "of the mesh", "CPU s"), out
 
 
 def promised_groups():
@@ -284,8 +283,7 @@ def promised_results():
             errors = [e for _, e in pairs]
             out.append((f"{100 * tolerance:g} %", words, len(pairs), shown(median, errors), shown(max, errors),
                         shown(median, [a / max(e, 1e-5) for a, e in pairs], ratio), sum(e > a for a, e in pairs), sum(e > tolerance for e in errors)))
-    return ("tolerance", "result", "judged", "median error", "largest error", "estimate over error, median", "above its estimate",
-            "above the tolerance"), out
+    return ("tolerance", "result", "judged", "median", "largest", "estimate over it", "above estimate", "above tolerance"), out
 
 
 # --- the joint law

@@ -217,12 +217,12 @@ def pages():
         logs, new, old, waves = (np.array(x) for x in zip(*(judged(r) for r in those)))
         ends = np.array([judged(r)[0][0] for r in edges if (r["fractal_dimension"], r["kind"]) == (d, kind)])
         mean, spread = np.exp(logs.mean(0)), logs.std(0, ddof=1)
-        cells = [f"{m:.2f} ± {2 * m * s / len(those) ** 0.5:.2f} ({100 * s:.0f} %)" for m, s in zip(mean, spread)]
+        cells = [f"{m:.2f}±{2 * m * s / len(those) ** 0.5:.2f}, {100 * s:.0f}" for m, s in zip(mean, spread)]
         rows.append((f"{d}, {NAMES[kind]}", f"{np.median(waves):.0f}",
                      *(f"**{c}**" if n > 0.5 else c for c, n in zip(cells, new.mean(0)))))
         for name, errors in (("new", np.exp(logs[new]) - 1), ("edge", np.exp(ends) - 1), ("old", np.exp(logs[old]) - 1)):
             counts.setdefault((kind, name), []).extend(abs(errors))
-    head = ("D, roll-off over the map", "waves", *(f"{c:.0f} %" if c > 3 else f"{c:.1f} %" for c in contact))
+    head = ("D, roll-off", "waves", *(f"{c:.0f} %" if c > 3 else f"{c:.1f} %" for c in contact))
     put("joint-seeds", table(head, [r for r in rows if r[0][:3] in ("2.1", "2.5", "2.9")]), "evidence/joint_choice")
 
     def line(name, kinds):

@@ -90,7 +90,7 @@ def write_tables(record):
             rows.append((scene, what or "as it is", *(" / ".join(c) for c in zip(*(shown(s, most) for s in at))),
                          " / ".join(f"{100 * s[slip]:.0f}" for s in at)))
     put("readings", table(("scene", "", *names[:3], "slip of Eq. 45 / %"), rows), PAGE)
-    put("meshes", table(("facets", "edge cells / µm", *names[:3], "peak / MPa", "line load of the ends / (kN/m)"), [
+    put("meshes", table(("facets", "edge / µm", *(n.split(" /")[0] for n in names[:3]), "peak / MPa", "line load / (kN/m)"), [
         (f"{s['divisions']} x {s['band_facets']}", f"{1e6 * s['edge_length_m']:g}" if s["edge_length_m"] else "-", *shown(s, most),
          f"{s['pressure_max_pa'] / 1e6:.0f}", f"{s['edge_line_load_n_per_m'] / 1e3:.1f}") for s in record["meshes"]]), PAGE)
     put("inputs", table(("joint", *names[:3], "slip of Eq. 45 / %"), [(name, *shown(s, most), f"{100 * s[slip]:.0f}") for name, s in record["inputs"].items()]), PAGE)

@@ -242,6 +242,10 @@ def of_study(result: Any) -> Any:
 
 def markdown(rows: Any) -> Any:
     """Rows as a table for docs, and below it why each verdict is what it is."""
-    lines = ["| " + " | ".join(Row.HEAD[:-1]) + " |", "|---" * (len(Row.HEAD) - 1) + "|"]
-    lines += ["| " + " | ".join(f"**{c}**" if i == 4 else c for i, c in enumerate(r.cells()[:-1])) + " |" for r in rows]
-    return "\n".join([*lines, "", "Why:", "", *(f"- *{r.quantity}*: {r.because}." for r in rows)])
+    lines = ["| quantity | paper | ours | verdict |", "|---|---|---|---|"]
+    why = []
+    for r in rows:
+        quantity, printed, ours, by_forms, verdict, because = r.cells()
+        lines.append(f"| {quantity} | {printed} | {ours} | **{verdict}** |")
+        why.append(f"- *{quantity}*: {because}." + ("" if by_forms == "-" else f" By the printed forms: {by_forms}."))
+    return "\n".join([*lines, "", "Why:", "", *why])

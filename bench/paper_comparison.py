@@ -25,8 +25,7 @@ from hdengine.paper import comparison as paper
 
 BALLS, DIAMETER, LOAD = 21, 3.2e-3, 15.0  # estimates, no source for this bearing: [-], [m], [N] radial tooth force of 5 N m a ball
 PAGE, SCENES = "evidence/comparison", "notebook/2026-11-24-paper-scenes"
-HEAD = ("shape", "support", "load", "δ", "1 to 5 N m", "e = 10 µm at 1 / 3 / 5 N m", "maximum at w / mm", "over the minimum",
-        "torque, e, w as in the paper")
+HEAD = ("shape", "support", "load", "δ / µm", "torque / %", "e / %", "best w / µm", "gain / %", "verdicts")
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 
 
@@ -112,9 +111,14 @@ def trend_line(t):
     verdict = ["yes" if torque != "does not agree" else "no",
                "yes" if paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree" else
                "falls" if np.all(fall < -paper.RESOLVED) else "no", "yes" if t["inside"] else "no"]
-    rise = f"slips at {slips:.2f} N m" if slips else paper.signed([t["rise_percent"]])
-    where = " / ".join(f"{v:.3f}" for v in t["top_mm"]) if t["top_mm"] else "-"
-    return [*t["name"].split(", "), rise, paper.signed(fall), where, paper.signed(t["gain_percent"]), " ".join(verdict)]
+    rise = f"slips at {slips:.2f}" if slips else bare([t["rise_percent"]])
+    where = " / ".join(f"{1e3 * v:.0f}" for v in t["top_mm"]) if t["top_mm"] else "-"
+    return [*t["name"].removesuffix(" µm").split(", "), rise, bare(fall), where, bare(t["gain_percent"]), " ".join(verdict)]
+
+
+def bare(changes):
+    """Changes in per cent without the sign of it, those beyond a hundred without decimals."""
+    return paper.signed(changes, 0 if np.nanmax(np.abs(changes), initial=0) > 100 else 1).removesuffix(" %")
 
 
 @styled

@@ -46,8 +46,8 @@ def main():
             facts.append({"scene": scene, "variation": what, **dict(zip(("before", "held", "sliding"), runs))})
             rows.append([scene, what, *(" / ".join(format(f * r[k], form) for r in runs if r.get(k) is not None) for k, f, form in VALUES.values())])
     write_record("premises_table", facts)
-    names = [n if "/" in n else n + " / (MN m/rad)" for n in VALUES]
-    put("before and after", table(("scene", "", *names), rows), "notebook/2026-11-24-cam-and-load-path")
+    parts = [table(("scene", "", *[*VALUES][part]), [r[:2] + r[2:][part] for r in rows]) for part in (slice(4), slice(4, None))]
+    put("before and after", "\n\n".join(parts), "notebook/2026-11-24-cam-and-load-path")
 
 
 if __name__ == "__main__":

@@ -101,7 +101,7 @@ def test_shown_output_is_compared():
         check_console("$ echo one 2\none 3\n", ".")
 
 
-def test_pages_fit_three_screens():
+def test_pages_have_few_words():
     """The README has at most 60 lines, a page of start and howto at most 700 words, of explain and evidence at most 1000 with its tables, without its code."""
     assert len((ROOT / "README.md").read_text().splitlines()) <= 60
     for page in SHORT:

@@ -66,17 +66,17 @@ def pressures(slope, contact=CONTACT):
 
 
 def compare(z, spacing, spectrum, tangential=False):
-    """Both at each contact: pressure, k_N by theory and by boundary elements, contact, ratio k_T/k_N."""
+    """Both at each contact: pressure, k_N by theory and by boundary elements, contact, processor time, ratio k_T/k_N."""
     p = pressures(spectrum.slope_rms)
-    start = time.perf_counter()
+    start = time.process_time()
     k, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
-    theory_s, space, rows = time.perf_counter() - start, HalfSpace(z, spacing, E_STAR, RATIO), []
+    theory_s, space, rows = time.process_time() - start, HalfSpace(z, spacing, E_STAR, RATIO), []
     for i, x in enumerate(p):
-        start = time.perf_counter()
+        start = time.process_time()
         touching = space.press(x) > 0
         k_n = space.normal_stiffness(touching)
         row = {"pressure_pa": x, "k_n_theory": k[i], "k_n_boundary_elements": k_n, "contact": corrected_area(touching),
-               "seconds": time.perf_counter() - start, "theory_seconds": theory_s / len(p)}
+               "seconds": time.process_time() - start, "theory_seconds": theory_s / len(p)}
         if tangential:
             row["k_t_over_k_n"] = space.tangential_stiffness(touching) / k_n
         rows.append({name: float(f"{v:.5g}") for name, v in row.items()})
@@ -147,7 +147,7 @@ def draw(found):
     left.legend(handles.values(), handles.keys())
     left.axhspan(-10, 10, color="k", alpha=0.08, lw=0)
     left.set(xscale="log", xlabel="true contact / % of the area", ylabel="k_N by theory against boundary elements / %", ylim=(-70, 160))
-    right.set(xscale="log", yscale="log", xlabel="true contact / % of the area", ylabel="time per pressure / s",
+    right.set(xscale="log", yscale="log", xlabel="true contact / % of the area", ylabel="processor time per pressure / s",
               title="boundary elements 256² (coloured), theory (black)")
     figure.savefig(ROOT / "docs/figures/joint_law.png")
 

@@ -4,6 +4,8 @@
 
 Writes bench/results/joint_second.json. Needs both packages: pip install tamaas ContactMechanics. Usage: bench/joint_second.py
 """
+import time
+
 import ContactMechanics
 import numpy as np
 from joint_law import pressures, rough
@@ -30,7 +32,7 @@ def main():
             tm.PolonskyKeerRey(model, z, RESIDUAL).solve(p)
             return np.array(model.traction)
 
-        timings, found = take_turns({"adapter": lambda p=p: HalfSpace(z, (1e-6, 1e-6), E_STAR, RATIO).press(p), "tamaas": alone}, turns=21)
+        timings, found = take_turns({"adapter": lambda p=p: HalfSpace(z, (1e-6, 1e-6), E_STAR, RATIO).press(p), "tamaas": alone}, turns=21, clock=time.process_time)
         answer = other.minimize_proxy(external_force=p / E_STAR * POINTS**2, pentol=1e-8)
         theirs, ours = abs(np.asarray(answer.jac)) * E_STAR, space.press(p)
         over = timings["adapter"].over(timings["tamaas"])

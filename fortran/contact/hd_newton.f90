@@ -8,11 +8,13 @@
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
+  use hd_ball_patch, only: material_angle
   use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
+  use hd_flanks, only: flanks_t, count_flanks
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
-    apply_stiffness, largest_stiffness, pair_bodies, update_struts, count_flanks, flanks_t, strut_forces
+    apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
@@ -138,8 +140,15 @@ contains
     type(newton_options_t), intent(in) :: options  !< torque
     type(state_t), intent(in) :: state             !< equilibrium between its pairs
     real(dp) :: apart, turned
+    integer :: i
     call pairing_error(problem%pairing, problem%mortar, state%u, state%traction(1, :), apart, turned)
     pairs_stay = turned <= turn_left .and. apart <= way_left*problem%pairing%radius
+    if (allocated(problem%patch)) then
+      do i = 1, size(problem%ball_on)
+        if (problem%strut_rate(i) > 0) pairs_stay = pairs_stay .and. &
+          abs(material_angle(problem%patch, i, state%u) - problem%ball_on(i)) <= way_left
+      end do
+    end if
     if (pairs_stay .and. options%torque > 0) pairs_stay = apart <= rounding_left*problem%pairing%radius .or. &
       apart*sum(problem%mortar%area*state%traction(1, :)) <= moment_left*options%torque
   end function pairs_stay

@@ -10,13 +10,13 @@ module hd_problem
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
-  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, strut_energy, answers, give_way
+  use hd_ball_patch, only: ball_patch_t, place_ball, material_angle
+  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
-    count_flanks, flanks_t, &
-    strut_closings, strut_forces, stored_energy
+    elastic_forces, linear_forces, strut_closings, strut_forces
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -35,6 +35,9 @@ module hd_problem
     type(pairing_t), allocatable :: pairing    !< faces of the interface, if they are paired anew as they move
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
+    type(ball_patch_t), allocatable :: patch   !< of the balls, the first struts, if they are placed anew as the ring moves
+    real(dp), allocatable :: strut_shift(:)    !< closings of balls placed anew beside those by weights; unallocated: none [m]
+    real(dp), allocatable :: ball_on(:)        !< angles at rest of what they press on [rad]
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
     real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
@@ -62,12 +65,6 @@ module hd_problem
     integer, allocatable :: contact(:)       !< open, stick or slip (multipliers)
     real(dp), allocatable :: touch(:)        !< offsets of struts that are there from a state on; none before it [m]
   end type state_t
-
-  !> Flanks that count in Newton's matrix before they push.
-  type :: flanks_t
-    logical :: ahead = .false.   !< some do, in the present step
-    logical :: held = .false.    !< none does in the rest of the load step
-  end type flanks_t
 
 contains
 
@@ -287,6 +284,7 @@ contains
     do i = 1, size(c)
       if (c(i) > -1) c(i) = c(i) + closing_of(problem%struts(i), u)
     end do
+    if (allocated(problem%strut_shift)) c(:size(problem%strut_shift)) = c(:size(problem%strut_shift)) + problem%strut_shift
     if (allocated(problem%strut_give)) call give_way(problem%struts%rate, problem%strut_give, c)
   end function strut_closings
 
@@ -307,57 +305,6 @@ contains
     if (.not. allocated(problem%struts)) return
     problem%strut_rate = strut_tangent(problem%struts, strut_closings(problem, load, u))
   end subroutine update_struts
-
-  !> While no flank pushes, those that the torque nears to it first count as if they did, with the pull that this means: a bottom
-  !> that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the solution. So do
-  !> those that have only just come off without a torque: it leaves the bottom where it is, and the sign of rounding errors must not
-  !> send it across the play. Where flanks counted, are open now, and some points stick, the contact holds the bottom: counting
-  !> them again would never end.
-  subroutine count_flanks(problem, load, u, sticks, flanks, r)
-    type(problem_t), intent(inout) :: problem  !< with strut_rate, which gets these flanks
-    type(load_t), intent(in) :: load           !< load
-    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    logical, intent(in) :: sticks              !< some contact points stick
-    type(flanks_t), intent(inout) :: flanks    !< what was counted in this load step
-    real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
-    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
-    real(dp), allocatable :: closing(:)
-    logical, allocatable :: flank(:)
-    logical :: torque
-    integer :: i
-    if (.not. (allocated(problem%struts) .and. problem%turning)) return
-    closing = strut_closings(problem, load, u)
-    flank = problem%struts%power < 1.25_dp .and. closing > -1
-    if (.not. any(flank)) return
-    flanks%held = flanks%held .or. (flanks%ahead .and. sticks .and. .not. any(flank .and. closing > -just_off))
-    flanks%ahead = .false.
-    if (flanks%held .or. any(flank .and. problem%strut_rate > 0)) return
-    torque = abs(sum(load%force(2, problem%hub))) > 1e-6_dp*just_off*maxval(problem%struts%rate, mask=flank)
-    do i = 1, size(closing)
-      flank(i) = flank(i) .and. ((.not. torque .and. closing(i) > -just_off) .or. &
-        sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)
-    end do
-    flank = flank .and. closing >= maxval(closing, mask=flank) - near
-    flanks%ahead = any(flank)
-    where (flank) problem%strut_rate = problem%struts%rate
-    closing = linear_forces(problem, merge(closing, 0._dp, flank))
-    do i = 1, size(closing)
-      if (flank(i)) call push(problem%struts(i), closing(i), r)
-    end do
-  end subroutine count_flanks
-
-  !> Energy that bodies and struts store under small displacements [J].
-  real(dp) function stored_energy(problem, load, u) result(e)
-    type(problem_t), intent(in) :: problem  !< problem with struts
-    type(load_t), intent(in) :: load        !< load
-    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp), allocatable :: closing(:), force(:)
-    closing = strut_closings(problem, load, u)
-    e = sum(u*elastic_forces(problem, u))/2 + sum(strut_energy(problem%struts, closing))
-    if (.not. allocated(problem%strut_give)) return
-    force = strut_force(problem%struts, closing)
-    e = e + dot_product(force, matmul(problem%strut_give, force))/2
-  end function stored_energy
 
   !> Allow large displacements from here on.
   subroutine use_lagrangian(problem, error)
@@ -417,11 +364,28 @@ contains
     end do
   end subroutine sum_cells
 
-  !> Couple the faces where they are; nothing to do for pairs that stay those at rest.
+  !> Couple the faces, and set the balls, where they are; nothing to do for pairs that stay those at rest.
   subroutine pair_bodies(problem, u)
-    type(problem_t), intent(inout) :: problem  !< gets its mortar anew
+    type(problem_t), intent(inout) :: problem  !< gets its mortar and its balls anew
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    if (allocated(problem%pairing)) call pair_faces(problem%pairing, u, problem%mortar)
+    type(strut_t) :: ball
+    integer :: i, n
+    logical :: same
+    if (.not. allocated(problem%pairing)) return
+    call pair_faces(problem%pairing, u, problem%mortar)
+    if (.not. allocated(problem%patch)) return
+    n = size(problem%patch%theta)
+    if (.not. allocated(problem%strut_shift)) allocate (problem%strut_shift(n))
+    problem%ball_on = [(material_angle(problem%patch, i, u), i=1, n)]
+    do i = 1, n
+      ball = problem%struts(i)
+      call place_ball(problem%patch, i, ball, problem%strut_shift(i), u)
+      same = size(ball%node) == size(problem%struts(i)%node)
+      if (same) same = all(ball%node == problem%struts(i)%node) .and. &
+        all((abs(ball%weight) > 0) .eqv. (abs(problem%struts(i)%weight) > 0))
+      if (.not. same) problem%mortar%pattern = problem%mortar%serial
+      problem%struts(i) = ball
+    end do
   end subroutine pair_bodies
 
   !> Gap and total tangential displacement of the master against the slave. Points that are paired anew add the way of the load

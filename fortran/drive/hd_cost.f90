@@ -91,9 +91,10 @@ contains
       list(1)%applies = .false.
     end if
     if (s%support == 'drive') then  ! struts and rigid motions are known to two solvers
-      list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto'
+      list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
       list(2:5)%applies = .false.
-      list(6)%applies = .not. list(1)%applies
+      list(3)%applies = s%factors == 'auto' .and. .not. small
+      list(6)%applies = .not. any(list(1:3)%applies)
     end if
   contains
     !> Entries of LU of so many dof.

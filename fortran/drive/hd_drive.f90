@@ -5,7 +5,8 @@
 !> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
   use hd_kinds, only: dp, pi
-  use hd_ball_bearing, only: ball_angles, ball_struts
+  use hd_ball_bearing, only: ball_angles, ball_patches, ball_struts
+  use hd_ball_patch, only: ball_patch_t
   use hd_cam, only: cam_t, new_cam
   use hd_error, only: error_t
   use hd_scene, only: scene_t
@@ -211,11 +212,16 @@ contains
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
     type(face_t) :: inside
+    type(ball_patch_t) :: patch
     drive%balls = scene%balls
     associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
-      if (scene%balls > 0) problem%struts = [ball_struts(scene, inside, ring%sectors, problem%first(drive%b_ring)), problem%struts]
+      if (scene%balls > 0) then
+        patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
+        problem%struts = [ball_struts(scene, patch), problem%struts]
+        if (allocated(problem%pairing)) problem%patch = patch
+      end if
       problem%strut_rate = [0._dp*problem%struts%rate]
       if (scene%spline_thickness > 0) then
         if (.not. allocated(problem%strut_give)) allocate (problem%strut_give(size(problem%struts), size(problem%struts)))

@@ -15,7 +15,7 @@ module hd_total_lagrangian
   use hd_lapack, only: multiply_dense, multiply_transposed
   implicit none
   private
-  public :: total_lagrangian_t, new_total_lagrangian, cell_response, element_response
+  public :: total_lagrangian_t, new_total_lagrangian, cell_response, cell_stress, element_response
 
   !> Cells of the first sector of a body at rest, in Cartesian components.
   type :: total_lagrangian_t
@@ -78,6 +78,27 @@ contains
     end do
   end subroutine cell_response
 
+  !> Second Piola-Kirchhoff stress at the Gauss points of a cell of any sector, in the Cartesian directions of the first sector at
+  !> rest, and the energy that the cell stores.
+  subroutine cell_stress(body, lagrangian, cell, u, stress, energy)
+    type(body_t), intent(in) :: body                        !< body
+    type(total_lagrangian_t), intent(in) :: lagrangian      !< its cells
+    integer, intent(in) :: cell                             !< cell of the first sector
+    real(dp), intent(in) :: u(:, :)                         !< displacements of its nodes (3, nodes) [m]
+    real(dp), intent(out) :: stress(6, points)              !< xx, yy, zz, xy, yz, zx [Pa]
+    real(dp), intent(out) :: energy                         !< [J]
+    real(dp) :: v(3, size(u, 2)), h(3, 3*points), e(6*points), s(6*points)
+    integer :: list(size(u, 2)), a
+    list = cell_nodes(body, cell, 0)
+    do a = 1, size(list)
+      v(:, a) = matmul(frame(body%angle(list(a))), u(:, a))
+    end do
+    call strain_and_stress(lagrangian%g(:, :, :, cell), lagrangian%weight(:, cell), lagrangian%condensed_modes(:, :, cell), &
+      lagrangian%c, v, h, e, s)
+    energy = dot_product(s, e)/2
+    stress = reshape(s, [6, points])/spread(lagrangian%weight(:, cell), 1, 6)
+  end subroutine cell_stress
+
   !> Forces and tangent of one element in Cartesian components.
   subroutine element_response(g, weight, condensed_modes, c, u, f, tangent)
     real(dp), intent(in) :: u(:, :)                         !< displacements (3, nodes) [m]
@@ -90,14 +111,7 @@ contains
     real(dp) :: h(3, 3*points), e(6*points), s(6*points), stress(3, 3), first(3, 3*points), gs(size(u, 2), 3*points)
     real(dp) :: b(3*size(u, 2), 6, points), geometric(size(u, 2), size(u, 2))
     integer :: i, j, p
-    call multiply_dense(u, g, h)
-    do p = 1, points
-      e(6*p - 5:6*p) = green_lagrange(h(:, 3*p - 2:3*p))
-      s(6*p - 5:6*p) = weight(p)*matmul(c, e(6*p - 5:6*p))
-    end do
-    do i = 1, size(condensed_modes, 2)
-      s = s - condensed_modes(:, i)*dot_product(condensed_modes(:, i), e)
-    end do
+    call strain_and_stress(g, weight, condensed_modes, c, u, h, e, s)
     do p = 1, points
       associate (t => s(6*p - 5:6*p), gradient => h(:, 3*p - 2:3*p))
         stress(:, 1) = [t(1), t(4), t(6)]
@@ -121,6 +135,26 @@ contains
       tangent(i::3, j) = tangent(i::3, j) + geometric(:, (j + 2)/3)
     end do
   end subroutine element_response
+
+  !> Displacement gradients, strains and stresses times volume at the points of an element.
+  subroutine strain_and_stress(g, weight, condensed_modes, c, u, h, e, s)
+    real(dp), intent(in) :: u(:, :)                      !< displacements (3, nodes) [m]
+    real(dp), intent(in) :: g(size(u, 2), 3*points)      !< gradients at the points (nodes, 3 points) [1/m]
+    real(dp), intent(in) :: weight(points)               !< volumes of the points [m^3]
+    real(dp), intent(in) :: condensed_modes(:, :)        !< A of element_points (6 points, modes)
+    real(dp), intent(in) :: c(6, 6)                      !< elasticity matrix [Pa]
+    real(dp), intent(out) :: h(3, 3*points)              !< du_i/dX_j
+    real(dp), intent(out) :: e(6*points), s(6*points)    !< E, and S times volume [N m]
+    integer :: i, p
+    call multiply_dense(u, g, h)
+    do p = 1, points
+      e(6*p - 5:6*p) = green_lagrange(h(:, 3*p - 2:3*p))
+      s(6*p - 5:6*p) = weight(p)*matmul(c, e(6*p - 5:6*p))
+    end do
+    do i = 1, size(condensed_modes, 2)
+      s = s - condensed_modes(:, i)*dot_product(condensed_modes(:, i), e)
+    end do
+  end subroutine strain_and_stress
 
   !> Green-Lagrange strain of a displacement gradient, shear strains doubled.
   pure function green_lagrange(h) result(e)

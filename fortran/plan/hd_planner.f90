@@ -26,6 +26,7 @@ module hd_planner
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
+  integer, parameter :: few_steps = 4           !< of each leg of a loop on which kinematics are compared
   integer, parameter :: doublings = 4           !< of load steps, at most
 
   type :: plan_t
@@ -87,15 +88,12 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support == 'drive') then
-      call compare_kinematics(trials, plan, error)
-      return
-    end if
     if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
     s = meshed(plan%scene, coarse)
+    if (s%support == 'drive') s%torque_steps = min(few_steps, s%torque_steps)
     call trials%try(s, small_q, error)
     s%kinematics = 'nonlinear'
     if (.not. allocated(error)) call trials%try(s, large_q, error)
@@ -105,39 +103,6 @@ contains
     call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
       ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
   end subroutine choose_kinematics
-
-  !> A whole drive has small displacements. What large ones change is measured on its cup alone, held at the bottom, on a rigid cam.
-  subroutine compare_kinematics(trials, plan, error)
-    type(trial_runs_t), intent(inout) :: trials       !< runs
-    type(plan_t), intent(inout) :: plan               !< gets a reason, and a warning
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early, but no convergence
-    type(scene_t) :: s
-    real(dp) :: small_q(promises), large_q(promises), change(promises)
-    s = meshed(plan%scene, coarse)
-    s%support = 'hub'
-    s%balls = 0
-    s%ball_stiffness = 0
-    s%turning_positions = 0
-    s%groove_depth = 0
-    s%spline_thickness = 0
-    s%torque = s%torque_1
-    call trials%try(s, small_q, error)
-    s%kinematics = 'nonlinear'
-    if (.not. allocated(error)) call trials%try(s, large_q, error)
-    if (allocated(error)) then
-      if (error%code /= code_not_converged) return
-      deallocate (error)
-      call note(plan, 'kinematics linear: a whole drive has no other; what large displacements would change could not be measured')
-      return
-    end if
-    change = change_of(small_q, large_q)
-    change([1, 4]) = 0  ! of the contact alone; a drive's stiffness does not see them
-    call note(plan, 'kinematics linear: a whole drive has no other; of its cup on a rigid cam large displacements change '// &
-      worst(s, change, 'by'))
-    if (maxval(change) > plan%scene%planned_tolerance) call push(plan%warnings, 'large displacements, which a whole drive '// &
-      'does not have, change '//worst(s, change, 'by')//' of its cup on a rigid cam: more than run.tolerance, which holds for '// &
-      'small displacements. Give a larger one')
-  end subroutine compare_kinematics
 
   !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls.
   subroutine choose_wave_generator(trials, plan, error)

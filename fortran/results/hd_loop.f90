@@ -9,11 +9,12 @@ module hd_loop
   use hd_error, only: error_t
   use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_output, only: output_t, step_t, add_place
-  use hd_problem, only: state_t, load_t, strut_closings, stored_energy
+  use hd_energy, only: stored_energy
+  use hd_problem, only: state_t, load_t, strut_closings
   use hd_scene, only: scene_t
-  use hd_stress, only: nodal_stress
-  use hd_strut, only: strut_force
-  use hd_supports, only: moment_on_cam
+  use hd_stress, only: body_stress
+  use hd_strut, only: push, strut_force
+  use hd_supports, only: moment, moment_on_cam
   use hd_text, only: string_t, push_text => push, rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -242,9 +243,9 @@ contains
     real(dp), allocatable :: stress(:, :), peak(:)
     integer :: b
     do b = 1, 2
-      associate (body => drive%problem%bodies(b), low => drive%problem%first(b) + 1)
+      associate (body => drive%problem%bodies(b))
         allocate (stress(6, body%nodes()), peak(body%sectors*size(body%cells, 2)))
-        call nodal_stress(body, state%u(:, low:low + body%nodes() - 1), stress, peak, error)
+        call body_stress(drive%problem, b, state%u, stress, peak, error)
         if (allocated(error)) return
         loop%von_mises_max = max(loop%von_mises_max, maxval(peak))
         if (b == drive%b_cup) then
@@ -263,17 +264,18 @@ contains
     angle = sum(state%u(2, drive%hub))/size(drive%hub)/drive%hub_radius
   end function bottom_turn
 
-  !> Moment about the axis of the teeth on the cup [N m].
-  pure real(dp) function moments_of_struts(drive, force) result(m)
+  !> Moment about the axis of balls and teeth on the bodies [N m].
+  pure real(dp) function moments_of_struts(drive, state, force) result(m)
     type(drive_t), intent(in) :: drive      !< model
+    type(state_t), intent(in) :: state      !< where its nodes are
     real(dp), intent(in) :: force(:)        !< of all struts [N]
+    real(dp) :: f(3, drive%problem%n)
     integer :: i
-    m = 0
+    f = 0
     do i = 1, size(force)
-      associate (strut => drive%problem%struts(i))
-        m = m - force(i)*sum(strut%weight(2, :)*drive%reference(1, strut%node))
-      end associate
+      call push(drive%problem%struts(i), -force(i), f)
     end do
+    m = moment(drive, state, f, 1) + moment(drive, state, f, 2)
   end function moments_of_struts
 
   !> What a catalogue reads: chords of the first rise, width at no torque, lost motion.

@@ -36,8 +36,7 @@ contains
     if (scene%support /= 'teeth') call add_contact(scene, sums, list)
     if (scene%kinematics /= 'nonlinear' .and. scene%w > 0) call push(list, 'second order of the cam: w^2/r = '// &
       to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
-      to_text(scene%interference)//' m'//trim(merge("; solver.kinematics = 'nonlinear' has it", &
-      repeat(' ', 40), scene%support /= 'drive')))
+      to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
     if (scene%support == 'drive') then
       call push(list, 'gear: no friction of flanks, balls and cage, no tooth tips, the toothed rim as a smooth one; K2 and '// &
         'K3 of seven sizes are 1.4 to 2.0 times the catalogue''s (docs/evidence/drive.md)')

@@ -12,7 +12,7 @@ module hd_output
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: nodal_stress, principal_stresses, von_mises
+  use hd_stress, only: body_stress, principal_stresses, von_mises
   use hd_system, only: make_directory, path_kind, path_absent, path_directory, path_file, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
@@ -252,7 +252,7 @@ contains
         associate (body => problem%bodies(b), range => problem%first(b))
           x(:, range + 1:range + body%nodes()) = body%x
           u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
-          call nodal_stress(body, state%u(:, range + 1:range + body%nodes()), stress(:, range + 1:range + body%nodes()), &
+          call body_stress(problem, b, state%u, stress(:, range + 1:range + body%nodes()), &
             peak(m + 1:m + body%sectors*size(body%cells, 2)), error)
           if (allocated(error)) return
           do s = 0, body%sectors - 1
@@ -266,11 +266,9 @@ contains
       end do
       fields(1) = vtu_field_t('displacement_m', u, .false.)
       fields(2) = vtu_field_t('body', tag, .true.)
-      if (.not. allocated(problem%lagrangian)) then  ! stresses of small displacements
-        fields(3) = vtu_field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
-        fields(4) = vtu_field_t('principal_stresses_pa', principal_stresses(stress), .false.)
-        fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
-      end if
+      fields(3) = vtu_field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
+      fields(4) = vtu_field_t('principal_stresses_pa', principal_stresses(stress), .false.)
+      fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
       ! ParaView's time: the share of the assembly less one, then the share of the torque steps
       time = step%load_factor - merge(1, 0, step%phase == 'assembly')
       of_grid(1) = vtu_field_t('TimeValue', reshape([time], [1, 1]))
@@ -278,7 +276,7 @@ contains
       of_grid(3) = vtu_field_t('step', reshape([real(step%number, dp)], [1, 1]))
       name = grid_name(step%number)
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
-        fields(:merge(2, 5, allocated(problem%lagrangian))), of_grid, error)
+        fields(:5), of_grid, error)
       if (allocated(error)) return
       output%grids = [output%grids, name]
       output%times = [output%times, time]

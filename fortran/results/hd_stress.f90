@@ -1,45 +1,79 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Stresses of small displacements: at the Gauss points, and at the nodes by trilinear extrapolation from the points of every cell
-!> and the mean over the cells of a body that meet there. Components are cylindrical: rr, tt, zz, rt, tz, zr.
+!> Stresses at the Gauss points, and at the nodes by trilinear extrapolation from the points of every cell and the mean over the
+!> cells of a body that meet there. Large displacements: the second of Piola and Kirchhoff. Components are cylindrical, in the
+!> directions at rest: rr, tt, zz, rt, tz, zr.
 module hd_stress
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, cell_nodes, frame
   use hd_error, only: error_t
   use hd_hexahedron, only: element_points, elasticity_matrix, natural_coordinates, nodes_per_element, points, strain_matrix
   use hd_lapack, only: dgemm
+  use hd_problem, only: problem_t
+  use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
   private
-  public :: nodal_stress, von_mises, principal_stresses, signed_equivalent
+  public :: body_stress, nodal_stress, von_mises, principal_stresses, signed_equivalent
 
   real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
 
 contains
 
+  !> Stresses at the nodes of a body of a problem, and the largest von Mises stress of the Gauss points of every cell.
+  subroutine body_stress(problem, b, u, stress, peak, error)
+    type(problem_t), intent(in) :: problem            !< bodies
+    integer, intent(in) :: b                          !< which
+    real(dp), intent(in) :: u(:, :)                   !< displacements of all (3, n) [m]
+    real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
+    real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    associate (body => problem%bodies(b), low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
+      if (allocated(problem%lagrangian)) then
+        call nodal_stress(body, u(:, low:high), stress, peak, error, problem%lagrangian(b))
+      else
+        call nodal_stress(body, u(:, low:high), stress, peak, error)
+      end if
+    end associate
+  end subroutine body_stress
+
   !> Stresses at the nodes of a revolved body, and the largest von Mises stress of the Gauss points of every cell.
-  subroutine nodal_stress(body, u, stress, peak, error)
+  subroutine nodal_stress(body, u, stress, peak, error, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
     real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
     real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
+    type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
     integer :: list(nodes_per_element(body%kind))
     real(dp), dimension(6*points, 3*size(list)) :: at_points
     real(dp), dimension(6*size(list), 3*size(list)) :: at_nodes
     real(dp), allocatable :: v(:, :, :), s(:, :, :), t(:, :, :)
     integer, allocatable :: meets(:)
+    real(dp) :: to_nodes(size(list), points), energy
     integer :: cell, sector, a, n
     n = body%sectors
+    to_nodes = extrapolation(size(list))
     allocate (v(3, size(list), n), s(6, points, n), t(6, size(list), n))
     allocate (meets(body%nodes()), source=0)
     stress = 0
     do cell = 1, size(body%cells, 2)  ! that of all sectors at once: they have the same matrices
-      call cell_stress(body, cell, at_points, at_nodes, error)
-      if (allocated(error)) return
       do sector = 1, n
         v(:, :, sector) = u(:, cell_nodes(body, cell, sector - 1))
       end do
-      call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, at_points, 6*points, v, 3*size(list), 0._dp, s, 6*points)
-      call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, at_nodes, 6*size(list), v, 3*size(list), 0._dp, t, 6*size(list))
+      if (present(lagrangian)) then
+        list = cell_nodes(body, cell, 0)
+        do sector = 1, n
+          call cell_stress(body, lagrangian, cell, v(:, :, sector), s(:, :, sector), energy)
+          do a = 1, size(list)
+            t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), body%angle(list(a)))
+          end do
+        end do
+      else
+        call stress_matrices(body, cell, at_points, at_nodes, error)
+        if (allocated(error)) return
+        call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, at_points, 6*points, v, 3*size(list), 0._dp, s, 6*points)
+        call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, at_nodes, 6*size(list), v, 3*size(list), 0._dp, t, &
+          6*size(list))
+      end if
       do sector = 1, n
         peak((sector - 1)*size(body%cells, 2) + cell) = maxval(von_mises(s(:, :, sector)))
         list = cell_nodes(body, cell, sector - 1)
@@ -53,7 +87,7 @@ contains
   end subroutine nodal_stress
 
   !> Stresses of a cell per displacement of its nodes.
-  subroutine cell_stress(body, cell, at_points, at_nodes, error)
+  subroutine stress_matrices(body, cell, at_points, at_nodes, error)
     type(body_t), intent(in) :: body                  !< body
     integer, intent(in) :: cell                       !< cell of the first sector
     real(dp), intent(out) :: at_points(:, :)          !< Cartesian, at the Gauss points (6 points, 3 nodes) [Pa/m]
@@ -84,7 +118,7 @@ contains
         at_nodes(6*a - 5:6*a, i) = turned(matmul(reshape(at_points(:, i), [6, points]), to_nodes(a, :)), body%angle(list(a)))
       end do
     end do
-  end subroutine cell_stress
+  end subroutine stress_matrices
 
   !> Values at the nodes of a cell from those at its Gauss points.
   pure function extrapolation(nodes) result(n)

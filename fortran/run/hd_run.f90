@@ -247,7 +247,7 @@ contains
       if (.not. again) call book(run%loop, run%scene, run%drive, load, run%state, run%step)
       run%sums%rotation = bottom_turn(run%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
-      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%loop%force)
+      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%state, run%loop%force)
     end if
     call sum_stiffness(run%scene, run%drive, run%step%torque, run%state, run%facets, run%sums)
   end subroutine measure

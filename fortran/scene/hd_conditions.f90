@@ -93,7 +93,7 @@ contains
       'torque where the ring slides on the cam')
     call ask(faults, &
       s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
-      'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with load.support hub or bearing")
+      'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
     call ask(faults, s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
       "'auto' or 'exact' with load.support = 'teeth'")
     call need(faults, s%turning_positions == 0 .or. s%support == 'drive', 'turning.positions', real(s%turning_positions, dp), &
@@ -112,7 +112,6 @@ contains
     call ask(faults, s%shape == 'pressed', 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, s%ring_contact == 'tied', 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
-    call ask(faults, s%kinematics /= 'nonlinear', 'solver.kinematics', s%kinematics, "'linear' with load.support = 'drive'")
     call ask(faults, s%method /= 'schur', 'solver.method', s%method, &
       "'auto', 'condensed' or 'newton' with load.support = 'drive'")
     call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &

@@ -65,7 +65,7 @@ contains
     self%near%most_images = self%most_images
     self%near%demanded = self%demanded
     if (allocated(self%round)) then
-      call follow_pairs(self%round, problem%mortar)
+      call follow_pairs(self%round, problem)
       call self%near%begin(self%round, load, state, error)
     else
       call self%near%begin(problem, load, state, error)
@@ -99,7 +99,7 @@ contains
     call self%sharing%take_law(self%dw, self%dt)
     if (.not. allocated(self%exact)) then
       if (allocated(self%round)) then
-        call follow_pairs(self%round, problem%mortar)
+        call follow_pairs(self%round, problem)
         call self%near%update(self%round, in_rest_frames(problem%mortar, self%dw), in_rest_frames(problem%mortar, self%dt), error)
       else
         call self%near%update(problem, self%dw, self%dt, error)
@@ -115,12 +115,14 @@ contains
     end if
   end subroutine update_newton_krylov
 
-  !> Couple the bodies at rest as they are coupled now.
-  subroutine follow_pairs(round, mortar)
+  !> Couple the bodies at rest as they are coupled now, and let those balls and teeth push that do.
+  subroutine follow_pairs(round, problem)
     type(problem_t), intent(inout) :: round  !< bodies at rest
-    type(mortar_t), intent(in) :: mortar     !< present coupling
-    if (round%mortar%serial == mortar%serial) return
-    round%mortar = mortar
+    type(problem_t), intent(in) :: problem   !< the same, deformed
+    if (allocated(round%struts)) round%strut_rate = problem%strut_rate
+    round%turning = problem%turning
+    if (round%mortar%serial == problem%mortar%serial) return
+    round%mortar = problem%mortar
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs
 
@@ -210,7 +212,10 @@ contains
     type(problem_t), intent(in) :: problem         !< problem
     real(dp), intent(in) :: r_u(:, :), r_c(:, :)   !< [N], [Pa]
     real(dp), intent(out) :: x(:)                  !< [N]
-    x(:size(r_u)) = pack(merge(0._dp, r_u, problem%fixed), .true.)
+    real(dp) :: f(size(r_u, 1), size(r_u, 2))
+    f = merge(0._dp, r_u, problem%fixed)
+    if (problem%turning) f(2, problem%hub) = sum(r_u(2, problem%hub))/size(problem%hub)  ! one unknown, shared by its nodes
+    x(:size(r_u)) = pack(f, .true.)
     x(size(r_u) + 1:) = pack(spread(max(problem%mortar%area, tiny(1._dp)), 1, 3)*r_c, .true.)
   end subroutine pack_residual
 

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 program hd_tester
   use hd_check, only: report_checks
+  use test_ball_patch, only: run_ball_patch
   use test_band, only: run_band
   use test_circulant, only: run_circulant
   use test_contact, only: run_contact
@@ -28,6 +29,7 @@ program hd_tester
   call run_stress()
   call run_table()
   call run_parameters()
+  call run_ball_patch()
   call run_band()
   call run_fft()
   call run_hertz()

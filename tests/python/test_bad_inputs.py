@@ -292,7 +292,7 @@ def test_usage(exe, args, expected):
 @pytest.mark.parametrize("keys, named, way_out", [
     (["wave_generator.cam=table"], "wave_generator.cam = 'table'", "wave_generator.cam_file"),
     (["load.support=drive", "wave_generator.ring_contact=unilateral"], "wave_generator.ring_contact = 'unilateral'", "'tied'"),
-    (["load.support=drive", "solver.kinematics=nonlinear"], "solver.kinematics = 'nonlinear'", "'linear'"),
+    (["load.support=drive", "solver.kinematics=nonlinear", "solver.method=condensed"], "solver.kinematics = 'nonlinear'", "'linear'"),
     (["load.support=bearing", "contact.mode=frictionless"], "contact.mode = 'frictionless'", "'frictional'"),
     (["contact.law=joint", "contact.mode=bonded"], "contact.law = 'joint'", "'hard'"),
     (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0055"),

@@ -1,0 +1,126 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Balls on the inner face of an elastic ring: each presses evenly on a patch that is fixed in space, normal to the face.
+!>
+!> A ball closes by the way of the cam less the mean over its patch of r - radius, with r the distance of the face from the axis at
+!> a fixed angle. Small displacements: r - radius = u_r of the points that lie there at rest. Large ones: of the points that have
+!> come there, and dr = g . du with g = normal/(normal . e_r), so that the ball pushes along the deformed face's normal and lets the
+!> ring turn under it.
+module hd_ball_patch
+  use hd_kinds, only: dp, pi
+  use hd_face, only: face_t, shape_facet
+  use hd_strut, only: strut_t
+  implicit none
+  private
+  public :: ball_patch_t, place_ball, material_angle
+
+  integer, parameter :: samples = 12   !< of a patch along either side
+  integer, parameter :: searches = 4   !< for a point; each leaves a strain's share of what was left
+
+  !> Patches of all balls, in the middle of the ring.
+  type :: ball_patch_t
+    type(face_t) :: face                    !< inner face of the ring, axial facets first, then round the axis
+    integer :: sectors = 0                  !< of the ring
+    integer :: first = 0                    !< nodes before the ring's
+    real(dp) :: radius = 0                  !< of the face [m]
+    real(dp) :: z = 0                       !< of the middle [m]
+    real(dp) :: angle = 0, width = 0        !< extent [rad], [m]
+    real(dp), allocatable :: theta(:)       !< places of the balls [rad]
+  end type ball_patch_t
+
+contains
+
+  !> Nodes and weights of a ball's strut, and what its closing has beside the displacements so weighted.
+  pure subroutine place_ball(patch, ball, strut, shift, u)
+    type(ball_patch_t), intent(in) :: patch        !< patches
+    integer, intent(in) :: ball                    !< which
+    type(strut_t), intent(inout) :: strut          !< gets node, weight
+    real(dp), intent(out) :: shift                 !< [m]
+    real(dp), intent(in), optional :: u(:, :)      !< displacements (3, nodes of all bodies), if they may be large [m]
+    real(dp) :: theta, z, xi(2), g(2), v(2), n(size(patch%face%nodes, 1))
+    integer :: i, j, k, a, f
+    shift = 0
+    strut%node = [integer ::]
+    strut%weight = reshape([real(dp) ::], [3, 0])
+    do i = 1, samples
+      theta = patch%theta(ball) + patch%angle*((i - 0.5_dp)/samples - 0.5_dp)
+      do j = 1, samples
+        z = patch%z + patch%width*((j - 0.5_dp)/samples - 0.5_dp)
+        g = [1, 0]
+        if (present(u)) then
+          call follow_face(patch, u, theta, z, v, g, f, xi)
+          shift = shift + (dot_product(g, v) - (hypot(patch%radius + v(1), v(2)) - patch%radius))/samples**2
+        else
+          call find_facet(patch, theta, z, f, xi)
+        end if
+        n = shape_facet(size(n), xi)/samples**2
+        do k = 1, size(n)
+          a = findloc(strut%node, patch%first + patch%face%nodes(k, f), 1)
+          if (a == 0) then
+            strut%node = [strut%node, patch%first + patch%face%nodes(k, f)]
+            a = size(strut%node)
+            strut%weight = reshape([strut%weight, 0._dp, 0._dp, 0._dp], [3, a])
+          end if
+          strut%weight(:2, a) = strut%weight(:2, a) - n(k)*g
+        end do
+      end do
+    end do
+  end subroutine place_ball
+
+  !> Angle at rest of the point that has come to the middle of a ball's patch [rad].
+  pure real(dp) function material_angle(patch, ball, u) result(theta)
+    type(ball_patch_t), intent(in) :: patch   !< patches
+    integer, intent(in) :: ball               !< which
+    real(dp), intent(in) :: u(:, :)           !< displacements (3, nodes of all bodies) [m]
+    real(dp) :: v(2), g(2), xi(2)
+    integer :: f
+    call follow_face(patch, u, patch%theta(ball), patch%z, v, g, f, xi, theta)
+  end function material_angle
+
+  !> The point of the deformed face at an angle in space: its displacement, how its distance from the axis follows displacements,
+  !> and its facet.
+  pure subroutine follow_face(patch, u, theta, z, v, g, facet, xi, at)
+    type(ball_patch_t), intent(in) :: patch      !< patches
+    real(dp), intent(in) :: u(:, :)              !< displacements (3, nodes of all bodies) [m]
+    real(dp), intent(in) :: theta, z             !< angle in space [rad], place along the axis at rest [m]
+    real(dp), intent(out) :: v(2)                !< u_r, u_theta [m]
+    real(dp), intent(out) :: g(2)                !< dr/du
+    integer, intent(out) :: facet                !< facet
+    real(dp), intent(out) :: xi(2)               !< place on it
+    real(dp), intent(out), optional :: at        !< its angle at rest [rad]
+    real(dp), parameter :: h = 0.5_dp
+    real(dp) :: turn, slope(2), normal(2)
+    integer :: i, n
+    n = size(patch%face%nodes, 1)
+    turn = 0
+    do i = 1, searches
+      call find_facet(patch, theta - turn, z, facet, xi)
+      associate (corner => u(:2, patch%first + patch%face%nodes(:, facet)))
+        v = matmul(corner, shape_facet(n, xi))
+        slope = matmul(corner, shape_facet(n, [xi(1) + h, xi(2)]) - shape_facet(n, [xi(1) - h, xi(2)]))/(2*h)*patch%sectors/pi
+      end associate
+      if (i < searches) turn = atan2(v(2), patch%radius + v(1))
+    end do
+    normal = [patch%radius + v(1) + slope(2), v(2) - slope(1)]
+    g = normal/dot_product(normal, [cos(turn), sin(turn)])
+    if (present(at)) at = theta - turn
+  end subroutine follow_face
+
+  !> The facet at a place, and the place on it.
+  pure subroutine find_facet(patch, theta, z, facet, xi)
+    type(ball_patch_t), intent(in) :: patch   !< patches
+    real(dp), intent(in) :: theta, z          !< at rest [rad], [m]
+    integer, intent(out) :: facet             !< facet
+    real(dp), intent(out) :: xi(2)            !< place on it
+    real(dp) :: place
+    integer :: rows, sector
+    rows = size(patch%face%nodes, 2)/patch%sectors
+    place = modulo(theta/(2*pi), 1._dp)*patch%sectors
+    sector = min(floor(place), patch%sectors - 1)
+    xi(1) = 2*(place - sector) - 1
+    facet = sector*rows + 1
+    do while (facet < (sector + 1)*rows .and. z > patch%face%chart(2, 4, facet))
+      facet = facet + 1
+    end do
+    xi(2) = 2*(z - patch%face%chart(2, 1, facet))/(patch%face%chart(2, 4, facet) - patch%face%chart(2, 1, facet)) - 1
+  end subroutine find_facet
+end module hd_ball_patch

@@ -1,0 +1,52 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Energy that bodies, springs and struts store: what a loop's work less its friction must equal.
+module hd_energy
+  use hd_kinds, only: dp
+  use hd_body, only: cell_nodes
+  use hd_hexahedron, only: points
+  use hd_problem, only: problem_t, load_t, elastic_forces, strut_closings
+  use hd_strut, only: strut_energy, strut_force
+  use hd_total_lagrangian, only: cell_stress
+  implicit none
+  private
+  public :: stored_energy
+
+contains
+
+  !> Energy that bodies and struts store [J].
+  real(dp) function stored_energy(problem, load, u) result(e)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    type(load_t), intent(in) :: load        !< load
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp), allocatable :: closing(:), force(:)
+    closing = strut_closings(problem, load, u)
+    if (allocated(problem%lagrangian)) then
+      e = strain_energy(problem, u) + sum(problem%spring*u**2)/2
+    else
+      e = sum(u*elastic_forces(problem, u))/2
+    end if
+    e = e + sum(strut_energy(problem%struts, closing))
+    if (.not. allocated(problem%strut_give)) return
+    force = strut_force(problem%struts, closing)
+    e = e + dot_product(force, matmul(problem%strut_give, force))/2
+  end function stored_energy
+
+  !> Energy of the bodies under large displacements [J].
+  real(dp) function strain_energy(problem, u) result(e)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp) :: stress(6, points), part
+    integer :: b, c, s
+    e = 0
+    do b = 1, size(problem%bodies)
+      associate (body => problem%bodies(b))
+        do s = 0, body%sectors - 1
+          do c = 1, size(body%cells, 2)
+            call cell_stress(body, problem%lagrangian(b), c, u(:, problem%first(b) + cell_nodes(body, c, s)), stress, part)
+            e = e + part
+          end do
+        end do
+      end associate
+    end do
+  end function strain_energy
+end module hd_energy

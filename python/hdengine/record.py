@@ -94,7 +94,9 @@ class Record:
         table = read_csv(path)
         names = table.dtype.names
         if "torque_nm" not in names or not {"angle_rad", "angle_arcsec"} & set(names):
-            raise InputError(f"'{path}' has the columns {', '.join(names)}; needed: torque_nm and angle_rad or angle_arcsec")
+            head = Path(path).read_text(errors="replace").lstrip().split("\n", 1)[0].strip()
+            raise InputError(f"'{path}' begins with '{head[:80]}'; needed: a line of names, torque_nm and angle_rad or angle_arcsec"
+                             ", with commas between them")
         for name in {"torque_nm", "angle_rad", "angle_arcsec"} & set(names):
             if table[name].dtype.kind not in "fi":
                 wrong = next(i for i, v in enumerate(table[name]) if not _is_number(v))

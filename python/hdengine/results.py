@@ -380,6 +380,10 @@ class Result:
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  {stiffness}",
         ]
+        if r.get("k3_nm_per_rad") is not None:
+            k = ", ".join(f"K{i} {_number(r[f'k{i}_nm_per_rad'])}" for i in (1, 2, 3))
+            lines.append(f"  drive: {k} N m/rad; hysteresis {_number(r['hysteresis_rad'])}, "
+                         f"lost motion {_number(r['lost_motion_rad'])} rad")
         if "k_ts_tangent_nm_per_rad" in self.limits:
             k, error, mesh = self.limits["k_ts_tangent_nm_per_rad"]
             lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Records of the test bench: the stiffness put in comes out, within a band that covers it as often as it says."""
 import json
+import re
 import sys
 
 import numpy as np
@@ -64,10 +65,11 @@ def test_branches_are_found():
 
 
 def test_columns_are_named(tmp_path):
-    """A table without the needed columns is refused with their names."""
-    (tmp_path / "r.csv").write_text("t,a\n1,2\n")
-    with pytest.raises(hdengine.InputError, match="angle_arcsec"):
-        Record.read(tmp_path / "r.csv")
+    """A table without the needed columns is refused with its first line and their names."""
+    for line in ("t,a", "Torque [Nm];Angle [deg]"):
+        (tmp_path / "r.csv").write_text(f"{line}\n1,2\n3,4\n" if "," in line else f"{line}\n1;2\n3;4\n")
+        with pytest.raises(hdengine.InputError, match=rf"begins with '{re.escape(line)}'; needed: a line of names, torque_nm and .*angle_arcsec"):
+            Record.read(tmp_path / "r.csv")
 
 
 def test_spline_reproduces_cubics():

@@ -54,6 +54,11 @@ def test_every_entry_of_the_summary_is_described(runs):
         assert set(run.summary["results"]) <= set(described["summary.json"]) | set(described["steps.csv"])
 
 
+def test_a_drive_prints_what_a_catalogue_states(runs):
+    """A run of the whole drive prints K1 to K3, hysteresis and lost motion; another scene does not."""
+    assert "\n  drive: K1 " in repr(runs[0]) and "lost motion" in repr(runs[0]) and "K1" not in repr(runs[1])
+
+
 def test_exit_codes_are_those_of_the_exceptions():
     """The table of exit codes names every exception with its own code."""
     rows = re.findall(r"^\| (\d) \| `(\w+)` \|", (REFERENCE / "errors.md").read_text(), re.M)

@@ -54,6 +54,7 @@ BENCHES = (
     Bench("mesh_orders.py", "order of convergence of a scene", 5),
     Bench("scene_tables.py", "meshes, slip torque, load steps, layers, balance", 6),
     Bench("kinematics_map.py", "small against large displacements", 4),
+    Bench("drive_kinematics.py", "small against large displacements of whole drives", 6),
     Bench("newton_history.py", "residual over Newton iterations", 2),
     Bench("numerical_parameters.py", "results over numerical parameters", 10),
     Bench("random_scenes.py", "random scenes: converged or refused", 5, quick=("--count", "60")),

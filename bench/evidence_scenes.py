@@ -105,6 +105,14 @@ def kinematics_map():
         for w in sorted({r["w_m"] for r in rows})]
 
 
+def drive_kinematics():
+    """Changes of a whole drive by large displacements, and what they cost."""
+    names = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad")
+    return ("drive", "K1", "K2", "K3", "hysteresis", "time"), [
+        (r["case"], *(percent(large[n] / small[n] - 1) for n in names), f"{large['cpu_s'] / small['cpu_s']:.0f} times")
+        for r in read_record("drive_kinematics") for small, large in [(r["linear"], r["nonlinear"])]]
+
+
 # --- meshes
 
 def meshes():

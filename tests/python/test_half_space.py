@@ -41,6 +41,14 @@ def test_ratio_of_a_round_spot():
     assert space.tangential_stiffness(touching) / space.normal_stiffness(touching) == pytest.approx(RATIO, rel=3e-3)
 
 
+def test_ratio_of_a_round_hole():
+    """Where all touches but a round hole, k_T/k_N is 1 - nu/2, that of a penny-shaped crack, within 0.5 %."""
+    x = np.arange(96) - 47.5
+    touching = np.hypot(*np.meshgrid(x, x)) > 12
+    space, nu = ball(96), (2 - 2 * RATIO) / (2 - RATIO)
+    assert space.tangential_stiffness(touching) / space.normal_stiffness(touching) == pytest.approx(1 - nu / 2, rel=5e-3)
+
+
 def test_westergaards_wave_and_its_convergence():
     """Pressure of a cosine is Westergaard's, 2 p cos(psi)/sin(a)^2 sqrt(sin(a)^2 - sin(psi)^2) with psi = pi x / lambda; the error is
     below 0.4, 0.2 and 0.15 % of the peak on 64, 128 and 256 points."""

@@ -81,7 +81,7 @@ BENCHES = (
     Bench("joint_band.py", "band of K_TS with two maps", 3),
     Bench("drive_catalogue.py", "the whole drive beside the catalogue", 11),
     Bench("drive_turning.py", "angle error and ripple over a turn", 20),
-    Bench("random_drives.py", "random whole drives: converged or refused", 23),
+    Bench("random_drives.py", "random whole drives: converged or refused", 31),
     Bench("fit_statistics.py", "fits of D and G over seeds", 3),
     Bench("blind_fit.py", "the fit told nothing, on maps not ours", 30),
     Bench("fit_bound.py", "what a map can tell of D at best", 0.1, full=("blind",)),

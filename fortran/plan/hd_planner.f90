@@ -95,9 +95,16 @@ contains
     s = meshed(plan%scene, coarse)
     if (s%support == 'drive') s%torque_steps = min(few_steps, s%torque_steps)
     call trials%try(s, small_q, error)
-    s%kinematics = 'nonlinear'
-    if (.not. allocated(error)) call trials%try(s, large_q, error)
     if (allocated(error)) return
+    s%kinematics = 'nonlinear'
+    call trials%try(s, large_q, error)
+    if (allocated(error)) then
+      if (error%code /= code_not_converged) return
+      deallocate (error)
+      call note(plan, 'kinematics linear: with large displacements a coarse mesh does not converge')
+      call push(plan%warnings, 'what large displacements would change is not known: with them a coarse mesh does not converge')
+      return
+    end if
     change = change_of(small_q, large_q)
     if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) plan%scene%kinematics = 'nonlinear'
     call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &

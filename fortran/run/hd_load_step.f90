@@ -5,7 +5,7 @@ module hd_load_step
   use hd_clock, only: wall_seconds
   use hd_coarse_start, only: has_coarser, coarser_scene
   use hd_contact_law, only: open_state
-  use hd_drive, only: drive_load, step_friction, touch_teeth
+  use hd_drive, only: drive_load, frictionless, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_friction_path, only: raise_friction
   use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
@@ -399,6 +399,8 @@ contains
     if (run%scene%support == 'drive' .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
       ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
       'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
+    if (run%scene%support == 'drive' .and. run%scene%kinematics == 'nonlinear' .and. frictionless(run%scene)) advice = '. '// &
+      "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
     call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
       ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &

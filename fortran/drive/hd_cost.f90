@@ -90,7 +90,7 @@ contains
     else if (s%method == 'auto') then
       list(1)%applies = .false.
     end if
-    if (s%support == 'drive') then  ! struts and rigid motions are known to two solvers
+    if (s%support == 'drive') then  ! struts and rigid motions are known to three solvers
       list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
       list(2:5)%applies = .false.
       list(3)%applies = s%factors == 'auto' .and. .not. small

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Newton's equations by GMRES around a solver that is cheap but not exact: symmetric factors in double or single precision,
 !> or the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES stalls, the exact factors of
-!> hd_newton_matrix take over for the rest of the run.
+!> hd_newton_matrix take over for the rest of the run. Round bodies keep the balls where they stood at rest.
 module hd_newton_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t, code_linear_solver

@@ -22,7 +22,8 @@ def python_tests(path):
     tree = ast.parse(path.read_text())
     tests = [(n.name, " ".join((ast.get_docstring(n) or "").split())) for n in tree.body
              if isinstance(n, ast.FunctionDef) and n.name.startswith("test_")]
-    return " ".join((ast.get_docstring(tree) or path.stem).split()), tests
+    subject = (ast.get_docstring(tree) or path.stem).split("\n\n")[0]
+    return " ".join(subject.replace("`", "").split()), tests
 
 
 def fortran_checks(path):

@@ -132,7 +132,10 @@ class Run:
             yield self.advance()
 
     def close(self, interrupted: bool = False) -> None:
-        """Write the summary, if there is a folder, and give back all memory; a fork leaves that to the process of the run."""
+        """Write the summary, if there is a folder, and give back all memory.
+
+        A fork leaves that to the process of the run.
+        """
         if self._handle is not None:
             handle, self._handle = self._handle, None
             if self._process == os.getpid():

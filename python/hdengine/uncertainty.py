@@ -374,8 +374,7 @@ def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, 
 
 
 def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
-    """Tornado, bands and indices of a finished run, into its folder: sensitivity.json, tornado_joint.png, and with the
-    drive tornado_drive.png (Eq. 45) and tornado_tangent.png, with bands and shares of the tangent.
+    """Tornado, bands and indices of a finished run, into its folder.
 
     Parameters
     ----------
@@ -393,7 +392,7 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     Returns
     -------
     dict
-        What sensitivity.json holds.
+        What sensitivity.json holds. Figures: tornado_joint.png; of the drive tornado_drive.png (Eq. 45) and tornado_tangent.png.
     """
     from .figures.sensitivity import plot_tornado
     from .results import Result

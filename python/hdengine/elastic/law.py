@@ -141,7 +141,9 @@ class ElasticJoint:
         return p, self.stiffness(p)[0]
 
     def shear(self, pressure: ArrayLike, displacement: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Shear after a tangential displacement at constant pressure, loaded from zero (Ciavarella 1998, Jaeger 1998).
+        """Shear after a tangential displacement at constant pressure, loaded from zero.
+
+        Ciavarella 1998, Jaeger 1998.
 
         Parameters
         ----------

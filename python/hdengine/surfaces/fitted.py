@@ -105,7 +105,7 @@ class Fit:
         return self.curve_m2 / w, self.curve_m2 * w
 
     def directions(self) -> list:
-        """Directions that S was measured along, with the places of their lags in the arrays: [(name, indices), ..]."""
+        """Directions of S, with the places of their lags in the arrays: [(name, indices), ..]."""
         n, count = len(self.tau_m), self.lags[1] - self.lags[0] + 1
         if n <= count:
             return [("rows" if np.isnan(self.anisotropy) else "rows and columns", np.arange(n))]

@@ -325,7 +325,9 @@ def save(path: str | os.PathLike, specimen: Any) -> None:
 
 @checked(specimen=kind(Specimen), outliers=flag, fill=flag, seams=flag)
 def clean(specimen: Any, outliers: bool = True, fill: bool = False, seams: bool = False) -> tuple:
-    """Level steps of stitching, take wrong points for holes, fill holes with what bends least (Laplace's equation); tilt is kept.
+    """Level steps of stitching, take wrong points for holes, fill holes with what bends least.
+
+    Filling solves Laplace's equation; tilt is kept.
 
     Parameters
     ----------

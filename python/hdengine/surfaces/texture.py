@@ -33,7 +33,7 @@ class Texture:
     filled: bool                            #: holes were filled
 
     def material_ratio(self, count: int = 101) -> tuple:
-        """The material ratio curve: heights c about the mean [m], from the highest to the lowest, and Smr(c), 0 to 1."""
+        """The material ratio curve: heights c about the mean [m], falling, and Smr(c), 0 to 1."""
         z = _descending(self.specimen.heights)
         c = np.linspace(z[0], z[-1], count)
         return c, smr(self.specimen.heights, c)
@@ -140,7 +140,7 @@ def smr(heights: Any, c: Any) -> np.ndarray:
 
 
 def smc(heights: Any, ratio: Any) -> np.ndarray:
-    """Inverse areal material ratio Smc(mr): height about the mean [m] that a share mr, 0 to 1, of the heights is at or above."""
+    """Inverse areal material ratio Smc(mr): height about the mean [m] that a share mr, 0 to 1, reaches."""
     z = _descending(heights)
     return np.interp(ratio, (np.arange(len(z)) + 0.5) / len(z), z)
 

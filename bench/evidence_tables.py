@@ -50,7 +50,7 @@ TABLES = {  # marker: page, record, builder
     "default-scene": ("contact_scene", "default_study", scenes.default_scene),
     "kinematics": ("kinematics", "peer_scenes", scenes.kinematics),
     "kinematics-map": ("kinematics", "kinematics_map", scenes.kinematics_map),
-    "drive-kinematics": ("kinematics", "drive_kinematics", scenes.drive_kinematics),
+    "drive-kinematics": ("kinematics_drive", "drive_kinematics", scenes.drive_kinematics),
     "meshes": ("meshes", "mesh_study", scenes.meshes),
     "layers": ("meshes", "layer_study", scenes.layers),
     "swap": ("mesh_orders", "swap_study", scenes.swap),

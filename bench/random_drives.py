@@ -3,7 +3,7 @@
 """Random whole drives on small meshes: how many converge, whether their moments, their energy and their laws hold, and what the engine
 says of the rest. Record random_drives.json, table of docs/evidence/drive.md.
 
-A tenth of them with large displacements too: record random_drives_large.json, table of docs/evidence/kinematics.md.
+A tenth of them with large displacements too: record random_drives_large.json, table of docs/evidence/kinematics_drive.md.
 
 Usage: bench/random_drives.py [--count 300] [--start 0] [--only N] [--kinematics nonlinear]
 """
@@ -147,7 +147,7 @@ def run(kinematics, start, count):
     if start == 0 and count >= (30 if large else 100):
         write_record("random_drives_large" if large else "random_drives", record, seed=SEED, threads=1)
         put("drive random", table(("outcome", "drives"), [(k, v) for k, v in classes.most_common()]),
-            page="evidence/kinematics" if large else "evidence/drive")
+            page="evidence/kinematics_drive" if large else "evidence/drive")
 
 
 def main():

@@ -11,10 +11,10 @@ module hd_planner
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
-  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, &
-    extrapolate
+  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
+    small_displacements
   use hd_output, only: check_folder
-  use hd_promises, only: promise_t, promises, promises_of
+  use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
   use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
@@ -35,19 +35,14 @@ module hd_planner
     type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
     real(dp) :: estimate(promises) = 0          !< estimated relative errors of the limits
-    real(dp) :: to_limit(promises) = 1          !< limit over what the mesh gives
+    real(dp) :: to_limit(values) = 1            !< limit over what the mesh gives
+    real(dp) :: shift(values) = 0               !< of a field: limit less what the mesh gives
+    real(dp) :: doubt(values) = 0               !< estimated errors of the limits by the meshes, relative
     integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
     logical :: met = .false.                    !< the estimate is within the tolerance
   end type plan_t
 
 contains
-
-  !> The same scene with small displacements: errors of the mesh are estimated with them, large ones have much the same.
-  pure type(scene_t) function small_displacements(scene) result(s)
-    type(scene_t), intent(in) :: scene  !< scene
-    s = scene
-    s%kinematics = 'linear'
-  end function small_displacements
 
   !> Say and keep what was chosen, and why.
   subroutine note(plan, text)
@@ -57,23 +52,15 @@ contains
     call say('plan      '//text)
   end subroutine note
 
-  !> Relative change of what is promised.
-  pure function change_of(before, after) result(change)
-    real(dp), intent(in) :: before(promises), after(promises)  !< results
-    real(dp) :: change(promises)
-    change = 0
-    where (abs(after) > 0) change = abs(after - before)/abs(after)
-  end function change_of
-
   !> The largest of the promises, and which it is.
-  function worst(scene, values, word) result(text)
-    type(scene_t), intent(in) :: scene        !< of the values
-    real(dp), intent(in) :: values(promises)  !< relative
+  function worst(scene, errors, word) result(text)
+    type(scene_t), intent(in) :: scene        !< of the errors
+    real(dp), intent(in) :: errors(promises)  !< relative
     character(len=*), intent(in) :: word      !< between what and how much
     character(len=:), allocatable :: text
     type(promise_t) :: promised(promises)
     promised = promises_of(scene)
-    text = trim(promised(maxloc(values, 1))%words)//' '//word//' '//percent(maxval(values))
+    text = trim(promised(maxloc(errors, 1))%words)//' '//word//' '//percent(maxval(errors))
   end function worst
 
   !> Large displacements where they change a coarse solution by more than half the tolerance.
@@ -82,7 +69,7 @@ contains
     type(plan_t), intent(inout) :: plan               !< gets its kinematics
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: s
-    real(dp) :: small_q(promises), large_q(promises), change(promises)
+    real(dp) :: small_q(values), large_q(values), change(promises)
     if (plan%scene%kinematics /= 'auto') then
       call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': as the scene says')
       return
@@ -105,7 +92,7 @@ contains
       call push(plan%warnings, 'what large displacements would change is not known: with them a coarse mesh does not converge')
       return
     end if
-    change = change_of(small_q, large_q)
+    change = relative(s, large_q - small_q, large_q)
     if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) plan%scene%kinematics = 'nonlinear'
     call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
       ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
@@ -117,7 +104,7 @@ contains
     type(plan_t), intent(inout) :: plan               !< gets its wave generator
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: s
-    real(dp) :: balls_q(promises), q(promises), change(promises), stiffness
+    real(dp) :: balls_q(values), q(values), change(promises), stiffness
     character(len=:), allocatable :: text
     integer :: i
     if (plan%scene%balls == 0 .or. plan%scene%bearing_model == 'given') then
@@ -139,7 +126,7 @@ contains
         deallocate (error)
         cycle
       end if
-      change = change_of(balls_q, q)
+      change = relative(s, q - balls_q, q)
       if (len(text) > 0) text = text//', '
       text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(s, change, 'by')
       if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) cycle
@@ -161,7 +148,7 @@ contains
     type(plan_t), intent(inout) :: plan               !< gets its load steps
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: s
-    real(dp) :: q(promises), before(promises)
+    real(dp) :: q(values), before(values)
     logical :: known
     integer :: i
     known = .false.
@@ -176,7 +163,7 @@ contains
         cycle
       end if
       if (known) then
-        plan%change = change_of(before, q)
+        plan%change = relative(s, every_second(s, q) - before, before)
         if (maxval(plan%change) <= small*plan%scene%planned_tolerance) exit
       end if
       known = .true.
@@ -209,19 +196,24 @@ contains
 
   !> Limits and their estimated errors from the meshes that are known.
   pure subroutine judge(q, plan)
-    real(dp), intent(in) :: q(:, :)       !< quantities by level (promises, levels that are known)
+    real(dp), intent(in) :: q(:, :)       !< quantities by level (values, levels that are known)
     type(plan_t), intent(inout) :: plan   !< gets both
-    real(dp) :: limit(promises)
+    real(dp) :: limit(values)
+    integer :: i
     plan%level = size(q, 2)
-    call extrapolate(q, limit, plan%estimate)
+    call extrapolate(q, limit, plan%doubt)
+    where (.not. abs(q(:, plan%level)) > 0) limit = 0
+    plan%estimate = relative(plan%scene, plan%doubt, limit)
+    where (abs(limit) > 0) plan%doubt = plan%doubt/abs(limit)
+    where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene)**2)
     plan%to_limit = 1
-    where (abs(q(:, plan%level)) > 0)
+    plan%shift = 0
+    where (is_field([(i, i=1, values)]))
+      plan%shift = limit - q(:, plan%level)
+    else where (abs(limit) > 0)
       plan%to_limit = limit/q(:, plan%level)
-      plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene)**2)
-    else where
-      plan%estimate = 0
     end where
-    plan%met = maxval(plan%estimate) <= plan%scene%planned_tolerance
+    plan%met = maxval(plan%estimate, mask=needed) <= plan%scene%planned_tolerance
   end subroutine judge
 
   !> Choose everything; refine until the estimate is within the tolerance.
@@ -231,7 +223,7 @@ contains
     type(plan_t), intent(out) :: plan                 !< what to run
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: now, next
-    real(dp) :: q(promises, levels)
+    real(dp) :: q(values, levels)
     integer :: level
     plan%scene = scene
     allocate (plan%reasons(0), plan%warnings(0))
@@ -262,12 +254,31 @@ contains
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
-        ': the estimated error of the '//worst(scene, plan%estimate, 'is')//', the largest; tolerance '// &
-        percent(scene%planned_tolerance))
+        ': the estimated error of the '//worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
+        ', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
     plan%scene = now
+    call leave_out(plan)
   end subroutine plan_scene
+
+  !> What has not settled when the refinement ends is not promised.
+  subroutine leave_out(plan)
+    type(plan_t), intent(inout) :: plan   !< gets a reason for each
+    type(promise_t) :: promised(promises)
+    real(dp) :: left(promises)
+    integer :: i
+    promised = promises_of(plan%scene)
+    left = plan%change**2 + least_error(plan%scene)**2
+    do i = 1, promises
+      if (needed(i) .or. plan%estimate(i) <= plan%scene%planned_tolerance) cycle
+      call note(plan, 'not promised: '//trim(promised(i)%words)//' where its estimated error is up to '//percent(plan%estimate(i)))
+      associate (d => plan%doubt(promised(i)%first:promised(i)%last), ratio => plan%to_limit(promised(i)%first:promised(i)%last))
+        where (d**2 + left(i) > plan%scene%planned_tolerance**2) ratio = 0
+        plan%estimate(i) = sqrt(max(0._dp, maxval(d**2 + left(i), mask=abs(ratio) > 0 .and. d > 0)))
+      end associate
+    end do
+  end subroutine leave_out
 
   !> Plan a scene and set up its run, or take up both.
   subroutine new_planned_run(scene, input, folder, force, resume, run, error)
@@ -296,6 +307,7 @@ contains
     run%record%planned_tolerance = scene%planned_tolerance
     run%record%estimate = plan%estimate
     run%record%to_limit = plan%to_limit
+    run%record%shift = plan%shift
     run%record%level = plan%level
     run%record%reasons = plan%reasons
     run%record%warnings = [run%record%warnings, plan%warnings]
@@ -304,7 +316,8 @@ contains
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '// &
-        worst(scene, plan%estimate, 'is')//'. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
+        worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
+        '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine new_planned_run
 
@@ -320,6 +333,7 @@ contains
     type(run_t), allocatable :: run
     type(trial_runs_t) :: trials
     type(promise_t) :: promised(promises)
+    character(len=:), allocatable :: text
     logical :: complete
     integer :: i
     promised = promises_of(scene)
@@ -339,8 +353,8 @@ contains
     call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
       ' s, results in '//folder)
     do i = 1, promises
-      if (abs(run%record%limit(i)) > 0) call say('limit     '//trim(promised(i)%words)//' '//rounded(run%record%limit(i))// &
-        ' '//trim(promised(i)%unit)//', known to '//percent(run%record%estimate(i)))
+      text = promise_text(promised(i), run%record%limit)
+      if (len(text) > 0) call say('limit     '//text//', known to '//percent(run%record%estimate(i)))
     end do
   end subroutine run_planned
 
@@ -363,7 +377,7 @@ contains
     type(trial_runs_t) :: trials
     type(plan_t) :: plan
     type(scene_t) :: s, linear
-    real(dp) :: q(promises), base(2), facets(2), seconds(2), before
+    real(dp) :: q(values), base(2), facets(2), seconds(2), before
     character(len=100) :: line
     character(len=1), parameter :: nl = new_line('a')
     integer :: level, start, i

@@ -10,13 +10,14 @@ module hd_trial_runs
   use hd_input, only: write_echo
   use hd_load_step, only: solve_step
   use hd_log, only: set_log_level, say, quiet, verbose
-  use hd_promises, only: promise_t, promises, promises_of, promised_values
-  use hd_run, only: run_t, new_run, close_run, final_position
+  use hd_pressure_patches, only: patch_pressures
+  use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
+  use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
   use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
-  use hd_text, only: string_t, push, to_text
+  use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
   public :: trial_runs_t, new_trial_runs, solve, growth
@@ -25,7 +26,7 @@ module hd_trial_runs
 
   !> Results of a mesh.
   type :: probe_t
-    real(dp) :: q(promises) = 0   !< as promised_values
+    real(dp) :: q(values) = 0     !< as promised_values
     real(dp) :: seconds = 0       !< wall clock
     real(dp) :: balls = 0         !< tangent stiffness of all loaded balls at the end [N/m]
   end type probe_t
@@ -76,7 +77,7 @@ contains
   subroutine try(self, scene, q, error)
     class(trial_runs_t), intent(inout) :: self             !< remembers them
     type(scene_t), intent(in) :: scene                !< scene on its mesh
-    real(dp), intent(out) :: q(promises)              !< as promised_values
+    real(dp), intent(out) :: q(values)                !< as promised_values
     type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
@@ -94,11 +95,10 @@ contains
     if (level == verbose) call set_log_level(verbose)
     allocate (run)
     call new_run(s, '', '', .false., run, error)
-    run%tangent_from = final_position(run)
     if (scene%support == 'drive') run%tangent_from = huge(1._dp)  ! not promised
     if (.not. allocated(error)) call solve(run, error)
     if (.not. allocated(error)) then
-      q = promised_values(run%scene, run%sums, run%loop)
+      q = promised_values(run%scene, run%sums, run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
       if (scene%balls > 0 .and. scene%support == 'drive') new%balls = stiffness_of_balls(run)
     end if
     if (allocated(run%drive)) call close_run(run, trouble)
@@ -115,7 +115,7 @@ contains
     new%seconds = wall_seconds() - new%seconds
     call push(self%name, name_of(scene))
     self%known = [self%known, new]
-    call say(trim(log_line(scene, new)))
+    call say(log_line(scene, new))
     call keep(self, error)
   end subroutine try
 
@@ -206,11 +206,15 @@ contains
     type(probe_t), intent(in) :: found     !< results
     type(promise_t) :: promised(promises)
     integer :: i
-    character(len=200) :: line
+    character(len=:), allocatable :: line
     promised = promises_of(s)
-    write (line, '(a,2(i3,a),4(a,es10.3,3a),f7.1,a)') mesh_text(s)//', steps', s%assembly_steps, ' +', s%torque_steps, &
-      merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: ', &
-      (trim(promised(i)%words), found%q(i), ' ', trim(promised(i)%unit), ', ', i=1, promises), found%seconds, ' s'
+    line = mesh_text(s)//', steps '//to_text(s%assembly_steps)//' + '//to_text(s%torque_steps)// &
+      merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: '
+    do i = 1, promises
+      if (promised(i)%first == promised(i)%last .and. abs(found%q(promised(i)%first)) > 0) line = line// &
+        promise_text(promised(i), found%q)//', '
+    end do
+    line = line//rounded(found%seconds)//' s'
   end function log_line
 
   !> Number of a mesh in the list, 0 if it is new.
@@ -229,17 +233,24 @@ contains
     type(trial_runs_t), intent(in) :: self                 !< results
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     character(len=:), allocatable :: path
-    character(len=400) :: line
-    integer :: unit, status, i
+    character(len=25*(values + 8)) :: line
+    integer :: unit, status, i, k
     if (len(self%folder) == 0) return
     path = self%folder//'/plan.csv'
     open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, '(99a)', iostat=status) 'mesh,', &
-      (trim(self%promised(i)%column), ',', i=1, promises), 'seconds,ball_stiffness_n_per_m,checksum'
+    line = 'mesh,'
+    do i = 1, promises
+      do k = 0, self%promised(i)%last - self%promised(i)%first
+        line = trim(line)//trim(self%promised(i)%column)
+        if (self%promised(i)%last > self%promised(i)%first) line = trim(line)//'_'//to_text(k)
+        line = trim(line)//','
+      end do
+    end do
+    if (status == 0) write (unit, '(a)', iostat=status) trim(line)//'seconds,ball_stiffness_n_per_m,checksum'
     do i = 1, size(self%known)
       if (status /= 0) exit
-      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q, self%known(i)%seconds, &
-        self%known(i)%balls
+      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q(:maxval(self%promised%last)), &
+        self%known(i)%seconds, self%known(i)%balls
       if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
     end do
     if (status == 0) close (unit, iostat=status)
@@ -255,7 +266,7 @@ contains
     type(trial_runs_t), intent(inout) :: self         !< gets them
     type(error_t), allocatable, intent(out) :: error  !< a row is not as it was written
     type(probe_t) :: one
-    character(len=400) :: line
+    character(len=25*(values + 8)) :: line
     integer :: unit, status, comma, last
     open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
     if (status /= 0) return
@@ -265,7 +276,7 @@ contains
       if (status /= 0) exit
       comma = index(line, ',')
       last = index(line, ',', back=.true.)
-      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q, one%seconds, one%balls
+      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q(:maxval(self%promised%last)), one%seconds, one%balls
       if (comma >= last .or. status /= 0 .or. line(last + 1:) /= hexadecimal(checksum(line(:last - 1)))) then
         call raise(error, code_file, "'"//self%folder//"/plan.csv' is not as the plan left it (row "// &
           to_text(size(self%name) + 1)//"): begin anew with --force")

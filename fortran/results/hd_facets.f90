@@ -43,6 +43,7 @@ module hd_facets
     real(dp) :: contact_area = 0       !< [m^2]
     real(dp) :: pressure_max = 0       !< at a node [Pa]
     real(dp) :: pressure_middle = 0    !< mean over the middle fifth of the band [Pa]
+    real(dp) :: pressure_middle_max = 0   !< largest mean over the middle fifth at one angle [Pa]
     real(dp) :: friction_torque = 0    !< of the ring on the flexspline, pressure on a formed bore included [N m]
     real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
     type(support_torques_t) :: torque  !< what each support takes, and what is out of balance
@@ -70,8 +71,8 @@ module hd_facets
     'pressure_2_pa,shear_2_pa,pressure_3_pa,shear_3_pa,pressure_4_pa,shear_4_pa'
   !> Names of what `sum_values` returns, as in steps.csv, summary.json and Python.
   character(len=*), parameter :: sum_names = 'rotation_rad,normal_force_n,reaction_force_n,facet_force_n,lobe_force_x_n,'// &
-    'contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,friction_torque_nm,friction_capacity_nm,torque_balance_nm,'// &
-    'axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_tangent_nm_per_rad,k_ts_secant_nm_per_rad,'// &
+    'contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,pressure_mid_max_pa,friction_torque_nm,friction_capacity_nm,'// &
+    'torque_balance_nm,axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_tangent_nm_per_rad,k_ts_secant_nm_per_rad,'// &
     'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
@@ -92,9 +93,9 @@ contains
     type(sums_t), intent(in) :: s  !< sums
     real(dp), allocatable :: values(:)
     values = [s%rotation, s%normal_force, s%reaction_force, s%facet_force, s%lobe_force_x, s%contact_area, s%pressure_max, &
-      s%pressure_middle, s%friction_torque, s%friction_capacity, s%torque%balance, s%axial_balance, s%friction, s%k_ts, &
-      s%k_ts_paper, s%k_tangent, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, s%slip_k_ts, s%edge_line_load, &
-      s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
+      s%pressure_middle, s%pressure_middle_max, s%friction_torque, s%friction_capacity, s%torque%balance, s%axial_balance, &
+      s%friction, s%k_ts, s%k_ts_paper, s%k_tangent, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, s%slip_k_ts, &
+      s%edge_line_load, s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
   end function sum_values
 
   !> Fields on the facets. The joint answers to the pressure and shear of a point: a facet's means would lie between slip here
@@ -186,14 +187,17 @@ contains
     q = min(shear, (1 - 1e-6_dp)*limit)
   end function below_slip
 
-  !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh: linear along a facet.
-  pure real(dp) function middle_pressure(drive, state, facets) result(p)
+  !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh, and the largest at one angle:
+  !> linear along a facet.
+  pure subroutine middle_pressure(drive, state, facets, p, peak)
     type(drive_t), intent(in) :: drive    !< drive
     type(state_t), intent(in) :: state    !< converged state
     type(facets_t), intent(in) :: facets  !< its facets
+    real(dp), intent(out) :: p, peak      !< [Pa]
     real(dp), dimension(size(facets%area)) :: low, high, part, slope
     real(dp) :: corner(4, size(facets%area))
     real(dp) :: z(2, size(facets%area)), middle, half
+    integer :: grid(2)
     z = drive%face%chart(2, [1, 3], :)
     middle = 0.5_dp*(minval(z) + maxval(z))
     half = 0.1_dp*(maxval(z) - minval(z))
@@ -202,8 +206,11 @@ contains
     part = max(0._dp, high - low)/(z(2, :) - z(1, :))*facets%area
     corner = reshape(state%traction(1, [drive%problem%mortar%facet]), shape(corner))
     slope = 0.5_dp*sum(corner(3:4, :) - corner(1:2, :), 1)/(z(2, :) - z(1, :))
-    p = sum(part*(facets%traction(1, :) + slope*0.5_dp*(low + high - z(1, :) - z(2, :))))/sum(part)
-  end function middle_pressure
+    slope = part*(facets%traction(1, :) + slope*0.5_dp*(low + high - z(1, :) - z(2, :)))
+    p = sum(slope)/sum(part)
+    grid = [drive%axial_facets, size(part)/drive%axial_facets]
+    peak = maxval(sum(reshape(slope, grid), 1)/sum(reshape(part, grid), 1))
+  end subroutine middle_pressure
 
   !> Largest force per length round the axis that the ring's first or last tenth carries. The peak pressure at the ring's edge grows
   !> with a finer mesh, as that of a punch; its integral converges.
@@ -313,7 +320,7 @@ contains
       sums%friction = load%friction
       sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)
-      sums%pressure_middle = middle_pressure(drive, state, facets)
+      call middle_pressure(drive, state, facets, sums%pressure_middle, sums%pressure_middle_max)
       allocate (r(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, r)
       sums%friction_torque = moment(drive, state, r, drive%b_cup)

@@ -16,14 +16,14 @@ contains
   pure function covered(scene, planned, limit) result(list)
     type(scene_t), intent(in) :: scene  !< scene
     logical, intent(in) :: planned      !< the mesh was planned, and something is known of its error
-    real(dp), intent(in) :: limit(:)    !< limits that are promised (promises), 0: nothing is
+    real(dp), intent(in) :: limit(:)    !< limits that are promised (values), 0: nothing is
     type(string_t), allocatable :: list(:)
     type(promise_t) :: promised(promises)
     integer :: i
     allocate (list(0))
     promised = promises_of(scene)
     do i = 1, promises
-      if (planned .and. abs(limit(i)) > 0) call push(list, trim(promised(i)%column))
+      if (planned .and. any(abs(limit(promised(i)%first:promised(i)%last)) > 0)) call push(list, trim(promised(i)%column))
     end do
   end function covered
 

@@ -3,32 +3,49 @@
 !>
 !> K_TS by Eq. 45 is none of them. With the joint of a spectrum it grows without limit as cells at the edges of the band get
 !> shorter, since its stiffness grows faster than the pressure there (docs/explain/planner.md).
+!>
+!> A promise is one number or several: K_TS of all load steps, the pressures of all patches (hd_pressure_patches). Their values
+!> stand one after the other in a list of `values` numbers.
 module hd_promises
   use hd_kinds, only: dp
   use hd_facets, only: sums_t
   use hd_loop, only: loop_t, readings_t, read_loop
+  use hd_pressure_patches, only: patches
   use hd_scene, only: scene_t
+  use hd_text, only: rounded
   implicit none
   private
-  public :: promises, promise_t, promises_of, promised_values
+  public :: promises, values, most_steps, promise_t, promises_of, promised_values, is_field, needed, relative
+  public :: promise_text, every_second
 
-  integer, parameter :: promises = 4   !< how many
+  integer, parameter :: promises = 8                           !< how many
+  integer, parameter :: most_steps = 16                        !< torque steps of which K_TS is promised; if there are more: of none
+  integer, parameter :: values = 6 + most_steps + 1 + patches  !< numbers in all promises
 
   type :: promise_t
-    character(len=23) :: column   !< of steps.csv and summary.json
-    character(len=17) :: name     !< behind estimated_error_ and mesh_over_limit_
-    character(len=17) :: words    !< for the log
-    character(len=7) :: unit      !< of it
+    character(len=29) :: column = ''  !< of steps.csv and summary.json
+    character(len=18) :: name = ''    !< behind estimated_error_ and mesh_over_limit_
+    character(len=18) :: words = ''   !< for the log
+    character(len=7) :: unit = ''     !< of it
+    integer :: first = 1, last = 0    !< its numbers among `values`
   end type promise_t
 
+  !> The refinement goes on until these are within the tolerance. The others are promised where they then are, too: peaks settle
+  !> slowly where contact ends round the axis, and K_TS while the torque is small, where few points stick.
+  logical, parameter :: needed(promises) = [.true., .true., .true., .true., .true., .false., .false., .true.]
   type(promise_t), parameter :: of_contact(promises) = [ &
-    promise_t('k_ts_tangent_nm_per_rad', 'k_ts_tangent', 'tangent K_TS', 'N m/rad'), &
-    promise_t('rotation_rad', 'rotation', 'rotation', 'rad'), &
-    promise_t('normal_force_n', 'normal_force', 'normal force', 'N'), &
-    promise_t('pressure_mid_mean_pa', 'mid_band_pressure', 'mid-band pressure', 'Pa')]
+    promise_t('k_ts_tangent_nm_per_rad', 'k_ts_tangent', 'tangent K_TS', 'N m/rad', 1, 1), &
+    promise_t('rotation_rad', 'rotation', 'rotation', 'rad', 2, 2), &
+    promise_t('normal_force_n', 'normal_force', 'normal force', 'N', 3, 3), &
+    promise_t('pressure_mid_mean_pa', 'mid_band_pressure', 'mid-band pressure', 'Pa', 4, 4), &
+    promise_t('k_fe_secant_nm_per_rad', 'k_fts', 'K_FTS', 'N m/rad', 5, 5), &
+    promise_t('pressure_mid_max_pa', 'mid_band_peak', 'mid-band peak', 'Pa', 6, 6), &
+    promise_t('k_ts_tangent_steps_nm_per_rad', 'k_ts_tangent_steps', 'K_TS of all steps', 'N m/rad', 7, 7 + most_steps), &
+    promise_t('pressure_field_pa', 'pressure_field', 'pressure field', 'Pa', 8 + most_steps, values)]
   type(promise_t), parameter :: of_drive(promises) = [ &
-    promise_t('k1_nm_per_rad', 'k1', 'K1', 'N m/rad'), promise_t('k2_nm_per_rad', 'k2', 'K2', 'N m/rad'), &
-    promise_t('k3_nm_per_rad', 'k3', 'K3', 'N m/rad'), promise_t('hysteresis_rad', 'hysteresis', 'hysteresis', 'rad')]
+    promise_t('k1_nm_per_rad', 'k1', 'K1', 'N m/rad', 1, 1), promise_t('k2_nm_per_rad', 'k2', 'K2', 'N m/rad', 2, 2), &
+    promise_t('k3_nm_per_rad', 'k3', 'K3', 'N m/rad', 3, 3), promise_t('hysteresis_rad', 'hysteresis', 'hysteresis', 'rad', 4, 4), &
+    promise_t(), promise_t(), promise_t(), promise_t()]
 
 contains
 
@@ -40,22 +57,84 @@ contains
     if (scene%support == 'drive') list = of_drive
   end function promises_of
 
+  !> These of the `values` are a field, whose error is that of its norm, and which may be 0 here and there.
+  elemental logical function is_field(i)
+    integer, intent(in) :: i  !< number among the values
+    is_field = i >= of_contact(promises)%first
+  end function is_field
+
+  !> Values of a run with twice the load steps, K_TS of every second one, beside those of a run with half as many.
+  pure function every_second(scene, value) result(q)
+    type(scene_t), intent(in) :: scene         !< scene
+    real(dp), intent(in) :: value(values)      !< with twice the load steps
+    real(dp) :: q(values)
+    integer, parameter :: first = of_contact(promises - 1)%first, last = of_contact(promises - 1)%last
+    q = value
+    if (scene%support == 'drive') return
+    q(first:last) = 0
+    q(first:first + most_steps/2) = value(first:last:2)
+  end function every_second
+
   !> Their values; 0 where a scene has none: no tangent with bonded faces, no rotation without a torque, no pressure where the
   !> middle of the band is open, no K3 of a loop that ends at T2, no hysteresis of one that does not come back. Nothing is promised
   !> of these.
-  pure function promised_values(scene, sums, loop) result(q)
-    type(scene_t), intent(in) :: scene  !< scene
-    type(sums_t), intent(in) :: sums    !< of its last step
-    type(loop_t), intent(in) :: loop    !< of a whole drive
-    real(dp) :: q(promises)             !< in their units
+  pure function promised_values(scene, sums, tangents, pressures, loop) result(q)
+    type(scene_t), intent(in) :: scene             !< scene
+    type(sums_t), intent(in) :: sums               !< of its last step
+    real(dp), intent(in) :: tangents(0:)           !< K_TS after the assembly and in the torque steps (0:most_steps) [N m/rad]
+    real(dp), intent(in) :: pressures(:)           !< of the patches in the last step (patches) [Pa]
+    type(loop_t), intent(in) :: loop               !< of a whole drive
+    real(dp) :: q(values)                          !< in their units
     type(readings_t) :: readings
+    q = 0
     if (scene%support == 'drive') then
       readings = read_loop(loop, scene)
-      q = [readings%k, readings%hysteresis]
-      return
+      q(:4) = [readings%k, readings%hysteresis]
+    else if (scene%support == 'teeth') then  ! bonded: no contact
+      q(2) = sums%rotation
+      q(5) = sums%over_rotation
+    else
+      q = [sums%k_tangent, sums%rotation, sums%normal_force, sums%pressure_middle, 0._dp, sums%pressure_middle_max, tangents, &
+        pressures]
+      if (.not. (scene%torque_steps > 0 .and. abs(scene%torque) > 0)) q(2) = 0
+      if (scene%contact_mode == 'bonded') q([4, 6]) = 0
     end if
-    q = [sums%k_tangent, sums%rotation, sums%normal_force, sums%pressure_middle]
-    if (.not. (scene%torque_steps > 0 .and. abs(scene%torque) > 0)) q(2) = 0
     where (.not. abs(q) > 0) q = 0  ! not a number
   end function promised_values
+
+  !> Errors of promises over their values: of several numbers the largest, of a field the norm. What has no value counts as exact.
+  pure function relative(scene, error, value) result(r)
+    type(scene_t), intent(in) :: scene         !< scene
+    real(dp), intent(in) :: error(values)      !< in the units of the values
+    real(dp), intent(in) :: value(values)      !< 0: none
+    real(dp) :: r(promises)
+    type(promise_t) :: list(promises)
+    integer :: i
+    list = promises_of(scene)
+    r = 0
+    do i = 1, promises
+      associate (e => error(list(i)%first:list(i)%last), v => value(list(i)%first:list(i)%last))
+        if (.not. any(abs(v) > 0)) cycle
+        if (is_field(list(i)%first)) then
+          r(i) = norm2(e)/norm2(v)
+        else
+          r(i) = maxval(abs(e)/max(abs(v), tiny(1._dp)), mask=abs(v) > 0)
+        end if
+      end associate
+    end do
+  end function relative
+
+  !> A promise with its value, or the smallest and the largest; empty if it has none.
+  pure function promise_text(promise, value) result(text)
+    type(promise_t), intent(in) :: promise   !< one of them
+    real(dp), intent(in) :: value(values)    !< of all, 0: none
+    character(len=:), allocatable :: text
+    text = ''
+    associate (v => value(promise%first:promise%last))
+      if (.not. any(abs(v) > 0)) return
+      text = trim(promise%words)//' '//rounded(minval(v, mask=abs(v) > 0))
+      if (size(v) > 1) text = text//' to '//rounded(maxval(v))
+      text = text//' '//trim(promise%unit)
+    end associate
+  end function promise_text
 end module hd_promises

@@ -2,6 +2,7 @@
 !> summary.json: the last file of a run, and the proof that it ended as it says.
 module hd_summary
   use, intrinsic :: iso_fortran_env, only: compiler_version
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_clock, only: timestamp
   use hd_cost, only: forecast_t
@@ -16,7 +17,7 @@ module hd_summary
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
   use hd_parameters, only: parameter_table_t, new_table, value_count
-  use hd_promises, only: promise_t, promises, promises_of
+  use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_text, only: string_t, split
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
@@ -43,8 +44,9 @@ module hd_summary
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: planned_tolerance = 0            !< tolerance that was planned for, 0: none
-    real(dp) :: to_limit(promises) = 1 !< limits of fine meshes over what the mesh gives
-    real(dp) :: limit(promises) = 0    !< those limits at the last step; 0: none
+    real(dp) :: to_limit(values) = 1   !< limits of fine meshes over what the mesh gives
+    real(dp) :: shift(values) = 0      !< of a field: limits less what the mesh gives
+    real(dp) :: limit(values) = 0      !< those limits at the last step; 0: none
     real(dp) :: estimate(promises) = 0 !< their estimated relative errors
     integer :: level = 0               !< of the series of meshes
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
@@ -159,14 +161,26 @@ contains
     type(scene_t), intent(in) :: scene                        !< scene
     type(record_t), intent(in) :: record                      !< plan
     type(promise_t) :: promised(promises)
-    integer :: i
+    real(dp) :: over(values), none
+    integer :: i, a, b
     promised = promises_of(scene)
+    none = ieee_value(1._dp, ieee_quiet_nan)
+    over = 1
+    where (abs(record%limit) > 0) over = (record%limit - record%shift)/(record%limit*record%to_limit)
     call json%begin('plan')
     call json%add('tolerance', record%planned_tolerance)
     do i = 1, promises
-      if (record%level == 0 .or. .not. abs(record%limit(i)) > 0) cycle
-      call json%add(trim(promised(i)%column), record%limit(i))
-      call json%add('mesh_over_limit_'//trim(promised(i)%name), 1/record%to_limit(i))
+      a = promised(i)%first
+      b = promised(i)%last
+      if (.not. is_field(a)) b = a - 1 + findloc(abs(record%limit(a:b)) > 0, .true., 1, back=.true.)
+      if (record%level == 0 .or. .not. any(abs(record%limit(a:b)) > 0)) cycle
+      if (a == b) then
+        call json%add(trim(promised(i)%column), record%limit(a))
+        call json%add('mesh_over_limit_'//trim(promised(i)%name), over(a))
+      else
+        call json%add(trim(promised(i)%column), merge(record%limit(a:b), none, is_field(a) .or. abs(record%limit(a:b)) > 0))
+        call json%add('mesh_over_limit_'//trim(promised(i)%name), over(a:b))
+      end if
       call json%add('estimated_error_'//trim(promised(i)%name), record%estimate(i))
     end do
     call json%add('level', record%level)

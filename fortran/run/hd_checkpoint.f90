@@ -9,6 +9,7 @@ module hd_checkpoint
   use hd_loop, only: loop_t, store_loop, recall_loop
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
+  use hd_promises, only: most_steps
   use hd_scene, only: scene_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file
   use hd_text, only: string_t
@@ -24,6 +25,7 @@ module hd_checkpoint
     real(dp) :: coupled = 0        !< at the last load step [rad/(N m)]
     real(dp) :: torque = 0         !< of that step [N m]
     real(dp) :: turned = 0         !< integral of the coupled one over the torque [rad]
+    real(dp) :: tangent(0:most_steps) = 0   !< tangent K_TS after the assembly and in each torque step, 0: none [N m/rad]
   end type flexibility_t
 
   !> Where a run stands after its last converged load step.
@@ -41,7 +43,7 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint 7'
+    character(len=21) :: magic = 'hdengine checkpoint 8'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change

@@ -25,7 +25,8 @@ module hd_run
     write_grids, close_output
   use hd_lapack, only: blas_threads
   use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
-  use hd_promises, only: promised_values
+  use hd_promises, only: promised_values, most_steps
+  use hd_pressure_patches, only: patch_pressures
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_summary, only: record_t, write_summary
@@ -67,8 +68,7 @@ module hd_run
     type(record_t) :: record
     type(error_t), allocatable :: failure   !< what ended the run early
     real(dp) :: rotation_assembled = 0      !< rotation at the end of the assembly [rad]
-    real(dp) :: clock = 0                   !< when the run began [s]
-    real(dp) :: step_clock = 0              !< when the present load step began [s]
+    real(dp) :: clock = 0, step_clock = 0   !< when the run and the present load step began [s]
   end type run_t
 
 contains
@@ -104,10 +104,8 @@ contains
     type(mark_t) :: mark
     call prepare(scene, input, run, error)
     if (.not. allocated(error)) call build(run, error)
-    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, run%loop, &
-      error)
-    if (.not. allocated(error)) call reopen_output(folder, scene, mark%sizes, mark%sums, &
-      mark%steps, run%output, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, run%loop, error)
+    if (.not. allocated(error)) call reopen_output(folder, scene, mark%sizes, mark%sums, mark%steps, run%output, error)
     if (allocated(error)) return
     run%writes = .true.
     run%position = mark%position
@@ -218,9 +216,7 @@ contains
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       if (run%scene%support == 'drive' .and. .not. allocated(error)) then
         call book_stress(run%loop, run%scene, run%drive, run%state, run%step, error)
-      end if
-      if (run%scene%support == 'drive' .and. .not. allocated(error)) then
-        call write_loop(run%output, run%step, run%scene, run%drive, run%loop, run%sums%k_ts, error)
+        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%drive, run%loop, run%sums%k_ts, error)
       end if
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         run%position >= final_position(run) - 1e-12_dp))) then
@@ -277,9 +273,8 @@ contains
     threads = 0
     glued = .true.
     if (run%solver%own_threads) threads = blas_threads(1)
-    if (.not. run%flexibility%known) then
-      call glued_flexibility(run%drive, run%solver, load, sense, run%state, run%flexibility%glued, glued, error)
-    end if
+    if (.not. run%flexibility%known) call glued_flexibility(run%drive, run%solver, load, sense, run%state, &
+      run%flexibility%glued, glued, error)
     if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
       step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)
     if (run%solver%own_threads) threads = blas_threads(threads)
@@ -299,12 +294,15 @@ contains
   subroutine enter_stiffness(run)
     type(run_t), intent(inout) :: run  !< sums get k_tangent, k_secant
     real(dp) :: turn
+    integer :: station
     run%sums%k_tangent = ieee_value(1._dp, ieee_quiet_nan)
     run%sums%k_secant = run%sums%k_tangent
     associate (f => run%flexibility)
       if (.not. f%known) return
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
       if (run%scene%support == 'drive') return  ! a loop has no secant
+      station = nint((run%position - 1)*run%scene%torque_steps)
+      if (run%scene%torque_steps <= most_steps) f%tangent(station) = run%sums%k_tangent
       run%sums%k_secant = run%sums%k_tangent
       if (.not. abs(f%torque) > 0) return
       turn = merge(f%turned, run%sums%rotation, run%scene%contact_law == 'hard')/f%torque
@@ -339,7 +337,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
-    if (run%record%steps > 0) run%record%limit = run%record%to_limit*promised_values(run%scene, run%sums, run%loop)
+    if (run%record%steps > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
+      run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
     call judge_results(run)
     if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
       code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')

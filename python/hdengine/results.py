@@ -104,6 +104,11 @@ def preformatted(thing: object) -> str:
     return f'<pre style="line-height:1.3">{html.escape(str(thing))}</pre>'
 
 
+def _known(limit: Any) -> Any:
+    """A limit, NaN for what is not promised of a list."""
+    return [np.nan if v is None else v for v in limit] if isinstance(limit, list) else limit
+
+
 def row_edges(area: Any, shape: Any, band_length: Any) -> Any:
     """Ends of the facet rows, from the front edge of the band [m]; rows may be shorter towards its edges (mesh.edge_length)."""
     share = area.reshape(shape).sum(axis=0)
@@ -351,14 +356,19 @@ class Result:
         Returns
         -------
         dict
-            k_ts_tangent_nm_per_rad, rotation_rad, normal_force_n, pressure_mid_mean_pa: (limit, its estimated relative error, mesh
-            over limit); without those that the scene has no value of, empty where nothing was planned.
+            (limit, its estimated relative error, mesh over limit) by column of steps.csv: k_ts_tangent_nm_per_rad, rotation_rad,
+            normal_force_n, pressure_mid_mean_pa, k_fe_secant_nm_per_rad (K_FTS) and pressure_mid_max_pa. Limit and mesh over limit
+            are lists for k_ts_tangent_steps_nm_per_rad (K_TS after the assembly and in each torque step; NaN: not promised) and for
+            pressure_field_pa (mean pressures of 16 x 4 equal patches, along the band first); their error is the largest, or that of
+            the norm. K1, K2, K3 and hysteresis of a whole drive. Without those that the scene has no value of, empty where nothing
+            was planned.
         """
         plan = self.summary.get("plan", {})
         names = {"k_ts_tangent_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
-                 "pressure_mid_mean_pa": "mid_band_pressure", "k1_nm_per_rad": "k1", "k2_nm_per_rad": "k2", "k3_nm_per_rad": "k3",
-                 "hysteresis_rad": "hysteresis"}
-        return {key: (plan[key], plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
+                 "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts", "pressure_mid_max_pa": "mid_band_peak",
+                 "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps", "pressure_field_pa": "pressure_field",
+                 "k1_nm_per_rad": "k1", "k2_nm_per_rad": "k2", "k3_nm_per_rad": "k3", "hysteresis_rad": "hysteresis"}
+        return {key: (_known(plan[key]), plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
                 for key, n in names.items() if key in plan}
 
     def __repr__(self) -> str:

@@ -3,7 +3,7 @@ module test_mesh_series
   use hd_check, only: check, check_close
   use hd_kinds, only: dp
   use hd_mesh_series, only: extrapolate, first_judged, expected_error, first_level, least_error, least_tolerance, levels, meshed
-  use hd_promises, only: promises
+  use hd_promises, only: promises, promise_t, promises_of, promise_text, relative, every_second, values
   use hd_scene, only: scene_t
   implicit none
   private
@@ -15,8 +15,9 @@ contains
     real(dp), parameter :: rows(6) = [4._dp, 6._dp, 8._dp, 12._dp, 16._dp, 22._dp]
     real(dp), parameter :: x(3) = [0.1_dp, 0.03_dp, 0.01_dp]
     type(scene_t) :: scene, one, two
-    real(dp) :: q(promises, 6), limit(promises), estimate(promises)
+    real(dp) :: q(values, 6), limit(values), estimate(values)
     integer :: i
+    q = 0
     q(1, :) = 2 + 5/rows**1.5_dp
     q(2, :) = 7 - 3/rows**1.5_dp
     q(3, :) = 3 + [0._dp, 0._dp, 0.3_dp, 0._dp, 0._dp, 0._dp]
@@ -27,7 +28,7 @@ contains
     call check(estimate(1) >= 5/22._dp**1.5_dp/2*(1 - 1e-9_dp), 'the way to the limit is its error')
     call check_close(limit(3), 3._dp, 1e-12_dp, 'a coarse mesh counts no more')
     call check(estimate(3) > 0.01_dp, 'what it changed of the limit is its error')
-    call check(abs(limit(4) - 2) < 2*estimate(4)*limit(4), &
+    call check(abs(limit(4) - 2) < 2*estimate(4), &
       'the estimate covers half of a first order taken for one of three halves')
     do i = 1, 3
       scene%planned_tolerance = x(i)
@@ -45,5 +46,33 @@ contains
     call check(one%ring_divisions == 0 .and. one%ring_facets == 0, 'meshes of a plan match: slave and master are the same')
     call check_close(one%edge_length/two%edge_length, real(two%band_facets, dp)/one%band_facets, 1e-12_dp, &
       'edge cells keep their share of a row')
+    call check_relative()
   end subroutine run_mesh_series
+
+  !> Promises of several numbers.
+  subroutine check_relative()
+    type(scene_t) :: scene
+    type(promise_t) :: list(promises)
+    real(dp) :: value(values), error(values), r(promises)
+    scene%support = 'hub'
+    list = promises_of(scene)
+    value = 0
+    error = 0
+    associate (k => list(promises - 1), p => list(promises))
+      value(k%first:k%first + 1) = [2._dp, 4._dp]
+      error(k%first:k%first + 2) = [0.2_dp, 0.1_dp, 9._dp]
+      value(p%first:p%first + 1) = [3._dp, 4._dp]
+      error(p%first + 1:p%first + 2) = [0.3_dp, 0.4_dp]
+      r = relative(scene, error, value)
+      call check_close(r(promises - 1), 0.1_dp, 1e-12_dp, 'the error of several numbers is the largest of those that are there')
+      call check_close(r(promises), 0.1_dp, 1e-12_dp, 'the error of a field is that of its norm, where it is 0 too')
+      call check_close(maxval(r(:promises - 2)), 0._dp, 1e-12_dp, 'what has no value has no error')
+      call check(promise_text(k, value) == 'K_TS of all steps 2.0 to 4.0 N m/rad', 'several numbers are told by their range')
+      call check(len(promise_text(list(1), value)) == 0, 'what has no value is not told')
+    end associate
+    value(list(promises - 1)%first + [0, 1, 2]) = [2._dp, 3._dp, 4._dp]
+    value = every_second(scene, value)
+    call check_close(value(list(promises - 1)%first + 1), 4._dp, 1e-12_dp, &
+      'steps of a doubled run stand beside those of one with half as many')
+  end subroutine check_relative
 end module test_mesh_series

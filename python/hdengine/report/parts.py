@@ -132,8 +132,11 @@ def _comparison(rows):
 
 
 _PROMISED = {"k_ts_tangent_nm_per_rad": ("K_TS, tangent / (MN m/rad)", 1e-6), "rotation_rad": ("rotation / µrad", 1e6),
-             "normal_force_n": ("normal force / N", 1), "pressure_mid_mean_pa": ("mid-band pressure / MPa", 1e-6)}
-_PLANNED = (*_PROMISED, "seconds")
+             "normal_force_n": ("normal force / N", 1), "pressure_mid_mean_pa": ("mid-band pressure / MPa", 1e-6),
+             "k_fe_secant_nm_per_rad": ("K_FTS / (kN m/rad)", 1e-3), "pressure_mid_max_pa": ("mid-band peak / MPa", 1e-6),
+             "k_ts_tangent_steps_nm_per_rad": ("K_TS, tangent, of all load steps / (MN m/rad)", 1e-6),
+             "pressure_field_pa": ("pressures of 16 x 4 patches / MPa", 1e-6), "hysteresis_rad": ("hysteresis / µrad", 1e6),
+             **{f"k{i}_nm_per_rad": (f"K{i} / (kN m/rad)", 1e-3) for i in (1, 2, 3)}}
 
 
 def _mesh(text):
@@ -157,15 +160,18 @@ def _plan(result):
     text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
         "by the estimate.</p>"
     if result.limits:
-        rows = [[_PROMISED[key][0], _PROMISED[key][1] * value, f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}"]
+        rows = [[_PROMISED[key][0], " to ".join(f"{_PROMISED[key][1] * v:.4g}" for v in sorted({np.nanmin(value), np.nanmax(value)})),
+                 f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}" if np.ndim(mesh) == 0 else "-"]
                 for key, (value, error, mesh) in result.limits.items()]
         text += "<p>What is promised of the last step:</p>" + _table(
             ("quantity", "limit of fine meshes", "known to / %", "this mesh above it / %"), rows)
     reasons = "".join(f"<li>{html.escape(line)}</li>" for line in planned["reasons"])
     text += f"<p>Why (changes are relative, the largest of what is promised):</p><ul>{reasons}</ul>"
     if (folder / "plan.csv").is_file():
-        rows = [[_mesh(r["mesh"]), *(r[n] for n in _PLANNED)] for r in read_rows(folder / "plan.csv")]
-        head = ("facets without edge cells, edge cells, layers, steps, element", *_PLANNED)
+        table = read_rows(folder / "plan.csv")
+        head = [*(n for n in table[0] if n in _PROMISED), "seconds"]
+        rows = [[_mesh(r["mesh"]), *(r[n] for n in head)] for r in table]
+        head = ("facets without edge cells, edge cells, layers, steps, element", *head)
         text += "<p>Solved for it:</p>" + _columns(head, rows)
     return text
 

@@ -288,6 +288,8 @@ def promised_results():
     for tolerance in tolerances(rows):
         for name, words in NAMES.items():
             pairs = [(estimate, error) for n, estimate, error in judged_results(rows, tolerance) if n == name]
+            if not pairs:
+                continue
             errors = [e for _, e in pairs]
             out.append((f"{100 * tolerance:g} %", words, len(pairs), shown(median, errors), shown(max, errors),
                         shown(median, [a / max(e, 1e-5) for a, e in pairs], ratio), sum(e > a for a, e in pairs), sum(e > tolerance for e in errors)))

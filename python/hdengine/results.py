@@ -365,8 +365,9 @@ class Result:
         """
         plan = self.summary.get("plan", {})
         names = {"k_ts_tangent_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
-                 "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts", "pressure_mid_max_pa": "mid_band_peak",
-                 "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps", "pressure_field_pa": "pressure_field",
+                 "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts",
+                 "pressure_mid_max_pa": "mid_band_peak", "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps",
+                 "pressure_field_pa": "pressure_field",
                  "k1_nm_per_rad": "k1", "k2_nm_per_rad": "k2", "k3_nm_per_rad": "k3", "hysteresis_rad": "hysteresis"}
         return {key: (_known(plan[key]), plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
                 for key, n in names.items() if key in plan}

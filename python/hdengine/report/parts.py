@@ -160,7 +160,8 @@ def _plan(result):
     text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
         "by the estimate.</p>"
     if result.limits:
-        rows = [[_PROMISED[key][0], " to ".join(f"{_PROMISED[key][1] * v:.4g}" for v in sorted({np.nanmin(value), np.nanmax(value)})),
+        rows = [[_PROMISED[key][0],
+                 " to ".join(f"{_PROMISED[key][1] * v:.4g}" for v in sorted({np.nanmin(value), np.nanmax(value)})),
                  f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}" if np.ndim(mesh) == 0 else "-"]
                 for key, (value, error, mesh) in result.limits.items()]
         text += "<p>What is promised of the last step:</p>" + _table(
@@ -171,8 +172,7 @@ def _plan(result):
         table = read_rows(folder / "plan.csv")
         head = [*(n for n in table[0] if n in _PROMISED), "seconds"]
         rows = [[_mesh(r["mesh"]), *(r[n] for n in head)] for r in table]
-        head = ("facets without edge cells, edge cells, layers, steps, element", *head)
-        text += "<p>Solved for it:</p>" + _columns(head, rows)
+        text += "<p>Solved for it:</p>" + _columns(("facets without edge cells, edge cells, layers, steps, element", *head), rows)
     return text
 
 

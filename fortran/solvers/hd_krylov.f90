@@ -34,8 +34,6 @@ module hd_krylov
     end subroutine precondition_operator
   end interface
 
-  integer, parameter :: long_vector = 8000  !< from which two threads are worth waking
-
 contains
 
   !> Solve A x = b from x = 0 without restart. A preconditioner that is not the same linear map every time needs `flexible`
@@ -75,7 +73,12 @@ contains
       if (allocated(error)) return
       if (size(kept, 2) > 0) kept(:, j) = z
       call op%multiply(z, v(:, j + 1))
-      call orthonormalise(v(:, :j + 1), h(:j + 1, j))
+      do i = 1, j
+        h(i, j) = ddot(n, v(:, i), 1, v(:, j + 1), 1)
+        v(:, j + 1) = v(:, j + 1) - h(i, j)*v(:, i)
+      end do
+      h(j + 1, j) = sqrt(ddot(n, v(:, j + 1), 1, v(:, j + 1), 1))
+      if (h(j + 1, j) > 0) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
       do i = 1, j - 1
         t = cosine(i)*h(i, j) + sine(i)*h(i + 1, j)
         h(i + 1, j) = -sine(i)*h(i, j) + cosine(i)*h(i + 1, j)
@@ -102,35 +105,4 @@ contains
       call op%approximate(z, x, error)
     end if
   end subroutine solve_gmres
-
-  !> Modified Gram-Schmidt of the last column against the others. Halves of the columns run beside each other: the sums are the same
-  !> for any number of threads.
-  subroutine orthonormalise(v, h)
-    real(dp), intent(inout), contiguous :: v(:, :)   !< all but the last orthonormal (n, columns)
-    real(dp), intent(out) :: h(:)                    !< parts of the last along the others, and the length that is left (columns)
-    real(dp) :: part(2)
-    integer :: first(3), half, i, last
-    last = size(v, 2)
-    first = [1, size(v, 1)/2 + 1, size(v, 1) + 1]
-    !$omp parallel private(i) if(size(v, 1) > long_vector)
-    do i = 1, last
-      !$omp do schedule(static)
-      do half = 1, 2
-        associate (low => first(half), high => first(half + 1) - 1)
-          part(half) = ddot(high - low + 1, v(low:high, i), 1, v(low:high, last), 1)
-        end associate
-      end do
-      !$omp single
-      h(i) = merge(sqrt(sum(part)), sum(part), i == last)
-      !$omp end single
-      !$omp do schedule(static)
-      do half = 1, 2
-        associate (low => first(half), high => first(half + 1) - 1)
-          if (i < last) v(low:high, last) = v(low:high, last) - h(i)*v(low:high, i)
-          if (i == last .and. h(i) > 0) v(low:high, last) = v(low:high, last)/h(i)
-        end associate
-      end do
-    end do
-    !$omp end parallel
-  end subroutine orthonormalise
 end module hd_krylov

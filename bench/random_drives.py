@@ -161,8 +161,9 @@ def main():
         print(" ".join(f"'{k}={v}'" for k, v in draw(args.only).items()))
         print(json.dumps(solve(draw(args.only)), indent=1))
         return
-    for kinematics in [args.kinematics] if args.kinematics else ["linear", "nonlinear"]:
-        run(kinematics, args.start, args.count if args.kinematics == kinematics or kinematics == "linear" else args.count // 10)
+    run(args.kinematics or "linear", args.start, args.count)
+    if not args.kinematics:
+        run("nonlinear", args.start, args.count // 10)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,7 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, sgemm, ddot, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, &
-    multiply_symmetric, add_image, add_transposed_image
+  public :: dgemm, sgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -50,18 +49,6 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotri
-    real(dp) function ddot(n, x, incx, y, incy)
-      import :: dp
-      integer, intent(in) :: n, incx, incy
-      real(dp), intent(in) :: x(*), y(*)
-    end function ddot
-    subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: dp
-      character(len=1), intent(in) :: trans
-      integer, intent(in) :: m, n, lda, incx, incy
-      real(dp), intent(in) :: alpha, a(lda, *), x(*), beta
-      real(dp), intent(inout) :: y(*)
-    end subroutine dgemv
     subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -92,24 +79,6 @@ contains
     real(dp), intent(out), contiguous :: c(:, :)          !< product (m, n)
     call dgemm('N', 'T', size(a, 1), size(b, 1), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
   end subroutine multiply_transposed
-
-  !> y = y + factor A x.
-  subroutine add_image(factor, a, x, y)
-    real(dp), intent(in) :: factor                 !< factor
-    real(dp), intent(in), contiguous :: a(:, :)    !< matrix (m, n)
-    real(dp), intent(in), contiguous :: x(:)       !< vector (n)
-    real(dp), intent(inout), contiguous :: y(:)    !< sum (m)
-    if (size(a) > 0) call dgemv('N', size(a, 1), size(a, 2), factor, a, size(a, 1), x, 1, 1._dp, y, 1)
-  end subroutine add_image
-
-  !> y = y + factor A^T x.
-  subroutine add_transposed_image(factor, a, x, y)
-    real(dp), intent(in) :: factor                 !< factor
-    real(dp), intent(in), contiguous :: a(:, :)    !< matrix (m, n)
-    real(dp), intent(in), contiguous :: x(:)       !< vector (m)
-    real(dp), intent(inout), contiguous :: y(:)    !< sum (n)
-    if (size(a) > 0) call dgemv('T', size(a, 1), size(a, 2), factor, a, size(a, 1), x, 1, 1._dp, y, 1)
-  end subroutine add_transposed_image
 
   !> y = A x for a symmetric matrix.
   function multiply_symmetric(a, x) result(y)

@@ -13,7 +13,7 @@ module hd_border
   use hd_kinds, only: dp
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t
-  use hd_lapack, only: ddot, invert_symmetric
+  use hd_lapack, only: invert_symmetric
   use hd_mortar, only: relative_displacement
   use hd_problem, only: problem_t
   use hd_strut, only: closing_of, push
@@ -232,8 +232,7 @@ contains
     integer, allocatable :: list(:)
     integer :: i
     list = self%columns()
-    known = [(-dot_product(self%own(:, list(i)), forces) - ddot(size(pressed), self%side(:, :, list(i)), 1, pressed, 1), &
-      i=1, size(list))]
+    known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, :, list(i))*pressed), i=1, size(list))]
     do i = 1, self%struts
       if (abs(forces(i)) > 0) w = w + forces(i)*self%side(:, :, i)
     end do

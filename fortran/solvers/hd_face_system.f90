@@ -11,7 +11,7 @@ module hd_face_system
   use hd_compliance, only: compliance_t
   use hd_error, only: error_t
   use hd_krylov, only: operator_t, solve_gmres
-  use hd_lapack, only: add_image, add_transposed_image, solve_dense
+  use hd_lapack, only: solve_dense
   use hd_symmetry, only: symmetry_t, mirror_sign
   use hd_system, only: stop_requested, check_stop
   use hd_vector, only: cross
@@ -261,9 +261,11 @@ contains
     call number(self, list)
     call pack_rows(self)
     call weigh(self)
-    allocate (self%fringe(0), self%from(0), self%fade(0))
-    ! elsewhere it is no gain: CD-14-100 from rest takes 32 Newton iterations, 21 without
-    if (self%struts > 0) call self%compliance%surround(closed_of(self), self%fringe, self%from, self%fade)
+    if (self%struts > 0) then  ! elsewhere it is no gain: CD-14-100 from rest takes 32 Newton iterations, 21 without
+      call self%compliance%surround(closed_of(self), self%fringe, self%from, self%fade)
+    else
+      allocate (self%fringe(0), self%from(0), self%fade(0))
+    end if
     self%single = tolerance >= single_above
     b = right_side(self, w)
     if (self%struts > 0) call eliminate_struts(self, b, error)
@@ -380,30 +382,27 @@ contains
     class(face_system_t), intent(inout) :: self  !< system
     real(dp), intent(in) :: x(:)                 !< unknowns [N]
     real(dp), intent(out) :: y(:)                !< rows [m]
-    real(dp) :: forces(self%struts)
     integer :: k, l, n
     n = size(self%at)
     self%f = 0
     do l = 1, n
       self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
     end do
-    if (self%single) call self%compliance%apply_single(self%f, self%w)
-    if (.not. self%single) call self%compliance%apply(self%f, self%w)
+    if (self%single) then
+      call self%compliance%apply_single(self%f, self%w)
+    else
+      call self%compliance%apply(self%f, self%w)
+    end if
     do l = 1, n
       y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
       do k = self%first(l), min(self%first(l) + 2, n)
         y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
       end do
     end do
-    if (self%struts > 0) then
-      forces = 0
-      call add_image(1._dp, self%strut_forces(:, :n), x(:n), forces)
-      call add_image(-1._dp, self%strut_right, forces, y(:n))
-    end if
+    if (allocated(self%strut_forces)) y(:n) = y(:n) - matmul(self%strut_right, matmul(self%strut_forces(:, :n), x(:n)))
     if (self%more == 0) return
-    call add_image(1._dp, self%right, x(n + 1:), y(:n))
-    y(n + 1:) = matmul(self%corner, x(n + 1:))
-    call add_transposed_image(1._dp, self%below, x(:n), y(n + 1:))
+    y(:n) = y(:n) + matmul(self%right, x(n + 1:))
+    y(n + 1:) = matmul(x(:n), self%below) + matmul(self%corner, x(n + 1:))
   end subroutine multiply_face
 
   !> Block elimination of the border, where there is one.
@@ -412,15 +411,12 @@ contains
     real(dp), intent(in) :: x(:)                      !< rows [m]
     real(dp), intent(out) :: y(:)                     !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp) :: left(self%more)
     integer :: n
     n = size(self%at)
     call approximate_points(self, x(:n), y(:n), error)
     if (self%more == 0 .or. allocated(error)) return
-    left = x(n + 1:)
-    call add_transposed_image(-1._dp, self%below, y(:n), left)
-    y(n + 1:) = matmul(self%factor, left)
-    call add_image(-1._dp, self%answer, y(n + 1:), y(:n))
+    y(n + 1:) = matmul(self%factor, x(n + 1:) - matmul(y(:n), self%below))
+    y(:n) = y(:n) - matmul(self%answer, y(n + 1:))
   end subroutine approximate_face
 
   !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates. Values fade out beyond the closed

@@ -3,7 +3,6 @@
 module hd_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t
-  use hd_lapack, only: add_image, ddot
   use hd_system, only: check_stop
   implicit none
   private
@@ -50,7 +49,7 @@ contains
     logical, intent(in), optional :: flexible         !< keep what the preconditioner made
     real(dp), allocatable :: v(:, :), z(:), kept(:, :)
     real(dp) :: h(most + 1, most), g(most + 1), cosine(most), sine(most), norm, t
-    integer :: i, j, n
+    integer :: i, j
     allocate (v(size(b), most + 1), z(size(b)), kept(size(b), 0))
     if (present(flexible)) then
       if (flexible) then
@@ -61,8 +60,7 @@ contains
     x = 0
     steps = 0
     residual = 0
-    n = size(b)
-    norm = sqrt(ddot(n, b, 1, b, 1))
+    norm = norm2(b)
     if (.not. norm > 0) return
     v(:, 1) = b/norm
     g = 0
@@ -74,10 +72,10 @@ contains
       if (size(kept, 2) > 0) kept(:, j) = z
       call op%multiply(z, v(:, j + 1))
       do i = 1, j
-        h(i, j) = ddot(n, v(:, i), 1, v(:, j + 1), 1)
+        h(i, j) = dot_product(v(:, i), v(:, j + 1))
         v(:, j + 1) = v(:, j + 1) - h(i, j)*v(:, i)
       end do
-      h(j + 1, j) = sqrt(ddot(n, v(:, j + 1), 1, v(:, j + 1), 1))
+      h(j + 1, j) = norm2(v(:, j + 1))
       if (h(j + 1, j) > 0) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
       do i = 1, j - 1
         t = cosine(i)*h(i, j) + sine(i)*h(i + 1, j)
@@ -98,10 +96,9 @@ contains
       g(i) = (g(i) - dot_product(h(i, i + 1:steps), g(i + 1:steps)))/h(i, i)
     end do
     if (size(kept, 2) > 0) then
-      call add_image(1._dp, kept(:, :steps), g(:steps), x)
+      x = matmul(kept(:, :steps), g(:steps))
     else
-      z = 0
-      call add_image(1._dp, v(:, :steps), g(:steps), z)
+      z = matmul(v(:, :steps), g(:steps))
       call op%approximate(z, x, error)
     end if
   end subroutine solve_gmres

@@ -18,7 +18,6 @@ DOCS = ROOT / "docs"
 SCREENS = 3 * 900
 PAGE, WORD, BLOCK, ITEM, ROW, HEADING, CODE = 173, 1.4, 28.6, 11.7, 26.3, 45, 19.5  # pixels; a block is a paragraph or a list, a cell fits a line
 TEXT, FIGURE, BESIDE = 736, 800, 360    # width of a picture: alone, as figure, beside its table
-LISTS = {"reference/glossary.md"}       # looked up by the search, not read
 MADE = {"requirements.md", "coverage.md", "record_ages.md", "api.md", "api_surfaces.md"}  # made by tools, or lists of links
 PAGES = sorted(str(p.relative_to(DOCS)) for p in DOCS.rglob("*.md") if p.name not in MADE and not {"api", "gallery", "_build"} & set(p.parts))
 
@@ -68,19 +67,18 @@ def height(page, text):
     return pixels
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p not in LISTS])
+@pytest.mark.parametrize("page", PAGES)
 def test_page_fits_three_screens(page):
-    """A page of the site is at most three screens high; lists made by tools and the glossary are left out."""
+    """A page of the site is at most three screens high; lists made by tools are left out."""
     found = height(DOCS / page, (DOCS / page).read_text())
     assert found <= SCREENS, f"{found / 900:.2f} screens: split the page by subject, or fold (<details>) what is no headline"
 
 
 def test_long_pages_are_found():
-    """A page of two screens with as much again is too long, as are the glossary and a page with four tall figures; a folded table is not counted."""
+    """A page of two screens with as much again is too long, as is a page with four tall figures; a folded table is not counted."""
     page = DOCS / "explain/surface_fit.md"
     text = page.read_text()
     assert height(page, text) < SCREENS < height(page, text + text)
-    assert height(DOCS / "reference/glossary.md", (DOCS / "reference/glossary.md").read_text()) > 2 * SCREENS
     assert height(page, "# Title\n\n" + "![four](../figures/joint_models.png)\n\n" * 4) > SCREENS
     table = "| a |\n|---|\n" + "| 1 |\n" * 150
     assert height(page, f"# Title\n\n{table}") > SCREENS > height(page, f"# Title\n\n<details>\n<summary>a</summary>\n\n{table}\n</details>\n")

@@ -132,6 +132,16 @@ def test_cells_fit_a_line():
             assert max(longest) <= 90 or "notebook" in page.parts, (page, longest)
 
 
+def test_list_of_words_is_whole():
+    """The glossary's list names every word of its five pages once, in alphabetical order."""
+    words = [w for page in sorted((ROOT / "docs/reference").glob("glossary_*.md"))
+             for block in re.findall(r"```{glossary}\n(.*?)```", page.read_text(), re.S) for w in re.findall(r"^(\S.*)$", block, re.M)]
+    listed = re.findall(r"{term}`([^`]+)`(?! ``)", (ROOT / "docs/reference/glossary.md").read_text())
+    assert sorted(listed) == sorted(words) and len(words) == len(set(words)) > 100
+    assert [w.lower() for w in listed] == sorted(w.lower() for w in listed)
+
+
+
 def test_keys_are_those_of_the_engine(monkeypatch):
     """The pages of keys hold what `hdengine.x --explain all` prints, each key once."""
     monkeypatch.syspath_prepend(ROOT / "tools")

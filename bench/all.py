@@ -28,7 +28,7 @@ class Bench:
     minutes: float
     full: tuple = ()
     quick: tuple = None    # None: not in the quick set
-    record: str = ""
+    record: str = ""       # a pattern, where it is not the script's name
 
     @property
     def name(self):
@@ -44,7 +44,7 @@ BENCHES = (
     Bench("contact_standards.py", "contact beside closed solutions", 5),
     Bench("height_peers.py", "heights beside FINUFFT and BLAS", 6),
     Bench("structure_function.py", "structure function beside numpy", 1),
-    Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6),
+    Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6, record="peer_hub_*"),
     Bench("peer_drive.py", "a small whole drive beside CalculiX", 5),
     Bench("cup_shapes.py", "shapes of the cup in the whole drive", 3),
     Bench("peer_scenes.py", "press-fit scenes: iterations and results", 1),
@@ -52,7 +52,7 @@ BENCHES = (
     Bench("cost_over_size.py", "cost over the number of facets", 8),
     Bench("forty_scenes.py", "forty scenes in one process", 0.5, quick=()),
     Bench("mesh_orders.py", "order of convergence of a scene", 5),
-    Bench("scene_tables.py", "meshes, slip torque, load steps, layers, balance", 6),
+    Bench("scene_tables.py", "meshes, slip torque, load steps, layers, balance", 6, record="*_study"),
     Bench("kinematics_map.py", "small against large displacements", 4),
     Bench("drive_kinematics.py", "small against large displacements of whole drives", 6),
     Bench("newton_history.py", "residual over Newton iterations", 2),
@@ -98,10 +98,9 @@ ASIDE = {  # scripts that need what the checkout lacks, or make data
     "premises_table": "a tree of commit c6eee82", "joint_bem": "refits data/joint_calibration.json", "torque_record": "writes data/torque_record.csv"}
 
 
-def record_of(bench):
-    """Path of a bench's record, or None."""
-    stem = bench.record or bench.name
-    return next((p for p in (RESULTS / f"{stem}.json", RESULTS / f"{stem}.jsonl") if p.exists()), None)
+def records_of(bench):
+    """Paths of a bench's records."""
+    return sorted(RESULTS.glob(f"{bench.record or bench.name}.json*"))
 
 
 def made_of(path):
@@ -122,17 +121,18 @@ def changes_since(commit):
 
 
 def age(bench):
-    """Words on the age of a record."""
-    path = record_of(bench)
-    if path is None:
+    """Words on the age of a bench's oldest record."""
+    commits = [made_of(path) for path in records_of(bench)]
+    if not commits:
         return "no record"
-    commit = made_of(path)
-    count = changes_since(commit)
-    if count is None:
-        return f"{commit[:8]}, not in this history" if commit else "commit not stated"
-    if count == 0 and not commit.endswith("+"):
+    counts = {commit: changes_since(commit) for commit in commits}
+    unknown = [commit for commit, count in counts.items() if count is None]
+    if unknown:
+        return f"{unknown[0][:8]}, not in this history" if unknown[0] else "commit not stated"
+    commit = max(counts, key=counts.get)
+    if counts[commit] == 0 and not any(c.endswith("+") for c in commits):
         return "of the present sources"
-    return f"{count} change{'s' if count != 1 else ''} since {commit[:8]}"
+    return f"{counts[commit]} change{'s' if counts[commit] != 1 else ''} since {commit[:8]}"
 
 
 def known():

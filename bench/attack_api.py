@@ -4,7 +4,7 @@
     python bench/attack_api.py [calls] [seed]
 
 One or two arguments of a valid call are replaced. Each call runs in a child process, so that a crash is counted and not fatal.
-Prints calls by outcome and raw errors by class and function; bench/results/attack_api.json holds them before and after the checks.
+Writes calls by outcome and raw errors by class and function to bench/results/attack_api.json.
 """
 import collections
 import json
@@ -21,7 +21,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[1]
+from common import ROOT, write_record  # noqa: E402
+
 LIMIT_S = 10
 
 
@@ -300,5 +301,4 @@ if __name__ == "__main__":
     if "-v" in sys.argv:
         for key, (number, text) in seen.items():
             print(f"[{number}] {key}\n      {text[:280]}")
-    if len(sys.argv) > 3 and sys.argv[3].endswith(".json"):
-        Path(sys.argv[3]).write_text(json.dumps(found, indent=1) + "\n")
+    write_record("attack_api", found)

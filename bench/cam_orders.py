@@ -4,10 +4,8 @@
 
 Usage: bench/cam_orders.py; writes bench/results/cam_orders.json, prints Markdown.
 """
-import json
-
 import hdengine
-from common import ROOT
+from common import ROOT, write_record
 
 KEYS = ("normal_force_n", "contact_area_m2", "pressure_max_pa", "pressure_mid_mean_pa", "rotation_rad")
 
@@ -24,7 +22,7 @@ def main():
                 r = rows[-1]
                 print(f"| {1e3 * w:.1f} | {cam} | {kinematics} | {r['normal_force_n']:.0f} | {1e6 * r['contact_area_m2']:.0f} | "
                       f"{1e-6 * r['pressure_max_pa']:.1f} | {1e-6 * r['pressure_mid_mean_pa']:.3f} | {1e6 * r['rotation_rad']:.2f} |", flush=True)
-    (ROOT / "bench/results/cam_orders.json").write_text(json.dumps(rows, indent=1) + "\n")
+    write_record("cam_orders", rows)
 
 
 if __name__ == "__main__":

@@ -4,10 +4,12 @@
 of a 768th of the band, one load step of assembly and torque, residual 1e-8, no halvings.
 
 Usage: bench/edge_cycles.py [--count 200] [--first 0] [--every 2]; one row a run: iterations and softened load steps, or the message.
+Writes bench/results/edge_cycles.json.
 """
 import argparse
 from tempfile import TemporaryDirectory
 
+from common import write_record
 from promised_scenes import draw, solve
 
 from hdengine import HdengineError
@@ -21,23 +23,25 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--every", type=int, default=2)
     args = parser.parse_args()
-    runs = failed = 0
+    rows = []
     print("| scene | divisions | iterations | load steps with cycles |\n|---|---|---|---|")
     with TemporaryDirectory() as folder:
         for i in range(args.first, args.count, args.every):
-            for divisions, rows, layers in MESHES:
+            for divisions, facets, layers in MESHES:
                 data, keys = draw(i)
-                keys |= {"mesh.divisions": divisions, "mesh.band_facets": rows, "mesh.edge_length": keys["geometry.band_length"] / 768,
+                keys |= {"mesh.divisions": divisions, "mesh.band_facets": facets, "mesh.edge_length": keys["geometry.band_length"] / 768,
                          "mesh.through_wall": layers, "mesh.through_ring": layers, "load.assembly_steps": 1, "load.torque_steps": 1,
                          "solver.tolerance": 1e-8, "solver.max_cuts": 0, "solver.kinematics": "linear"}
-                runs += 1
+                row = {"scene": i, "divisions": divisions}
                 try:
                     results = solve(data, keys, folder)[0].summary["results"]
-                    print(f"| {i} | {divisions} | {results['iterations']} | {results['cycles']} |", flush=True)
+                    row |= {"iterations": results["iterations"], "cycles": results["cycles"]}
                 except HdengineError as e:
-                    failed += 1
-                    print(f"| {i} | {divisions} | {str(e)[:80]} | |", flush=True)
-    print(f"{failed} of {runs} did not converge")
+                    row["message"] = str(e)[:80]
+                rows.append(row)
+                print(f"| {' | '.join(map(str, row.values()))} |", flush=True)
+    print(f"{sum('message' in row for row in rows)} of {len(rows)} did not converge")
+    write_record("edge_cycles", rows)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,9 @@ Writes bench/results/edge_cycles.json.
 import argparse
 from tempfile import TemporaryDirectory
 
-from common import write_record
 from promised_scenes import draw, solve
 
+from common import write_record
 from hdengine import HdengineError
 
 MESHES = ((64, 12, 1), (96, 16, 4))  # divisions, rows, layers

@@ -240,7 +240,12 @@ contains
     q = 0
     do level = coarse - 1, levels
       next = meshed(plan%scene, level)
-      if (level > coarse .and. .not. fits(next)) exit
+      if (level > coarse .and. .not. fits(next)) then
+        call note(plan, 'no finer mesh: '//to_text(next%divisions)//' x '//to_text(band_rows(next))//' facets need about '// &
+          to_text(nint(estimate_memory_mb(next)))//' MB, the limit is '//to_text(nint(allowed_memory_mb(next)))// &
+          ' MB (mesh.memory_limit_mb)')
+        exit
+      end if
       call trials%foretell(small_displacements(now), next)
       call trials%try(small_displacements(next), q(:, level), error)
       if (allocated(error)) then

@@ -131,6 +131,15 @@ def test_a_finer_mesh_that_does_not_converge_ends_the_plan(exe, tmp_path):
     assert any("the tolerance is not met: the estimated error of the pressure field is" in w for w in s["warnings"])
 
 
+def test_too_little_memory_ends_the_plan(exe, tmp_path):
+    """The mesh that fits is run; the reason names the mesh that does not, what it needs and the limit."""
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.01", "load.torque=1", "mesh.memory_limit_mb=30", "--out", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    s, reasons = planned(tmp_path / "p")
+    told = re.search(r"no finer mesh: \d+ x \d+ facets need about (\d+) MB, the limit is 30 MB \(mesh.memory_limit_mb\)", reasons)
+    assert told and int(told[1]) >= 30 and s["plan"]["met"] == "no"
+
+
 def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
     """--plan: choices with reasons, one line per mesh with facets, time and memory; without a tolerance code 2."""
     done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)

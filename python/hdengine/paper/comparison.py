@@ -141,7 +141,7 @@ def w_rows(rows: Any, trends: Any = ()) -> Any:
         return []
 
     def best(values):
-        return " / ".join(dict.fromkeys(f"{1e3 * widths[i]:.3f}" for i in values.argmax(axis=1))) + " mm, " + gain(values)
+        return " / ".join(f"{1e3 * widths[i]:.3f}" for i in values.argmax(axis=1)) + " mm, " + gain(values)
 
     def gain(values):
         return signed(100 * (values.max(axis=1) / values.min(axis=1) - 1))
@@ -153,8 +153,8 @@ def w_rows(rows: Any, trends: Any = ()) -> Any:
         k.argmax(axis=1) == len(widths) - 1) else "ours has its maximum at an end of the range"
     if trends:
         because += f"; a maximum inside it in {len(found)} of {len(trends)} scenes tried"
-    return [Row("largest K_TS over w, gain at 1 / 3 / 5 N m",
-                f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'])}", best(k), best(printed), verdict, because)]
+    return [Row("maximum of K_TS over w, above the minimum at 1 / 3 / 5 N m",
+                f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'], 2)}", best(k), best(printed), verdict, because)]
 
 
 def series_rows(k_ts: Any, k_fts: Any) -> Any:

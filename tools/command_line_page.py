@@ -18,7 +18,8 @@ FOLDER = ROOT / "docs/reference"
 PAGES = {  # name of the page: its title and its commands
     "command_line_run": ("Commands that solve: run, plan, study", ("run", "plan", "study")),
     "command_line_results": ("Commands that show results: plot, report, sensitivity, record", ("plot", "report", "sensitivity", "record", "completion")),
-    "command_line_surfaces": ("Commands on surfaces and joints", ("surface", "joint"))}
+    "command_line_surfaces": ("Commands on surfaces and joints", ("surface", "joint")),
+    "command_line_teeth": ("Command on teeth", ("teeth",))}
 HEAD = """# Command line
 
 Two commands. `hdengine.x` is the engine: it solves one input. `hdengine` is the Python command: it solves too, and plots, plans, sweeps and reports.

@@ -240,7 +240,9 @@ contains
     real(dp), allocatable, intent(out) :: touch(:)       !< (flanks) [m]
     integer :: i
     associate (flank => drive%problem%struts(drive%balls + 1:))
-      touch = [(-closing_of(flank(i), u), i=1, size(flank))] - reshape(spread(tooth_gaps(scene), 1, 2), [size(flank)])
+      touch = [(-closing_of(flank(i), u), i=1, size(flank))]
+      touch(1::2) = touch(1::2) - tooth_gaps(scene, 1)
+      touch(2::2) = touch(2::2) - tooth_gaps(scene, 2)
     end associate
   end subroutine touch_teeth
 

@@ -54,7 +54,7 @@ contains
     n = scene%tooth_pairs
     teeth%n = n
     teeth%theta = tooth_angles(scene)
-    teeth%gap = tooth_gaps(scene)
+    teeth%gap = tooth_gaps(scene, merge(1, 2, scene%torque >= 0))
     teeth%rate = scene%tooth_stiffness
     teeth%assembled = assembled
     allocate (teeth%force(n), teeth%closing(n), source=0._dp)

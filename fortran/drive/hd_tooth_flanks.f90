@@ -31,22 +31,35 @@ contains
     x = scene%tooth_phase + [(modulo(i - 1, half) + 1 - 0.5_dp*(half + 1), i=1, scene%tooth_pairs)]
   end function places
 
-  !> Clearances along the normals when the assembly ends: those of the scene's list, linear between its pairs where the wave
-  !> generator has turned on, or 0 on the long axis, growing with the square of the distance [m].
-  pure function tooth_gaps(scene) result(gap)
+  !> Clearances along the normals when the assembly ends: those of the scene's lists, or 0 on the long axis, growing with the
+  !> square of the distance [m].
+  pure function tooth_gaps(scene, side) result(gap)
+    type(scene_t), intent(in) :: scene       !< scene
+    integer, intent(in), optional :: side    !< 1: flanks that a positive torque presses, 2: the others; default: their mean
+    real(dp) :: gap(scene%tooth_pairs)
+    if (scene%gap_count <= 1) then
+      gap = scene%tooth_clearance*(2*places(scene)/max(1, scene%tooth_pairs/2 - 1))**2
+    else if (scene%gap_back_count <= 1) then
+      gap = listed(scene, scene%gaps)
+    else if (present(side)) then
+      gap = merge(listed(scene, scene%gaps), listed(scene, scene%gaps_back), side == 1)
+    else
+      gap = (listed(scene, scene%gaps) + listed(scene, scene%gaps_back))/2
+    end if
+  end function tooth_gaps
+
+  !> Clearances of a list, linear between its pairs where the wave generator has turned on [m].
+  pure function listed(scene, gaps) result(gap)
     type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: gaps(:)     !< of the pairs at one end of the long axis, or at both [m]
     real(dp) :: gap(scene%tooth_pairs), x(scene%tooth_pairs)
     integer :: at(scene%tooth_pairs), from(scene%tooth_pairs), i, half
     half = scene%tooth_pairs/2
-    if (scene%gap_count > 1) then
-      x = min(max(places(scene) + 0.5_dp*(half + 1), 1._dp), real(half, dp))
-      at = min(floor(x), half - 1)
-      from = [(merge(half, 0, i > half .and. scene%gap_count > half), i=1, scene%tooth_pairs)]
-      gap = scene%gaps(from + at) + (x - at)*(scene%gaps(from + at + 1) - scene%gaps(from + at))
-      return
-    end if
-    gap = scene%tooth_clearance*(2*places(scene)/max(1, scene%tooth_pairs/2 - 1))**2
-  end function tooth_gaps
+    x = min(max(places(scene) + 0.5_dp*(half + 1), 1._dp), real(half, dp))
+    at = max(1, min(floor(x), half - 1))
+    from = [(merge(half, 0, i > half .and. scene%gap_count > half), i=1, scene%tooth_pairs)]
+    gap = gaps(from + at) + (x - at)*(gaps(from + min(at + 1, half)) - gaps(from + at))
+  end function listed
 
   !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, along the normal, with
   !> the arm of the rim's outside.

@@ -70,6 +70,9 @@ contains
       .not. s%gaps(1) > 0), 'number of load.tooth_gaps', real(s%gap_count, dp), &
       'none, or as many values as pairs at one end of the long axis, or at both: half of tooth_pairs, or all', &
       real(s%tooth_pairs, dp))
+    call need(faults, s%gap_back_count == s%gap_count .or. (s%gap_back_count == 1 .and. .not. s%gaps_back(1) > 0), &
+      'number of load.tooth_gaps_back', real(s%gap_back_count, dp), 'none, or as many values as load.tooth_gaps', &
+      real(s%gap_count, dp))
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
     call need(faults, abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
       'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)

@@ -161,6 +161,9 @@ contains
     call add_list(t, 'load', 'tooth_gaps', 'load', s%gaps, s%gap_count, 'm', 0._dp, big, &
       'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv, in the place of '// &
       'tooth_clearance; 0: none is given')
+    call add_list(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, s%gap_back_count, 'm', 0._dp, big, &
+      'clearance of the other flank of every pair, that a negative torque presses, where it differs from tooth_gaps; as many '// &
+      'values; 0: none is given')
     call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
       'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &

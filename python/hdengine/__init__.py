@@ -17,10 +17,13 @@ from .results import Result, load
 from .studies.study import Study, StudyResult
 from .surfaces import roughness, specimen, surface
 from .surfaces.run import SurfaceResult, run_surface
+from .teeth.pairs import ToothGaps, tooth_gaps
+from .teeth.profile import DoubleArc, Involute
 
 __version__ = _version()
 __all__ = [
-    "Cam", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Joint", "JointWarning",
-    "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult", "SurfaceResult",
-    "cam", "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen", "surface",
+    "Cam", "DoubleArc", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Involute", "Joint",
+    "JointWarning", "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult",
+    "SurfaceResult", "ToothGaps", "cam", "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen", "surface",
+    "tooth_gaps",
 ]

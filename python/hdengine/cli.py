@@ -25,6 +25,7 @@ from .studies import planner
 from .surfaces.command import add_options, run_surface
 from .surfaces.run import SurfaceResult
 from .surfaces.run import _run as _run_surface_alone
+from .teeth import command as teeth_command
 
 
 class _Explain(argparse.Action):
@@ -281,6 +282,9 @@ def make_parser() -> Any:
     joint_command.add_options(_command(commands, "joint", joint_command.run_joint,
                                        "stiffness over pressure of the joint of one or two measured surfaces",
                                        "joint data/specimen_flexspline.sdf data/specimen_bearing.sdf --out joint.out"))
+    teeth_command.add_options(_command(commands, "teeth", teeth_command.run_teeth,
+                                       "clearance of every pair of teeth from their profile",
+                                       "teeth data/drive14.nml --profile involute --module 0.1778e-3 --out teeth.out"))
     shell = _command(commands, "completion", _completion, "print a completion script for the shell",
                      "completion bash > ~/.local/share/bash-completion/completions/hdengine")
     shell.add_argument("shell", choices=completion.SHELLS)

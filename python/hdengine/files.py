@@ -14,7 +14,7 @@ from ._engine import FileError
 from .results import read_json
 
 # files that say what a folder holds
-_MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json", "joint.json")
+_MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json", "joint.json", "gaps.json")
 
 
 def check_folder(folder: Any, names: Any, force: bool = False) -> None:

@@ -375,6 +375,23 @@ def test_clearances_of_single_pairs(exe, tmp_path):
     assert done.returncode == 2 and "as many values as pairs" in done.stderr
 
 
+def test_clearances_of_both_flanks(exe, tmp_path):
+    """A drive whose flanks change their clearances, places mirrored, turns under -T as the other under T; a short list is refused."""
+    keys = ["load.tooth_pairs=8", "load.torque_steps=2"]
+    front, back = "9e-6,4e-6,0,1e-6", "2e-6,1e-6,3e-6,8e-6"
+
+    def mirrored(gaps):
+        return ",".join(reversed(gaps.split(",")))
+    _, one, _, teeth = solve(exe, tmp_path / "a", *keys, "loop.torques=6", f"load.tooth_gaps={front}", f"load.tooth_gaps_back={back}")
+    _, two, _, _ = solve(exe, tmp_path / "b", *keys, "loop.torques=-6", f"load.tooth_gaps={mirrored(back)}", f"load.tooth_gaps_back={mirrored(front)}")
+    _, alike, _, _ = solve(exe, tmp_path / "c", *keys, "loop.torques=6", f"load.tooth_gaps={front}")
+    np.testing.assert_allclose(two["angle_rad"], -one["angle_rad"], rtol=1e-7)
+    np.testing.assert_allclose(alike["angle_rad"], one["angle_rad"], rtol=1e-9)     # a positive torque opens the other flanks
+    assert teeth["force_n"].max() > 0
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, f"load.tooth_gaps={front}", "load.tooth_gaps_back=1e-6,2e-6", "--out", tmp_path / "d")
+    assert done.returncode == 2 and "none, or as many values as load.tooth_gaps" in done.stderr
+
+
 def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):
     """Without balls, bonded and with closed teeth the bottom turns as in the scene of K_FTS, to 1e-7."""
     keys = ["bearing.balls=0", "contact.mode=bonded", "load.tooth_clearance=0", "load.torque=5", "loop.torques=5",

@@ -14,7 +14,7 @@ FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 MOST_FILES = 15
 PACKAGE = ROOT / "python/hdengine"
 PYTHON_FLOORS = [["_engine"], ["_check"], ["torsion", "catalogue", "spline", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
-                 ["elastic"], ["results"], ["files"], ["contact", "record"], ["surfaces", "studies"], ["prediction"],
+                 ["elastic"], ["results"], ["files"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction"],
                  ["uncertainty", "completion"], ["report"], ["cli"], ["__main__"],
                  ["__init__"]]
 PYTHON_FLOOR = {room: floor for floor, rooms in enumerate(PYTHON_FLOORS) for room in rooms}

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distance of two flanks: curves as polylines, the shortest way between them, negative where one enters the other's body."""
+from __future__ import annotations
+
+import numpy as np
+
+
+def _onto(points, curve, left):
+    """Nearest places of a curve for points: distance, side (positive: free), before or after the curve's ends, way, normal."""
+    a, d = curve[:-1], np.diff(curve, axis=0)
+    rel = points[:, None, :] - a
+    share = np.einsum("psk,sk->ps", rel, d) / np.einsum("sk,sk->s", d, d)
+    inside = np.clip(share, 0.0, 1.0)
+    foot = rel - inside[..., None] * d
+    far = np.hypot(foot[..., 0], foot[..., 1])
+    i = np.argmin(far, axis=1)
+    row = np.arange(len(points))
+    cross = left * (d[i, 0] * rel[row, i, 1] - d[i, 1] * rel[row, i, 0])
+    before, after = (i == 0) & (share[row, i] < 0), (i == len(d) - 1) & (share[row, i] > 1)
+    normal = left * np.column_stack([d[i, 1], -d[i, 0]]) / np.hypot(d[i, 0], d[i, 1])[:, None]
+    return far[row, i], cross, before, after, -foot[row, i], normal
+
+
+def flank_gap(tooth: np.ndarray, space: np.ndarray) -> tuple[float, float, float]:
+    """Clearance of a tooth's flank from the flank of the space it is in.
+
+    Both are open polylines whose points lie outwards, from the tooth's root to its tip and from the space's mouth to its bottom. A
+    corner that has passed the other's tip has entered as far as the shorter way out, past the flank or past the tip.
+
+    Parameters
+    ----------
+    tooth, space : ndarray (n, 2)
+        (s, r), s towards the flank's side [m].
+
+    Returns
+    -------
+    gap : float
+        [m]; negative: they enter each other.
+    angle : float
+        Of the way from the tooth to the space, from the tangent outwards [rad].
+    radius : float
+        Radius at which the tooth is nearest [m].
+    """
+    best = (np.inf, 0.0, 0.0)
+    for points, curve, left, sign in ((tooth, space, 1, 1), (space, tooth, -1, -1)):
+        far, cross, before, after, way, normal = _onto(points, curve, left)
+        depth = sign * (points[:, 1] - curve[0 if sign > 0 else -1, 1])     # past the other's tip, where positive
+        entered = (cross < 0) & (depth > 0) & ~(after if sign > 0 else before)
+        gap = np.where(entered, -np.minimum(far, depth), far)
+        i = int(np.argmin(gap))
+        if gap[i] < best[0]:
+            corner = (before[i] or after[i]) and not entered[i] and far[i] > 1e-12
+            n = sign * (way[i] / far[i] if corner else normal[i])
+            best = (float(gap[i]), float(np.arctan2(n[1], n[0])), float(points[i, 1] if sign > 0 else points[i, 1] + way[i, 1]))
+    return best
+
+
+def envelope(flanks: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Half angles of the space that a flank in all its places leaves free, at radii.
+
+    Parameters
+    ----------
+    flanks : ndarray (n, m, 2)
+        (s, r) of the flank in the space [m].
+    radius : ndarray (k,)
+        [m].
+
+    Returns
+    -------
+    ndarray (k,)
+        [rad]; -inf where no flank comes.
+    """
+    half = np.full(len(radius), -np.inf)
+    for flank in flanks:
+        r, angle = np.hypot(flank[:, 0], flank[:, 1]), np.arctan2(flank[:, 0], flank[:, 1])
+        order = np.argsort(r)
+        half = np.maximum(half, np.interp(radius, r[order], angle[order], left=-np.inf, right=-np.inf))
+    return half

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Places of the flexspline's teeth on its deformed rim, and the spaces of the circular spline that they enter."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..contact import cam, read_scene
+
+
+@dataclass(frozen=True)
+class Rim:
+    """Neutral line of the rim on the wave generator: it keeps its length, and teeth stand along its normals.
+
+    Parameters
+    ----------
+    scene : dict
+        Keys of the scene, as `read_scene` gives them.
+    path : path-like
+        Its namelist, for the table of a measured cam.
+    keys : dict
+        'group.key' to value that differ from it.
+    """
+
+    scene: dict
+    path: Any
+    keys: dict
+
+    @classmethod
+    def read(cls, path: Any, **keys: Any) -> Rim:
+        """Rim of a scene.
+
+        Parameters
+        ----------
+        path : path-like
+            Namelist; '' takes the defaults.
+        **keys
+            Keys of the scene, as in `run`.
+
+        Returns
+        -------
+        Rim
+
+        Raises
+        ------
+        InputError, FileError
+            A key, or the table of a measured cam, is not valid.
+        """
+        flat = {}
+        for name, value in keys.items():
+            flat |= {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {name.replace("__", ".", 1): value}
+        return cls(read_scene(path, **flat), path, flat)
+
+    @property
+    def radius(self) -> float:
+        """Of the neutral line at rest: the middle of the rim [m]."""
+        return self.scene["geometry.bore_radius"] + self.scene["geometry.rim_thickness"] / 2
+
+    @property
+    def root(self) -> float:
+        """Outside of the wall, where the teeth begin [m]."""
+        return self.scene["geometry.bore_radius"] + self.scene["geometry.wall_thickness"]
+
+    def poses(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the deformed neutral line and its outward normals.
+
+        Parameters
+        ----------
+        theta : ndarray (n,)
+            Angles at rest from the long axis [rad].
+
+        Returns
+        -------
+        points : ndarray (2, n)
+            [m].
+        normals : ndarray (2, n)
+        """
+        found = cam(theta, self.path, **self.keys | {
+            "wave_generator.shape": "pressed", "geometry.bore_radius": self.radius + self.scene["geometry.ring_thickness"]})
+        return found.points, found.normal
+
+    def flanks(self, flank: np.ndarray, places: np.ndarray, spaces: int, side: int = 1, end: int = 0) -> np.ndarray:
+        """A tooth's flank at places of the rim, as the space sees it that the tooth enters.
+
+        Parameters
+        ----------
+        flank : ndarray (m, 2)
+            (s, r) of the tooth at rest [m].
+        places : ndarray (n,)
+            From the end of the long axis [tooth pitches].
+        spaces : int
+            Teeth of the circular spline.
+        side : int
+            1: the flank that a positive torque presses; -1: the other, mirrored.
+        end : int
+            0 or 1: which end of the long axis.
+
+        Returns
+        -------
+        ndarray (n, m, 2)
+            (s, r) in the space, s towards the flank's own side [m].
+        """
+        turn = 2 * np.pi * np.asarray(places, float)
+        points, normals = self.poses(turn / self.scene["load.teeth"] + end * np.pi)
+        height, along = flank[:, 1] - self.radius, side * flank[:, 0]
+        tangents = np.stack([-normals[1], normals[0]])
+        x, y = points[:, :, None] + height * normals[:, :, None] + along * tangents[:, :, None]
+        space = turn / spaces + end * np.pi
+        c, s = np.cos(space)[:, None], np.sin(space)[:, None]
+        return np.stack([side * (c * y - s * x), c * x + s * y], axis=-1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What clearances from the tooth profile change in the loop of size 14. Table of docs/evidence/drive_inputs.md, figure of docs/explain/tooth_gaps.md,
+"""What clearances from the tooth profile change in the loop of size 14. Table of docs/evidence/drive_teeth.md, figure of docs/explain/tooth_gaps.md,
 raw figures in bench/results/tooth_gaps.json.
 
 Usage: python bench/tooth_gaps.py
@@ -47,7 +47,7 @@ def main():
     put("drive teeth", table(("clearance", "K1 / K2 / K3 in kN m/rad", "change in %", "hysteresis", "lost motion", "pairs", "pair / N"), [
         (r["teeth"], " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / o - 1):+.0f}" for k, o in zip(r["k"], rows[0]["k"])),
          f"{r['hysteresis_arcmin']:.2f}'", f"{r['lost_motion_arcmin']:.2f}'", r["pairs"], f"{r['tooth_force_max_n']:.0f}")
-        for r in rows]), page="evidence/drive_inputs")
+        for r in rows]), page="evidence/drive_teeth")
     save_figure(hdengine.tooth_gaps(PROFILES["involute"], SCENE).plot(), "tooth_gaps")
 
 

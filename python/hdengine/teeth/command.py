@@ -28,7 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("input", help="namelist of the scene: its teeth, rim and wave generator")
     parser.add_argument("assignments", nargs="*", metavar="group.key=value", help="keys that differ from the file")
-    parser.add_argument("--profile", choices=PROFILES, required=True, help="of the flexspline's teeth")
+    parser.add_argument("--profile", choices=tuple(PROFILES), required=True, help="of the flexspline's teeth")
     for name, text in MEANING.items():
         owners = [word for word, kind in PROFILES.items() if name in {f.name for f in fields(kind)}]
         told = "" if len(owners) > 1 else f"{owners[0]}: "

@@ -83,9 +83,10 @@ class ToothGaps:
         t, f = self.table, self.facts
         half = len(t["pair"]) // 2
         shape = f"shifts {f['x1']:.4g} and {f['x2']:.4g}" if "x1" in f else f"common tangent {f['tangent_deg']:.4g} deg"
+        angle = self.pressure_angle_deg
         lines = [f"{type(self.profile).__name__}: teeth {f['teeth']} / {f['spline_teeth']}, module {1e3 * self.profile.module:.5g} "
                  f"mm, {shape}",
-                 f"  closest pair of a half turn {1e6 * self.least_m:.3g} um, mean pressure angle {self.pressure_angle_deg:.1f} deg",
+                 f"  closest pair of a half turn {1e6 * self.least_m:.3g} um, mean pressure angle {angle:.1f} deg",
                  "  place/pitches   clearance/um: flank of a positive torque, other flank   pressure angle/deg"]
         for i in range(half):
             lines.append(f"  {t['place_pitches'][i]:13.4g} {1e6 * t['gap_m'][i]:14.3f} {1e6 * t['gap_back_m'][i]:14.3f} "

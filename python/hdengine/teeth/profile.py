@@ -111,8 +111,8 @@ class Involute:
         curve = self._curve(teeth, x, teeth / 2 + x - self.dedendum, teeth / 2 + x + self.addendum, points)
         if len(curve) < points:
             most = curve[-1, 1] / self.module - teeth / 2 - x
-            raise InputError(f"addendum = {self.addendum:g}: flanks of {teeth} teeth with shift {x:.4g} meet {most:.4g} modules out; "
-                             "valid: less than that")
+            raise InputError(f"addendum = {self.addendum:g}: flanks of {teeth} teeth with shift {x:.4g} meet {most:.4g} modules "
+                             "out; valid: less than that")
         return curve
 
     def spline_flank(self, teeth: int, x2: float, points: int) -> np.ndarray:

@@ -48,7 +48,7 @@ class Rim:
         InputError, FileError
             A key, or the table of a measured cam, is not valid.
         """
-        flat = {}
+        flat: dict = {}
         for name, value in keys.items():
             flat |= {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {name.replace("__", ".", 1): value}
         return cls(read_scene(path, **flat), path, flat)

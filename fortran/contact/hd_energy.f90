@@ -4,8 +4,8 @@ module hd_energy
   use hd_kinds, only: dp
   use hd_body, only: cell_nodes
   use hd_hexahedron, only: points
-  use hd_problem, only: problem_t, load_t, elastic_forces, strut_closings
-  use hd_strut, only: strut_energy, strut_force
+  use hd_problem, only: problem_t, load_t, elastic_forces, forces_at, strut_closings
+  use hd_strut, only: strut_energy
   use hd_total_lagrangian, only: cell_stress
   implicit none
   private
@@ -19,15 +19,18 @@ contains
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp), allocatable :: closing(:), force(:)
+    integer :: n
     closing = strut_closings(problem, load, u)
     if (allocated(problem%lagrangian)) then
       e = strain_energy(problem, u) + sum(problem%spring*u**2)/2
     else
       e = sum(u*elastic_forces(problem, u))/2
     end if
-    e = e + sum(strut_energy(problem%struts, closing))
+    force = forces_at(problem, load, closing)
+    n = size(closing)
+    if (allocated(problem%rub)) n = n - size(problem%rub%flank)
+    e = e + sum(strut_energy(problem%struts(:n), closing(:n))) + sum(force(n + 1:)**2/(2*problem%struts(n + 1:)%rate))
     if (.not. allocated(problem%strut_give)) return
-    force = strut_force(problem%struts, closing)
     e = e + dot_product(force, matmul(problem%strut_give, force))/2
   end function stored_energy
 

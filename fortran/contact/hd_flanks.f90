@@ -36,6 +36,7 @@ contains
     if (.not. (allocated(problem%struts) .and. problem%turning)) return
     closing = strut_closings(problem, load, u)
     flank = problem%struts%power < 1.25_dp .and. closing > -1
+    if (allocated(problem%rub)) flank(size(flank) - size(problem%rub%flank) + 1:) = .false.
     if (.not. any(flank)) return
     flanks%held = flanks%held .or. (flanks%ahead .and. sticks .and. .not. any(flank .and. closing > -just_off))
     flanks%ahead = .false.

@@ -11,12 +11,13 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_ball_patch, only: ball_patch_t, place_ball, material_angle
+  use hd_rub, only: rub_t, remembered, strut_laws, rubbed_answers, give_way_rubbing, memories
   use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
-    elastic_forces, linear_forces, strut_closings, strut_forces
+    elastic_forces, linear_forces, strut_closings, strut_forces, forces_at, remember
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -40,6 +41,7 @@ module hd_problem
     real(dp), allocatable :: ball_on(:)        !< angles at rest of what they press on [rad]
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
     real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
+    type(rub_t), allocatable :: rub            !< friction of flanks, the last struts being their companions; unallocated: none
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
     integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
     integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
@@ -54,6 +56,7 @@ module hd_problem
     real(dp), allocatable :: gap(:)              !< initial gap (multipliers), negative for interference [m]
     real(dp) :: friction = 0                     !< Coulomb coefficient of the step
     real(dp), allocatable :: closing(:)          !< offsets of the struts [m]
+    real(dp), allocatable :: past(:, :)          !< of companions of flanks, at the beginning of the step (memories, companions)
   end type load_t
 
   !> Fields of a converged step (or an iterate).
@@ -64,6 +67,7 @@ module hd_problem
     real(dp), allocatable :: gap(:)          !< gap (multipliers) [m]
     integer, allocatable :: contact(:)       !< open, stick or slip (multipliers)
     real(dp), allocatable :: touch(:)        !< offsets of struts that are there from a state on; none before it [m]
+    real(dp), allocatable :: past(:, :)      !< what companions of these struts remember (memories, companions); none before it
   end type state_t
 
 contains
@@ -188,6 +192,7 @@ contains
     allocate (state%gap(problem%mortar%n), source=0._dp)
     allocate (state%contact(problem%mortar%n), source=0)
     allocate (state%touch(0))
+    allocate (state%past(memories, 0))
   end subroutine new_state
 
   !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
@@ -210,7 +215,9 @@ contains
     type(problem_t), intent(in) :: problem  !< problem with struts
     real(dp), intent(in) :: closing(:)      !< (struts) [m]
     real(dp) :: f(size(closing))
-    if (allocated(problem%strut_give)) then
+    if (allocated(problem%rub)) then
+      f = rubbed_answers(problem%strut_rate, problem%rub, closing, problem%strut_give)
+    else if (allocated(problem%strut_give)) then
       f = answers(problem%strut_rate, problem%strut_give, closing)
     else
       f = problem%strut_rate*closing
@@ -262,7 +269,7 @@ contains
     if (allocated(problem%struts)) then
       forces = strut_forces(problem, load, state%u)
       do i = 1, size(forces)
-        if (forces(i) > 0) call push(problem%struts(i), -forces(i), f)
+        if (abs(forces(i)) > 0) call push(problem%struts(i), -forces(i), f)
       end do
     end if
     if (allocated(problem%lagrangian)) then
@@ -285,7 +292,12 @@ contains
       if (c(i) > -1) c(i) = c(i) + closing_of(problem%struts(i), u)
     end do
     if (allocated(problem%strut_shift)) c(:size(problem%strut_shift)) = c(:size(problem%strut_shift)) + problem%strut_shift
-    if (allocated(problem%strut_give)) call give_way(problem%struts%rate, problem%strut_give, c)
+    if (.not. allocated(problem%strut_give)) return
+    if (allocated(problem%rub)) then
+      call give_way_rubbing(problem%struts, problem%rub, load%past, problem%strut_give, c)
+    else
+      call give_way(problem%struts%rate, problem%strut_give, c)
+    end if
   end function strut_closings
 
   !> Forces of the struts [N].
@@ -294,16 +306,62 @@ contains
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(size(problem%struts))
-    f = strut_force(problem%struts, strut_closings(problem, load, u))
+    f = forces_at(problem, load, strut_closings(problem, load, u))
   end function strut_forces
+
+  !> The same at given closings [N].
+  pure function forces_at(problem, load, closing) result(f)
+    type(problem_t), intent(in) :: problem  !< problem with struts
+    type(load_t), intent(in) :: load        !< load
+    real(dp), intent(in) :: closing(:)      !< (struts) [m]
+    real(dp) :: f(size(closing)), rate(size(closing)), lean(size(closing))
+    logical :: slides(size(closing))
+    if (allocated(problem%rub)) then
+      associate (m => size(problem%rub%flank))
+        call strut_laws(problem%struts, problem%rub, load%past, closing, f, rate, lean(:m), slides(:m))
+      end associate
+    else
+      f = strut_force(problem%struts, closing)
+    end if
+  end function forces_at
+
+  !> Keep what companions of flanks remember of a load step that is over.
+  subroutine remember(problem, load, state)
+    type(problem_t), intent(in) :: problem  !< problem
+    type(load_t), intent(in) :: load        !< its load
+    type(state_t), intent(inout) :: state   !< converged; gets past
+    real(dp), allocatable :: c(:), f(:)
+    integer :: i, n
+    if (.not. allocated(problem%rub)) return
+    c = strut_closings(problem, load, state%u)
+    f = forces_at(problem, load, c)
+    n = size(c) - size(problem%rub%flank)
+    state%past = load%past
+    do i = 1, size(problem%rub%flank)
+      associate (flank => problem%rub%flank(i))
+        state%past(:, i) = remembered(problem%rub%friction, problem%struts(flank)%rate, problem%struts(n + i)%rate, c(flank), &
+          c(n + i), f(n + i), load%past(:, i))
+      end associate
+    end do
+  end subroutine remember
 
   !> Bring the tangents of the struts up to date.
   subroutine update_struts(problem, load, u)
     type(problem_t), intent(inout) :: problem  !< gets strut_rate
     type(load_t), intent(in) :: load           !< load
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    real(dp), allocatable :: closing(:), force(:)
+    type(rub_t) :: now
     if (.not. allocated(problem%struts)) return
-    problem%strut_rate = strut_tangent(problem%struts, strut_closings(problem, load, u))
+    closing = strut_closings(problem, load, u)
+    if (allocated(problem%rub)) then
+      now = problem%rub
+      allocate (force, mold=closing)
+      call strut_laws(problem%struts, problem%rub, load%past, closing, force, problem%strut_rate, now%lean, now%slides)
+      problem%rub = now
+    else
+      problem%strut_rate = strut_tangent(problem%struts, closing)
+    end if
   end subroutine update_struts
 
   !> Allow large displacements from here on.

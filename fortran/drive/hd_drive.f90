@@ -17,9 +17,10 @@ module hd_drive
   use hd_section, only: ring_strip, cup_strip, rim_end
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
-  use hd_problem, only: problem_t, load_t, new_problem, add_springs, loosen
+  use hd_problem, only: problem_t, load_t, state_t, new_problem, add_springs, loosen, remember
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
+  use hd_rub, only: memories, rub_t
   use hd_strut, only: absent, closing_of
   use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
@@ -49,7 +50,8 @@ module hd_drive
     integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
     real(dp) :: hub_radius = 0               !< [m]
     integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
-    integer :: balls = 0                     !< of the struts the first are balls; the others flanks, two for each pair
+    integer :: balls = 0                     !< of the struts the first are balls,
+    integer :: flanks = 0                    !< the next flanks, two for each pair; then come companions of flanks that rub
     real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
     real(dp), allocatable :: slope(:)        !< its derivative round the axis; without balls at the nodes of `inner` [m/rad]
   end type drive_t
@@ -213,7 +215,9 @@ contains
     type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
     type(face_t) :: inside
     type(ball_patch_t) :: patch
+    integer :: i
     drive%balls = scene%balls
+    drive%flanks = 2*scene%tooth_pairs
     associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
@@ -223,27 +227,35 @@ contains
         if (allocated(problem%pairing)) problem%patch = patch
       end if
       problem%strut_rate = [0._dp*problem%struts%rate]
+      if (allocated(problem%rub)) deallocate (problem%rub)
+      if (scene%tooth_friction > 0) problem%rub = rub_t(scene%tooth_friction, [(drive%balls + i, i=1, drive%flanks)], &
+        spread(0._dp, 1, drive%flanks), spread(.false., 1, drive%flanks))
       if (scene%spline_thickness > 0) then
-        if (.not. allocated(problem%strut_give)) allocate (problem%strut_give(size(problem%struts), size(problem%struts)))
-        problem%strut_give = 0
+        problem%strut_give = spread(problem%struts%rate*0, 2, size(problem%struts))
         problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
       end if
       problem%hub = drive%hub
     end associate
   end subroutine set_struts
 
-  !> The teeth touch, or lie apart by their clearances: offsets of the flanks at the end of the assembly.
-  subroutine touch_teeth(scene, drive, u, touch)
+  !> The teeth touch, or lie apart by their clearances: offsets of the flanks at the end of the assembly, without friction yet.
+  subroutine touch_teeth(scene, drive, u, state)
     type(scene_t), intent(in) :: scene                   !< scene
     type(drive_t), intent(in) :: drive                   !< its model
     real(dp), intent(in) :: u(:, :)                      !< displacements at the end of the assembly (3, n) [m]
-    real(dp), allocatable, intent(out) :: touch(:)       !< (flanks) [m]
+    type(state_t), intent(inout) :: state                !< state at that end; gets touch, past
+    type(load_t) :: load
     integer :: i
-    associate (flank => drive%problem%struts(drive%balls + 1:))
-      touch = [(-closing_of(flank(i), u), i=1, size(flank))]
-      touch(1::2) = touch(1::2) - tooth_gaps(scene, 1)
-      touch(2::2) = touch(2::2) - tooth_gaps(scene, 2)
+    associate (flank => drive%problem%struts(drive%balls + 1:drive%balls + drive%flanks))
+      state%touch = [(-closing_of(flank(i), u), i=1, size(flank))]
+      state%touch(1::2) = state%touch(1::2) - tooth_gaps(scene, 1)
+      state%touch(2::2) = state%touch(2::2) - tooth_gaps(scene, 2)
     end associate
+    if (.not. allocated(drive%problem%rub)) return
+    call drive_load(drive, 1._dp, 0._dp, 0._dp, load, state)
+    load%past = 0
+    call remember(drive%problem, load, state)
+    state%past(3:, :) = 0
   end subroutine touch_teeth
 
   !> The ring's inner face follows the cam tangentially: by choice, or where nothing else holds the ring, which is with support
@@ -399,13 +411,14 @@ contains
   end function step_friction
 
   !> Load at a fraction of the assembly and a torque, which the whole drive has at its bottom, others on the rim.
-  subroutine drive_load(drive, assembly, torque, friction, load, touch)
+  subroutine drive_load(drive, assembly, torque, friction, load, state, before)
     type(drive_t), intent(in) :: drive    !< drive
     real(dp), intent(in) :: assembly      !< fraction of the assembly, 0 to 1
     real(dp), intent(in) :: torque        !< torque [N m]
     real(dp), intent(in) :: friction      !< Coulomb coefficient of the step
     type(load_t), intent(out) :: load     !< load
-    real(dp), intent(in), optional :: touch(:)  !< offsets of the flanks, once the assembly has ended [m]
+    type(state_t), intent(in), optional :: state   !< its flanks are there, once the assembly has ended;
+    type(state_t), intent(in), optional :: before  !< at the beginning of the step they remember this state, else `state`
     integer :: m
     load%friction = friction
     if (drive%exact .and. assembly < 1) then
@@ -417,8 +430,14 @@ contains
     if (allocated(drive%problem%struts)) then
       allocate (load%closing(size(drive%problem%struts)), source=absent)
       if (drive%balls > 0) load%closing(:drive%balls) = assembly*drive%way
-      if (present(touch)) then
-        if (size(touch) > 0) load%closing(drive%balls + 1:) = touch
+      load%closing(drive%balls + drive%flanks + 1:) = 0
+      allocate (load%past(memories, size(load%closing) - drive%balls - drive%flanks), source=0._dp)
+      if (present(state)) then
+        if (size(state%touch) > 0) load%closing(drive%balls + 1:drive%balls + drive%flanks) = state%touch
+        if (size(state%past) > 0) load%past = state%past
+      end if
+      if (present(before)) then
+        if (size(before%past) > 0) load%past = before%past
       end if
     end if
     load%force(1, :) = load%force(1, :) + drive%problem%spring(1, :)*load%displacement(1, :)

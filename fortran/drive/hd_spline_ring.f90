@@ -11,7 +11,7 @@ module hd_spline_ring
   use hd_error, only: error_t
   use hd_lapack, only: solve_dense
   use hd_scene, only: scene_t
-  use hd_tooth_flanks, only: tooth_angles
+  use hd_tooth_flanks, only: flank_directions, flanks_of, tooth_angles
   implicit none
   private
   public :: spline_ring_t, new_spline_ring, ring_compliance, flank_compliance
@@ -82,22 +82,27 @@ contains
     end do
   end function ring_compliance
 
-  !> Ways of all flanks along their normals under unit forces along them, in the order of hd_tooth_flanks [m/N].
+  !> Ways of all flanks, and of their companions, under unit forces, in the order of hd_tooth_flanks [m/N].
   function flank_compliance(scene) result(c)
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
-    real(dp) :: c(2*scene%tooth_pairs, 2*scene%tooth_pairs)
+    real(dp) :: c(flanks_of(scene), flanks_of(scene))
     type(spline_ring_t) :: ring
-    real(dp) :: theta(scene%tooth_pairs), normal(2, 2), angle
-    integer :: i, j
+    real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2)
+    integer :: i, j, k, l, n
     ring = new_spline_ring(scene%bore_radius + scene%rim_thickness, scene%spline_thickness, &
       merge(scene%spline_width, scene%rim_length, scene%spline_width > 0), scene%flexspline_e, scene%flexspline_nu)
     theta = tooth_angles(scene)
-    angle = scene%pressure_angle_deg*pi/180
-    normal(:, 1) = [sin(angle), cos(angle)]
-    normal(:, 2) = [sin(angle), -cos(angle)]
+    along = flank_directions(scene)
+    n = 2*scene%tooth_pairs
     do j = 1, scene%tooth_pairs
       do i = 1, scene%tooth_pairs
-        c(2*i - 1:2*i, 2*j - 1:2*j) = matmul(transpose(normal), matmul(ring_compliance(ring, theta(i) - theta(j)), normal))
+        way = ring_compliance(ring, theta(i) - theta(j))
+        do l = 0, size(c, 2)/n - 1
+          do k = 0, size(c, 1)/n - 1
+            c(k*n + 2*i - 1:k*n + 2*i, l*n + 2*j - 1:l*n + 2*j) = matmul(transpose(along(:, 2*k + 1:2*k + 2)), &
+              matmul(way, along(:, 2*l + 1:2*l + 2)))
+          end do
+        end do
       end do
     end do
   end function flank_compliance

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Flanks of the tooth pairs against the rigid circular spline, as struts along their normals: of every pair first the flank that
-!> takes a positive torque, then the other.
+!> Flanks of the tooth pairs against the circular spline, as struts along their normals: of every pair first the flank that takes a
+!> positive torque, then the other. With friction their companions along the tangents follow, in the same order.
 module hd_tooth_flanks
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, axial_moment
@@ -10,7 +10,7 @@ module hd_tooth_flanks
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: tooth_angles, tooth_gaps, flank_struts
+  public :: tooth_angles, tooth_gaps, flank_struts, flank_directions, flanks_of
 
 contains
 
@@ -61,30 +61,58 @@ contains
     gap = gaps(from + at) + (x - at)*(gaps(from + min(at + 1, half)) - gaps(from + at))
   end function listed
 
-  !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, along the normal, with
-  !> the arm of the rim's outside.
+  !> Struts of the flanks, and of their companions where they rub.
+  pure integer function flanks_of(scene) result(n)
+    type(scene_t), intent(in) :: scene  !< scene
+    n = 2*scene%tooth_pairs*merge(2, 1, scene%tooth_friction > 0)
+  end function flanks_of
+
+  !> Radial and tangential parts of the unit vectors of a pair: normals of both flanks, then their tangents.
+  pure function flank_directions(scene) result(d)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: d(2, 4), angle
+    angle = scene%pressure_angle_deg*pi/180
+    d(:, 1) = [sin(angle), cos(angle)]
+    d(:, 2) = [sin(angle), -cos(angle)]
+    d(:, 3) = [cos(angle), -sin(angle)]
+    d(:, 4) = [cos(angle), sin(angle)]
+  end function flank_directions
+
+  !> Stiffness of a flank that sticks, along its tangent [N/m].
+  pure real(dp) function tangent_stiffness(scene) result(k)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp) :: ratio
+    ratio = scene%tooth_stick_ratio
+    if (.not. ratio > 0) ratio = (2 - 2*scene%flexspline_nu)/(2 - scene%flexspline_nu)  ! Mindlin's
+    k = ratio*scene%tooth_stiffness
+  end function tangent_stiffness
+
+  !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, with the arm of the rim's
+  !> outside.
   function flank_struts(scene, body, rim, first) result(struts)
     type(scene_t), intent(in) :: scene  !< scene
     type(body_t), intent(in) :: body    !< flexspline
     type(face_t), intent(in) :: rim     !< outside of its rim, nodes numbered in the body
     integer, intent(in) :: first        !< nodes before the flexspline's
-    type(strut_t) :: struts(2*scene%tooth_pairs)
-    real(dp) :: line(3, body%nodes()), theta(scene%tooth_pairs), angle
-    integer :: i, k, side
-    angle = scene%pressure_angle_deg*pi/180
+    type(strut_t) :: struts(flanks_of(scene))
+    real(dp) :: line(3, body%nodes()), theta(scene%tooth_pairs), along(2, 4)
+    integer :: i, k, kind, n
+    n = 2*scene%tooth_pairs
+    along = flank_directions(scene)
     theta = tooth_angles(scene)
     do i = 1, scene%tooth_pairs
       line = 0
       call add_rim_line(scene, body, rim, scene%divisions*modulo(theta(i)/(2*pi), 1._dp), line(2, :))
       line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(body, line)
-      do side = 1, 2
-        associate (strut => struts(2*(i - 1) + side))
+      do kind = 1, merge(4, 2, size(struts) > n)
+        associate (strut => struts(2*(i - 1) + kind + merge(n - 2, 0, kind > 2)))
           strut%rate = scene%tooth_stiffness
+          if (kind > 2) strut%rate = tangent_stiffness(scene)
           strut%power = 1
           strut%node = pack([(k, k=1, body%nodes())], abs(line(2, :)) > 0)
           allocate (strut%weight(3, size(strut%node)), source=0._dp)
-          strut%weight(1, :) = sin(angle)*line(2, strut%node)
-          strut%weight(2, :) = merge(1, -1, side == 1)*cos(angle)*line(2, strut%node)
+          strut%weight(1, :) = along(1, kind)*line(2, strut%node)
+          strut%weight(2, :) = along(2, kind)*line(2, strut%node)
           strut%node = strut%node + first
         end associate
       end do

@@ -10,10 +10,10 @@ module hd_loop
   use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_output, only: output_t, step_t, add_place
   use hd_energy, only: stored_energy
-  use hd_problem, only: state_t, load_t, strut_closings
+  use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
   use hd_stress, only: body_stress
-  use hd_strut, only: push, strut_force
+  use hd_strut, only: push
   use hd_supports, only: moment, moment_on_cam
   use hd_text, only: string_t, push_text => push, rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
@@ -33,7 +33,8 @@ module hd_loop
   type :: loop_t
     real(dp), allocatable :: torque(:), angle(:)          !< [N m], [rad]
     real(dp) :: work = 0                                  !< of the torque since the assembly [J]
-    real(dp) :: dissipated = 0                            !< by friction since the assembly [J]
+    real(dp) :: dissipated = 0                            !< by friction since the assembly [J],
+    real(dp) :: dissipated_contact = 0, dissipated_teeth = 0  !< of which by contact and flanks [J]
     real(dp) :: stored = 0, stored_assembled = 0          !< energy of bodies, balls and teeth [J]
     real(dp) :: wave_generator_torque = 0                 !< moment of the balls on the cam, at the last step [N m]
     real(dp) :: wave_generator_torque_max = 0             !< largest amount of all steps [N m]
@@ -77,9 +78,9 @@ contains
     real(dp) :: angle, shear(2)
     real(dp), allocatable :: force(:)
     integer :: i, n
-    associate (problem => drive%problem)
+    associate (problem => drive%problem, flanks => [(drive%balls + i, i=1, drive%flanks)])
       loop%closing = strut_closings(problem, load, state%u)
-      force = strut_force(problem%struts, loop%closing)
+      force = forces_at(problem, load, loop%closing)
       if (step%phase /= 'assembly') loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
       loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
@@ -100,8 +101,11 @@ contains
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
           if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
-          loop%dissipated = loop%dissipated - problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i))
+          loop%dissipated_contact = loop%dissipated_contact - &
+            problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i))
         end do
+        loop%dissipated_teeth = sum(state%past(4, :))
+        loop%dissipated = loop%dissipated_contact + loop%dissipated_teeth
         loop%torque = [loop%torque, step%torque]
         loop%angle = [loop%angle, angle]
       end if
@@ -110,11 +114,11 @@ contains
       loop%contact = state%contact
       loop%wave_generator_torque_max = max(loop%wave_generator_torque_max, abs(loop%wave_generator_torque))
       if (n > 0) loop%ball_force_max = max(loop%ball_force_max, maxval(loop%force(:n)))
-      loop%tooth_force_max = max(loop%tooth_force_max, maxval(loop%force(n + 1:)))
+      loop%tooth_force_max = max(loop%tooth_force_max, maxval(loop%force(flanks)))
       if (n > 0 .and. step%load_factor > 0) loop%unloaded = loop%unloaded .or. .not. any(loop%force(:n) > 0)
       if (step%phase == 'assembly') return
-      loop%lift = max(loop%lift, lifted(scene, loop%force(n + 1:), loop%closing(n + 1:)))
-      loop%play = max(loop%play, free_turn(scene, loop%force(n + 1:), loop%closing(n + 1:), loop%tooth_force_max))
+      loop%lift = max(loop%lift, lifted(scene, loop%force(flanks), loop%closing(flanks)))
+      loop%play = max(loop%play, free_turn(scene, loop%force(flanks), loop%closing(flanks), loop%tooth_force_max))
     end associate
   end subroutine book
 
@@ -129,6 +133,7 @@ contains
       [size(loop%fatigue%safety), 3])
     write (unit, iostat=status) size(loop%torque), size(loop%force), size(life, 1)
     if (status == 0) write (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
+      loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
       loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
       loop%fatigue%torque, life
@@ -146,6 +151,7 @@ contains
     if (status /= 0) return
     allocate (loop%torque(steps), loop%angle(steps), loop%force(struts), loop%closing(struts), life(nodes, 3))
     read (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
+      loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
       loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
       loop%fatigue%torque, life
@@ -372,13 +378,15 @@ contains
     type(loop_t), intent(in) :: loop                  !< booked
     real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
     type(error_t), allocatable, intent(out) :: error  !< disk full
-    real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(8)
+    real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
     integer :: i, flank, n
     n = drive%balls
-    associate (teeth => loop%force(n + 1:))
+    rub = 0
+    if (size(loop%force) > n + drive%flanks) rub = loop%force(n + drive%flanks + 1:)
+    associate (teeth => loop%force(n + 1:n + drive%flanks))
       call add_place(output%loop, step)
       row = [loop%angle(size(loop%angle)), loop%work, loop%stored - loop%stored_assembled, loop%dissipated, &
-        loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]
+        loop%dissipated_teeth, loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]
       do i = 1, size(row)
         call output%loop%add(row(i))
       end do
@@ -408,6 +416,7 @@ contains
         call output%teeth%add(loop%force(flank)/max(sum(teeth), tiny(1._dp)))
         call output%teeth%add(loop%closing(flank))
         call output%teeth%add(merge(1, -1, flank == n + 2*i - 1))
+        call output%teeth%add(rub(flank - n))
         call output%teeth%end_row(error)
       end do
     end associate

@@ -91,9 +91,11 @@ contains
     type(scene_t), intent(in) :: scene                !< scene
     type(output_t), intent(inout) :: output           !< tables
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,force_n,share,closing_m,flank', error)
+    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,force_n,share,closing_m,flank,friction_n', &
+      error)
     if (.not. allocated(error)) call output%loop%open(folder//'/loop.csv', place//',angle_rad,work_j,stored_j,dissipated_j,'// &
-      'wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,balls_loaded,pairs_loaded', error)
+      'dissipated_teeth_j,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,'// &
+      'balls_loaded,pairs_loaded', error)
     if (scene%balls > 0 .and. .not. allocated(error)) call output%balls%open(folder//'/balls.csv', &
       place//',ball,theta_rad,force_n,share,closing_m', error)
   end subroutine open_loop_tables

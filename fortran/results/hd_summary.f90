@@ -251,6 +251,7 @@ contains
     call json%add('lost_motion_rad', readings%lost_motion)
     call json%add('loop_work_j', loop%work)
     call json%add('loop_dissipated_j', loop%dissipated)
+    call json%add('loop_dissipated_teeth_j', loop%dissipated_teeth)
     call json%add('loop_stored_j', loop%stored - loop%stored_assembled)
     call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
     call json%add('ball_force_max_n', loop%ball_force_max)

@@ -10,6 +10,7 @@ module hd_checkpoint
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_promises, only: most_steps
+  use hd_rub, only: memories
   use hd_scene, only: scene_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file
   use hd_text, only: string_t
@@ -43,7 +44,7 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint 8'
+    character(len=21) :: magic = 'hdengine checkpoint 9'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change
@@ -179,19 +180,20 @@ contains
     integer, intent(in) :: unit
     type(state_t), intent(in) :: state
     integer, intent(out) :: status
-    write (unit, iostat=status) state%u, state%traction, state%slip, state%gap, state%contact, size(state%touch), state%touch
+    write (unit, iostat=status) state%u, state%traction, state%slip, state%gap, state%contact, size(state%touch), &
+      size(state%past, 2), state%touch, state%past
   end subroutine write_state
 
   subroutine read_state(unit, state, status)
     integer, intent(in) :: unit
     type(state_t), intent(inout) :: state
     integer, intent(out) :: status
-    integer :: n
-    read (unit, iostat=status) state%u, state%traction, state%slip, state%gap, state%contact, n
+    integer :: companions, flanks
+    read (unit, iostat=status) state%u, state%traction, state%slip, state%gap, state%contact, flanks, companions
     if (status /= 0) return
-    deallocate (state%touch)
-    allocate (state%touch(n))
-    read (unit, iostat=status) state%touch
+    deallocate (state%touch, state%past)
+    allocate (state%touch(flanks), state%past(memories, companions))
+    read (unit, iostat=status) state%touch, state%past
   end subroutine read_state
 
   !> A run goes on only with the scene it began with; limits and output may change.

@@ -13,7 +13,7 @@ module hd_load_step
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
-  use hd_problem, only: state_t, load_t, pair_bodies
+  use hd_problem, only: state_t, load_t, pair_bodies, remember
   use hd_run, only: run_t, new_run, accept, place_step, final_position
   use hd_section, only: band_rows
   use hd_supports, only: contact_torque
@@ -235,7 +235,7 @@ contains
     options%runaway = 0.05_dp*run%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + abs(run%scene%interference))
     torque = torque_at(run%scene, position)
     if (position > 1) options%torque = largest_torque(run%scene)
-    call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state%touch)
+    call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state)
     run%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
     start = wall_seconds()
     call first_guess(run, position, torque, trial)
@@ -266,7 +266,9 @@ contains
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support == 'drive' .and. abs(position - 1) < 1e-12_dp) then
-        call touch_teeth(run%scene, run%drive, trial%u, trial%touch)
+        call touch_teeth(run%scene, run%drive, trial%u, trial)
+      else
+        call remember(run%drive%problem, load, trial)
       end if
       run%before = run%state
       run%state = trial

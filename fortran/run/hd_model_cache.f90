@@ -131,11 +131,11 @@ contains
       .true., 1)
   end function find
 
-  !> Balls or teeth of two scenes of one model stand in other places.
+  !> Balls or teeth of two scenes of one model stand in other places, or those of one scene rub.
   pure logical function struts_move(a, b)
     type(scene_t), intent(in) :: a, b  !< scenes
     struts_move = a%support == 'drive' .and. (abs(a%cage_angle_deg - b%cage_angle_deg) > 0 .or. &
-      abs(a%tooth_phase - b%tooth_phase) > 0)
+      abs(a%tooth_phase - b%tooth_phase) > 0 .or. (a%tooth_friction > 0 .neqv. b%tooth_friction > 0))
   end function struts_move
 
   !> Two scenes agree in every key that affects the model (and the assembly).

@@ -233,7 +233,7 @@ contains
     logical, intent(in) :: again       !< its step is booked already
     type(load_t) :: load
     call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
-      step_friction(run%scene, run%position), load, run%state%touch)
+      step_friction(run%scene, run%position), load, run%state, run%before)
     if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
     call evaluate_facets(run%drive, at_friction(run%joint, load%friction), run%state, run%facets)
     call sum_up(run%drive, load, run%state, run%facets, run%sums)
@@ -261,7 +261,7 @@ contains
     if (run%position < run%tangent_from - 1e-12_dp) return
     start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
-    call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state%touch)
+    call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state, run%before)
     call update_tangent(run%drive%problem, run%state%u)
     if (run%scene%support == 'drive') then  ! balls and teeth that push change from step to step, and with them the glued drive
       run%flexibility%known = .false.

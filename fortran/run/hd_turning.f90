@@ -150,7 +150,7 @@ contains
     integer :: level
     call take_model(place%scene, place%drive, place%solver, place%assembly, kept, place%record%choice, error)
     if (allocated(error)) return
-    call touch_teeth(place%scene, place%drive, mean, place%state%touch)
+    call touch_teeth(place%scene, place%drive, mean, place%state)
     call set_log_level(quiet, level)
     call solve_to(place, 2._dp, error)
     call set_log_level(level)
@@ -180,9 +180,9 @@ contains
       call rows%add(stiffness)
       call rows%add(loop%wave_generator_torque)
       call rows%add(maxval([0._dp, loop%force(:scene%balls)]))
-      call rows%add(maxval(loop%force(scene%balls + 1:)))
+      call rows%add(maxval(loop%force(scene%balls + 1:scene%balls + 2*scene%tooth_pairs)))
       call rows%add(count(loop%force(:scene%balls) > 0))
-      call rows%add(count(loop%force(scene%balls + 1:) > 0))
+      call rows%add(count(loop%force(scene%balls + 1:scene%balls + 2*scene%tooth_pairs) > 0))
       call rows%end_row(error)
     end associate
   end subroutine book_place

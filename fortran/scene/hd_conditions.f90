@@ -82,6 +82,8 @@ contains
       "'bonded' with load.support = 'teeth'; support 'drive' has teeth and friction")
     call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
       "0: the circular spline is rigid, but with load.support = 'drive'")
+    call need(faults, s%support == 'drive' .or. .not. s%tooth_friction > 0, 'load.tooth_friction', s%tooth_friction, &
+      "0: the flanks have no friction, but with load.support = 'drive'")
     call need(faults, (s%support == 'drive' .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
       s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
     call ask(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &

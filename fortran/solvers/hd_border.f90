@@ -6,6 +6,8 @@
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u + G x = 0                    linearised strut, k its tangent, G compliance of what it stands on
 !>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
+!> A companion of a flank (hd_rub) has  (x - lean x_flank)/k + P^T u + G x = 0,  or where it slides  x = lean x_flank  alone: its
+!> row is no longer its column.
 !> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the
 !> equations are those of the body on S. In a C without them the soft springs of a cup would hide what the contact gives way.
 !> Motions are scaled to unknowns in newtons.
@@ -16,6 +18,7 @@ module hd_border
   use hd_lapack, only: invert_symmetric
   use hd_mortar, only: relative_displacement
   use hd_problem, only: problem_t
+  use hd_rub, only: lean_rows
   use hd_strut, only: closing_of, push
   use hd_symmetry, only: symmetry_t
   implicit none
@@ -36,6 +39,7 @@ module hd_border
     integer :: serial = 0                        !< of the pairs behind `side`
     integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
+    logical, allocatable :: blind(:)             !< of these: their force does not see displacements
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
     real(dp), allocatable :: own(:, :)           !< P^T C P and P^T N (struts, struts + modes) [m/N]
     real(dp), allocatable :: held(:)             !< N^T S R of each motion: what soft springs hold [m/N]
@@ -100,7 +104,7 @@ contains
       border%own(:, n + i) = [(closing_of(problem%struts(j), u), j=1, n)]
       border%held(i) = sum(f*u)
     end do
-    allocate (border%active(0))
+    allocate (border%active(0), border%blind(0))
   end subroutine new_border
 
   !> Rigid motions that nothing but contact, struts and soft springs resists, as far as the symmetry of the step has them.
@@ -148,10 +152,15 @@ contains
 
   !> Struts that push at the present iterate.
   subroutine take_active(self, problem)
-    class(border_t), intent(inout) :: self    !< gets active
+    class(border_t), intent(inout) :: self    !< gets active, blind
     type(problem_t), intent(in) :: problem    !< with strut_rate
+    logical :: slides(self%struts)
     integer :: i
-    if (self%struts > 0) self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
+    if (self%struts == 0) return
+    self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
+    slides = .false.
+    if (allocated(problem%rub)) slides(self%struts - size(problem%rub%flank) + 1:) = problem%rub%slides
+    self%blind = slides(self%active)
   end subroutine take_active
 
   !> Numbers of the columns of `side` that count: struts that push, then motions.
@@ -176,6 +185,7 @@ contains
     do i = 1, n
       d(i, i) = d(i, i) + 1/problem%strut_rate(self%active(i))
     end do
+    if (allocated(problem%rub)) call lean_rows(problem%rub, self%active, self%struts, problem%strut_rate, d)
     do i = 1, self%modes
       d(n + i, n + i) = -self%held(i)
       if (self%kind(i) == 3 .and. .not. self%held(i) > 0) d(n + i, n + i) = -flat*self%scale
@@ -193,7 +203,7 @@ contains
     integer :: i, n
     n = size(self%active)
     do i = 1, n
-      b(i) = -closing_of(problem%struts(self%active(i)), v)
+      b(i) = merge(0._dp, -closing_of(problem%struts(self%active(i)), v), self%blind(i))
     end do
     do i = 1, self%modes
       u = 0
@@ -233,6 +243,7 @@ contains
     integer :: i
     list = self%columns()
     known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, :, list(i))*pressed), i=1, size(list))]
+    where (self%blind) known(:size(self%blind)) = 0
     do i = 1, self%struts
       if (abs(forces(i)) > 0) w = w + forces(i)*self%side(:, :, i)
     end do

@@ -218,6 +218,7 @@ contains
     system%side = self%border%side(:, :, self%border%columns())
     system%more = size(system%side, 3)
     system%struts = size(self%border%active)
+    system%blind = self%border%blind
     system%corner = self%border%matrix(problem)
     system%known = known
     if (self%symmetry%half_turn) system%fold = 2

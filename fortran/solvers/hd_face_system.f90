@@ -44,6 +44,7 @@ module hd_face_system
     real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
     integer :: more = 0                          !< unknowns of the border
     integer :: struts = 0                        !< of these the first are struts, which GMRES eliminates
+    logical, allocatable :: blind(:)             !< struts whose equation has no S^T f (struts)
     real(dp) :: fold = 1                         !< points that each of the list stands for in sums over the face
     real(dp), allocatable :: side(:, :, :)       !< S (3, multipliers, more) [m/N]
     real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
@@ -357,6 +358,9 @@ contains
         self%right(l, k) = sum(self%rows(:, l)*self%side(:, self%at(l), k))
         self%below(l, k) = self%fold*sum(self%columns(:, l)*self%side(:, self%at(l), k))
       end do
+    end do
+    do k = 1, self%struts
+      if (self%blind(k)) self%below(:, k) = 0
     end do
   end subroutine pack_rows
 

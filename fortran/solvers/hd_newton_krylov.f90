@@ -120,6 +120,7 @@ contains
     type(problem_t), intent(inout) :: round  !< bodies at rest
     type(problem_t), intent(in) :: problem   !< the same, deformed
     if (allocated(round%struts)) round%strut_rate = problem%strut_rate
+    if (allocated(round%rub)) round%rub = problem%rub
     round%turning = problem%turning
     if (round%mortar%serial == problem%mortar%serial) return
     round%mortar = problem%mortar

@@ -126,6 +126,8 @@ contains
             end do
           end do
           call put(at, at, 0._dp)
+          k = companion_of(problem, j)
+          if (k > 0) call put(at, at - j + problem%rub%flank(k), 0._dp)
           if (.not. allocated(problem%strut_give)) cycle
           do k = 1, matrix%struts
             call put(at, at - j + k, 0._dp)
@@ -151,6 +153,14 @@ contains
       matrix%val(n) = value
     end subroutine put
   end subroutine lay_out
+
+  !> Number of a strut among the companions of flanks, 0 for others.
+  pure integer function companion_of(problem, strut)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: strut            !< number
+    companion_of = 0
+    if (allocated(problem%rub)) companion_of = max(0, strut - size(problem%struts) + size(problem%rub%flank))
+  end function companion_of
 
   !> Enter the present stiffness, in the order of lay_out.
   subroutine enter_stiffness(problem, matrix)
@@ -277,8 +287,8 @@ contains
     real(dp), intent(in) :: dt(:, :, :)               !< dR/dt (3, 3, multipliers)
     type(error_t), allocatable, intent(out) :: error  !< singular, out of memory
     real(dp) :: block(3, 3), rows(3, 3)
-    integer :: c, d, j, k, n
-    logical :: turned
+    integer :: c, d, i, j, k, n
+    logical :: holds, turned
     if (problem%mortar%pattern /= self%pattern) call lay_out_newton_matrix(problem, self, error)
     if (allocated(error)) return
     if (allocated(problem%lagrangian)) call enter_stiffness(problem, self)
@@ -304,18 +314,22 @@ contains
       end do
     end do
     do j = 1, self%struts
+      i = companion_of(problem, j)
+      holds = problem%strut_rate(j) > 0
+      if (i > 0) holds = holds .and. .not. problem%rub%slides(i)
       associate (strut => problem%struts(j))
         do k = 1, size(strut%node)
           do c = 1, 3
             if (.not. abs(strut%weight(c, k)) > 0 .or. self%equation(c, strut%node(k)) == 0) cycle
             call enter(-strut%weight(c, k))
-            call enter(merge(-strut%weight(c, k), 0._dp, problem%strut_rate(j) > 0))
+            call enter(merge(-strut%weight(c, k), 0._dp, holds))
           end do
         end do
         call enter(merge(-1/max(problem%strut_rate(j), tiny(1._dp)), -1/strut%rate, problem%strut_rate(j) > 0))
+        if (i > 0) call enter(merge(problem%rub%lean(i), 0._dp, problem%strut_rate(j) > 0)/max(problem%strut_rate(j), tiny(1._dp)))
         if (.not. allocated(problem%strut_give)) cycle
         do k = 1, self%struts
-          call enter(merge(-problem%strut_give(j, k), 0._dp, min(problem%strut_rate(j), problem%strut_rate(k)) > 0))
+          call enter(merge(-problem%strut_give(j, k), 0._dp, holds .and. problem%strut_rate(k) > 0))
         end do
       end associate
     end do

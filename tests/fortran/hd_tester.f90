@@ -18,6 +18,7 @@ program hd_tester
   use test_pairing, only: run_pairing
   use test_registers, only: run_registers
   use test_rotation, only: run_rotation
+  use test_rub, only: run_rub
   use test_section, only: run_section
   use test_spectral_model, only: run_spectral_model
   use test_spline_ring, only: run_spline_ring
@@ -46,6 +47,7 @@ program hd_tester
   call run_registers()
   call run_rotation()
   call run_mesh_series()
+  call run_rub()
   call run_section()
   call run_cup_sections()
   if (.not. report_checks()) stop 1, quiet=.true.

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Flanks of teeth while none of them pushes yet.
+!> Flanks of teeth: those that count while none of them pushes yet, and what they remember of a load step.
 module hd_flanks
   use hd_kinds, only: dp
-  use hd_problem, only: problem_t, load_t, linear_forces, strut_closings
+  use hd_problem, only: problem_t, load_t, state_t, forces_at, linear_forces, strut_closings
+  use hd_rub, only: remembered
   use hd_strut, only: push
   implicit none
   private
-  public :: flanks_t, count_flanks
+  public :: flanks_t, count_flanks, remember
 
   !> Flanks that count in Newton's matrix before they push.
   type :: flanks_t
@@ -54,4 +55,24 @@ contains
       if (flank(i)) call push(problem%struts(i), closing(i), r)
     end do
   end subroutine count_flanks
+
+  !> Keep what companions of flanks remember of a load step that is over.
+  subroutine remember(problem, load, state)
+    type(problem_t), intent(in) :: problem  !< problem
+    type(load_t), intent(in) :: load        !< its load
+    type(state_t), intent(inout) :: state   !< converged; gets past
+    real(dp), allocatable :: c(:), f(:)
+    integer :: i, n
+    if (.not. allocated(problem%rub)) return
+    c = strut_closings(problem, load, state%u)
+    f = forces_at(problem, load, c)
+    n = size(c) - size(problem%rub%flank)
+    state%past = load%past
+    do i = 1, size(problem%rub%flank)
+      associate (flank => problem%rub%flank(i))
+        state%past(:, i) = remembered(problem%rub%friction, problem%struts(flank)%rate, problem%struts(n + i)%rate, c(flank), &
+          c(n + i), f(n + i), load%past(:, i))
+      end associate
+    end do
+  end subroutine remember
 end module hd_flanks

@@ -11,13 +11,13 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_ball_patch, only: ball_patch_t, place_ball, material_angle
-  use hd_rub, only: rub_t, remembered, strut_laws, rubbed_answers, give_way_rubbing, memories
+  use hd_rub, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
   use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
     apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
-    elastic_forces, linear_forces, strut_closings, strut_forces, forces_at, remember
+    elastic_forces, linear_forces, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -324,26 +324,6 @@ contains
       f = strut_force(problem%struts, closing)
     end if
   end function forces_at
-
-  !> Keep what companions of flanks remember of a load step that is over.
-  subroutine remember(problem, load, state)
-    type(problem_t), intent(in) :: problem  !< problem
-    type(load_t), intent(in) :: load        !< its load
-    type(state_t), intent(inout) :: state   !< converged; gets past
-    real(dp), allocatable :: c(:), f(:)
-    integer :: i, n
-    if (.not. allocated(problem%rub)) return
-    c = strut_closings(problem, load, state%u)
-    f = forces_at(problem, load, c)
-    n = size(c) - size(problem%rub%flank)
-    state%past = load%past
-    do i = 1, size(problem%rub%flank)
-      associate (flank => problem%rub%flank(i))
-        state%past(:, i) = remembered(problem%rub%friction, problem%struts(flank)%rate, problem%struts(n + i)%rate, c(flank), &
-          c(n + i), f(n + i), load%past(:, i))
-      end associate
-    end do
-  end subroutine remember
 
   !> Bring the tangents of the struts up to date.
   subroutine update_struts(problem, load, u)

@@ -12,12 +12,13 @@ module hd_drive
   use hd_scene, only: scene_t
   use hd_body, only: body_t
   use hd_face, only: face_t
+  use hd_flanks, only: remember
   use hd_formed_body, only: form_body, formed_curve, put_on_curve
   use hd_revolution, only: strip_t, revolve, strip_face
   use hd_section, only: ring_strip, cup_strip, rim_end
   use hd_hexahedron, only: element_kind
   use hd_mortar, only: add_rigid, new_mortar
-  use hd_problem, only: problem_t, load_t, state_t, new_problem, add_springs, loosen, remember
+  use hd_problem, only: problem_t, load_t, state_t, new_problem, add_springs, loosen
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
   use hd_rub, only: memories, rub_t

@@ -4,6 +4,7 @@
 module hd_tooth_flanks
   use hd_kinds, only: dp, pi
   use hd_body, only: body_t, axial_moment
+  use hd_elastic_law, only: stick_ratio
   use hd_face, only: face_t
   use hd_rim_load, only: add_rim_line
   use hd_scene, only: scene_t
@@ -78,13 +79,11 @@ contains
     d(:, 4) = [cos(angle), sin(angle)]
   end function flank_directions
 
-  !> Stiffness of a flank that sticks, along its tangent [N/m].
+  !> Stiffness of a flank that sticks, along its tangent, by Mindlin's ratio of bodies pressed together. A tenth or ten times as
+  !> much changes no digit of K1 to K3 and the hysteresis by 0.05 % (drive14, mu = 0.1): flanks slip by far more than they give.
   pure real(dp) function tangent_stiffness(scene) result(k)
     type(scene_t), intent(in) :: scene  !< scene
-    real(dp) :: ratio
-    ratio = scene%tooth_stick_ratio
-    if (.not. ratio > 0) ratio = (2 - 2*scene%flexspline_nu)/(2 - scene%flexspline_nu)  ! Mindlin's
-    k = ratio*scene%tooth_stiffness
+    k = scene%tooth_stiffness*stick_ratio(scene%flexspline_e, scene%flexspline_nu, scene%flexspline_e, scene%flexspline_nu)
   end function tangent_stiffness
 
   !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, with the arm of the rim's

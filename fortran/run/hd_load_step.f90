@@ -7,13 +7,14 @@ module hd_load_step
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, frictionless, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
+  use hd_flanks, only: remember
   use hd_friction_path, only: raise_friction
   use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
   use hd_log, only: say, detail, set_log_level, quiet
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
-  use hd_problem, only: state_t, load_t, pair_bodies, remember
+  use hd_problem, only: state_t, load_t, pair_bodies
   use hd_run, only: run_t, new_run, accept, place_step, final_position
   use hd_section, only: band_rows
   use hd_supports, only: contact_torque

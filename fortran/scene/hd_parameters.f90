@@ -168,8 +168,6 @@ contains
       'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'tooth_friction', 'load', s%tooth_friction, '', 0._dp, 1._dp, &
       "Coulomb coefficient of the flanks, with support 'drive'; 0: without friction", closed=.true.)
-    call add_real(t, 'load', 'tooth_stick_ratio', 'model', s%tooth_stick_ratio, '', 0._dp, 100._dp, &
-      "stiffness of a flank that sticks, along it, over tooth_stiffness; 0: Mindlin's (2 - 2 nu)/(2 - nu)", closed=.true.)
     call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &
       "radial thickness of the circular spline, with support 'drive': an elastic ring of the flexspline's material under the "// &
       'forces of the teeth; 0: rigid', closed=.true.)

@@ -57,8 +57,8 @@ contains
     end do
   end subroutine cycle_under_load
 
-  !> A flank that closes while it moves evenly has the spring from where it touches: in one step as in many, sticking or sliding. One
-  !> that opens gives all of it up, and closes again without a memory.
+  !> A flank that closes while it moves evenly has the spring from where it touches: in one step as in many, sticking or sliding. It
+  !> gives all of it up where it opens, and closes again without a memory.
   subroutine closing_and_opening()
     real(dp) :: one(memories), many(memories), way(2)
     integer :: i

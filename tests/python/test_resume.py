@@ -180,7 +180,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path):
     shutil.copy(tmp_path / "b/checkpoint.bin", tmp_path / "a/checkpoint.bin")
     with pytest.raises(hdengine.FileError, match="of another scene"):
         hdengine.Run(CD14, tmp_path / "a", resume=True, **SMALL)
-    (tmp_path / "a/checkpoint.bin").write_bytes(right.replace(b"checkpoint 8", b"checkpoint 3"))
+    (tmp_path / "a/checkpoint.bin").write_bytes(right.replace(b"checkpoint 9", b"checkpoint 3"))
     with pytest.raises(hdengine.FileError, match="no checkpoint of this version"):
         hdengine.Run(CD14, tmp_path / "a", resume=True, **SMALL)
 

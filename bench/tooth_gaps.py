@@ -33,6 +33,13 @@ def loop(keys):
             "pairs": int((force > 1e-6 * force.max()).sum())}
 
 
+def on_solved_rims():
+    """Keys of both profiles on the rim of the assembled drive."""
+    with tempfile.TemporaryDirectory() as folder:
+        hdengine.run(SCENE, f"{folder}/r", **MESH | {"output.vtu": "last", "loop.torques": 0, "load.torque_steps": 1})
+        return [(f"{name} on the solved rim, 0 µm", hdengine.tooth_gaps(p, f"{folder}/r").keys()) for name, p in PROFILES.items()]
+
+
 def main():
     """Solve, write, draw."""
     angles = {name: hdengine.tooth_gaps(p, SCENE).pressure_angle_deg for name, p in PROFILES.items()}
@@ -41,6 +48,7 @@ def main():
     for name, profile in PROFILES.items():
         for least in LEAST:
             cases.append((f"{name}, closest pair {1e6 * least:g} µm", hdengine.tooth_gaps(profile, SCENE, least_gap=least).keys()))
+    cases += on_solved_rims()
     rows = [{"teeth": name, "angle_deg": keys.get("load.pressure_angle_deg", 25.0), "gaps_m": keys.get("load.tooth_gaps"), **loop(keys)}
             for name, keys in cases]
     write_record("tooth_gaps", rows, threads=1)

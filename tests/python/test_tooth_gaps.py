@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clearance of tooth pairs from their profile: closed forms, limits, symmetry, convergence, bad input, the command."""
 import json
+import shutil
 
+import meshio
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from hdengine.teeth.gap import flank_gap
 from hdengine.teeth.pairs import tooth_gaps
 from hdengine.teeth.profile import DoubleArc, Involute, involute_angle
 from hdengine.teeth.rim import Rim
+from hdengine.teeth.solved import RimShape, read_grid
 
 M, SCENE = 0.1778e-3, ROOT / "data/drive14.nml"
 ROUND = {"wave_generator.w": 0.0}
@@ -194,6 +197,60 @@ def test_what_is_not_valid_is_named(act, message):
     with pytest.raises(hdengine.InputError) as caught:
         act()
     assert message in str(caught.value)
+
+
+@pytest.fixture(scope="module")
+def assembled(tmp_path_factory):
+    """Folder of a run of the assembly alone."""
+    folder = tmp_path_factory.mktemp("rim") / "r"
+    hdengine.run(SCENE, folder, **{"mesh.divisions": 44, "mesh.band_facets": 6, "loop.torques": 0, "load.torque_steps": 1, "output.vtu": "last"})
+    return folder
+
+
+def test_grid_is_what_meshio_reads(assembled):
+    """Places and displacements of the engine's grid are those that meshio reads, to the last bit."""
+    path = next(assembled.glob("bodies_*.vtu"))
+    grid, other = read_grid(path, "Points", "displacement_m"), meshio.read(path)
+    assert np.array_equal(grid["Points"], other.points) and np.array_equal(grid["displacement_m"], other.point_data["displacement_m"])
+    assert grid["torque_nm"] == 0 and grid["TimeValue"] == 1
+
+
+def test_rim_of_a_run(assembled):
+    """Points of a run's rim are the places of its nodes, mean over its length; the normal is right on a shape known in closed form."""
+    rim = Rim.read(assembled)
+    grid = read_grid(next(assembled.glob("bodies_*.vtu")), "Points", "displacement_m")
+    x, u = grid["Points"], grid["displacement_m"]
+    on = (abs(np.hypot(x[:, 0], x[:, 1]) - rim.radius) < 1e-8) & (x[:, 2] < 9.01e-3) & (x[:, 0] > 0) & (abs(x[:, 1]) < 1e-9)
+    order = np.argsort(x[on, 2])
+    mean = (np.diff(x[on, 2][order])[:, None] * (u[on][order][1:] + u[on][order][:-1]) / 2).sum(axis=0) / np.ptp(x[on, 2])
+    np.testing.assert_allclose(rim.poses(np.zeros(1))[0][:, 0], [rim.radius + mean[0], mean[1]], rtol=0, atol=1e-12)
+    w, r, t = 1e-3, 18e-3, np.linspace(0, 6, 30)
+    shape = RimShape(r, np.array([[0, 0, w / 2], [0, 0, 0]], complex))     # r + w cos 2t
+    points, normals = shape.poses(t)
+    np.testing.assert_allclose(points, (r + w * np.cos(2 * t)) * [np.cos(t), np.sin(t)], atol=1e-15)
+    slope = np.array([-2 * w * np.sin(2 * t) * np.cos(t) - (r + w * np.cos(2 * t)) * np.sin(t),
+                      -2 * w * np.sin(2 * t) * np.sin(t) + (r + w * np.cos(2 * t)) * np.cos(t)])
+    np.testing.assert_allclose((normals * slope).sum(axis=0), 0, atol=1e-15)
+    np.testing.assert_allclose(np.hypot(*normals), 1)
+
+
+def test_gaps_on_the_rim_of_a_run(assembled, tmp_path, capsys):
+    """The assembled rim stands further out than the cam alone says: teeth made for the cam interfere, others keep what is asked. Runs that do not serve are refused."""
+    ideal = tooth_gaps(Involute(M), SCENE)
+    tight, free = tooth_gaps(Involute(M, x2=ideal.facts["x2"]), assembled), tooth_gaps(Involute(M), assembled)
+    assert tight.least_m < -1e-6 and "interfere" in tight.notes[0] and free.least_m == pytest.approx(0, abs=1e-8)
+    assert free.facts["x2"] > ideal.facts["x2"] and free.table["gap_m"].max() > 5e-6
+    with pytest.raises(hdengine.InputError, match=r"wave_generator.w with the run .* valid: keys of load"):
+        tooth_gaps(Involute(M), assembled, wave_generator={"w": 1e-4})
+    copy = tmp_path / "c"
+    shutil.copytree(assembled, copy)
+    grid = next(copy.glob("bodies_*.vtu"))
+    whole = grid.read_bytes()
+    grid.write_bytes(whole[:60000])
+    assert main(["teeth", str(copy), "--profile", "involute", "--module", str(M)]) == 3 and "is cut short: run the scene again" in capsys.readouterr().err
+    grid.write_bytes(whole.replace(b'Name="torque_nm" NumberOfTuples="1" format="ascii">0.0', b'Name="torque_nm" NumberOfTuples="1" format="ascii">5.0'))
+    with pytest.raises(hdengine.InputError, match=r"has grids at 5 N m: must have one of the whole assembly at 0 N m"):
+        tooth_gaps(Involute(M), copy)
 
 
 def test_interference_is_told():

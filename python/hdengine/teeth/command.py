@@ -26,7 +26,8 @@ MEANING = {
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument("input", help="namelist of the scene: its teeth, rim and wave generator")
+    parser.add_argument("input", help="namelist of the scene: its teeth, rim and wave generator; or folder of a run, whose rim is "
+                        "taken")
     parser.add_argument("assignments", nargs="*", metavar="group.key=value", help="keys that differ from the file")
     parser.add_argument("--profile", choices=tuple(PROFILES), required=True, help="of the flexspline's teeth")
     for name, text in MEANING.items():

@@ -126,14 +126,16 @@ def tooth_gaps(profile: Involute | DoubleArc, path: str | os.PathLike = "", *, l
                spline_teeth: int | None = None, points: int = 200, **keys: Any) -> ToothGaps:
     """Clearance of every pair of a scene along the flanks' normals, without load, from profile and deformed rim.
 
-    The rim's neutral line lies on the wave generator and keeps its length; teeth are rigid and stand along its normals. Pairs stand
-    where the scene has them (`load.teeth`, `load.tooth_pairs`, `load.tooth_phase`), the spaces symmetric about the long axis.
+    The rim's neutral line lies on the wave generator and keeps its length, or the rim is that of a run. Teeth are rigid and stand
+    along its normals. Pairs stand where the scene has them (`load.teeth`, `load.tooth_pairs`, `load.tooth_phase`), the spaces
+    symmetric about the long axis.
 
     Parameters
     ----------
     profile : Involute or DoubleArc
     path : path-like
-        Namelist of the scene; '' takes the defaults.
+        Namelist of the scene, '' takes the defaults; or the folder of a run of it, with a grid of the assembly at 0 N m: its rim is
+        taken, the mean over the length.
     least_gap : float, optional
         Clearance of the closest pair of a half turn [m], default 0: it sets x2 of an Involute where that is not given, and moves
         the envelope of a DoubleArc.

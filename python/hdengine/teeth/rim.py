@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .._engine import InputError
 from ..contact import cam, read_scene
+from .solved import RimShape
 
 
 @dataclass(frozen=True)
 class Rim:
-    """Neutral line of the rim on the wave generator: it keeps its length, and teeth stand along its normals.
+    """The deformed line on whose normals the teeth stand.
+
+    It is the neutral line of the rim, the middle of its thickness, that keeps its length on the wave generator; or the rim's
+    outside as a run has deformed it.
 
     Parameters
     ----------
@@ -22,20 +28,23 @@ class Rim:
         Its namelist, for the table of a measured cam.
     keys : dict
         'group.key' to value that differ from it.
+    shape : RimShape, optional
+        Of a run.
     """
 
     scene: dict
     path: Any
     keys: dict
+    shape: RimShape | None = None
 
     @classmethod
     def read(cls, path: Any, **keys: Any) -> Rim:
-        """Rim of a scene.
+        """Rim of a scene, or of a run.
 
         Parameters
         ----------
         path : path-like
-            Namelist; '' takes the defaults.
+            Namelist, '' takes the defaults; or the folder of a run, with a grid of the assembly without torque.
         **keys
             Keys of the scene, as in `run`.
 
@@ -46,16 +55,24 @@ class Rim:
         Raises
         ------
         InputError, FileError
-            A key, or the table of a measured cam, is not valid.
+            A key, the table of a measured cam, or the run is not valid.
         """
         flat: dict = {}
         for name, value in keys.items():
             flat |= {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {name.replace("__", ".", 1): value}
-        return cls(read_scene(path, **flat), path, flat)
+        if not path or not Path(path).is_dir():
+            return cls(read_scene(path, **flat), path, flat)
+        barred = sorted(name for name in flat if name.split(".")[0] != "load")
+        if barred:
+            raise InputError(f"{barred[0]} with the run '{path}': its rim is that of the run; valid: keys of load")
+        scene = read_scene(Path(path) / "echo.nml", **flat)
+        return cls(scene, path, flat, RimShape.read(path, scene))
 
     @property
     def radius(self) -> float:
-        """Of the neutral line at rest: the middle of the rim [m]."""
+        """Of the line at rest [m]."""
+        if self.shape is not None:
+            return self.shape.radius
         return self.scene["geometry.bore_radius"] + self.scene["geometry.rim_thickness"] / 2
 
     @property
@@ -64,7 +81,7 @@ class Rim:
         return self.scene["geometry.bore_radius"] + self.scene["geometry.wall_thickness"]
 
     def poses(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points of the deformed neutral line and its outward normals.
+        """Points of the deformed line and its outward normals.
 
         Parameters
         ----------
@@ -77,6 +94,8 @@ class Rim:
             [m].
         normals : ndarray (2, n)
         """
+        if self.shape is not None:
+            return self.shape.poses(theta)
         found = cam(theta, self.path, **self.keys | {
             "wave_generator.shape": "pressed", "geometry.bore_radius": self.radius + self.scene["geometry.ring_thickness"]})
         return found.points, found.normal

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
-docs/evidence/drive.md, drive_inputs.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
+docs/evidence/drive.md, drive_inputs.md, drive_friction.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
 
-Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove] | pages | fine
+Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove] [rub] | pages | fine
 words: solve these, or nothing (pages), and take the rest from the record, none: all; fine: the loop of size 14 at 10^6 dof alone
 (bench/results/drive_fine.json)
 """
@@ -35,6 +35,7 @@ UNKNOWN = (
     ("interference 0", {"wave_generator.interference": 0}), ("friction 0.05", {"contact.friction": 0.05}))
 FINE = {"mesh.divisions": 344, "mesh.band_facets": 60, "mesh.through_wall": 4, "mesh.through_ring": 4, "output.vtu": "none"}
 GROOVES = ((0, 15), (0.2e-3, 15), (0.4e-3, 15), (0.6e-3, 15))  # depth [m], cells along the ring
+RUBS = [{"load.tooth_friction": mu} for mu in (0, 0.05, 0.1, 0.15)] + [{"load.pressure_angle_deg": 25 - np.degrees(np.arctan(0.1))}]
 TORQUES = (1, 3, 5)
 CASES = [(0.0, 0.2e-3), (10e-6, 0.2e-3)] + [(0.0, w * 1e-3) for w in (0.195, 0.205, 0.21, 0.215)]
 
@@ -132,6 +133,19 @@ def groove():
     return rows
 
 
+def rub():
+    """The loop of size 14 over the friction of its tooth flanks, and with the pressure angle that tilts forces as much."""
+    rows = []
+    for keys in RUBS:
+        summary, _, _ = run("drive14.nml", keys)
+        r = summary["results"]
+        rows.append({**keys, "k": three(r), "hysteresis_arcmin": ARCMIN * r["hysteresis_rad"], "lost_motion_arcmin": ARCMIN * r["lost_motion_rad"],
+                     "dissipated_j": r["loop_dissipated_j"], "dissipated_teeth_j": r["loop_dissipated_teeth_j"],
+                     "unbalanced": (r["loop_work_j"] - r["loop_stored_j"]) / r["loop_dissipated_j"] - 1, "tooth_force_max_n": r["tooth_force_max_n"],
+                     "iterations": r["iterations"], "cpu_s": summary["cpu_s"]})
+    return rows
+
+
 @styled
 def draw(rows):
     """Loop of size 14 beside the catalogue's chords; K over the size."""
@@ -169,7 +183,7 @@ def main():
     if sys.argv[1:] == ["fine"]:
         fine()
         return
-    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove}
+    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove, "rub": rub}
     found = json.loads((RESULTS / "drive_catalogue.json").read_text())
     found["commits"] = found.get("commits", dict.fromkeys(parts, found.pop("provenance", {}).get("commit", "")))
     for name in [] if sys.argv[1:] == ["pages"] else sys.argv[1:] or parts:
@@ -197,6 +211,13 @@ def main():
          " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.1f}" for k, b in zip(r["k"], plain[r["ring_facets"]])),
          f"{r['hysteresis_arcmin']:.2f}'", f"{r['ball_force_max_n']:.0f}", f"{r['von_mises_max_pa'] / 1e6:.0f}")
         for r in found["groove"]]), page="evidence/drive_inputs")
+    plain = found["rub"][0]
+    put("drive rub", table(("flanks", "K1 / K2 / K3", "change in %", "hysteresis", "lost motion", "lost by contact, flanks", "iterations"), [
+        (f"μ = {r['load.tooth_friction']:g}" if "load.tooth_friction" in r else f"pressure angle {r['load.pressure_angle_deg']:.1f}°",
+         " / ".join(f"{k:.3g}" for k in r["k"]), " / ".join(f"{100 * (k / b - 1):+.0f}" for k, b in zip(r["k"], plain["k"])),
+         f"{r['hysteresis_arcmin']:.3f}'", f"{r['lost_motion_arcmin']:.3f}'",
+         f"{1e3 * (r['dissipated_j'] - r['dissipated_teeth_j']):.2f}, {1e3 * r['dissipated_teeth_j']:.2f} mJ", r["iterations"])
+        for r in found["rub"]]), page="evidence/drive_friction")
     kinds = ("drive", "eq45", "tangent")
     lines = [(f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm", *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) for k in kinds)) for r in path]
     lines += [(*line[:2], *(f"{change(path, k)(r)} %" for k in kinds)) for r, line in zip(path[1:], lines[1:])]

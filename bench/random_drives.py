@@ -3,9 +3,10 @@
 """Random whole drives on small meshes: how many converge, whether their moments, their energy and their laws hold, and what the engine
 says of the rest. Record random_drives.json, table of docs/evidence/drive.md.
 
-A tenth of them with large displacements too: record random_drives_large.json, table of docs/evidence/kinematics_drive.md.
+A tenth of them with large displacements too: record random_drives_large.json, table of docs/evidence/kinematics_drive.md. As many with
+friction of their tooth flanks: record random_drives_rub.json, table of docs/evidence/drive_friction.md.
 
-Usage: bench/random_drives.py [--count 300] [--start 0] [--only N] [--kinematics nonlinear]
+Usage: bench/random_drives.py [--count 300] [--start 0] [--only N] [--kind large|rub]
 """
 import argparse
 import csv
@@ -103,11 +104,14 @@ def faults(keys, steps, loop, teeth, balls):
     torque = loop["torque_nm"].astype(float)
     top = max(abs(torque).max(), 1e-3)
     found = []
-    left = 1e-3 if keys["solver.kinematics"] == "nonlinear" else 1e-4  # pairs that still move may leave so much (moment_left, hd_newton)
+    left = 1e-3 if keys.get("solver.kinematics") == "nonlinear" else 1e-4  # pairs that still move may leave so much (moment_left, hd_newton)
     if abs(steps["torque_balance_nm"].astype(float)).max() > left * top:
         found.append(f"torque balance {abs(steps['torque_balance_nm'].astype(float)).max():.1e} N m")
     if teeth and min(teeth["force_n"].astype(float)) < 0 or balls and min(balls["force_n"].astype(float)) < 0:
         found.append("a ball or flank pulls")
+    mu = keys.get("load.tooth_friction", 0)
+    if teeth and np.any(abs(teeth["friction_n"].astype(float)) > mu * teeth["force_n"].astype(float) * (1 + 1e-9)):
+        found.append("a flank rubs with more than mu times its force")
     heat = np.diff(loop["dissipated_j"].astype(float))
     if keys.get("contact.law") == "joint" or keys["load.torque_steps"] == 1:
         heat = heat[:0]  # a rough joint gives back what it stored in shear; one step over a reversal is no integral
@@ -128,13 +132,19 @@ def outcome(row):
     return f"code {row['code']}"
 
 
-def run(kinematics, start, count):
+KINDS = {"": ("random_drives", "drive random", "evidence/drive", 600), "large": ("random_drives_large", "drive random", "evidence/kinematics_drive", 120),
+         "rub": ("random_drives_rub", "drive random rub", "evidence/drive_friction", 600)}  # record, table, page, limit [s]
+
+
+def run(kind, start, count):
     """Solve scenes, print what does not converge, write record and table if there are enough."""
-    large = kinematics == "nonlinear"
+    name, mark, page, limit = KINDS[kind]
     rows = []
     for i in range(start, start + count):
-        keys = draw(i) | {"solver.kinematics": kinematics}
-        rows.append({"scene": i, "keys": keys} | solve(keys, 120 if large else 600))
+        keys = draw(i) | {"solver.kinematics": "nonlinear" if kind == "large" else "linear"}
+        if kind == "rub":
+            keys["load.tooth_friction"] = float(f"{np.random.default_rng([SEED, i, 1]).uniform(0.02, 0.3):.3g}")
+        rows.append({"scene": i, "keys": keys} | solve(keys, limit))
         if outcome(rows[-1]) != "converged":
             print(i, outcome(rows[-1]), rows[-1]["message"][:160].replace("\n", " "), rows[-1].get("faults", ""), flush=True)
     classes = Counter(map(outcome, rows))
@@ -143,11 +153,10 @@ def run(kinematics, start, count):
               "iterations_per_step_95": float(np.quantile(steps, 0.95)), "iterations_per_step_max": max(steps),
               "cut_backs": sum(r.get("cut_backs", 0) for r in rows if r["code"] == 0),
               "scenes": [{k: v for k, v in row.items() if k not in ("keys", "warnings")} for row in rows]}
-    print(kinematics, {k: v for k, v in record.items() if k != "scenes"})
-    if start == 0 and count >= (30 if large else 100):
-        write_record("random_drives_large" if large else "random_drives", record, seed=SEED, threads=1)
-        put("drive random", table(("outcome", "drives"), [(k, v) for k, v in classes.most_common()]),
-            page="evidence/kinematics_drive" if large else "evidence/drive")
+    print(kind, {k: v for k, v in record.items() if k != "scenes"})
+    if start == 0 and count >= (30 if kind else 100):
+        write_record(name, record, seed=SEED, threads=1)
+        put(mark, table(("outcome", "drives"), [(k, v) for k, v in classes.most_common()]), page=page)
 
 
 def main():
@@ -155,15 +164,16 @@ def main():
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--only", type=int, help="one scene: print its keys and result")
-    parser.add_argument("--kinematics", choices=("linear", "nonlinear"), help="default: linear, and a tenth of the scenes nonlinear")
+    parser.add_argument("--kind", choices=("large", "rub"), help="default: plain scenes, and a tenth as many of each kind")
     args = parser.parse_args()
     if args.only is not None:
         print(" ".join(f"'{k}={v}'" for k, v in draw(args.only).items()))
         print(json.dumps(solve(draw(args.only)), indent=1))
         return
-    run(args.kinematics or "linear", args.start, args.count)
-    if not args.kinematics:
-        run("nonlinear", args.start, args.count // 10)
+    run(args.kind or "", args.start, args.count)
+    if not args.kind:
+        run("large", args.start, args.count // 10)
+        run("rub", args.start, args.count // 10)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 
+import hdengine
 from conftest import ROOT, call
 from hdengine.results import read_csv
 
@@ -159,6 +160,16 @@ def test_random_drives_rub_by_their_law(exe, tmp_path, seed):
     assert np.all(abs(teeth["friction_n"]) <= mu * teeth["force_n"] * (1 + 1e-9))
     assert np.all(np.diff(loop["dissipated_teeth_j"]) >= -1e-15)
     assert np.all(abs(steps["torque_balance_nm"]) < 1e-4 * abs(loop["torque_nm"]).max())
+
+
+def test_a_kept_model_learns_and_forgets_friction(tmp_path):
+    """Runs in one process with and without friction give the same bits whichever came before."""
+    keys = dict(k.split("=") for k in [*MESH, "loop.torques=8,-3", "load.torque_steps=2"])
+    angles = {}
+    for mu in (0, MU, 0.2, 0, MU):
+        angle = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys, **{"load.tooth_friction": mu}).loop["angle_rad"]
+        np.testing.assert_array_equal(angle, angles.setdefault(mu, angle))
+    assert len({angle[-1] for angle in angles.values()}) == 3
 
 
 def test_other_supports_refuse_it(exe):

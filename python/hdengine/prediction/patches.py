@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .._engine import InputError, StoppedError
+from .._engine import StoppedError
 from ..elastic import stiffness_from_spectrum
 from ..surfaces.composite import resample
 from ..surfaces.specimen import Specimen

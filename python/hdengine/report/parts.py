@@ -242,7 +242,7 @@ def _band_of(result, k):
         found = read_json(path, "bands_95_nm_per_rad")
         name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
             ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
-        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
+        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0], default=(k, k, k))
         known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
     else:
         known.append("The error of the inputs is not known: <code>hdengine sensitivity</code> varies them.")

@@ -38,8 +38,9 @@ contains
       to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
       to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
     if (scene%support == 'drive') then
-      call push(list, 'gear: no friction of flanks, balls and cage, no tooth tips, the toothed rim as a smooth one; K2 and '// &
-        'K3 of seven sizes are 1.4 to 2.0 times the catalogue''s (docs/evidence/drive.md)')
+      call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
+        scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K2 and K3 of six sizes are 1.4 to 2.0 '// &
+        'times the catalogue''s (docs/evidence/drive.md)')
     else
       if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')

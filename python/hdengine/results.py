@@ -31,6 +31,7 @@ def read_csv(path: Any, *needed: Any) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None

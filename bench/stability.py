@@ -12,6 +12,7 @@ when it has a stiffness under load.
 import argparse
 import json
 import sys
+import textwrap
 import time
 from collections import Counter
 
@@ -192,7 +193,7 @@ def draw(maps):
         grid = [[order.index(v) for v in row] for row in m["verdict"]]
         ax.pcolormesh(np.arange(len(m["x"]) + 1), np.arange(len(m["y"]) + 1), grid, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5,
                       vmax=3.5, edgecolors="white", linewidth=1.5)
-        ax.set(xlabel=m["xlabel"], ylabel=m["ylabel"], title=m["title"])
+        ax.set(xlabel=m["xlabel"], ylabel=m["ylabel"], title=textwrap.fill(m["title"], 30))
         ax.title.set_fontsize(10)
         ax.xaxis.label.set_fontsize(11)
         ax.yaxis.label.set_fontsize(11)

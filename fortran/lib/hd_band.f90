@@ -51,7 +51,7 @@ contains
     integer :: info
     call dpbtrf('U', size(u, 2), size(u, 1) - 1, u, size(u, 1), info)
     if (info > 0) call raise(error, code_linear_solver, &
-      'the stiffness matrix is singular: a body is not held; check load.support and contact.mode')
+      'the stiffness matrix is singular: a body is not held; check load.support, contact.mode and units of lengths')
   end subroutine factorise_band
 
   !> Solve for two right-hand sides in place.

@@ -97,7 +97,8 @@ contains
     call dpotrf('U', size(a, 1), a, size(a, 1), info)
     if (info > 0) then
       call raise(error, code_linear_solver, &
-        'the stiffness condensed to the contact is singular: a body is not held; check load.support and contact.mode')
+        'the stiffness condensed to the contact is singular: a body is not held; check load.support, contact.mode and '// &
+        'units of lengths')
       return
     end if
     call dpotri('U', size(a, 1), a, size(a, 1), info)
@@ -117,6 +118,6 @@ contains
     if (size(a, 1) == 0) return
     call dgesv(size(a, 1), size(b, 2), a, size(a, 1), pivot, b, size(b, 1), info)
     if (info > 0) call raise(error, code_linear_solver, 'the condensed contact matrix is singular at unknown '// &
-      to_text(info)//': a body is not held; check load.support and contact.mode')
+      to_text(info)//': a body is not held; check load.support, contact.mode and units of lengths')
   end subroutine solve_dense
 end module hd_lapack

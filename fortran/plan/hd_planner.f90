@@ -359,7 +359,8 @@ contains
       ' s, results in '//folder)
     do i = 1, promises
       text = promise_text(promised(i), run%record%limit)
-      if (len(text) > 0) call say('limit     '//text//', known to '//percent(run%record%estimate(i)))
+      if (len(text) > 0) call say(trim('limit     '//text//', known to '//percent(run%record%estimate(i))// &
+        merge(' in the norm', '            ', is_field(promised(i)%first))))
     end do
   end subroutine run_planned
 

@@ -15,11 +15,11 @@ module hd_loop
   use hd_stress, only: body_stress
   use hd_strut, only: push
   use hd_supports, only: moment, moment_on_cam
-  use hd_text, only: string_t, push_text => push, rounded, to_text
+  use hd_text, only: rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, drive_warnings, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, &
+  public :: loop_t, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, &
     moments_of_struts, store_loop, recall_loop
 
   !> A ball that comes or goes between two steps.
@@ -59,10 +59,8 @@ module hd_loop
     real(dp) :: hysteresis = 0       !< width of the loop at no torque [rad]
     real(dp) :: lost_motion = 0      !< turn of the loop's middle between -4 and 4 % of the rated torque [rad]
     real(dp) :: loop_area = 0        !< work of the torque over the whole path [J]
+    logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
-
-  real(dp), parameter :: much_on_cam = 2      !< times the torque over the ratio above which it is warned of
-  real(dp), parameter :: large_jump = 0.5_dp  !< share of the largest force of a ball above which it is warned of
 
 contains
 
@@ -205,39 +203,6 @@ contains
     end do
   end function larger_jump
 
-  !> Where the drive leaves what its scene can say.
-  subroutine drive_warnings(loop, scene, lines)
-    type(loop_t), intent(in) :: loop                      !< booked steps
-    type(scene_t), intent(in) :: scene                    !< scene
-    type(string_t), allocatable, intent(out) :: lines(:)  !< one each
-    character(len=:), allocatable :: cause
-    real(dp) :: lossless, fitting
-    allocate (lines(0))
-    lossless = maxval(abs(loop%torque))*2/scene%teeth
-    fitting = 2*(scene%bore_radius + scene%rim_thickness)/scene%teeth
-    if (lossless > 0 .and. loop%wave_generator_torque_max > much_on_cam*lossless) then
-      cause = 'balls that stand unevenly about the long axis press on its slopes (wave_generator.eccentricity, '// &
-        'bearing.cage_angle_deg)'
-      if (abs(scene%w/fitting - 1) > 0.5_dp) cause = 'wave_generator.w = '//to_text(scene%w)//' m does not go with '// &
-        'load.teeth = '//to_text(scene%teeth)//', which ask for about 2 (bore_radius + rim_thickness)/teeth = '// &
-        to_text(fitting)//' m'
-      if (scene%balls == 0 .and. scene%ring_tangent == 'follow') cause = "wave_generator.ring_tangent = 'follow' holds the ring"
-      call push_text(lines, trim(merge('the ring puts', 'the balls put', scene%balls == 0))//' up to '// &
-        to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
-        'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it: '//cause)
-    end if
-    if (loop%unloaded) call push_text(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
-      'way of the cam, or the torque has lifted the ring off')
-    if (loop%play > 0) call push_text(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
-      to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
-      'load.tooth_pairs, or leave out torques of 0')
-    if (loop%jump%force > large_jump*loop%ball_force_max) call push_text(lines, 'ball '//to_text(loop%jump%ball)// &
-      ' comes or goes with '//to_text(loop%jump%force)//' N between '//to_text(loop%jump%before)//' and '// &
-      to_text(loop%jump%after)//' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
-    if (loop%lift > scene%w .and. scene%w > 0) call push_text(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
-      ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
-  end subroutine drive_warnings
-
   !> Largest stresses, and the flexspline's life under the field of this step.
   subroutine book_stress(loop, scene, drive, state, step, error)
     type(loop_t), intent(inout) :: loop               !< gets them
@@ -308,11 +273,23 @@ contains
         r%k(i) = (min(place(i + 1), place(4)) - place(i))/(turn(i + 1) - turn(i))
       end if
     end do
-    r%hysteresis = abs(branch(loop, last, 0._dp, -1) - branch(loop, last, 0._dp, 1))
-    if (minval(loop%torque) <= -0.04_dp*scene%rated_torque .and. maxval(loop%torque) >= 0.04_dp*scene%rated_torque) then
-      r%lost_motion = middle(loop, 0.04_dp*scene%rated_torque) - middle(loop, -0.04_dp*scene%rated_torque)
-    end if
+    r%has_hysteresis = passes(loop, last, 0._dp)
+    if (r%has_hysteresis) r%hysteresis = abs(branch(loop, last, 0._dp, -1) - branch(loop, last, 0._dp, 1))
+    associate (small => 0.04_dp*scene%rated_torque)
+      r%has_lost_motion = passes(loop, 1, small) .and. passes(loop, 1, -small)
+      if (r%has_lost_motion) r%lost_motion = middle(loop, small) - middle(loop, -small)
+    end associate
   end function read_loop
+
+  !> The torque passes a value falling and rising.
+  pure logical function passes(loop, from, torque)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    integer, intent(in) :: from         !< first step that counts
+    real(dp), intent(in) :: torque      !< [N m]
+    associate (a => loop%torque(from:size(loop%torque) - 1), b => loop%torque(from + 1:))
+      passes = any(b < a .and. a >= torque .and. b <= torque) .and. any(b > a .and. a <= torque .and. b >= torque)
+    end associate
+  end function passes
 
   !> The readings in a line of the log: those that the torques reach.
   function loop_text(loop, scene) result(text)
@@ -326,8 +303,9 @@ contains
     do i = 1, 3
       if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
     end do
-    if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad; '
-    text = text//'hysteresis '//rounded(r%hysteresis)//', lost motion '//rounded(r%lost_motion)//' rad'
+    if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
+    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis)//' rad'
+    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion)//' rad'
   end function loop_text
 
   !> Linear interpolation in rising x.

@@ -38,15 +38,16 @@ contains
       to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
       to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
     if (scene%support == 'drive') then
-      call push(list, 'gear: no friction of flanks, balls and cage, no tooth tips, the toothed rim as a smooth one; K2 and '// &
-        'K3 of seven sizes are 1.4 to 2.0 times the catalogue''s (docs/evidence/drive.md)')
+      call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
+        scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K2 and K3 of six sizes are 1.4 to 2.0 '// &
+        'times the catalogue''s (docs/evidence/drive.md)')
     else
       if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')
       call push(list, 'gear: no play, no friction between teeth, the toothed rim as a smooth one')
     end if
-    call push(list, 'bodies elastic: '//trim(merge('peak pressure above the yield strength', &
-      'pressures below the yield strength    ', sums%pressure_max > scene%yield_strength)))
+    call push(list, 'bodies elastic: peak pressure '//trim(merge('above', 'below', sums%pressure_max > scene%yield_strength))// &
+      ' the yield strength; von Mises stresses stand in bodies_*.vtu, at edges they grow with a finer mesh')
   end function left_out
 
   !> What concerns the contact and its joint.
@@ -58,8 +59,8 @@ contains
       ' times the tangent that a test would measure, and '//percent(sums%slip_k_ts)//' of it lies on points that slip')
     if (scene%contact_law == 'hard') call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
       'and secant K_TS within 5 % of those with contact.law = ''joint''')
-    call push(list, 'joint inputs, over seven joints on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its tangent from '// &
-      '0.38 to 0.47 (docs/evidence/readings.md)')
+    call push(list, 'joint inputs, over seven joints of Hu et al. on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its '// &
+      'tangent from 0.38 to 0.47 (docs/evidence/readings.md)')
     if (abs(scene%torque) > 0 .and. abs(sums%friction_torque) > 0) call push(list, 'load path: the contact passes '// &
       percent(abs(sums%friction_torque/scene%torque))//' of the torque on to the ring; that of a real drive, which turns on '// &
       'balls, takes about the torque over the ratio')

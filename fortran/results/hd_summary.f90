@@ -247,8 +247,8 @@ contains
     do i = 1, 3
       if (readings%k(i) > 0) call json%add('k'//achar(iachar('0') + i)//'_nm_per_rad', readings%k(i))
     end do
-    call json%add('hysteresis_rad', readings%hysteresis)
-    call json%add('lost_motion_rad', readings%lost_motion)
+    if (readings%has_hysteresis) call json%add('hysteresis_rad', readings%hysteresis)
+    if (readings%has_lost_motion) call json%add('lost_motion_rad', readings%lost_motion)
     call json%add('loop_work_j', loop%work)
     call json%add('loop_dissipated_j', loop%dissipated)
     call json%add('loop_dissipated_teeth_j', loop%dissipated_teeth)

@@ -250,7 +250,7 @@ contains
       if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, position)) then
         call raise_friction(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
       end if
-      sliding = sliding .and. run%scene%support /= 'drive'  ! its torque goes through the teeth: a part of the step is easier
+      sliding = sliding .and. run%scene%support == 'bearing'  ! elsewhere hub or teeth take the torque: a part of the step is easier
     end if
     if (run%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start

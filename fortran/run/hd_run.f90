@@ -19,7 +19,8 @@ module hd_run
   use hd_load_path, only: torque_at
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, book, book_stress, drive_warnings, write_loop, bottom_turn, moments_of_struts
+  use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
+  use hd_loop_warnings, only: drive_warnings
   use hd_model_cache, only: assembly_t, take_model, keep_model
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
     write_grids, close_output
@@ -413,19 +414,13 @@ contains
       hard = s%pressure_max > run%joint%asperity%hardness
       if (hard .or. s%pressure_max > scene%yield_strength) call push(run%record%warnings, 'the peak pressure at a node, '// &
         rounded(s%pressure_max)//' Pa, is above the '//trim(merge('hardness      ', 'yield strength', hard))//' '// &
-        to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa'//edge_advice(s))
+        to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa: '// &
+        'bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
+        'edge_line_load_n_per_m, '//rounded(s%edge_line_load)//' N/m on the last tenth of the band, which converges')
       if (run%record%planned_tolerance > 0 .and. scene%support /= 'drive' .and. .not. s%pressure_middle > 0) call push( &
         run%record%warnings, 'the middle of the band is open: nothing is promised of its pressure. Read the normal force')
     end associate
   end subroutine push_stiffness_warnings
-
-  !> What to judge strength by.
-  function edge_advice(sums) result(text)
-    type(sums_t), intent(in) :: sums  !< sums
-    character(len=:), allocatable :: text
-    text = ': bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
-      'edge_line_load_n_per_m, '//rounded(sums%edge_line_load)//' N/m on the last tenth of the band, which converges'
-  end function edge_advice
 
   !> Say what each support carries, and warn of a wave generator that takes more of the torque than balls let it.
   subroutine judge_load_path(run)

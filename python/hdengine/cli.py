@@ -189,9 +189,10 @@ def _sensitivity(args):
             print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
         for key, share in tangent["shares_of_variance"].items():
             print(f"  {key:28s} share of the variance {share:.2f}")
-    for name in ("sensitivity.json", "tornado_joint.png", *(["tornado_drive.png"] if "drive" in found else []),
-                 *(["tornado_tangent.png"] if tangent else [])):
-        print(f"written: {Path(args.folder) / name}")
+    for name, made in (("sensitivity.json", True), ("tornado_joint.png", found["joint"]), ("tornado_drive.png", "drive" in found),
+                       ("tornado_tangent.png", tangent)):
+        if made:
+            print(f"written: {Path(args.folder) / name}")
     return 0
 
 

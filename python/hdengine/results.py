@@ -31,6 +31,7 @@ def read_csv(path: Any, *needed: Any) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
@@ -393,8 +394,8 @@ class Result:
         ]
         if r.get("k3_nm_per_rad") is not None:
             k = ", ".join(f"K{i} {_number(r[f'k{i}_nm_per_rad'])}" for i in (1, 2, 3))
-            lines.append(f"  drive: {k} N m/rad; hysteresis {_number(r['hysteresis_rad'])}, "
-                         f"lost motion {_number(r['lost_motion_rad'])} rad")
+            lines.append(f"  drive: {k} N m/rad" + "".join(f"; {key[:-4].replace('_', ' ')} {_number(r[key])} rad" for key in (
+                "hysteresis_rad", "lost_motion_rad") if r.get(key) is not None))
         if "k_ts_tangent_nm_per_rad" in self.limits:
             k, error, mesh = self.limits["k_ts_tangent_nm_per_rad"]
             lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "

@@ -392,7 +392,8 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     Returns
     -------
     dict
-        What sensitivity.json holds. Figures: tornado_joint.png; of the drive tornado_drive.png (Eq. 45) and tornado_tangent.png.
+        What sensitivity.json holds. Figures: tornado_joint.png, but of a table; of the drive tornado_drive.png (Eq. 45) and
+        tornado_tangent.png.
     """
     from .figures.sensitivity import plot_tornado
     from .results import Result
@@ -402,9 +403,11 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     if not field.k_ts() > 0:
         raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "
                          "Take joint.model='spectrum', or a load under which the faces touch")
-    joint, curves = joint_tornado(field), None
-    figures = {"tornado_joint.png": plot_tornado(field.k_ts(), joint, JOINT, "Joint, contact field kept")}
-    found = {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": joint}
+    curves, figures, found = None, {}, {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": {}}
+    table = result.scene["joint.model"] in ("table", "boundary_elements")   # no key of the joint moves it
+    if not table:
+        found["joint"] = joint_tornado(field)
+        figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], JOINT, "Joint, contact field kept")
     if drive or (result.folder / "drive.out/study.json").is_file():
         ranges = DRIVE | table_ranges(result.scene, result.folder / "tables")
         study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", show=show)
@@ -418,11 +421,13 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
             bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_tangent_nm_per_rad"), ranges), middle)
             found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
                                 "shares_of_variance": shares}
-    found["bands_95_nm_per_rad"] = bands(field, curves, draws)
+    found["bands_95_nm_per_rad"] = {name: band for name, band in bands(field, curves, draws).items() if band[0] < band[2]}
     try:
-        found["indices"] = joint_indices(field, base=sobol) if sobol else {}
+        found["indices"] = joint_indices(field, base=sobol) if sobol and not table else {}
     except InputError as why:
         found |= {"indices": {}, "note": str(why)}
+    if table:
+        found["note"] = "the joint is a table: its own band counts, with --drive, and no key of &joint"
     part = result.folder / "sensitivity.json.part"
     part.write_text(json.dumps(found, indent=1) + "\n")
     os.replace(part, result.folder / "sensitivity.json")

@@ -16,7 +16,9 @@ st = hypothesis.strategies
 
 
 def script(name):
-    """A script of bench/ as a module."""
+    """A script of bench/ as a module; it imports others of its folder."""
+    if str(ROOT / "bench") not in sys.path:
+        sys.path.append(str(ROOT / "bench"))
     spec = importlib.util.spec_from_file_location(name, ROOT / f"bench/{name}.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module

@@ -310,7 +310,7 @@ def test_free_patch_of_the_command(tmp_path, capsys):
 
 
 def test_boundary_elements_take_the_sum_of_two_maps():
-    """Two maps give the law of their sum, cut to what both cover; waves beyond the longest are left out; other spacings are refused."""
+    """Two maps give the law of their sum, cut to what both cover; waves beyond the longest are left out; the finer map is resampled."""
     pytest.importorskip("tamaas")
     a, b = rough(64, 0.7, 16, 6, 3), rough(72, 0.7, 16, 6, 4)
     same = dict(pressure=[5e7, 3e8], model="boundary_elements", points=64, bodies=Bodies(hardness=1e12))
@@ -321,8 +321,10 @@ def test_boundary_elements_take_the_sum_of_two_maps():
     cut = predict((total + wave, (1e-6, 1e-6)), longest=2e-5, **same).table["k_n_pa_per_m"]
     assert cut == pytest.approx(predict((total, (1e-6, 1e-6)), longest=2e-5, **same).table["k_n_pa_per_m"], rel=0.02)
     assert predict((total + wave, (1e-6, 1e-6)), **same).table["k_n_pa_per_m"][0] < 0.9 * both[0]
-    with pytest.raises(hdengine.InputError, match="equal spacing"):
-        predict((a, (1e-6, 1e-6)), (b, (2e-6, 2e-6)), **same)
+    found = predict((a, (1e-6, 1e-6)), (b[::2, ::2], (2e-6, 2e-6)), **same)
+    halves = predict((a[::2, ::2], (2e-6, 2e-6)), (b[::2, ::2], (2e-6, 2e-6)), **same)
+    assert found.table["k_n_pa_per_m"] == pytest.approx(halves.table["k_n_pa_per_m"], rel=1e-6)
+    assert any("resampled" in note for note in found.notes)
 
 
 

@@ -22,8 +22,9 @@ def plot_loop(result: Any) -> Any:
     results = result.summary["results"]
     known = {k: results[f"k{k}_nm_per_rad"] / 1e3 for k in (1, 2, 3) if f"k{k}_nm_per_rad" in results}
     title = ", ".join(f"K{k} {v:.3g}" for k, v in known.items())
-    axes[0].set_title(f"{title} kN m/rad\nhysteresis {ARCMIN * results['hysteresis_rad']:.2f}', "
-                      f"lost motion {ARCMIN * results['lost_motion_rad']:.2f}'", fontsize=12)
+    widths = ", ".join(f"{key[:-4].replace('_', ' ')} {ARCMIN * results[key]:.2f}'" for key in ("hysteresis_rad", "lost_motion_rad")
+                       if results.get(key) is not None)
+    axes[0].set_title(f"{title} kN m/rad\n{widths}", fontsize=12)
     for limit in (result.scene["loop.torque_1"], result.scene["loop.torque_2"]):
         axes[0].axhline(limit, color="0.6", ls=":", lw=1)
     axes[0].set_xlabel("angle of the cup's bottom / arc minute")

@@ -39,7 +39,7 @@ def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = 
             text = f"D = {fit.fractal_dimension:.4f}{g}" if i == 0 else None
             axis.loglog(tau, fit.curve_m2[part] * 1e12, ("-", "--")[i], color=colour, label=text)
             axis.fill_between(tau, low[part] * 1e12, high[part] * 1e12, color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
-    axis.set_xlabel("lag τ / µm")
+    _label_lags(axis)
     axis.set_ylabel("S(τ) / µm²")
     axis.legend(fontsize=10)
     return axis
@@ -56,23 +56,33 @@ def plot_residual(fit: Any, axis: Any, colour: str = "C0") -> None:
         axis.semilogx(tau, 100 * (fit.s_m2 / fit.curve_m2 - 1)[part], "os"[i], ms=5, mfc="none", color=colour)
         axis.fill_between(tau, low[part], high[part], color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
     axis.axhline(0, color="k", lw=0.8)
-    axis.set_xlabel("lag τ / µm")
+    _label_lags(axis)
     axis.set_ylabel("S / model - 1 / %")
+
+
+def _label_lags(axis):
+    """Lags at 1, 2, 5 of each decade, in decimals."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_xlabel("lag τ / µm")
+    axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_minor_formatter(NullFormatter())
 
 
 @styled
 def plot_map(specimen: Any, axis: Any) -> None:
-    """Height map, or the profile of a line scan."""
-    z = specimen.heights * 1e6
+    """Height map, or the profile of a line scan, less its plane."""
+    z = specimen.levelled() * 1e6
     if z.ndim == 1:
         axis.plot(np.arange(z.size) * specimen.spacing[1] * 1e6, z, lw=0.8)
         axis.set_ylabel("height / µm")
     else:
         size = [1e6 * s for s in specimen.size]
-        image = axis.imshow(z - np.nanmean(z), origin="lower", extent=(0, size[1], 0, size[0]), cmap="viridis")
+        image = axis.imshow(z, origin="lower", extent=(0, size[1], 0, size[0]), cmap="viridis")
         axis.grid(False)
         axis.set_ylabel("y / µm")
-        axis.figure.colorbar(image, ax=axis, label="height / µm", shrink=0.85)
+        axis.figure.colorbar(image, ax=axis, label="height above the mean plane / µm", shrink=0.85)
     axis.set_xlabel("x / µm")
     axis.set_title(specimen.name, fontsize=12)
 
@@ -125,13 +135,14 @@ def plot_joint_surface(joint: Any) -> Any:
     left, right = bottom.subfigures(1, 2)
     axis = left.subplots()
     for i, specimen in enumerate(joint.specimens):
-        z = specimen.heights if specimen.heights.ndim == 1 else specimen.heights[specimen.heights.shape[0] // 2]
+        z = specimen.levelled()
+        z = z if z.ndim == 1 else z[z.shape[0] // 2]
         x = np.arange(z.size) * specimen.spacing[1] * 1e6
-        axis.plot(x, 1e6 * (z - np.nanmean(z)), color=f"C{i}", lw=1, label=specimen.name)
+        axis.plot(x, 1e6 * z, color=f"C{i}", lw=1, label=specimen.name)
     axis.set_xlabel("x / µm")
     axis.set_ylabel("height / µm")
     axis.set_title("middle rows", fontsize=12)
-    axis.legend(fontsize=10)
+    axis.legend(fontsize=10, loc="upper right")
     axes = right.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
     names = [s.name for s in joint.specimens] + ["equivalent, $S_1 + S_2$"]
     for i, (fit, name) in enumerate(zip((*joint.fits, joint.equivalent), names)):

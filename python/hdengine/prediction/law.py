@@ -234,6 +234,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
             rest = f"averaged to {points} points a side, shorter waves by theory" if coarse.any() else f"of {points} points a side"
             notes += (f"boundary elements on maps {rest}, {'as free patches' if free else 'continued evenly'}, "
                       f"{effort.spent:.0f} s; band from the four quarters, E*, hardness and the spectrum's ends",)
+            if len(pairs) == 2 and patches.unlike(pairs[0][1], pairs[1][1]):
+                notes += ("the finer map was resampled to the spacing of the other",)
             if free:
                 notes += _free_notes(p, k_n, PUNCH * bodies.e_star / np.sqrt(one_map))
             if loaded is not None:
@@ -247,6 +249,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                 raise
             wanted, reason = "spectrum", f"{reason}; but {why}"
             effort.tell(f"{why}: the theory is taken")
+            notes += ("the theory's band does not hold why boundary elements were wanted: with a lay or skewed heights k_N may "
+                      "differ by a factor of 3",)
             parts = _spread(*spread)
     if wanted == "spectrum":
         parts["law"] = (1.96 * scatter, 1.96 * scatter, *(np.zeros(len(p)),) * 2)

@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from .._engine import InputError, StoppedError
+from .._engine import StoppedError
 from ..elastic import stiffness_from_spectrum
+from ..surfaces.composite import resample
+from ..surfaces.specimen import Specimen
 from . import half_space
 from .spectrum import bands, level, waves
 
@@ -188,14 +190,20 @@ def _sum(maps, longest):
     z, spacing = level(maps[0][0])[0], maps[0][1]
     if len(maps) == 2:
         other = level(maps[1][0])[0]
-        if not np.allclose(spacing, maps[1][1], rtol=1e-3):
-            raise InputError(f"boundary elements on two maps need equal spacing, got {spacing} and {maps[1][1]} m; "
-                             "--model spectrum does not")
+        if unlike(spacing, maps[1][1]):
+            coarser = tuple(np.maximum(spacing, maps[1][1]))
+            z, other = (resample(Specimen(h, d), coarser).heights for h, d in ((z, spacing), (other, maps[1][1])))
+            spacing = coarser
         n, m = (min(a, b) for a, b in zip(z.shape, other.shape))
         z = level(z[:n, :m] + other[:n, :m])[0]
     if np.isfinite(longest):
         z = _shortened(z, spacing, longest)
     return z, spacing
+
+
+def unlike(first: tuple[float, float], second: tuple[float, float]) -> bool:
+    """Two spacings differ: the finer map is resampled to the coarser one."""
+    return not np.allclose(first, second, rtol=1e-3)
 
 
 def _quarters(z):

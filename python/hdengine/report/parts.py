@@ -210,8 +210,8 @@ def _stiffness(result):
 
 def _readings(results):
     """K_TS in every reading, and what of it slips."""
-    names = {"K_TS, tangent of the coupled joint / (MN m/rad)": ("k_ts_tangent_nm_per_rad", 1e-6),
-             "K_TS, secant of the coupled joint / (MN m/rad)": ("k_ts_secant_nm_per_rad", 1e-6),
+    names = {"K_TS, tangent / (MN m/rad)": ("k_ts_tangent_nm_per_rad", 1e-6),
+             "K_TS, secant / (MN m/rad)": ("k_ts_secant_nm_per_rad", 1e-6),
              "torque over rotation / (MN m/rad)": ("k_fe_secant_nm_per_rad", 1e-6),
              "K_TS by Eq. 45 / (MN m/rad)": ("k_ts_nm_per_rad", 1e-6), "Eq. 45 as printed / MN": ("k_ts_paper_n", 1e-6),
              "of Eq. 45 on points that slip / %": ("slip_share_k_ts", 100), "of the force on them / %": ("slip_share_force", 100),
@@ -221,11 +221,10 @@ def _readings(results):
 
 def _model_error(summary):
     """What the tolerance covers, and what the model leaves out."""
-    found = summary["model_error"]
-    covers = ", ".join(found["tolerance_covers"])
+    covers = ", ".join(summary["model_error"]["tolerance_covers"])
     text = f"<p>The tolerance covers the mesh's share of {html.escape(covers)}.</p>" if covers else \
         "<p>No tolerance was promised: the mesh's share of the error is not known.</p>"
-    lines = "".join(f"<li>{html.escape(line)}</li>" for line in found["left_out"])
+    lines = "".join(f"<li>{html.escape(line)}</li>" for line in summary["model_error"]["left_out"])
     return f"{text}<p>No mesh mends what the model leaves out:</p><ul>{lines}</ul>"
 
 
@@ -234,15 +233,16 @@ def _band_of(result, k):
     path = result.folder / "sensitivity.json"
     known = []
     if "k_ts_tangent_nm_per_rad" in result.limits:
-        limit, error, *_ = result.limits["k_ts_tangent_nm_per_rad"]
-        known.append(f"On ever finer meshes the tangent goes to {_engineering(limit)}, known to {100 * error:.2g} %.")
+        limit, error, ratio = result.limits["k_ts_tangent_nm_per_rad"]
+        known.append(f"The limit {_engineering(limit)} is known to {100 * error:.2g} %; the last mesh itself gives "
+                     f"{_engineering(limit * ratio)}.")
     else:
         known.append("The error of the mesh is not known: run again with <code>run.tolerance</code>.")
     if path.is_file():
         found = read_json(path, "bands_95_nm_per_rad")
         name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
             ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
-        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
+        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0], default=(k, k, k))
         known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
     else:
         known.append("The error of the inputs is not known: <code>hdengine sensitivity</code> varies them.")
@@ -255,39 +255,40 @@ def _engineering(k):
     return f"{scale * k:.3g} {unit}"
 
 
-def _answer_of_drive(results):
-    """The headline of a whole drive: K1 to K3 of its loop, hysteresis and lost motion."""
-    slopes = [(f"K{i}", results.get(f"k{i}_nm_per_rad")) for i in (1, 2, 3)]
+def _answer_of_drive(results, limits):
+    """The headline of a whole drive: K1 to K3 of its loop or their limits, hysteresis and lost motion."""
+    keys = {f"K{i}": f"k{i}_nm_per_rad" for i in (1, 2, 3)}
+    slopes = {name: limits[key][0] if key in limits else results.get(key) for name, key in keys.items()}
     text = '<p>Torsional stiffness of the drive, as catalogues define it</p><p class="value">' + ", ".join(
-        f"{name} {_engineering(k)}" for name, k in slopes if k) + "</p>"
-    between = 180 * 3600 / np.pi / results["k2_nm_per_rad"]
-    text += f"<p>Between T1 and T2 one more newton metre turns the output by {between:.3g} arcsec.</p>"
-    lost = [f"{name} {180 * 60 / np.pi * results[key]:.3g} arcmin" for name, key in (
-        ("hysteresis", "hysteresis_rad"), ("lost motion", "lost_motion_rad")) if results.get(key) is not None]
-    return text + f"<p>{' and '.join(lost).capitalize()}.</p>" + (
-        "<p>Band: mesh and inputs were not varied; run a finer mesh, and a study over the inputs that are not known.</p>")
+        f"{name} {_engineering(k)}" for name, k in slopes.items() if k) + "</p>"
+    text += f"<p>Between T1 and T2 one more newton metre turns the output by {180 * 3600 / np.pi / slopes['K2']:.3g} arcsec.</p>"
+    lost = [f"{key[:-4].replace('_', ' ')} {180 * 60 / np.pi * results[key]:.3g} arcmin"
+            for key in ("hysteresis_rad", "lost_motion_rad") if results.get(key) is not None]
+    text += f"<p>{' and '.join(lost).capitalize()}.</p>" if lost else ""
+    known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
+    mesh = f"limits of fine meshes, known: {known}" if known else "the mesh was not varied; <code>run.tolerance</code> does"
+    return text + f"<p>Band: {mesh}. The inputs were not varied: a study does.</p>"
 
 
 def _answer(result):
     """The headline: the stiffness, its meaning for a drive, what is known of its error."""
     results, torque = result.summary["results"], result.torque_nm[-1]
     if (results.get("k2_nm_per_rad") or 0) > 0:
-        return _answer_of_drive(results)
+        return _answer_of_drive(results, result.limits)
+    limits = {key: value[0] for key, value in result.limits.items()}
     if result.against_teeth:
-        k, name = result.secant_stiffness()[-1], "K_FTS, cup against the teeth (torque over rotation)"
+        k, name = limits.get("k_fe_secant_nm_per_rad", result.secant_stiffness()[-1]), "K_FTS, cup against the teeth"
     else:
-        found = [(results.get(key), name) for key, name in (
-            ("k_ts_tangent_nm_per_rad", "Torsional stiffness of the contact, K_TS, tangent"),
-            ("k_ts_nm_per_rad", "Torsional stiffness of the contact, K_TS, by Eq. 45"))]
+        found = [(limits.get("k_ts_tangent_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent, limit of fine meshes"),
+                 (results.get("k_ts_tangent_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent"),
+                 (results.get("k_ts_nm_per_rad"), "Torsional stiffness of the contact, K_TS, by Eq. 45")]
         k, name = next(((v, n) for v, n in found if v is not None), (float("nan"), found[-1][1]))
     if not np.isfinite(k) or not k > 0:
         return f'<p>{name} at {torque:.4g} N m</p><p class="value">no value</p><p>There is no torque, or nothing that turns.</p>'
     arcsec, what = 180 * 3600 / np.pi / k, "cup against its teeth" if result.against_teeth else "contact"
     text = f'<p>{name} at {torque:.4g} N m</p><p class="value">{_engineering(k)}</p>' \
         f"<p>One more newton metre turns the {what} by {arcsec:.3g} arcsec ({1e6 / k:.3g} µrad).</p>"
-    if result.against_teeth:
-        return text
-    return text + f"<p>{_band_of(result, k)}</p>"
+    return text if result.against_teeth else text + f"<p>{_band_of(result, k)}</p>"
 
 
 def _run_parts(result, picture):

@@ -55,6 +55,10 @@ class Specimen:
         steps = self.spacing if self.heights.ndim == 2 else self.spacing[-1:]
         return tuple((n - 1) * d for n, d in zip(self.heights.shape, steps))
 
+    def levelled(self) -> Any:
+        """Heights less their plane (`roughness.level`) [m]."""
+        return roughness.level(self.heights)
+
     def fit(self, **options: Any) -> Any:
         """`roughness.fit` of this specimen; takes its options."""
         return roughness.fit(self.heights, self.spacing, **options)

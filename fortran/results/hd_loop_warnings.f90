@@ -1,0 +1,69 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> What the user of a whole drive is warned of when its loop has ended.
+module hd_loop_warnings
+  use hd_kinds, only: dp
+  use hd_loop, only: loop_t
+  use hd_scene, only: scene_t
+  use hd_text, only: string_t, push, rounded, to_text
+  implicit none
+  private
+  public :: drive_warnings
+
+  real(dp), parameter :: much_on_cam = 2      !< times the torque over the ratio above which it is warned of
+  real(dp), parameter :: large_jump = 0.5_dp  !< share of the largest force of a ball above which it is warned of
+
+contains
+
+  !> Where the drive leaves what its scene can say.
+  subroutine drive_warnings(loop, scene, lines)
+    type(loop_t), intent(in) :: loop                      !< booked steps
+    type(scene_t), intent(in) :: scene                    !< scene
+    type(string_t), allocatable, intent(out) :: lines(:)  !< one each
+    character(len=:), allocatable :: cause
+    real(dp) :: lossless, fitting
+    allocate (lines(0))
+    lossless = maxval(abs(loop%torque))*2/scene%teeth
+    fitting = 2*(scene%bore_radius + scene%rim_thickness)/scene%teeth
+    if (lossless > 0 .and. loop%wave_generator_torque_max > much_on_cam*lossless) then
+      cause = 'balls that stand unevenly about the long axis press on its slopes (wave_generator.eccentricity, '// &
+        'bearing.cage_angle_deg)'
+      if (abs(scene%w/fitting - 1) > 0.5_dp) cause = 'wave_generator.w = '//to_text(scene%w)//' m does not go with '// &
+        'load.teeth = '//to_text(scene%teeth)//', which ask for about 2 (bore_radius + rim_thickness)/teeth = '// &
+        to_text(fitting)//' m'
+      if (scene%balls == 0 .and. scene%ring_tangent == 'follow') cause = "wave_generator.ring_tangent = 'follow' holds the ring"
+      call push(lines, trim(merge('the ring puts', 'the balls put', scene%balls == 0))//' up to '// &
+        to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
+        'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it: '//cause)
+    end if
+    if (loop%unloaded) call push(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
+      'way of the cam, or the torque has lifted the ring off')
+    if (loop%play > 0) call push(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
+      to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
+      'load.tooth_pairs, or leave out torques of 0')
+    if (loop%jump%force > large_jump*loop%ball_force_max) call push(lines, 'ball '//to_text(loop%jump%ball)// &
+      ' comes or goes with '//to_text(loop%jump%force)//' N between '//to_text(loop%jump%before)//' and '// &
+      to_text(loop%jump%after)//' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
+    if (loop%lift > scene%w .and. scene%w > 0) call push(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
+      ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
+    if (any(between_steps(loop, scene))) call push(lines, 'the first rise has no load step up to '// &
+      to_text(scene%torque_1)//' N m or none from there to '//to_text(scene%torque_2)//' N m: K1 and K2 are chords of longer '// &
+      'steps. Raise load.torque_steps')
+    if (allocated(loop%fatigue%safety)) then
+      if (minval(loop%fatigue%safety) < 1) call push(lines, "the cup's least safety by Goodman is "// &
+        rounded(minval(loop%fatigue%safety))//', below 1: fatigue.csv holds the place. A sharp step of the wall lowers it on '// &
+        'finer meshes; geometry.sections gives fillets')
+    end if
+  end subroutine drive_warnings
+
+  !> The chords of K1 and of K2 that the first rise reaches and that hold no load step.
+  pure function between_steps(loop, scene) result(empty)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    type(scene_t), intent(in) :: scene  !< T1, T2
+    logical :: empty(2)
+    real(dp) :: ends(3)
+    integer :: i
+    ends = [0._dp, scene%torque_1, scene%torque_2]
+    empty = [(maxval(abs(loop%torque)) >= ends(i + 1) .and. .not. any(abs(loop%torque) > ends(i) .and. &
+      abs(loop%torque) <= ends(i + 1)), i=1, 2)]
+  end function between_steps
+end module hd_loop_warnings

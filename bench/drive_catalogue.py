@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole drive beside the catalogue, what its unknown inputs change, and the paper's trends in it. Tables and figure of
-docs/evidence/drive.md, drive_inputs.md, drive_friction.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
+docs/evidence/drive.md, drive_inputs.md, drive_friction.md, drive_loads.md and drive_trends.md, raw figures in bench/results/drive_catalogue.json.
 
-Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove] [rub] | pages | fine
+Usage: python bench/drive_catalogue.py [sizes] [inputs] [trends] [groove] [rub] [loads] | pages | fine
 words: solve these, or nothing (pages), and take the rest from the record, none: all; fine: the loop of size 14 at 10^6 dof alone
 (bench/results/drive_fine.json)
 """
@@ -36,6 +36,8 @@ UNKNOWN = (
 FINE = {"mesh.divisions": 344, "mesh.band_facets": 60, "mesh.through_wall": 4, "mesh.through_ring": 4, "output.vtu": "none"}
 GROOVES = ((0, 15), (0.2e-3, 15), (0.4e-3, 15), (0.6e-3, 15))  # depth [m], cells along the ring
 RUBS = [{"load.tooth_friction": mu} for mu in (0, 0.05, 0.1, 0.15)] + [{"load.pressure_angle_deg": 25 - np.degrees(np.arctan(0.1))}]
+WALL = 0.36e-3
+LOADS = {"rim 1.2 walls": {}, "rim 1.3 walls": {"geometry.rim_thickness": 1.3 * WALL}, "w + 8 %": {"wave_generator.w": 0.2e-3 * 1.3 / 1.2}}
 TORQUES = (1, 3, 5)
 CASES = [(0.0, 0.2e-3), (10e-6, 0.2e-3)] + [(0.0, w * 1e-3) for w in (0.195, 0.205, 0.21, 0.215)]
 
@@ -146,6 +148,17 @@ def rub():
     return rows
 
 
+def loads():
+    """Largest ball and pair of size 14 over the first rise, with a stiffer rim and a deeper cam."""
+    rows = []
+    for name, keys in LOADS.items():
+        _, _, loop = run("drive14.nml", {"geometry.rim_thickness": 1.2 * WALL, "loop.torques": 8, "load.torque_steps": 4} | keys)
+        at = [int(np.flatnonzero(loop["phase"] == "assembly")[-1]), len(loop) - 1]
+        rows.append({"what": name, **{key: [float(loop[key][i]) for i in at] for key in (
+            "torque_nm", "ball_force_max_n", "tooth_force_max_n", "balls_loaded", "pairs_loaded")}})
+    return rows
+
+
 @styled
 def draw(rows):
     """Loop of size 14 beside the catalogue's chords; K over the size."""
@@ -183,7 +196,7 @@ def main():
     if sys.argv[1:] == ["fine"]:
         fine()
         return
-    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove, "rub": rub}
+    parts = {"sizes": sizes, "inputs": sensitivity, "trends": trends, "groove": groove, "rub": rub, "loads": loads}
     found = json.loads((RESULTS / "drive_catalogue.json").read_text())
     found["commits"] = found.get("commits", dict.fromkeys(parts, found.pop("provenance", {}).get("commit", "")))
     for name in [] if sys.argv[1:] == ["pages"] else sys.argv[1:] or parts:
@@ -218,6 +231,11 @@ def main():
          f"{r['hysteresis_arcmin']:.3f}'", f"{r['lost_motion_arcmin']:.3f}'",
          f"{1e3 * (r['dissipated_j'] - r['dissipated_teeth_j']):.2f}, {1e3 * r['dissipated_teeth_j']:.2f} mJ", r["iterations"])
         for r in found["rub"]]), page="evidence/drive_friction")
+    plain = found["loads"][0]["ball_force_max_n"]
+    put("drive loads", table(("drive", "largest ball at 0, 8 N m / N", "change in %", "balls loaded", "largest pair / N", "pairs loaded"), [
+        (r["what"], " / ".join(f"{f:.0f}" for f in r["ball_force_max_n"]), " / ".join(f"{100 * (f / b - 1):+.0f}" for f, b in zip(r["ball_force_max_n"], plain)),
+         " / ".join(f"{n:.0f}" for n in r["balls_loaded"]), f"{r['tooth_force_max_n'][1]:.0f}", f"{r['pairs_loaded'][1]:.0f}") for r in found["loads"]]),
+        page="evidence/drive_loads")
     kinds = ("drive", "eq45", "tangent")
     lines = [(f"{1e6 * r['eccentricity_m']:.0f} µm", f"{1e3 * r['w_m']:.3f} mm", *(" / ".join(f"{v / 1e3:.4g}" for v in r[k]) for k in kinds)) for r in path]
     lines += [(*line[:2], *(f"{change(path, k)(r)} %" for k in kinds)) for r, line in zip(path[1:], lines[1:])]

@@ -34,6 +34,7 @@ module hd_planner
     type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
     type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
+    real(dp) :: simpler(promises) = 0           !< what a simpler wave generator and small displacements leave out
     real(dp) :: estimate(promises) = 0          !< estimated relative errors of the limits
     real(dp) :: to_limit(values) = 1            !< limit over what the mesh gives
     real(dp) :: shift(values) = 0               !< of a field: limit less what the mesh gives
@@ -93,7 +94,11 @@ contains
       return
     end if
     change = relative(s, large_q - small_q, large_q)
-    if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) plan%scene%kinematics = 'nonlinear'
+    if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) then
+      plan%scene%kinematics = 'nonlinear'
+    else
+      plan%simpler = hypot(plan%simpler, change)
+    end if
     call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
       ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
   end subroutine choose_kinematics
@@ -133,6 +138,7 @@ contains
       plan%scene%balls = 0
       plan%scene%groove_depth = 0
       plan%scene%ball_stiffness = s%ball_stiffness
+      plan%simpler = change
       exit
     end do
     if (len(text) == 0) text = 'no simpler one converges'
@@ -205,7 +211,8 @@ contains
     where (.not. abs(q(:, plan%level)) > 0) limit = 0
     plan%estimate = relative(plan%scene, plan%doubt, limit)
     where (abs(limit) > 0) plan%doubt = plan%doubt/abs(limit)
-    where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + least_error(plan%scene)**2)
+    where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + plan%simpler**2 + &
+      least_error(plan%scene)**2)
     plan%to_limit = 1
     plan%shift = 0
     where (is_field([(i, i=1, values)]))
@@ -274,7 +281,7 @@ contains
     real(dp) :: left(promises)
     integer :: i
     promised = promises_of(plan%scene)
-    left = plan%change**2 + least_error(plan%scene)**2
+    left = plan%change**2 + plan%simpler**2 + least_error(plan%scene)**2
     do i = 1, promises
       if (needed(i) .or. plan%estimate(i) <= plan%scene%planned_tolerance) cycle
       call note(plan, 'not promised: '//trim(promised(i)%words)//' where its estimated error is up to '//percent(plan%estimate(i)))
@@ -418,7 +425,7 @@ contains
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*hypot(expected_error(level, scene), maxval(plan%change)), seconds, before + seconds(2), &
+        100*norm2([expected_error(level, scene), maxval(plan%change), maxval(plan%simpler)]), seconds, before + seconds(2), &
         estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)

@@ -2,9 +2,6 @@
 """The whole drive in one scene: balls, ring, cup, friction, teeth, and the loop (docs/explain/drive.md)."""
 import json
 import re
-import signal
-import subprocess
-import time
 
 import numpy as np
 import pytest
@@ -12,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, stopped_and_whole
 from hdengine import load
 from hdengine.figures.run import plot_run
 from hdengine.results import read_csv
@@ -284,19 +281,7 @@ def test_gmres_meets_no_struts(exe, tmp_path):
 @pytest.mark.parametrize("rows", [2, 9, 23])
 def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
     """Stopped by a signal in assembly, rise or fall: --resume ends with the same tables, to the byte, and the same summary."""
-    keys = [*MESH, "load.torque_steps=10"]
-    folder, whole = tmp_path / "stopped", tmp_path / "whole"
-    process = subprocess.Popen([exe, ROOT / "data/drive14.nml", *keys, "--out", folder, "-q"], stderr=subprocess.DEVNULL)
-    while not (folder / "loop.csv").exists() or (folder / "loop.csv").read_bytes().count(b"\n") < 1 + rows:
-        assert process.poll() is None
-        time.sleep(0.001)
-    process.send_signal(signal.SIGTERM)
-    assert process.wait() == 7
-    for out, more in ((folder, ["--resume"]), (whole, [])):
-        done = call(exe, ROOT / "data/drive14.nml", *keys, "--out", out, "-q", *more)
-        assert done.returncode == 0, done.stderr
-    for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv"):
-        assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
+    folder, whole = stopped_and_whole(exe, [*MESH, "load.torque_steps=10"], rows, tmp_path)
     ours, other = (json.loads((f / "summary.json").read_text()) for f in (folder, whole))
     assert ours["results"] == other["results"] and ours["model"]["resumed"] and not other["model"]["resumed"]
 

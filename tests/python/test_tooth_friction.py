@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Friction of the tooth flanks in the whole drive (docs/explain/drive_rub.md)."""
 import json
-import signal
-import subprocess
-import time
 
 import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, stopped_and_whole
 from hdengine.results import read_csv
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",
@@ -113,19 +110,7 @@ def test_friction_tilts_the_forces_alone(exe, tmp_path):
 @pytest.mark.parametrize("rows", [2, 10, 25, 39])
 def test_a_stopped_loop_goes_on_to_the_same_numbers(exe, tmp_path, rows):
     """Stopped by a signal in assembly, rise, fall or rise: --resume ends with the same tables, to the byte."""
-    keys = [*MESH, RUB, "load.torque_steps=10"]
-    folder, whole = tmp_path / "stopped", tmp_path / "whole"
-    process = subprocess.Popen([exe, ROOT / "data/drive14.nml", *keys, "--out", folder, "-q"], stderr=subprocess.DEVNULL)
-    while not (folder / "loop.csv").exists() or (folder / "loop.csv").read_bytes().count(b"\n") < 1 + rows:
-        assert process.poll() is None
-        time.sleep(0.001)
-    process.send_signal(signal.SIGTERM)
-    assert process.wait() == 7
-    for out, more in ((folder, ["--resume"]), (whole, [])):
-        done = call(exe, ROOT / "data/drive14.nml", *keys, "--out", out, "-q", *more)
-        assert done.returncode == 0, done.stderr
-    for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv"):
-        assert (folder / name).read_bytes() == (whole / name).read_bytes(), name
+    stopped_and_whole(exe, [*MESH, RUB, "load.torque_steps=10"], rows, tmp_path)
 
 
 def test_turned_drives_rub_too(exe, tmp_path):

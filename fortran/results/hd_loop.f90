@@ -12,7 +12,7 @@ module hd_loop
   use hd_energy, only: stored_energy
   use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress
+  use hd_stress, only: body_stress, von_mises
   use hd_strut, only: push
   use hd_supports, only: moment, moment_on_cam
   use hd_text, only: rounded, to_text
@@ -211,16 +211,16 @@ contains
     type(state_t), intent(in) :: state                !< converged state
     type(step_t), intent(in) :: step                  !< where it stands
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: stress(:, :), peak(:)
+    real(dp), allocatable :: stress(:, :), peak(:, :)
     integer :: b
     do b = 1, 2
       associate (body => drive%problem%bodies(b))
-        allocate (stress(6, body%nodes()), peak(body%sectors*size(body%cells, 2)))
+        allocate (stress(6, body%nodes()), peak(6, body%sectors*size(body%cells, 2)))
         call body_stress(drive%problem, b, state%u, stress, peak, error)
         if (allocated(error)) return
-        loop%von_mises_max = max(loop%von_mises_max, maxval(peak))
+        loop%von_mises_max = max(loop%von_mises_max, maxval(von_mises(peak)))
         if (b == drive%b_cup) then
-          loop%von_mises_cup = max(loop%von_mises_cup, maxval(peak))
+          loop%von_mises_cup = max(loop%von_mises_cup, maxval(von_mises(peak)))
           call judge_fatigue(scene, body, stress, step%torque, loop%fatigue)
         end if
         deallocate (stress, peak)

@@ -241,21 +241,21 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     character(len=40) :: name
     type(vtu_field_t) :: fields(8), of_grid(3)
-    real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:)
+    real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:, :)
     real(dp) :: time
     integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
     integer :: b, c, s, m
     associate (problem => drive%problem)
       m = sum(problem%bodies%sectors*[(size(problem%bodies(b)%cells, 2), b=1, 2)])
       allocate (x(3, problem%n), u(3, problem%n), cells(size(problem%bodies(1)%cells, 1), m), tag(1, m))
-      allocate (stress(6, problem%n), peak(m))
+      allocate (stress(6, problem%n), peak(6, m))
       m = 0
       do b = 1, 2
         associate (body => problem%bodies(b), range => problem%first(b))
           x(:, range + 1:range + body%nodes()) = body%x
           u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
           call body_stress(problem, b, state%u, stress(:, range + 1:range + body%nodes()), &
-            peak(m + 1:m + body%sectors*size(body%cells, 2)), error)
+            peak(:, m + 1:m + body%sectors*size(body%cells, 2)), error)
           if (allocated(error)) return
           do s = 0, body%sectors - 1
             do c = 1, size(body%cells, 2)
@@ -270,7 +270,8 @@ contains
       fields(2) = vtu_field_t('body', tag, .true.)
       fields(3) = vtu_field_t('von_mises_pa', reshape(von_mises(stress), [1, problem%n]), .false.)
       fields(4) = vtu_field_t('principal_stresses_pa', principal_stresses(stress), .false.)
-      fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(peak, [1, m]), .true.)
+      fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(von_mises(peak), [1, m]), .true.)
+      fields(6) = vtu_field_t('principal_stresses_of_that_point_pa', principal_stresses(peak), .true.)
       ! ParaView's time: the share of the assembly less one, then the share of the torque steps
       time = step%load_factor - merge(1, 0, step%phase == 'assembly')
       of_grid(1) = vtu_field_t('TimeValue', reshape([time], [1, 1]))
@@ -278,7 +279,7 @@ contains
       of_grid(3) = vtu_field_t('step', reshape([real(step%number, dp)], [1, 1]))
       name = grid_name(step%number)
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
-        fields(:5), of_grid, error)
+        fields(:6), of_grid, error)
       if (allocated(error)) return
       output%grids = [output%grids, name]
       output%times = [output%times, time]

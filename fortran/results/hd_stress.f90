@@ -18,13 +18,13 @@ module hd_stress
 
 contains
 
-  !> Stresses at the nodes of a body of a problem, and the largest von Mises stress of the Gauss points of every cell.
+  !> Stresses at the nodes of a body of a problem, and at that Gauss point of every cell where von Mises' stress is largest.
   subroutine body_stress(problem, b, u, stress, peak, error)
     type(problem_t), intent(in) :: problem            !< bodies
     integer, intent(in) :: b                          !< which
     real(dp), intent(in) :: u(:, :)                   !< displacements of all (3, n) [m]
     real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
-    real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
+    real(dp), intent(out) :: peak(:, :)               !< (6, cells of all sectors) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     associate (body => problem%bodies(b), low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
       if (allocated(problem%lagrangian)) then
@@ -35,12 +35,12 @@ contains
     end associate
   end subroutine body_stress
 
-  !> Stresses at the nodes of a revolved body, and the largest von Mises stress of the Gauss points of every cell.
+  !> Stresses at the nodes of a revolved body, and at that Gauss point of every cell where von Mises' stress is largest.
   subroutine nodal_stress(body, u, stress, peak, error, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
     real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
-    real(dp), intent(out) :: peak(:)                  !< (cells of all sectors) [Pa]
+    real(dp), intent(out) :: peak(:, :)               !< (6, cells of all sectors) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
     integer :: list(nodes_per_element(body%kind))
@@ -75,7 +75,7 @@ contains
           6*size(list))
       end if
       do sector = 1, n
-        peak((sector - 1)*size(body%cells, 2) + cell) = maxval(von_mises(s(:, :, sector)))
+        peak(:, (sector - 1)*size(body%cells, 2) + cell) = s(:, maxloc(von_mises(s(:, :, sector)), 1), sector)
         list = cell_nodes(body, cell, sector - 1)
         do a = 1, size(list)
           stress(:, list(a)) = stress(:, list(a)) + t(:, a, sector)

@@ -102,6 +102,16 @@ def test_vtu_reads_back(small_run):
     np.testing.assert_allclose(times, r.steps["load_factor"] - (r.steps["phase"] == "assembly"))
 
 
+def test_grids_hold_stresses(small_run):
+    """Principal stresses at the nodes and at a Gauss point of each cell fall from first to third and give the von Mises stress beside them."""
+    grid = meshio.read(sorted(small_run.glob("bodies_*.vtu"))[-1])
+    for value, parts in ((grid.point_data["von_mises_pa"], grid.point_data["principal_stresses_pa"]),
+                         (grid.cell_data["von_mises_max_of_gauss_points_pa"][0], grid.cell_data["principal_stresses_of_that_point_pa"][0])):
+        a, b, c = parts.T
+        assert np.all(a >= b) and np.all(b >= c) and value.max() > 1e8
+        np.testing.assert_allclose(np.ravel(value), np.sqrt(((a - b)**2 + (b - c)**2 + (c - a)**2) / 2), rtol=1e-6, atol=1)
+
+
 @pytest.mark.parametrize("keys", [
     ["load.torque=5"],
     ["wave_generator.eccentricity=5e-6", "wave_generator.eccentricity_angle_deg=30"],

@@ -2,6 +2,7 @@
 """What Hu et al. (2023) state, beside what hdengine gives: rows with a verdict, each computed."""
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -240,13 +241,19 @@ def of_study(result: Any) -> Any:
     return known[key](same) if key else torque_rows(same)
 
 
+def shortened(cell: str) -> str:
+    """A cell that fits a line: a place that all torques share is named once."""
+    cell = cell.replace("maximum of K_TS over w, above the minimum at", "largest K_TS over w, gain at")
+    return re.sub(r"^([\d.]+)(?: / \1)+ mm", r"\1 mm", cell)
+
+
 def markdown(rows: Any) -> Any:
     """Rows as a table for docs, and below it why each verdict is what it is."""
     short = {"agrees": "yes", "trend agrees": "in trend", "does not agree": "no", "cannot agree": "cannot"}
     lines = ["| quantity | paper | ours | agrees |", "|---|---|---|---|"]
     why = []
     for r in rows:
-        quantity, printed, ours, by_forms, verdict, because = r.cells()
+        quantity, printed, ours, by_forms, verdict, because = (shortened(cell) for cell in r.cells())
         lines.append(f"| {quantity} | {printed} | {ours} | **{short[verdict]}** |")
         why.append(f"- *{quantity}*: {because}." + ("" if by_forms == "-" else f" By the printed forms: {by_forms}."))
     return "\n".join([*lines, "", "Why:", "", *why])

@@ -243,7 +243,10 @@ def of_study(result: Any) -> Any:
 
 def shortened(cell: str) -> str:
     """A cell that fits a line: a place that all torques share is named once."""
-    cell = cell.replace("maximum of K_TS over w, above the minimum at", "largest K_TS over w, gain at")
+    for long, short in (("maximum of K_TS over w, above the minimum at", "gain of K_TS over w at"),
+                        (", one gauge factor for 5", ", gauged at 5"),
+                        ("measured K_WTS beside", "K_WTS beside"), ("rms height 7.0 µm, rms slope", "rms 7.0 µm, slope")):
+        cell = cell.replace(long, short)
     return re.sub(r"^([\d.]+)(?: / \1)+ mm", r"\1 mm", cell)
 
 

@@ -66,7 +66,7 @@ class ToothGaps:
         return float(np.mean([self.table["angle_deg"], self.table["angle_back_deg"]]))
 
     def keys(self) -> dict:
-        """Keys of a scene, 'load.tooth_gaps' and what goes with it, for `run`; a pair that interferes has the clearance 0."""
+        """Keys of a scene for `run`; a pair that interferes has the clearance 0."""
         t, half = self.table, len(self.table["pair"]) // 2
         both = [np.maximum(t[name], 0.0) for name in ("gap_m", "gap_back_m")]
         alike = all(np.allclose(g[:half], g[half:], rtol=0, atol=1e-10) for g in both)

@@ -65,7 +65,7 @@ TABLES = {  # marker: page, record, builder
     "promises": ("planner_promises", "promised_scenes", scenes.promises),
     "promised-groups": ("planner_promises", "promised_scenes", scenes.promised_groups),
     "promised-drives": ("planned_drives", "promised_drives", scenes.promised_drives),
-    "promised-results": ("planner_promises", "promised_scenes", scenes.promised_results),
+    "promised-results": ("planner_results", "promised_scenes", scenes.promised_results),
 }
 
 

@@ -203,7 +203,7 @@ def judged_results(rows, tolerance):
 def figure(rows):
     """True error over its estimate of everything that is promised: docs/figures/promised_scenes.png."""
     tolerances = [t for t in sorted({run["tolerance"] for row in rows for run in row["runs"]}, reverse=True) if judged_results(rows, t)]
-    fig, axes = new_axes(1, len(tolerances), figsize=(4.6 * len(tolerances), 4.4))
+    fig, axes = new_axes(1, len(tolerances), figsize=(4.6 * len(tolerances), 4.8))
     for axis, tolerance in zip(np.atleast_1d(axes), tolerances):
         for name, words in NAMES.items():
             pairs = [(100 * estimate, 100 * max(error, 1e-5)) for n, estimate, error in judged_results(rows, tolerance) if n == name]
@@ -218,7 +218,7 @@ def figure(rows):
             side.set_major_locator(LogLocator(subs=(1, 3)))
             side.set_major_formatter("{x:g}")
             side.set_minor_formatter(NullFormatter())
-    np.atleast_1d(axes)[0].legend(fontsize=8, loc="lower right")
+    fig.legend(*np.atleast_1d(axes)[0].get_legend_handles_labels(), fontsize=10, loc="outside lower center", ncols=5)
     fig.savefig(FIGURES / "promised_scenes.png", dpi=110)
 
 

@@ -153,7 +153,8 @@ def load_steps(quick):
         settings[f"{s} + {s}"] = [f"load.assembly_steps={s}", f"load.torque_steps={s}"]
     points = scene_runs(settings, ["load.assembly_steps=64", "load.torque_steps=64"], ["rotation_rad", "k_ts_nm_per_rad", "friction_torque_nm"],
                         base, lambda s: "load steps", "3 + 5")
-    return Chart("load_steps", "Load steps (assembly + torque)", "Three and five steps are the default; the planner halves them where that changes little.", points)
+    return Chart("load_steps", "Load steps (assembly + torque)",
+                 "Three and five steps are the default. From there on the error stays below 0.3 %, and does not fall evenly. The planner takes one where that changes little.", points)
 
 
 def symmetry(quick):

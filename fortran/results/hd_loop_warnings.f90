@@ -51,7 +51,7 @@ contains
     if (allocated(loop%fatigue%safety)) then
       if (minval(loop%fatigue%safety) < 1) call push(lines, "the cup's least safety by Goodman is "// &
         rounded(minval(loop%fatigue%safety))//', below 1: fatigue.csv holds the place. A sharp step of the wall lowers it on '// &
-        'finer meshes; geometry.sections gives fillets')
+        'finer meshes; cup.sections_fillet rounds it')
     end if
   end subroutine drive_warnings
 

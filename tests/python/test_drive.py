@@ -286,6 +286,26 @@ def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
     assert ours["results"] == other["results"] and ours["model"]["resumed"] and not other["model"]["resumed"]
 
 
+def test_chords_without_a_step_and_a_weak_cup_warn(exe, tmp_path):
+    """Two steps to 14 N m leave none up to T1: K1 and K2 are one chord, and a warning says so, as it does where a cup fails by Goodman."""
+    for steps, limit in ((2, 5e9), (14, 1e8)):
+        done = call(exe, ROOT / "data/drive14.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}", f"fatigue.fatigue_limit={limit}",
+                    "--out", tmp_path / str(steps), "-q")
+        assert done.returncode == 0, done.stderr
+    few, many = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("2", "14"))
+    assert few["results"]["k1_nm_per_rad"] == pytest.approx(few["results"]["k2_nm_per_rad"])
+    assert [any("the first rise has no load step" in w for w in s["warnings"]) for s in (few, many)] == [True, False]
+    assert [any("safety by Goodman" in w and "cup.sections_fillet" in w for w in s["warnings"]) for s in (few, many)] == [
+        s["results"]["goodman_safety_min"] < 1 for s in (few, many)] and many["results"]["goodman_safety_min"] < 1
+    assert not {"hysteresis_rad", "lost_motion_rad"} & set(few["results"])
+
+
+def test_slip_under_a_held_bottom_is_no_gross_slip(exe, tmp_path):
+    """The bottom takes what friction does not: a torque beyond any drive ends without convergence or complete, never as gross slip."""
+    done = call(exe, ROOT / "data/cd14.nml", "load.torque=5000", "output.vtu=none", "--out", tmp_path / "r", "-q")
+    assert "gross slip" not in done.stderr and (done.returncode == 0 or "no convergence in the torque step" in done.stderr)
+
+
 RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.vtu=none"]
 
 

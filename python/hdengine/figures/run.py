@@ -253,7 +253,7 @@ def plot_torsion(result: Any) -> Any:
         column = f"k_ts_{reading}_nm_per_rad"
         if column in steps.dtype.names and np.any(np.isfinite(steps[column])):
             axes[0].plot(t, steps[column] / 1e6, style, label=reading)
-    axes[0].set_title("$K_{TS}$, coupled joint / (MN m/rad)", fontsize=12)
+    axes[0].set_title("$K_{TS}$ / (MN m/rad)", fontsize=12)
     axes[0].set_xlabel("torque / N m")
     axes[0].set_ylim(bottom=0)
     if axes[0].lines:

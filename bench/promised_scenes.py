@@ -13,7 +13,7 @@ A promise is made where the summary says "met": "yes". Meshes above LIMIT_MB (TE
 a run beyond LIMIT_S seconds of wall clock. The smallest tolerance, if it needs four layers, is asked of scenes whose plan of the one
 before took less than QUICK seconds.
 
-Usage: bench/promised_scenes.py --seed 2712 [--count 60] [--seconds 540] [--tolerances 0.05 0.02 0.01]; what the record holds is not
+Usage: bench/promised_scenes.py --seed 2712 [--first 0] [--count 60] [--seconds 540] [--tolerances 0.05 0.02 0.01]; what the record holds is not
 run again, but scenes whose reference had not three meshes are judged anew.
 """
 import argparse
@@ -229,13 +229,14 @@ def go_on(record, draw, tolerances, wanted, told):
     """
     parser = argparse.ArgumentParser(description=told.__doc__)
     parser.add_argument("--seed", type=int, required=True, help="of the scenes; a record holds the scenes of several seeds")
-    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--first", type=int, default=0, help="scene to begin with: two runs share a set")
+    parser.add_argument("--count", type=int, default=60, help="of the set")
     parser.add_argument("--seconds", type=float, default=540, help="no new scene is begun after so long")
     parser.add_argument("--tolerances", type=float, nargs="+", default=tolerances)
     args = parser.parse_args()
     known = read_rows(record, "scene")
     start, folder = time.time(), Path(tempfile.mkdtemp())
-    for i in range(args.count):
+    for i in range(args.first, args.count):
         if time.time() - start > args.seconds:
             break
         name = f"{args.seed}-{i}"

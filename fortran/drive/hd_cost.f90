@@ -4,7 +4,8 @@
 !> Factors of the sparse matrix have E entries and take F operations, both powers of the number of dof (MUMPS in a METIS order,
 !> meshes one cell thick; solid ones grow faster). Coefficients: one core, measured on the scenes of bench/solver_choice.py.
 module hd_cost
-  use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_memory
+  use hd_kinds, only: dp, i8
   use hd_memory, only: free_memory_mb
   use hd_revolution, only: strip_t
   use hd_scene, only: scene_t
@@ -12,7 +13,7 @@ module hd_cost
   use hd_text, only: to_text
   implicit none
   private
-  public :: cost_t, forecast_t, forecast, cost_text, estimate_memory_mb, allowed_memory_mb
+  public :: cost_t, forecast_t, forecast, cost_text, estimate_memory_mb, allowed_memory_mb, check_memory
 
   !> One solver.
   type :: cost_t
@@ -190,4 +191,27 @@ contains
     mb = s%memory_limit_mb
     if (mb <= 0) mb = 0.8_dp*free_memory_mb()
   end function allowed_memory_mb
+
+  !> Refuse a mesh that does not fit before it is tried.
+  subroutine check_memory(s, error, coarsest)
+    type(scene_t), intent(in) :: s                    !< scene
+    type(error_t), allocatable, intent(out) :: error  !< too large
+    logical, intent(in), optional :: coarsest         !< no plan has a coarser mesh; else it is that of the input
+    real(dp) :: need, limit
+    character(len=:), allocatable :: mesh, whose, advice
+    need = estimate_memory_mb(s)
+    limit = allowed_memory_mb(s)
+    if (need <= limit .or. limit <= 0) return
+    mesh = 'this mesh'
+    advice = 'reduce mesh.divisions ('//to_text(s%divisions)//') or mesh.band_facets ('//to_text(s%band_facets)// &
+      '), or raise mesh.memory_limit_mb'
+    if (present(coarsest)) then
+      mesh = 'the coarsest mesh of a plan'
+      advice = 'raise mesh.memory_limit_mb'
+    end if
+    whose = ''
+    if (.not. s%memory_limit_mb > 0) whose = ', 80 % of what is free now'
+    call raise(error, code_memory, 'error: '//mesh//' needs about '//to_text(nint(need, i8))//' MB, the limit is '// &
+      to_text(nint(limit, i8))//' MB'//whose//new_line('a')//'      '//advice)
+  end subroutine check_memory
 end module hd_cost

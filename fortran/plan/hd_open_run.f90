@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The one door to a run, for the command line and for Python: planned if the scene states a tolerance, resumed, or new.
 module hd_open_run
-  use hd_cost, only: estimate_memory_mb, allowed_memory_mb
-  use hd_error, only: error_t, raise, code_input, code_memory
+  use hd_cost, only: check_memory
+  use hd_error, only: error_t, raise, code_input
   use hd_folder_lock, only: folder_lock_t
   use hd_job, only: resume_run, run_scene
-  use hd_kinds, only: dp, i8
-  use hd_mesh_series, only: least_tolerance
+  use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_planner, only: new_planned_run, run_planned
   use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
@@ -19,32 +18,19 @@ module hd_open_run
 
 contains
 
-  !> Refuse what no mesh can promise, and a mesh that does not fit into memory, before either is tried.
+  !> Refuse what no mesh can promise, and a mesh that does not fit into memory, before either is tried. A plan chooses its own mesh.
   subroutine check_run(scene, error)
     type(scene_t), intent(in) :: scene                !< checked scene with a contact
     type(error_t), allocatable, intent(out) :: error  !< tolerance, memory
     if (scene%planned_tolerance > 0 .and. scene%planned_tolerance < least_tolerance) then
       call raise(error, code_input, 'error: run.tolerance = '//to_text(scene%planned_tolerance)//nl// &
         '      valid: 0, or '//to_text(least_tolerance)//' and more: what the finest mesh of a plan can promise')
+    else if (scene%planned_tolerance > 0) then
+      call check_memory(meshed(scene, coarse), error, coarsest=.true.)
     else
       call check_memory(scene, error)
     end if
   end subroutine check_run
-
-  !> Refuse a mesh that does not fit before it is tried.
-  subroutine check_memory(s, error)
-    type(scene_t), intent(in) :: s                    !< scene
-    type(error_t), allocatable, intent(out) :: error  !< too large
-    real(dp) :: need, limit
-    character(len=:), allocatable :: whose
-    need = estimate_memory_mb(s)
-    limit = allowed_memory_mb(s)
-    whose = ''
-    if (.not. s%memory_limit_mb > 0) whose = ', 80 % of what is free now'
-    if (limit > 0 .and. need > limit) call raise(error, code_memory, 'error: this mesh needs about '//to_text(nint(need, i8))// &
-      ' MB, the limit is '//to_text(nint(limit, i8))//' MB'//whose//nl//'      reduce mesh.divisions ('//to_text(s%divisions)// &
-      ') or mesh.band_facets ('//to_text(s%band_facets)//'), or raise mesh.memory_limit_mb')
-  end subroutine check_memory
 
   !> Open a run that is solved step by step.
   subroutine open_run(scene, input, folder, force, resume, run, error)

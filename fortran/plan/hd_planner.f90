@@ -7,7 +7,7 @@
 module hd_planner
   use hd_kinds, only: dp
   use hd_coarse_start, only: has_coarser
-  use hd_cost, only: estimate_memory_mb, allowed_memory_mb
+  use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
   use hd_job, only: resume_run, is_complete
   use hd_log, only: say
@@ -241,6 +241,7 @@ contains
       plan%scene = scene
       if (scene%kinematics == 'auto') plan%scene%kinematics = 'linear'
       call note(plan, 'a coarse run ended early: the scene is run as it stands')
+      call check_memory(plan%scene, error)
       return
     end if
     now = meshed(plan%scene, coarse)

@@ -140,6 +140,16 @@ def test_too_little_memory_ends_the_plan(exe, tmp_path):
     assert told and int(told[1]) >= 30 and s["plan"]["met"] == "no"
 
 
+def test_given_mesh_does_not_bind_a_plan(exe, tmp_path):
+    """A given mesh that no memory holds is no reason against a plan, which takes its own; its coarsest mesh may be one."""
+    huge = "mesh.divisions=40000", "mesh.band_facets=2000"
+    done = call(exe, CD14, *NARROW, *huge, "load.torque=1", "run.tolerance=0.5", "mesh.memory_limit_mb=100", "--out", tmp_path / "p")
+    s, _ = planned(tmp_path / "p")
+    assert done.returncode == 0 and s["plan"]["met"] == "yes" and s["scene"]["mesh.divisions"] < 1000
+    done = call(exe, CD14, *NARROW, *huge, "load.torque=1", "run.tolerance=0.2", "mesh.memory_limit_mb=1", "--out", tmp_path / "q")
+    assert done.returncode == 6 and "the coarsest mesh of a plan needs about" in done.stderr and not (tmp_path / "q").exists()
+
+
 def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
     """--plan: choices with reasons, one line per mesh with facets, time and memory; without a tolerance code 2."""
     done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)

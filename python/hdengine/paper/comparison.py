@@ -2,7 +2,6 @@
 """What Hu et al. (2023) state, beside what hdengine gives: rows with a verdict, each computed."""
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,7 +104,7 @@ def torque_rows(rows: list, closure: Any = (), trends: Any = ()) -> list:
         gauge = STATED["k_ts_5_nm"] / k
         table.append(_nearest(Row("K_TS from 1 to 5 N m", f"+{stated:.0f} % (w = 0.21 mm)", signed([rise]), signed([printed]),
                                   judge_trend([stated], [rise])), [stated], trends, "rise_percent"))
-        table.append(Row("K_TS at 1 / 3 N m, one gauge factor for 5 N m", "{:.0f} / {:.0f} (w = 0.21 mm)".format(
+        table.append(Row("K_TS at 1 / 3 N m, gauged at 5 N m", "{:.0f} / {:.0f} (w = 0.21 mm)".format(
             *STATED["k_ts_best_w"]), f"{gauge * at(rows, 1.0):.0f} / {gauge * at(rows, 3.0):.0f} N m/rad (gauge {gauge:.2e})", "-",
             judge_figure(STATED["k_ts_best_w"][0], gauge * at(rows, 1.0)), "a factor cannot turn a flat curve into a rising one"))
     p, peak = (1e-6 * at(rows, 5.0, c) for c in ("pressure_long_1_pa", "pressure_max_pa"))
@@ -142,7 +141,8 @@ def w_rows(rows: Any, trends: Any = ()) -> Any:
         return []
 
     def best(values):
-        return " / ".join(f"{1e3 * widths[i]:.3f}" for i in values.argmax(axis=1)) + " mm, " + gain(values)
+        places = [f"{1e3 * widths[i]:.3f}" for i in values.argmax(axis=1)]
+        return " / ".join(places[:1] if len(set(places)) == 1 else places) + " mm, " + gain(values)
 
     def gain(values):
         return signed(100 * (values.max(axis=1) / values.min(axis=1) - 1))
@@ -154,7 +154,7 @@ def w_rows(rows: Any, trends: Any = ()) -> Any:
         k.argmax(axis=1) == len(widths) - 1) else "ours has its maximum at an end of the range"
     if trends:
         because += f"; a maximum inside it in {len(found)} of {len(trends)} scenes tried"
-    return [Row("maximum of K_TS over w, above the minimum at 1 / 3 / 5 N m",
+    return [Row("gain of K_TS over w at 1 / 3 / 5 N m",
                 f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'], 2)}", best(k), best(printed), verdict, because)]
 
 
@@ -187,7 +187,7 @@ def arithmetic_rows() -> Any:
             judge_figure(s["k_wts_difference_percent"], difference), "difference over the test's value; the bench's 0.05 N m alone "
             f"is {100 * s['torque_error_nm'] / 0.5:.0f} % of 0.5 N m"),
         Row("K_WTS above K_TS (Eq. 46)", f"{s['k_wts_highest']:.0f} > {s['k_ts_5_nm']:.0f} N m/rad", "refused", "-", series, why),
-        Row("measured K_WTS beside the catalogue, size 14", f"{s['k_wts_test']:.0f} to {s['k_wts_highest']:.0f} N m/rad",
+        Row("K_WTS beside the catalogue, size 14", f"{s['k_wts_test']:.0f} to {s['k_wts_highest']:.0f} N m/rad",
             f"K1 to K3: {unit.k1_nm_per_rad:.0f} to {unit.k3_nm_per_rad:.0f} N m/rad", "-",
             "trend agrees" if inside else "does not agree", "same order, rising with the torque"),
         Row("step of the bench against its angle error", f"{s['torque_step_nm']:g} N m, {s['angle_error_arcsec']:g} arcsec",
@@ -196,8 +196,8 @@ def arithmetic_rows() -> Any:
         Row("contact facets and mesh size", f"{s['facets']} of {s['mesh_mm']} mm",
             f"86 x 15 = {86 * 15} of {2 * np.pi * 17.5 / 86:.1f} x {12 / 15:.1f} mm", "-", "cannot agree",
             f"{s['mesh_mm']} mm would make {ring:.1e} facets; 1 mm must be meant"),
-        Row("surface of the stated D and G", f"D {s['fractal_dimension']}, G {s['roughness_m']:.4g} m", f"rms height "
-            f"{1e6 * height:.1f} µm, rms slope {slope:.1f} over 0.5 mm", "-", "cannot agree", "no ground ring is that rough: "
+        Row("surface of the stated D and G", f"D {s['fractal_dimension']}, G {s['roughness_m']:.4g} m",
+            f"rms {1e6 * height:.1f} µm, slope {slope:.1f} over 0.5 mm", "-", "cannot agree", "no ground ring is that rough: "
             "measured metal surfaces give G of 1e-13 to 1e-8 m")]
 
 
@@ -241,22 +241,13 @@ def of_study(result: Any) -> Any:
     return known[key](same) if key else torque_rows(same)
 
 
-def shortened(cell: str) -> str:
-    """A cell that fits a line: a place that all torques share is named once."""
-    for long, short in (("maximum of K_TS over w, above the minimum at", "gain of K_TS over w at"),
-                        (", one gauge factor for 5", ", gauged at 5"),
-                        ("measured K_WTS beside", "K_WTS beside"), ("rms height 7.0 µm, rms slope", "rms 7.0 µm, slope")):
-        cell = cell.replace(long, short)
-    return re.sub(r"^([\d.]+)(?: / \1)+ mm", r"\1 mm", cell)
-
-
 def markdown(rows: Any) -> Any:
     """Rows as a table for docs, and below it why each verdict is what it is."""
     short = {"agrees": "yes", "trend agrees": "in trend", "does not agree": "no", "cannot agree": "cannot"}
     lines = ["| quantity | paper | ours | agrees |", "|---|---|---|---|"]
     why = []
     for r in rows:
-        quantity, printed, ours, by_forms, verdict, because = (shortened(cell) for cell in r.cells())
+        quantity, printed, ours, by_forms, verdict, because = r.cells()
         lines.append(f"| {quantity} | {printed} | {ours} | **{short[verdict]}** |")
         why.append(f"- *{quantity}*: {because}." + ("" if by_forms == "-" else f" By the printed forms: {by_forms}."))
     return "\n".join([*lines, "", "Why:", "", *why])

@@ -21,7 +21,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("maps", nargs="+", metavar="MAP",
                         help="one or two height maps: .sdf, .npy (with --dx), or what SurfaceTopography reads")
     parser.add_argument("--unit", help="unit of those maps that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
-    parser.add_argument("--dx", type=float, help="spacing of those maps that state no size, as .npy [m]")
+    parser.add_argument("--dx", "--spacing", type=float, help="spacing of those maps that state no size, as .npy [m]")
     parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
     parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
     parser.add_argument("--patch", choices=PATCHES, default=PATCHES[0],

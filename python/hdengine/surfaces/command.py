@@ -17,7 +17,7 @@ def add_options(parser: Any) -> None:
     parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
     parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um")
-    parser.add_argument("--spacing", type=float, help="distance of points [m] of files that state no size")
+    parser.add_argument("--spacing", "--dx", type=float, help="distance of points [m] of files that state no size")
     parser.add_argument("--lags", type=int, nargs=2, default=(1, 20), metavar=("FIRST", "LAST"), help="window in points")
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
     parser.add_argument("--model", choices=("isotropic", "profile", "ridges", "paper"), help="default: by what is known")

@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the engine is right, refuses, is slow or is wrong: maps over its hardest parameters, past their breaking points.
 
-Usage: bench/stability.py [--quick] [MAP ...]; writes bench/results/stability.json, docs/figures/stability.png and the table of
-docs/evidence/stability.md. A map that is named is measured anew, the others keep their record.
+Usage: bench/stability.py [--quick] [MAP ...]; writes bench/results/stability.json, the figures and tables of docs/evidence/stability.md and
+stability_peers.md. A map that is named is measured anew, the others keep their record.
 
 A scene is right when it is complete, its forces balance, and a second solver (matrix of Newton's method with exact factors, no symmetry, no
-first guesses) gives the same force, peak and rotation to 1e-5. A surface is right when its heights are those of the direct sum, a joint
-when it has a stiffness under load.
+first guesses) gives the same force, peak and rotation to 1e-5, of a whole drive K1, K3, hysteresis and largest forces.
 """
 import argparse
 import json
-import sys
 import textwrap
 import time
 from collections import Counter
@@ -19,23 +17,30 @@ from collections import Counter
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
+from stability_methods import MAPS as METHOD_MAPS
+from stability_methods import PATIENCE, REFUSED, RIGHT, SLOW, WRONG
 from stability_peers import MAPS as PEER_MAPS
 
-from common import FIGURES, RESULTS, ROOT, new_axes, put, solve, table, write_record
+from common import FIGURES, RESULTS, new_axes, put, solve, table, write_record
 
-RIGHT, REFUSED, SLOW, WRONG = "right", "refused", "slow", "wrong"
 COLOURS = {RIGHT: "#2e7d32", REFUSED: "#f2c14e", SLOW: "#4a78b5", WRONG: "#c62828"}
-PATIENCE = 20.0   # CPU seconds after which a small scene counts as slow
 SMALL = ("mesh.divisions=32", "mesh.band_facets=5", "load.assembly_steps=2", "load.torque_steps=2")
 SECOND = ("solver.method=newton", "solver.factors=exact", "solver.symmetry=full", "solver.start=rest")
+LOOP = ("mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=2", "load.torque_steps=4")
 JUDGED = ("normal_force_n", "pressure_max_pa", "rotation_rad")
+JUDGED_OF_LOOP = ("normal_force_n", "k1_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "ball_force_max_n", "tooth_force_max_n")
 
 
-def scene(*keys):
+def drive(*keys):
+    """Verdict and words on a loop of the whole drive of size 14."""
+    return scene(*keys, data="drive14.nml", small=LOOP, judged=JUDGED_OF_LOOP)
+
+
+def scene(*keys, data="cd14.nml", small=SMALL, judged=JUDGED):
     """Verdict and words on one scene."""
-    summary, command = solve("cd14.nml", *SMALL, *keys, limit=PATIENCE)
+    summary, command = solve(data, *small, *keys, limit=PATIENCE)
     if command.code != 0:
-        if command.code is None or command.cpu_s >= PATIENCE:
+        if command.code in (None, 7) or command.cpu_s >= PATIENCE:   # 7: it was told to stop
             return SLOW, f"more than {PATIENCE:.0f} s"
         words = next((line for line in command.text.splitlines() if line.strip()), "")
         return (WRONG if command.code == 1 or not words else REFUSED), f"code {command.code}: {words.strip()[:160]}"
@@ -43,11 +48,11 @@ def scene(*keys):
     scale = max(abs(results["normal_force_n"]), 1e-3)
     if abs(results["normal_force_n"] - results["reaction_force_n"]) > 1e-6 * scale:
         return WRONG, "forces do not balance"
-    second, other = solve("cd14.nml", *SMALL, *keys, *SECOND, limit=PATIENCE)
+    second, other = solve(data, *small, *keys, *SECOND, limit=PATIENCE)
     if other.code != 0:
         return RIGHT, "balanced; the second solver gave up"
-    for name in JUDGED:
-        a, b = results[name], second["results"][name]
+    for name in judged:
+        a, b = (r.get(name) or 0 for r in (results, second["results"]))   # a reading that the loop does not have is null
         if abs(a - b) > 1e-5 * max(abs(a), abs(b)) + 1e-13:
             return WRONG, f"{name}: {a:.6g}, second solver {b:.6g}"
     return RIGHT, ""
@@ -65,9 +70,9 @@ def wave_wall(quick):
     """Deformation w and wall."""
     x = [0.02e-3, 0.1e-3, 0.36e-3, 1e-3, 5e-3][:: 2 if quick else 1]
     y = [0, 0.1, 0.5, 1, 3][:: 2 if quick else 1]
-    return "wall and rim / m", x, "w / wall", y, lambda t, w: scene(
+    return "wall and rim / m", x, "w / wall", y, lambda t, w, *more: scene(
         f"geometry.wall_thickness={t}", f"geometry.rim_thickness={1.2 * t:.6g}", f"geometry.bottom_thickness={max(t, 0.3e-3):.6g}",
-        f"wave_generator.w={w * t:.6g}")
+        f"wave_generator.w={w * t:.6g}", *more)
 
 
 def ring_wall(quick):
@@ -125,55 +130,44 @@ def units(quick):
     return "moduli times", x, "lengths times", y, one
 
 
-def heights(quick):
-    """Heights: D and gamma."""
-    from hdengine import HdengineError, surface
-    x = [2.0001, 2.01, 2.1, 2.5, 2.9, 2.99, 2.9999][:: 2 if quick else 1]
-    y = [1.001, 1.01, 1.1, 1.5, 3, 10][:: 2 if quick else 1]
-
-    def one(d, gamma):
-        given = dict(fractal_dimension=d, roughness=2.4248e-7, gamma=gamma, length=0.5e-3, shortest_wavelength=4e-6, ridges=6, seed=2)
-        start = time.process_time()
-        try:
-            exact = surface.generate(32, 0.5e-3 / 32, **given, method="direct")
-            error = max(np.abs(surface.generate(32, 0.5e-3 / 32, **given, tolerance=tol, method=m) - exact).max() / exact.std()
-                        for m, tol in (("product", None), ("nufft", 1e-9)))
-        except HdengineError as trouble:
-            return REFUSED, str(trouble)[:160]
-        if time.process_time() - start > PATIENCE:
-            return SLOW, ""
-        return (RIGHT, "") if error < 1e-7 else (WRONG, f"error {error:.1e}")
-    return "D", x, "gamma", y, one
+def supports(quick):
+    """Supports nearly free: their stiffness, friction."""
+    x = [1e-9, 1e-3, 1, 100, 1e6, 1e12][:: 2 if quick else 1]
+    y = [0, 0.01, 0.15, 1][:: 2 if quick else 1]
+    return "support stiffness / (N/m)", x, "friction", y, lambda k, mu: scene(
+        "load.support=bearing", f"load.support_stiffness={k}", "load.torque=1", f"contact.friction={mu}", *([] if mu else ["contact.mode=frictionless"]))
 
 
-def joint(quick):
-    """Joint of Hu et al.: D and pressure."""
-    sys.path.insert(0, str(ROOT / "tests/python"))
-    import warnings
-
-    from hdengine import HdengineError, Joint
-    warnings.simplefilter("ignore")
-    x = [2.0001, 2.01, 2.2, 2.5, 2.8, 2.99, 2.9999][:: 2 if quick else 1]
-    y = [1e3, 1e5, 1e7, 1e9][:: 2 if quick else 1]
-
-    def one(d, p):
-        try:
-            joint = Joint(fractal_dimension=d)
-            found = joint.stiffness([p, p * 1.001], area=1e-6)
-            k = np.asarray(found.k_n if hasattr(found, "k_n") else found[0], float)
-        except HdengineError as trouble:
-            return REFUSED, str(trouble)[:160]
-        if not np.isfinite(k).all() or (k < 0).any():
-            return WRONG, f"K_N {k[0]:.3g}"
-        if not k[0] > 0:
-            told = [line for line in joint.warnings(p) if "K_N = K_T = 0" in line]
-            return (REFUSED, f"JointWarning: {told[0]}") if told else (WRONG, "no stiffness under load, and no word of it")
-        return RIGHT, f"K_N {k[0]:.3g}"
-    return "D", x, "pressure / Pa", y, one
+def large_displacements(quick):
+    """Large displacements: deformation w and wall."""
+    _, x, _, y, one = wave_wall(quick)
+    return "wall and rim / m", x, "w / wall", y, lambda t, w: one(t, w, "solver.kinematics=nonlinear")
 
 
-MAPS = (friction_interference, wave_wall, ring_wall, eccentric, torque_steps, shapes_of_cells, units, heights, joint)
-MAPS += tuple(sorted(PEER_MAPS, key=lambda m: "torque" in m.__name__))
+def balls_open(quick):
+    """Whole drive: balls open, torque."""
+    x = [-2e-5, 0, 5e-6, 2e-5, 1e-4, 4e-4][:: 2 if quick else 1]
+    y = [0.1, 2, 14, 60][:: 2 if quick else 1]
+    return "bearing clearance / m", x, "torque / N m", y, lambda c, t: drive(f"bearing.clearance={c}", f"load.torque={t}")
+
+
+def teeth_open(quick):
+    """Whole drive: teeth open, torque."""
+    x = [0, 1e-5, 1e-4, 4e-4, 2e-3][:: 2 if quick else 1]
+    y = [0.1, 2, 14, 60][:: 2 if quick else 1]
+    return "clearance of teeth / m", x, "torque / N m", y, lambda g, t: drive(
+        f"load.tooth_gaps={','.join([f'{g:g}'] * 40)}" if g else "load.tooth_clearance=0", f"load.torque={t}")
+
+
+def drive_friction(quick):
+    """Whole drive: friction of contact and teeth."""
+    x = y = [0, 0.05, 0.15, 0.5, 1, 2][:: 2 if quick else 1]
+    return "friction of the contact", x, "friction of the teeth", y, lambda mu, teeth: drive(
+        f"contact.friction={mu}", f"load.tooth_friction={teeth}", *([] if mu else ["contact.mode=frictionless"]))
+
+
+MAPS = (friction_interference, wave_wall, large_displacements, ring_wall, eccentric, torque_steps, supports, shapes_of_cells, units, balls_open,
+        teeth_open, drive_friction, *METHOD_MAPS, *sorted(PEER_MAPS, key=lambda m: "torque" in m.__name__))
 
 
 def measure(make, quick):
@@ -184,8 +178,8 @@ def measure(make, quick):
             "verdict": [[c[0] for c in row] for row in cells], "words": [[c[1] for c in row] for row in cells]}
 
 
-def draw(maps):
-    """All maps in one figure, four colours."""
+def draw(maps, name):
+    """Maps in one figure, four colours."""
     order = list(COLOURS)
     columns = 3
     figure, axes = new_axes(-(-len(maps) // columns), columns, figsize=(11, 3.3 * -(-len(maps) // columns)))
@@ -204,7 +198,7 @@ def draw(maps):
     for ax in axes.flat[len(maps):]:
         ax.remove()
     figure.legend([Patch(color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
-    figure.savefig(FIGURES / "stability.png", dpi=90)
+    figure.savefig(FIGURES / f"{name}.png", dpi=90)
 
 
 def first_words(message):
@@ -224,6 +218,14 @@ def summary_table(maps):
     return table(("map", *COLOURS, "most frequent message"), rows)
 
 
+def show(maps):
+    """Figures and tables of both pages: the engine's maps, and the press fit beside CalculiX."""
+    peers = [m for m in maps if m["name"].startswith("press_fit")]
+    for page, part in (("stability", [m for m in maps if m not in peers]), ("stability_peers", peers)):
+        draw(part, page)
+        put("maps", summary_table(part), f"evidence/{page}")
+
+
 def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -238,8 +240,7 @@ def main():
     whole = json.loads(path.read_text()) if path.exists() else {"maps": []}
     old = {m["name"]: m for m in whole["maps"]}
     if options.tables:
-        draw([*old.values()])
-        put("maps", summary_table([*old.values()]), "evidence/stability")
+        show([*old.values()])
         return
     maps = []
     for make in MAPS:
@@ -252,8 +253,7 @@ def main():
         print(make.__name__, dict(Counter(v for row in maps[-1]["verdict"] for v in row)), f"{time.time() - start:.0f} s", flush=True)
     kept = {"commit": whole["provenance"]["commit"]} if options.maps and old else {}  # of the maps that were not measured
     write_record("stability", {"maps": maps}, **kept)
-    draw(maps)
-    put("maps", summary_table(maps), "evidence/stability")
+    show(maps)
 
 
 if __name__ == "__main__":

@@ -76,6 +76,10 @@ contains
       else
         cuts = cuts + 1
         run%record%cuts = run%record%cuts + 1
+        if (sliding .and. cautious(run, slip_torque) >= part) then  ! friction carried more than was asked: no gross slip
+          sliding = .false.
+          slip_torque = 0
+        end if
         if (sliding .and. .not. slip_torque > 0) then
           call not_held(run, part, error)
         else if (sliding) then

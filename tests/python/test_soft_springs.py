@@ -61,3 +61,14 @@ def test_its_tangent_with_short_cells():
         with hdengine.Run(GROUND, solver__method=method, **keys) as run:
             found.append(list(run)[-1].sums["k_ts_tangent_nm_per_rad"])
     assert found[0] == pytest.approx(found[1], rel=1e-5)
+
+
+def test_a_false_slip_does_not_pass_the_torque(exe, tmp_path):
+    """Springs of 1e-9 N/m let Newton's method run away as if all slipped, with more friction than the torque asks for: the step is halved.
+    It went on to 1.21 N m, where 1 N m was asked for, and called that complete."""
+    keys = ["mesh.divisions=32", "mesh.band_facets=5", "load.assembly_steps=2", "load.support_stiffness=1e-9", "load.torque=1"]
+    done = call(exe, ROOT / "data/cd14.nml", *keys, "load.support=bearing", "contact.friction=0.01", "load.torque_steps=2", *DIRECT,
+                "output.vtu=none", "--out", tmp_path / "r", "-q")
+    run = hdengine.load(tmp_path / "r")
+    assert done.returncode == 0 and run.summary["results"]["cut_backs"] > 0
+    assert run.steps["torque_nm"].tolist() == [0, 0, 0.5, 1]

@@ -2,15 +2,15 @@
 """The Slurm blocks of the pages run on a real Slurm of one node (tools/slurm_node.sh). They need root and Debian's slurm-wlm, which ./hd test installs."""
 import json
 import os
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, call, executable
 from test_pages import blocks, on_slurm, shell
 
-pytestmark = pytest.mark.skipif(os.geteuid() != 0 or not shutil.which("slurmctld", path=f"/usr/sbin:{os.environ['PATH']}") or not Path("/usr/sbin/munged").exists(),
+from conftest import ROOT, call, executable
+
+pytestmark = pytest.mark.skipif(os.geteuid() != 0 or not all(Path("/usr/sbin", name).exists() for name in ("munged", "slurmctld", "slurmd")),
                                 reason="needs root and slurm-wlm")
 WAIT = "timeout 200 sh -c 'while squeue -h | grep -q .; do sleep 0.1; done'; scontrol -o show job"
 

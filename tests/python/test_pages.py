@@ -7,6 +7,7 @@ A block runs in the order of its page, in a folder that looks like a checkout. `
 `./hd` runs in a copy of the checkout; its line `./hd test` is what .ci/run does. Blocks with `sbatch` run in test_slurm.py, those marked
 `<!-- run by tools/prove_install.sh -->` there. `<!-- not run: reason -->` before a block leaves it out.
 """
+import json
 import os
 import re
 import shutil
@@ -122,6 +123,8 @@ def test_one_block_is_not_run():
     marked = {page: [why for _, _, why in blocks(page) if why] for page in PAGES}
     assert {page: why for page, (*_, why) in ((p, w) for p, w in marked.items() if w)} == NOT_RUN
     assert sum(marked.values(), []) == [PROVED, *NOT_RUN.values()]
+    proved, = (text for page in PAGES for _, text, why in blocks(page) if why == PROVED)
+    assert json.loads((ROOT / PROVED).with_suffix(".json").read_text())["commands"] == "; ".join(proved.splitlines()), f"run {PROVED}"
     assert (ROOT / ".ci/run").read_text().endswith("exec ./hd test\n") and "\n./hd test\n" in (ROOT / "README.md").read_text()
 
 

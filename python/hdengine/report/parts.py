@@ -30,8 +30,6 @@ _CAPTIONS = {
     "torsion.png": "Stiffness and rotation over the torque.",
     "newton.png": "Convergence: relative residual of every Newton iterate.",
 }
-
-
 OPEN = ("Answer", "Ended early", "Warnings", "Pictures", "Failed points", "Figure")  # the other sections fold away
 
 

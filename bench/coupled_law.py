@@ -104,12 +104,12 @@ CHAIN = ("Eq. 45, hard contact", "pressures of the coupled model", "without the 
          "k_t falls under shear: secant", "tangent of the coupled model", "slip counts: secant against glued faces",
          "slip counts: tangent against glued faces")
 WHY = ("This is Eq. 45 on the facets of hard contact.", "The joint gives way, so the pressures even out.", "The normals of the pressed faces are radial.",
-       "Eq. 45 takes k_t under all the shear of a facet, that of the assembly too. What the torque adds or takes meets a stiffer one.",
-       "Eq. 45 turns all facets by one angle, the rear row with {:.0f} % of K_T. The bodies send it {:.0f} % of the torque.",
+       "Eq. 45 takes k_t under all the shear of a facet, that of the assembly too. A change of the torque meets a stiffer joint.",
+       "Eq. 45 turns all facets by one angle, so the rear row takes {:.0f} % of the torque. The bodies send it {:.0f} %.",
        "As the joint moves the shear, cup and ring themselves turn more.", "Facets near µp slip.",
        "k_t falls where shear grows. Here nearly all points slide from the assembly on, or their shear shrinks.",
        "The next newton metre finds more of them slipping.",
-       "Hard contact slips too and takes that out of the difference; glued faces do not.", "This is the number that a test can measure.")
+       "Hard contact slips too, so the difference to it leaves slip out. Glued faces do not slip.", "This is the number that a test can measure.")
 
 
 @styled

@@ -2,7 +2,7 @@
 """Whether a lay along an axis is told from offsets of rows or columns (jitter), on maps made by numpy alone.
 
 python bench/lay.py: table of docs/evidence/lay.md, record results/lay.json. --before COMMIT: run by an earlier build's python, its
-verdicts are the column "before". --tables: the table alone. One thread: a minute.
+verdicts are the column "without". --tables: the table alone. One thread: a minute.
 """
 import sys
 from collections import Counter
@@ -65,7 +65,7 @@ def main():
         write_record("lay", found)
     if "now" in found and "--before" not in sys.argv:
         old = {row["map"]: row for row in found.get("before", found["now"])["rows"]}
-        put("lay", table(("map", "verdicts before", "verdicts now", "offsets taken off before", "now"), [
+        put("lay", table(("map", "verdicts without", "verdicts with", "offsets taken off without", "with"), [
             (name, words(old[name]), words(row), f"{old[name]['taken_off']} of {row['of']}", f"{row['taken_off']} of {row['of']}")
             for name, row in ((row["map"], row) for row in found["now"]["rows"])]), "evidence/lay")
 

@@ -25,8 +25,9 @@ PAGES = {  # page of docs/evidence: its charts
     "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
     "speed_solvers": ("solvers", "residual", "start", "symmetry", "kinematics"),
     "speed_runs": ("meshes", "planner", "load_steps", "loop")}
-UNITS = (" cells in a", " divisions", " cells round the pin")  # of settings: they stand in the first head of a table
+UNITS = (" cells in a", " divisions", " cells round the pin", " steps a leg")  # of settings: they stand in the first head of a table
 BELOW = {"heights"}  # charts whose table is too wide to stand beside its figure
+WIDE = {"elements"}  # charts whose table needs a smaller figure beside it
 
 
 def charted():
@@ -66,6 +67,11 @@ def shown(error):
     return f"{100 * error:.0f} %" if error >= 0.095 else f"{100 * error:.1g} %" if error >= 1e-4 else f"{error:.0e}".replace("e-0", "e-")
 
 
+def time_of(seconds):
+    """A time with its unit: milliseconds below 0.1 s."""
+    return f"{seconds:.2g} s" if seconds >= 0.0995 else f"{1000 * seconds:.2g} ms"
+
+
 def chart_table(points):
     """A line for each method and a column for each setting; a line for each point where methods share no settings."""
     names, settings = (list(dict.fromkeys(p[key] for p in points)) for key in ("method", "setting"))
@@ -74,7 +80,7 @@ def chart_table(points):
     at = {(p["method"], p["setting"]): p for p in points}
 
     def cell(p):
-        text = f"{shown(p['error'])}, {p['seconds']:.2g} s" if p else "-"
+        text = f"{shown(p['error'])}, {time_of(p['seconds'])}" if p else "-"
         return f"**{text}**" if p and p["default"] else text
     unit = next((u for u in UNITS if all(s.endswith(u) for s in settings)), "")
     return table((f"method;{unit}" if unit else "method", *(s.removesuffix(unit) for s in settings)), [(name, *(cell(at.get((name, s))) for s in settings)) for name in names])
@@ -106,7 +112,7 @@ def section(chart):
     """A chart on its page: heading, what it decides, the figure with its table."""
     shown = f"![Relative error over CPU time](../figures/speed/{chart['name']}.png)\n\n{chart_table(chart['points'])}"
     if chart["name"] not in BELOW:
-        shown = f":::{{container}} beside\n{shown}\n:::"
+        shown = f":::{{container}} beside{' wide' if chart['name'] in WIDE else ''}\n{shown}\n:::"
     return f"## {chart['title']}\n\n{chart['decides']}\n\n{shown}"
 
 

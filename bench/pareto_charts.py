@@ -154,7 +154,7 @@ def load_steps(quick):
     points = scene_runs(settings, ["load.assembly_steps=64", "load.torque_steps=64"], ["rotation_rad", "k_ts_nm_per_rad", "friction_torque_nm"],
                         base, lambda s: "load steps", "3 + 5")
     return Chart("load_steps", "Load steps (assembly + torque)",
-                 "Three and five steps are the default. From there on the error stays below 0.3 %, and does not fall evenly. The planner takes one where that changes little.", points)
+                 "Three and five steps are the default. From there on the error is at most 0.3 %, and does not fall evenly. The planner takes one where that changes little.", points)
 
 
 def symmetry(quick):

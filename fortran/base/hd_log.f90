@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The run log: 80 columns; on standard output, flushed line by line, or kept for a program that calls the engine. Silent unless
-!> the application switches it on.
+!> The run log: on standard output, flushed line by line, or kept for a program that calls the engine. A terminal gets lines of 80
+!> columns at most, broken between words; a file keeps each message on its line. Silent unless the application switches it on.
 module hd_log
   use, intrinsic :: iso_c_binding, only: c_char, c_int
   use, intrinsic :: iso_fortran_env, only: output_unit
@@ -13,6 +13,7 @@ module hd_log
   integer, parameter :: verbose = 2  !< Newton iterations too
   integer, save :: level = quiet
   logical, save :: keeps = .false.   !< lines are kept, not printed
+  integer, parameter :: columns = 80, indent = 10  !< of a terminal; of the lines that a message goes on in
 
   interface
     subroutine c_keep_line(text, n) bind(c, name='hd_keep_line')
@@ -25,6 +26,10 @@ module hd_log
       character(kind=c_char), intent(out) :: text(*)
       integer(c_int), value :: size
     end function c_take_line
+    integer(c_int) function c_isatty(unit) bind(c, name='isatty')
+      import :: c_int
+      integer(c_int), value :: unit
+    end function c_isatty
   end interface
 
 contains
@@ -56,11 +61,34 @@ contains
     if (level < normal) return
     if (keeps) then
       call c_keep_line(line, len(line))
+    else if (len(line) > columns .and. c_isatty(1_c_int) == 1) then
+      call write_broken(line)
     else
       write (output_unit, '(a)', iostat=status) line
       if (status == 0) flush (output_unit, iostat=status)
     end if
   end subroutine say
+
+  !> A long line in parts that end between words; all but the first begin after blanks.
+  subroutine write_broken(line)
+    character(len=*), intent(in) :: line  !< text
+    integer :: first, last, before, status
+    first = 1
+    before = 0
+    do
+      last = len(line)
+      if (last - first + 1 > columns - before) then
+        last = first + index(line(first:first + columns - before), ' ', back=.true.) - 2
+        if (last <= first + indent) last = first + columns - before - 1   ! a word longer than a line
+      end if
+      write (output_unit, '(a)', iostat=status) repeat(' ', before)//line(first:last)
+      if (status == 0) flush (output_unit, iostat=status)
+      first = last + 1
+      if (first > len(line)) exit
+      if (line(first:first) == ' ') first = first + 1
+      before = indent
+    end do
+  end subroutine write_broken
 
   !> One line that only the verbose log shows.
   subroutine detail(line)

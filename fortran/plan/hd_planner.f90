@@ -266,9 +266,8 @@ contains
       now = next
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
-      call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets, level '//to_text(level)// &
-        ': the estimated error of the '//worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
-        ', the largest; tolerance '//percent(scene%planned_tolerance))
+      call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets: the estimated error of the '// &
+        worst(scene, merge(plan%estimate, 0._dp, needed), 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
     plan%scene = now

@@ -4,7 +4,7 @@
 module hd_blind_fit
   use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
-  use hd_text, only: to_text, percent
+  use hd_text, only: to_text, percent, rounded
   use hd_observation, only: observation_t, level_plane
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
@@ -249,7 +249,7 @@ contains
     across = merge('x', 'y', b%lay == 1)
     v%kind = not_fractal
     v%name = 'lay'
-    v%reason = 'waves along '//across//' hold '//to_text(b%rings%axis(b%lay))//' times the power of other directions '// &
+    v%reason = 'waves along '//across//' hold '//rounded(b%rings%axis(b%lay))//' times the power of other directions '// &
       'and are no white offsets of '//trim(merge('columns', 'rows   ', b%lay == 1))//': grooves along '// &
       merge('y', 'x', b%lay == 1)//'. Nothing was taken off, D is a mean over directions. Fit profiles along '//across// &
       ', or give the joint the map'

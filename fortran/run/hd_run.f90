@@ -92,7 +92,7 @@ contains
     end if
     call build(run, error)
     if (allocated(error) .and. run%writes) call close_output(run%output)
-    if (.not. allocated(error)) call say('step phase     load    T/(N m) iter residual    open stick  slip    force/N  peak/MPa')
+    if (.not. allocated(error)) call say('step phase     load    T/(N m) iter         open stick  slip   force/N  peak/MPa')
   end subroutine new_run
 
   !> Take up a stopped run from its checkpoint.
@@ -207,7 +207,7 @@ contains
     if (allocated(error)) return
     call enter_stiffness(run)
     associate (c => run%state%contact)
-      write (line, '(i4,1x,a8,f7.3,f10.4,i4,9x,3i6,f11.2,f10.3)') run%step%number, run%step%phase, run%step%load_factor, &
+      write (line, '(i4,1x,a8,f7.3,f10.4,i4,8x,3i6,f10.2,f10.3)') run%step%number, run%step%phase, run%step%load_factor, &
         run%step%torque, run%step%iterations, count(c == 0), count(c == 1), count(c == 2), run%sums%normal_force, &
         run%sums%pressure_max*1e-6_dp
     end associate

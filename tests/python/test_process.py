@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Processes around the engine: forks, threads, workers, locks of folders, signals."""
+import contextlib
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -249,3 +251,22 @@ def test_two_studies_share_no_folder(tmp_path):
         thread.join()
     assert len(errors) == 1 and f"process {os.getpid()} " in errors[0]
     assert StudyResult(tmp_path / "s").summary["status"] == "complete"
+
+
+def test_lines_fit_a_terminal(exe, tmp_path):
+    """On a terminal no line of the log has more than 80 columns; its words are those of a file, where a message keeps its line."""
+    keys = [CD14, *(f"{key}={value}" for key, value in SMALL.items()), "--force", "--out", tmp_path / "o"]
+    near, far = os.openpty()
+    with os.fdopen(near, "rb", buffering=0) as terminal, subprocess.Popen([exe, *map(str, keys)], stdout=far, stderr=far) as process:
+        os.close(far)
+        shown = b""
+        with contextlib.suppress(OSError):   # the end of a terminal is an error of reading
+            while part := terminal.read(4096):
+                shown += part
+    assert process.returncode == 0
+    lines, whole = shown.decode().splitlines(), call(exe, *keys).stdout
+    assert max(map(len, lines)) <= 80 < max(map(len, whole.splitlines()))
+
+    def words(text):
+        return [w for w in text.split() if not re.search(r"\d", w)]
+    assert words("\n".join(lines)) == words(whole)

@@ -30,8 +30,6 @@ _CAPTIONS = {
     "torsion.png": "Stiffness and rotation over the torque.",
     "newton.png": "Convergence: relative residual of every Newton iterate.",
 }
-
-
 OPEN = ("Answer", "Ended early", "Warnings", "Pictures", "Failed points", "Figure")  # the other sections fold away
 
 
@@ -266,8 +264,9 @@ def _answer_of_drive(results, limits):
             for key in ("hysteresis_rad", "lost_motion_rad") if results.get(key) is not None]
     text += f"<p>{' and '.join(lost).capitalize()}.</p>" if lost else ""
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
-    mesh = f"limits of fine meshes, known: {known}" if known else "the mesh was not varied; <code>run.tolerance</code> does"
-    return text + f"<p>Band: {mesh}. The inputs were not varied: a study does.</p>"
+    mesh = f"These limits of fine meshes are known: {known}" if known else \
+        "The error of the mesh is not known: run again with <code>run.tolerance</code>"
+    return text + f"<p>Band: {mesh}. The error of the inputs is not known: a study varies them.</p>"
 
 
 def _answer(result):

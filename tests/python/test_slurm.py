@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Slurm blocks of the pages run on a real Slurm of one node (tools/slurm_node.sh). They need root and Debian's slurm-wlm, which ./hd test installs."""
+import json
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from test_pages import blocks, on_slurm, shell
+
+from conftest import ROOT, call, executable
+
+pytestmark = pytest.mark.skipif(os.geteuid() != 0 or not all(Path("/usr/sbin", name).exists() for name in ("munged", "slurmctld", "slurmd")),
+                                reason="needs root and slurm-wlm")
+WAIT = "timeout 200 sh -c 'while squeue -h | grep -q .; do sleep 0.1; done'; scontrol -o show job"
+
+
+def submitted(page, folder):
+    """States of the jobs after the page's Slurm blocks ran in the folder."""
+    for name in ("data", "hpc"):
+        (folder / name).symlink_to(ROOT / name)
+    (folder / ".venv").symlink_to(sys.prefix)
+    (folder / "block.sh").write_text("set -e\n" + "".join(text for _, text, _ in blocks(page) if on_slurm(text)) + WAIT)
+    printed = shell(f"PATH=/usr/sbin:$PATH {ROOT}/tools/slurm_node.sh {folder}/node bash block.sh", folder)
+    return printed.count("JobState=COMPLETED"), printed
+
+
+def test_run_and_study_on_slurm(tmp_path):
+    """The page of studies submits one run and one study: both complete, the study with three rows for each of four points."""
+    page = "docs/howto/study.md"
+    (tmp_path / "w.toml").write_text(next(text for _, text, _ in blocks(page) if text.startswith("# w.toml")))
+    done, printed = submitted(page, tmp_path)
+    logs = "".join(log.read_text() for log in tmp_path.glob("slurm-*.out"))
+    assert done == 2, printed + logs
+    run, = tmp_path.glob("cd14-*.out")
+    assert json.loads((run / "summary.json").read_text())["status"] == "complete" and (run / "pressure_band.png").exists(), logs
+    assert len((tmp_path / "w.out/study.csv").read_text().splitlines()) == 1 + 4 * 3
+
+
+def test_job_resumes_on_slurm(tmp_path):
+    """The page of resuming submits a stopped run again by the name of its folder: it goes on from its checkpoint and completes."""
+    limit = 0.1
+    while not (tmp_path / "cd14-4711.out/checkpoint.bin").exists():
+        stopped = call(executable(), ROOT / "data/cd14.nml", f"solver.time_limit_s={limit}", "--out", tmp_path / "cd14-4711.out", "--force", "-q")
+        assert stopped.returncode == 7
+        limit *= 1.3
+    done, printed = submitted("docs/howto/resume.md", tmp_path)
+    log, = tmp_path.glob("slurm-*.out")
+    assert done == 1 and "\nresumed " in log.read_text(), printed + log.read_text()
+    assert json.loads((tmp_path / "cd14-4711.out/summary.json").read_text())["status"] == "complete"

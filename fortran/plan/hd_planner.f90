@@ -190,6 +190,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     plan%scene%element = 'hex8i'
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
+    if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
+      trim(plan%scene%joint_reason))
     if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)

@@ -13,7 +13,7 @@ import hdengine
 from common import ROOT, read_record, write_record
 
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
-NAMES = ("K_TS", "normal force", "mid-band pressure")
+NAMES = ("K_TS by Eq. 45", "normal force", "mid-band pressure")
 
 
 def solve(w, wall, kinematics):
@@ -39,7 +39,7 @@ def draw(rows, path):
                         label=f"wall {1e3 * wall:.2f} mm, {torque:g} N m")
         ax.set(xlabel="w / mm", title=NAMES[i])
         ax.grid(alpha=0.3)
-    axes[0].set_ylabel("linear against nonlinear / %")
+    axes[0].set_ylabel("small displacements against large / %")
     fig.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     fig.savefig(path, dpi=110)
 

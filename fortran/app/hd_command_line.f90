@@ -8,6 +8,7 @@ module hd_command_line
   use hd_input, only: read_scene, holds_study
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_surface_run, only: check_surface_run, run_surface
+  use hd_joint_choice, only: choose_joint
   use hd_plausible, only: implausible
   use hd_planner, only: plan_text
   use hd_open_run, only: check_run, run_to_end
@@ -159,7 +160,8 @@ contains
           return
         end if
         call set_log_level(quiet)
-        call plan_text(scene, answer, error)
+        call choose_joint(scene, error)
+        if (.not. allocated(error)) call plan_text(scene, answer, error)
         if (.not. allocated(error)) call print_text(answer)
         return
       end if

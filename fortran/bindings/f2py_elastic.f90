@@ -175,6 +175,37 @@ subroutine elastic_of_scene(path, assignments, most, pressure, k_n, k_t, rows, m
   call tell(error, status, message)
 end subroutine elastic_of_scene
 
+!> The rule for the theory: ln k_N that it must keep, E* slope over hardness that is too steep, and errors over touching waves.
+subroutine theory_rule(limits, touching, scatter, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_theory_trust, only: trust, steep, touching_waves, scatter_of_maps
+  implicit none
+  real(c_double), intent(out) :: limits(2), touching(10), scatter(10)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  limits = [trust, steep]
+  touching = touching_waves
+  scatter = scatter_of_maps
+  status = 0
+  message = ''
+end subroutine theory_rule
+
+!> rms error of ln k_N by theory at touching waves.
+subroutine theory_scatters(touching, scatter, n, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_theory_trust, only: theory_scatter
+  implicit none
+  integer(c_int), intent(in) :: n
+  real(c_double), intent(in) :: touching(n)
+  real(c_double), intent(out) :: scatter(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(touching) :: n = len(touching)
+  scatter = theory_scatter(touching)
+  status = 0
+  message = ''
+end subroutine theory_scatters
+
 !> E* [Pa] of two bodies and k_T/k_N of full stick.
 subroutine joint_moduli(e1, nu1, e2, nu2, e_star, ratio)
   use, intrinsic :: iso_c_binding, only: c_double

@@ -8,6 +8,7 @@ subroutine scene_text(path, assignments, plan, text, status, message)
   use hd_input, only: read_scene
   use hd_json, only: json_t
   use hd_open_run, only: check_run
+  use hd_joint_choice, only: choose_joint
   use hd_planner, only: plan_text
   use hd_scene, only: scene_t
   use hd_status, only: tell, hand_over, lines_of
@@ -29,7 +30,8 @@ subroutine scene_text(path, assignments, plan, text, status, message)
   if (.not. allocated(error) .and. .not. scene%surface_only) call check_run(scene, error)
   if (.not. allocated(error)) then
     if (plan /= 0) then
-      call plan_text(scene, answer, error)
+      call choose_joint(scene, error)
+      if (.not. allocated(error)) call plan_text(scene, answer, error)
     else
       call json%begin()
       call add_scene(json, scene)

@@ -14,6 +14,8 @@ module hd_scene_joint
   use hd_rough_contact, only: contact_at
   use hd_scene, only: scene_t
   use hd_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
+  use hd_text, only: to_text
+  use hd_theory_trust, only: new_theory_surface
   implicit none
   private
   public :: scene_joint, tabulate_joint
@@ -44,6 +46,9 @@ contains
       call from_spectrum(scene, joint, error)
     case ('boundary_elements', 'table')
       call from_table(scene, joint, error)
+    case ('auto')
+      call raise(error, code_input, "joint.model = 'auto' is chosen when the scene is run or planned; name a model here: "// &
+        'spectrum, boundary_elements')
     end select
   end subroutine scene_joint
 
@@ -54,7 +59,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< spectrum out of range
     type(power_spectrum_t) :: spectrum
     type(columns_t) :: columns
-    real(dp), allocatable :: q(:), height(:), p(:), k(:), area(:)
+    real(dp), allocatable :: q(:), height(:), waves(:), p(:), k(:), area(:)
     real(dp) :: low, high
     integer :: i, n
     if (len_trim(scene%joint_spectrum) > 0) then
@@ -63,6 +68,8 @@ contains
       if (.not. allocated(error)) call columns%take('q_per_m', q, error)
       if (.not. allocated(error)) call columns%take('height_variance_m2', height, error)
       if (.not. allocated(error)) call sampled_spectrum(q, height, spectrum, error)
+      if (.not. allocated(error) .and. columns%has('waves_per_m2')) call columns%take('waves_per_m2', waves, error)
+      if (allocated(waves) .and. .not. allocated(error)) call count_waves(trim(scene%joint_spectrum), waves, spectrum, error)
     else
       call fractal_spectrum(scene%fractal_dimension, scene%roughness, scene%sample_length, scene%shortest_wavelength, spectrum, &
         error)
@@ -74,10 +81,25 @@ contains
     p = [(low*exp(log(high/low)*i/n), i=0, n)]
     allocate (k(n + 1), area(n + 1))
     call contact_at(spectrum, joint%asperity%e_star, joint%asperity%hardness, p, k, area)
+    joint%theory = new_theory_surface(spectrum, joint%asperity%e_star, joint%asperity%hardness, p, area)
     allocate (joint%elastic)
     call new_elastic_law(p, k, stick_ratio(scene%flexspline_e, scene%flexspline_nu, scene%ring_e, scene%ring_nu)*k, &
       joint%elastic, error)
   end subroutine from_spectrum
+
+  !> Waves of a measured spectrum as they were counted on its map.
+  subroutine count_waves(path, waves, spectrum, error)
+    character(len=*), intent(in) :: path               !< file
+    real(dp), intent(in) :: waves(:)                   !< of each band on an area [1/m^2]
+    type(power_spectrum_t), intent(inout) :: spectrum  !< gets them
+    type(error_t), allocatable, intent(out) :: error   !< not above 0
+    if (all(waves > 0) .and. all(waves <= huge(1._dp))) then
+      spectrum%waves = waves
+    else
+      call raise(error, code_input, "'"//path//"': waves_per_m2 from "//to_text(minval(waves))//' to '//to_text(maxval(waves))// &
+        '; valid: above 0, finite')
+    end if
+  end subroutine count_waves
 
   !> Elastic law from a file.
   subroutine from_table(scene, joint, error)

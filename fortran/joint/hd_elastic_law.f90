@@ -12,7 +12,8 @@ module hd_elastic_law
   use hd_text, only: to_text
   implicit none
   private
-  public :: elastic_law_t, new_elastic_law, elastic_stiffness, elastic_closure, elastic_pressure, elastic_shear, stick_ratio
+  public :: elastic_law_t, new_elastic_law, elastic_stiffness, elastic_closure, elastic_pressure, elastic_shear, stick_ratio, &
+    scaled_law
 
   type :: elastic_law_t
     type(compliance_curve_t) :: normal       !< k_N(P)
@@ -37,6 +38,17 @@ contains
     call new_curve(pressure, normal, law%normal, error)
     if (.not. allocated(error)) call new_curve(pressure, tangential, law%tangential, error)
   end subroutine new_elastic_law
+
+  !> The same law with both stiffnesses times a factor.
+  pure type(elastic_law_t) function scaled_law(law, factor) result(scaled)
+    type(elastic_law_t), intent(in) :: law  !< law
+    real(dp), intent(in) :: factor          !< > 0
+    scaled = law
+    scaled%normal%log_k = law%normal%log_k + log(factor)
+    scaled%normal%closure = law%normal%closure/factor
+    scaled%tangential%log_k = law%tangential%log_k + log(factor)
+    scaled%tangential%closure = law%tangential%closure/factor
+  end function scaled_law
 
   !> Stiffness per area under pressure and shear, with derivatives; none where the shear reaches mu P.
   elemental subroutine elastic_stiffness(law, mu, pressure, shear, k_n, k_t, k_n_by_p, k_t_by_p, k_t_by_q)

@@ -12,6 +12,7 @@ module hd_joint
   use hd_elastic_law, only: elastic_law_t, elastic_stiffness
   use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge
   use hd_partial_slip, only: slip_series_t, new_slip_series, slip_integral
+  use hd_theory_trust, only: theory_surface_t
   use hd_powers, only: expm1, log1p, power_integral, power_partial
   implicit none
   private
@@ -38,6 +39,7 @@ module hd_joint
     real(dp) :: load_whole(4) = 0, stiff_whole(4) = 0  !< integrals over whole regimes
     type(slip_series_t) :: slip(3)
     type(elastic_law_t), allocatable :: elastic  !< takes the place of the statistical model where it is there
+    type(theory_surface_t), allocatable :: theory  !< what the law by theory knows of its surface
   end type joint_t
 
   !> Largest spot and what follows from it; forces in units of f_ec, stiffness in units of f_ec / eps_ec.

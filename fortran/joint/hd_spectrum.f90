@@ -18,6 +18,7 @@ module hd_spectrum
     real(dp), allocatable :: height(:)   !< variance of the heights in it [m^2]
     real(dp), allocatable :: mean(:)     !< sum of |q| times variance: twice the elastic energy of full contact is E*/2 of it [m]
     real(dp), allocatable :: slope(:)    !< variance of the gradient
+    real(dp), allocatable :: waves(:)    !< waves of it on an area [1/m^2]
   end type power_spectrum_t
 
 contains
@@ -47,6 +48,7 @@ contains
     spectrum%height = moment(-a)
     spectrum%mean = 2*pi*moment(1 - a)
     spectrum%slope = (2*pi)**2*moment(2 - a)
+    spectrum%waves = pi*(f(2:)**2 - f(:n)**2)
   contains
     !> G^(2(D-2))/2 int f^(e-1) df over the bands.
     pure function moment(e) result(m)
@@ -67,6 +69,7 @@ contains
     real(dp), intent(in) :: height(:)                 !< >= 0, not all 0 [m^2]
     type(power_spectrum_t), intent(out) :: spectrum         !< spectrum
     type(error_t), allocatable, intent(out) :: error  !< not rising, negative, empty
+    real(dp), allocatable :: edge(:)
     integer :: n
     n = size(q)
     if (n < 2) then
@@ -83,5 +86,8 @@ contains
     spectrum%height = height
     spectrum%mean = q*height
     spectrum%slope = q**2*height
+    edge = sqrt(q(2:)*q(:n - 1))
+    edge = [q(1)**2/edge(1), edge, q(n)**2/edge(n - 1)]
+    spectrum%waves = (edge(2:)**2 - edge(:n)**2)/(4*pi)
   end subroutine sampled_spectrum
 end module hd_spectrum

@@ -5,6 +5,7 @@ module hd_open_run
   use hd_error, only: error_t, raise, code_input
   use hd_folder_lock, only: folder_lock_t
   use hd_job, only: resume_run, run_scene
+  use hd_joint_choice, only: choose_joint
   use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_planner, only: new_planned_run, run_planned
   use hd_run, only: run_t, new_run
@@ -44,6 +45,11 @@ contains
     call check_run(scene, error)
     if (.not. allocated(error)) call run%lock%take(folder, error)
     if (allocated(error)) return
+    call choose_joint(scene, error)
+    if (allocated(error)) then
+      call run%lock%give()
+      return
+    end if
     if (scene%planned_tolerance > 0) then
       call new_planned_run(scene, input, folder, force, resume, run, error)
     else if (resume) then
@@ -66,10 +72,13 @@ contains
     call check_run(scene, error)
     if (.not. allocated(error)) call lock%take(folder, error)
     if (allocated(error)) return
-    if (scene%planned_tolerance > 0) then
-      call run_planned(scene, input, folder, force, resume, error)
-    else
-      call run_scene(scene, input, folder, force, resume, error)
+    call choose_joint(scene, error)
+    if (.not. allocated(error)) then
+      if (scene%planned_tolerance > 0) then
+        call run_planned(scene, input, folder, force, resume, error)
+      else
+        call run_scene(scene, input, folder, force, resume, error)
+      end if
     end if
     call lock%give()
   end subroutine run_to_end

@@ -62,6 +62,7 @@ contains
     type(promise_t) :: promised(promises)
     promised = promises_of(scene)
     text = trim(promised(maxloc(errors, 1))%words)//' '//word//' '//percent(maxval(errors))
+    if (text(:1) /= 'K') text = 'the '//text
   end function worst
 
   !> Large displacements where they change a coarse solution by more than half the tolerance.
@@ -189,6 +190,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     plan%scene%element = 'hex8i'
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
+    if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
+      trim(plan%scene%joint_reason))
     if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
@@ -266,7 +269,7 @@ contains
       now = next
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
-      call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets: the estimated error of the '// &
+      call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets: the estimated error of '// &
         worst(scene, merge(plan%estimate, 0._dp, needed), 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
@@ -327,7 +330,7 @@ contains
       call push(run%record%warnings, 'the tolerance is not met: nothing is known of the error. The '// &
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
-      call push(run%record%warnings, 'the tolerance is not met: the estimated error of the '// &
+      call push(run%record%warnings, 'the tolerance is not met: the estimated error of '// &
         worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if

@@ -12,6 +12,7 @@ module hd_facets
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
+  use hd_theory_trust, only: theory_error_t
   use hd_supports, only: support_torques_t, support_torques, moment
   use hd_vector, only: cross
   implicit none
@@ -63,6 +64,7 @@ module hd_facets
     real(dp) :: cam_area = 0           !< where it presses [m^2]
     real(dp) :: cam_pressure_min = 0   !< never negative [Pa]
     real(dp) :: cam_gap_max = 0        !< largest distance of the ring from it [m]
+    type(theory_error_t) :: theory     !< of a joint by theory
   end type sums_t
 
   !> Names of what `facet_row` returns, as in contact.csv and Python.

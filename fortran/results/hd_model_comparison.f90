@@ -34,11 +34,13 @@ contains
     type(facets_t) :: facets
     type(sums_t) :: found
     type(error_t), allocatable :: error
+    logical :: offered   !< a table that the choice of the model did not take
     integer :: i
+    offered = len_trim(scene%joint_reason) > 0 .and. len_trim(scene%joint_table) > 0
     k_ts = ieee_value(1._dp, ieee_quiet_nan)
     if (scene%support == 'teeth') return
     do i = 1, size(models)
-      if (i > 2 .and. models(i) /= scene%joint_model) cycle
+      if (i > 2 .and. models(i) /= scene%joint_model .and. .not. (offered .and. models(i) == 'boundary_elements')) cycle
       other = scene
       other%joint_model = models(i)
       call scene_joint(other, joint, error)

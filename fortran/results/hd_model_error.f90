@@ -6,6 +6,7 @@ module hd_model_error
   use hd_promises, only: promise_t, promises, promises_of
   use hd_scene, only: scene_t
   use hd_text, only: string_t, percent, push, to_text
+  use hd_theory_trust, only: theory_error_t, in_words, steep
   implicit none
   private
   public :: covered, left_out
@@ -57,6 +58,7 @@ contains
     type(string_t), allocatable, intent(inout) :: list(:)    !< grows
     if (sums%k_tangent > 0) call push(list, 'reading of K_TS: Eq. 45 gives '//to_text(sums%k_ts/sums%k_tangent)// &
       ' times the tangent that a test would measure, and '//percent(sums%slip_k_ts)//' of it lies on points that slip')
+    if (sums%theory%area > 0) call push(list, theory_text(scene, sums%theory))
     if (scene%contact_law == 'hard') call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
       'and secant K_TS within 5 % of those with contact.law = ''joint''')
     call push(list, 'joint inputs, over seven joints of Hu et al. on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its '// &
@@ -67,4 +69,17 @@ contains
     if (scene%ring_divisions > 0 .or. scene%ring_facets > 0) call push(list, 'meshes that do not match: contact.slave ring '// &
       'or cup moves K_TS by Eq. 45 by 8 % at 48 divisions, 3 % at 96, 2 % at 144')
   end subroutine add_contact
+
+  !> The error of a joint by theory, on what carries the readings of K_TS.
+  function theory_text(scene, theory) result(text)
+    type(scene_t), intent(in) :: scene            !< scene
+    type(theory_error_t), intent(in) :: theory    !< its error
+    character(len=:), allocatable :: text
+    text = 'joint: '//in_words(theory)
+    if (abs(theory%tangent) > 0) text = text//'; '//trim(merge('half of it  ', 'so much less', theory%steepness > steep))// &
+      ' lowers K_TS by Eq. 45 as much, and changes its tangent by '//trim(merge('-', '+', theory%tangent < 0))// &
+      percent(abs(theory%tangent))
+    if (len_trim(scene%joint_spectrum) > 0) text = text//'; a lay, skewed heights and the sampling of the spectrum are not in '// &
+      'it: joint.json of hdengine joint has them'
+  end function theory_text
 end module hd_model_error

@@ -20,6 +20,7 @@ module hd_summary
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_text, only: string_t, split
+  use hd_theory_trust, only: theory_error_t, steep
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private
@@ -77,7 +78,7 @@ contains
     call add_results(json, sums, record, scene%support == 'drive')
     if (scene%support == 'drive') call add_loop(json, scene, loop)
     call json%finish()
-    call add_joint(json, scene, joint)
+    call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
     call add_model(json, drive, solver, record)
     call add_predictions(json, record%choice)
@@ -266,12 +267,14 @@ contains
   end subroutine add_loop
 
   !> Parameters that the joint results rest on.
-  subroutine add_joint(json, scene, joint)
+  subroutine add_joint(json, scene, joint, theory)
     type(json_t), intent(inout) :: json  !< document
     type(scene_t), intent(in) :: scene   !< scene
     type(joint_t), intent(in) :: joint   !< joint
+    type(theory_error_t), intent(in) :: theory  !< of a joint by theory
     call json%begin('joint')
     call json%add('model', trim(scene%joint_model))
+    if (len_trim(scene%joint_reason) > 0) call json%add('chosen_because', trim(scene%joint_reason))
     call json%add('closure', trim(merge('paper  ', 'nominal', joint%paper)))
     call json%add('asperity_radius_m', joint%r_m)
     call json%add('s_min_m2', joint%s_min)
@@ -280,6 +283,17 @@ contains
     call json%add('reduced_modulus_pa', joint%asperity%e_star)
     call json%add('s_ec_m2', joint%asperity%s_ec)
     call json%add('psi', joint%psi)
+    if (theory%area > 0) then
+      call json%begin('theory_error')
+      call json%add('area_m2', theory%area)
+      call json%add('mean_pressure_pa', theory%pressure)
+      call json%add('contact_area_fraction', theory%share)
+      call json%add('independent_waves', theory%waves)
+      call json%add('e_star_slope_over_hardness', theory%steepness)
+      if (theory%steepness <= steep) call json%add('ln_k_n_half_width', theory%half_width)
+      if (abs(theory%tangent) > 0) call json%add('k_ts_tangent_change', theory%tangent)
+      call json%finish()
+    end if
     call json%finish()
   end subroutine add_joint
 

@@ -14,7 +14,7 @@ module hd_model_cache
   use hd_solver_choice, only: choose_solver, forgets_struts, renew_solver
   implicit none
   private
-  public :: take_model, keep_model, forget_model, assembly_t
+  public :: take_model, keep_model, forget_model, put_aside, take_back, assembly_t
 
   !> Converged states of an assembly, for later runs that differ in their torque only; of a planned run also those under torque.
   type :: assembly_t
@@ -30,6 +30,16 @@ module hd_model_cache
   class(linear_solver_t), allocatable, save :: kept_solver
   type(assembly_t), save :: kept_assembly
   type(forecast_t), save :: kept_choice
+
+  !> A kept model that a trial run leaves alone.
+  type :: model_t
+    type(scene_t) :: scene
+    type(drive_t), allocatable :: drive
+    class(linear_solver_t), allocatable :: solver
+    type(assembly_t) :: assembly
+    type(forecast_t) :: choice
+  end type model_t
+  type(model_t), save :: aside
 
 contains
 
@@ -81,6 +91,26 @@ contains
     call move_alloc(drive, kept_drive)
     call move_alloc(solver, kept_solver)
   end subroutine keep_model
+
+  !> Put the kept model aside for the time of a trial run.
+  subroutine put_aside()
+    aside%scene = kept_scene
+    aside%assembly = kept_assembly
+    aside%choice = kept_choice
+    call move_alloc(kept_drive, aside%drive)
+    call move_alloc(kept_solver, aside%solver)
+  end subroutine put_aside
+
+  !> Forget the model of the trial; the one before is kept again, if there was one.
+  subroutine take_back()
+    call forget_model()
+    if (.not. allocated(aside%drive)) return
+    kept_scene = aside%scene
+    kept_assembly = aside%assembly
+    kept_choice = aside%choice
+    call move_alloc(aside%drive, kept_drive)
+    call move_alloc(aside%solver, kept_solver)
+  end subroutine take_back
 
   !> Give back the memory of the kept model.
   subroutine forget_model()

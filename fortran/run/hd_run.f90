@@ -33,6 +33,7 @@ module hd_run
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
+  use hd_theory_error, only: theory_on, move_tangent
   implicit none
   private
   public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run
@@ -238,6 +239,7 @@ contains
     if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
     call evaluate_facets(run%drive, at_friction(run%joint, load%friction), run%state, run%facets)
     call sum_up(run%drive, load, run%state, run%facets, run%sums)
+    run%sums%theory = theory_on(run%joint, run%drive, run%state)
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
     if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
     if (run%scene%support == 'drive') then
@@ -340,6 +342,8 @@ contains
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
     if (run%record%steps > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
       run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
+    if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%drive, run%solver, run%joint, &
+      run%flexibility, run%before, run%state, run%sums%theory)
     call judge_results(run)
     if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
       code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')

@@ -211,15 +211,16 @@ contains
     call add_integer(t, 'solver', 'max_cuts', 'assembly limit', s%max_cuts, 0, 40, 'halvings of a load step that does not converge')
     call add_real(t, 'solver', 'time_limit_s', 'control', s%time_limit_s, 's', 0._dp, big, &
       'clock time after which the run stops in order, to be resumed; 0: none', closed=.true.)
-    call add_choice(t, 'joint', 'model', 'joint', s%joint_model, 'hu2023 spectrum boundary_elements table', &
+    call add_choice(t, 'joint', 'model', 'joint', s%joint_model, 'hu2023 spectrum boundary_elements table auto', &
       'where the stiffness of the joint comes from. hu2023: statistical model of Hu et al., rests on r_m and s_min; '// &
       'spectrum: theory from the power spectrum; boundary_elements: table_file, solved on a map by hdengine joint; table: '// &
-      'table_file, measured')
+      'table_file, measured; auto: spectrum where it holds at the pressures of a coarse trial, else table_file as '// &
+      'boundary_elements, or spectrum with a warning')
     call add_choice(t, 'joint', 'table_file', 'joint', s%joint_table, '', &
       'CSV of the models boundary_elements and table: columns pressure_pa, k_n_pa_per_m and, if known, k_t_pa_per_m')
     call add_choice(t, 'joint', 'spectrum_file', 'joint', s%joint_spectrum, '', &
-      'CSV of the model spectrum, written by hdengine joint: columns q_per_m, height_variance_m2; empty: from D, G, '// &
-      'sample_length, shortest_wavelength')
+      'CSV of the model spectrum, written by hdengine joint: columns q_per_m, height_variance_m2 and, if known, '// &
+      'waves_per_m2; empty: from D, G, sample_length, shortest_wavelength')
     call add_choice(t, 'joint', 'from_fit', 'joint', s%joint_from_fit, '', &
       "folder that 'hdengine surface' wrote: its scene.nml gives D, G, L, L_s and the model, but for keys that are given here")
     call add_real(t, 'joint', 'fractal_dimension', 'joint', s%fractal_dimension, '', 2._dp, 3._dp, 'surface fractal dimension D')

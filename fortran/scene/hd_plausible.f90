@@ -54,6 +54,7 @@ contains
     type(parameter_table_t) :: table
     integer :: i, j
     allocate (lines(0))
+    if (len_trim(scene%joint_doubt) > 0) call push(lines, 'joint.model: '//trim(scene%joint_doubt))
     copy = scene
     call new_table(copy, table)
     do i = 1, size(table%rows)

@@ -9,6 +9,7 @@ module hd_scene
   integer, parameter :: name_length = 32   !< longest choice
   integer, parameter :: title_length = 120 !< longest title
   integer, parameter :: path_length = 240  !< longest file name
+  integer, parameter :: reason_length = 800
 
   !> A generated surface.
   type :: surface_t
@@ -94,6 +95,8 @@ module hd_scene
     real(dp) :: shortest_wavelength = 1e-6_dp, asperity_radius = 5e-6_dp, s_min = 0, hardness = 0
     character(len=name_length) :: closure = 'nominal', plastic_spots = 'none', joint_model = 'spectrum'
     character(len=path_length) :: joint_table = '', joint_spectrum = '', joint_from_fit = ''
+    character(len=reason_length) :: joint_reason = '', joint_doubt = ''  !< why joint.model = 'auto' became what it is, and what
+                                                                         !< speaks against it; no keys
     ! surface
     type(surface_t) :: surface
     type(surface_fit_t) :: fit

@@ -175,7 +175,7 @@ def _sensitivity(args):
     from .uncertainty import analyse
 
     found = analyse(args.folder, args.drive, args.draws)
-    print(f"K_TS {found['k_ts_nm_per_rad']:.4g} N m/rad at {found['torque_nm']:g} N m")
+    print(f"K_TS by Eq. 45 {found['k_ts_nm_per_rad']:.4g} N m/rad at {found['torque_nm']:g} N m")
     for name, (low, median, high) in found["bands_95_nm_per_rad"].items():
         print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
     for key, (first, _, total, _) in found["indices"].items():

@@ -25,8 +25,10 @@ program hd_tester
   use test_stress, only: run_stress
   use test_table, only: run_table
   use test_text, only: run_text
+  use test_theory_trust, only: run_theory_trust
   implicit none
   call run_text()
+  call run_theory_trust()
   call run_stress()
   call run_table()
   call run_parameters()

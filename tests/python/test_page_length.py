@@ -17,7 +17,7 @@ from conftest import ROOT
 DOCS = ROOT / "docs"
 SCREENS = 3 * 900
 PAGE, WORD, BLOCK, ITEM, ROW, HEADING, CODE = 173, 1.4, 28.6, 11.7, 26.3, 45, 19.5  # pixels; a block is a paragraph or a list, a cell fits a line
-TEXT, FIGURE, BESIDE = 736, 800, 360    # width of a picture: alone, as figure, beside its table
+TEXT, FIGURE, BESIDE, WIDE = 736, 800, 360, 248    # width of a picture: alone, as figure, beside its table, beside a wide one
 MADE = {"requirements.md", "coverage.md", "record_ages.md", "api.md", "api_surfaces.md"}  # made by tools, or lists of links
 PAGES = sorted(str(p.relative_to(DOCS)) for p in DOCS.rglob("*.md") if p.name not in MADE and not {"api", "gallery", "_build"} & set(p.parts))
 
@@ -57,7 +57,8 @@ def height(page, text):
     add(r"^<details>.*?^</details>", lambda m: BLOCK)
     add(r"^```\{toctree\}.*?^```", lambda m: 0 if ":hidden:" in m[0] else 20 * m[0].count("\n"))
     add(r"^```\{figure\} (\S+)\n(.*?)^```", figure, lambda m: re.sub(r"^:.*\n", "", m[2], flags=re.M))
-    add(r"^:::\{container\} beside\n.*?\]\((\S+)\)(.*?)^:::$", lambda m: 16 + max(picture(page, m[1], BESIDE), ROW * rows(m[2])))
+    add(r"^:::\{container\} beside( wide)?\n.*?\]\((\S+)\)(.*?)^:::$",
+        lambda m: 16 + max(picture(page, m[2], WIDE if m[1] else BESIDE), ROW * rows(m[3])))
     add(r"^!\[[^]]*\]\((\S+)\)$", lambda m: 12 + picture(page, m[1], TEXT))
     add(r"^```(?!\{)[^\n]*\n(.*?)^```", lambda m: CODE * (m[1].count("\n") + 2))
     pixels += ROW * rows(text) + HEADING * len(re.findall(r"^#", text, re.M))

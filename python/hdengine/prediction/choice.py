@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-TRUST = 0.25        # ln k_N within which the theory must hold 95 of 100 single maps to be taken
+from .. import _engine
+
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
-STEEP = 5.0         # E* slope over hardness beyond which nearly all contact yields: boundary elements may not converge
-# rms error of ln k_N of single maps, over true contact times independent waves (bench/joint_law.py train, 63 generated maps)
-SCATTER = ((0.025, 0.31), (0.066, 0.28), (0.2, 0.27), (0.6, 0.17), (1.8, 0.15), (5.6, 0.073), (18, 0.056), (55, 0.054),
-           (170, 0.053), (520, 0.049))
+# The engine's rule (hd_theory_trust): TRUST, ln k_N within which the theory must hold 95 of 100 single maps to be taken; STEEP,
+# E* slope over hardness beyond which boundary elements may not converge; rms errors of ln k_N over touching waves
+(TRUST, STEEP), *_errors = _engine.call("theory_rule")
+SCATTER = tuple(zip(*_errors))
 
 
 def scatter_of(area: np.ndarray, waves: float) -> np.ndarray:
@@ -25,7 +26,7 @@ def scatter_of(area: np.ndarray, waves: float) -> np.ndarray:
     waves : float
         Independent waves (`Spectrum.waves`).
     """
-    return np.interp(np.log(area * waves), np.log([x for x, _ in SCATTER]), [s for _, s in SCATTER])
+    return _engine.call("theory_scatters", np.atleast_1d(np.asarray(area * waves, dtype=float)))
 
 
 def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> tuple[str, str]:

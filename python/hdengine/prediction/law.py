@@ -67,6 +67,8 @@ class Prediction:
     bodies : Bodies
     waves : float
         Its independent waves on the area that the band stands for.
+    map_area : float
+        Area of the smaller map [m^2].
     patch : str
         'periodic' or 'free', of boundary elements.
     notes : tuple of str
@@ -83,6 +85,7 @@ class Prediction:
     spectrum: Spectrum = field(repr=False)
     bodies: Bodies
     waves: float
+    map_area: float
     patch: str = "periodic"
     notes: tuple = ()
     facts: tuple = field(default=(), repr=False)
@@ -128,7 +131,8 @@ class Prediction:
         FileError
             The folder holds such files, or what another command wrote, or cannot be written.
         """
-        spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c}
+        spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c,
+                    "waves_per_m2": self.spectrum.modes / (max(len(self.facts), 1) * self.map_area)}
         record = {"model": self.model, "patch": self.patch, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
                   "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "independent_waves": self.waves,
@@ -267,7 +271,7 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
                                 ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
     parts = {name: part[:2] for name, part in parts.items()}
-    return Prediction(table, wanted, reason, spectrum, bodies, waves, patch, notes, tuple(facts), parts)
+    return Prediction(table, wanted, reason, spectrum, bodies, waves, one_map, patch, notes, tuple(facts), parts)
 
 
 def _facts_of(pairs, names, longest):

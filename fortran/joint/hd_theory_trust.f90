@@ -1,0 +1,132 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> How far k_N by theory lies from k_N of a rough contact, and where the theory may be taken in the place of boundary elements.
+!>
+!> Few long waves may hold most of the height. Until a few of their crests touch, their phases decide k_N, which no spectrum tells.
+!> So the error follows from the touching waves: true contact as a share, times the independent waves N = (sum h)^2/sum(h^2/m), h
+!> the height variance of a band of the spectrum and m its waves (docs/evidence/joint_choice.md). The waves of an area grow with it,
+!> so touching waves of the parts of a contact add up.
+module hd_theory_trust
+  use hd_kinds, only: dp
+  use hd_spectrum, only: power_spectrum_t
+  use hd_text, only: percent, rounded
+  implicit none
+  private
+  public :: theory_surface_t, theory_error_t, new_theory_surface, theory_scatter, theory_error_of, may_be_taken, in_words
+  public :: trust, steep, touching_waves, scatter_of_maps
+
+  real(dp), parameter :: trust = 0.25_dp  !< ln k_N within which the theory must hold 95 of 100 single maps to be taken
+  real(dp), parameter :: steep = 5        !< E* slope over hardness beyond which nearly all contact yields
+  real(dp), parameter :: in_95 = 1.96_dp  !< standard deviations
+  !> rms error of ln k_N of single maps over their touching waves (bench/joint_law.py train, 63 generated maps).
+  real(dp), parameter :: touching_waves(10) = [0.025_dp, 0.066_dp, 0.2_dp, 0.6_dp, 1.8_dp, 5.6_dp, 18._dp, 55._dp, 170._dp, 520._dp]
+  real(dp), parameter :: scatter_of_maps(10) = [0.31_dp, 0.28_dp, 0.27_dp, 0.17_dp, 0.15_dp, 0.073_dp, 0.056_dp, 0.054_dp, &
+    0.053_dp, 0.049_dp]
+
+  !> What the theory knows of a surface.
+  type :: theory_surface_t
+    real(dp), allocatable :: pressure(:)  !< rising [Pa]
+    real(dp), allocatable :: area(:)      !< true contact there, as a share
+    real(dp) :: waves_per_area = 0        !< independent waves [1/m^2]
+    real(dp) :: steepness = 0             !< E* slope over hardness
+  end type theory_surface_t
+
+  !> Error of the theory on a contact.
+  type :: theory_error_t
+    real(dp) :: area = 0           !< nominal, that the readings rest on; 0: nothing is known [m^2]
+    logical :: sticks = .false.    !< it is what sticks, else all that is pressed
+    real(dp) :: pressure = 0       !< mean over it [Pa]
+    real(dp) :: share = 0          !< of it that touches
+    real(dp) :: waves = 0          !< independent waves on it
+    real(dp) :: half_width = 0     !< of ln k_N, 95 of 100 contacts
+    real(dp) :: steepness = 0      !< E* slope over hardness
+    real(dp) :: tangent = 0        !< change of the tangent K_TS by k_N so much softer, relative; 0: not known
+  end type theory_error_t
+
+contains
+
+  !> Facts of a surface from its spectrum and its contact.
+  pure function new_theory_surface(spectrum, modulus, hardness, pressure, area) result(surface)
+    type(power_spectrum_t), intent(in) :: spectrum  !< of the equivalent surface
+    real(dp), intent(in) :: modulus, hardness       !< E*, H [Pa]
+    real(dp), intent(in) :: pressure(:), area(:)    !< rising [Pa], share that touches
+    type(theory_surface_t) :: surface
+    surface%pressure = pressure
+    surface%area = area
+    surface%waves_per_area = sum(spectrum%height)**2/sum(spectrum%height**2/spectrum%waves)
+    surface%steepness = modulus*sqrt(sum(spectrum%slope))/hardness
+  end function new_theory_surface
+
+  !> rms error of ln k_N at touching waves.
+  elemental real(dp) function theory_scatter(waves) result(e)
+    real(dp), intent(in) :: waves  !< true contact times independent waves
+    real(dp) :: x
+    integer :: i, n
+    n = size(touching_waves)
+    x = min(max(waves, touching_waves(1)), touching_waves(n))
+    i = min(count(touching_waves <= x), n - 1)
+    x = log(x/touching_waves(i))/log(touching_waves(i + 1)/touching_waves(i))
+    e = scatter_of_maps(i) + x*(scatter_of_maps(i + 1) - scatter_of_maps(i))
+  end function theory_scatter
+
+  !> Error on a contact of many points. Those that stick decide: they carry both readings of K_TS. Where none sticks, all that are
+  !> pressed do.
+  pure function theory_error_of(surface, pressure, area, sticks) result(found)
+    type(theory_surface_t), intent(in) :: surface  !< surface
+    real(dp), intent(in) :: pressure(:), area(:)   !< of the points [Pa], [m^2]
+    logical, intent(in) :: sticks(:)               !< they stick
+    type(theory_error_t) :: found
+    logical :: counts(size(pressure))
+    real(dp) :: touching
+    integer :: i
+    found%steepness = surface%steepness
+    counts = sticks .and. pressure > 0
+    found%sticks = any(counts)
+    if (.not. found%sticks) counts = pressure > 0
+    found%area = sum(area, mask=counts)
+    if (.not. found%area > 0) return
+    found%pressure = sum(area*pressure, mask=counts)/found%area
+    touching = 0
+    do i = 1, size(pressure)
+      if (counts(i)) touching = touching + area(i)*share_at(surface, pressure(i))
+    end do
+    found%share = touching/found%area
+    found%waves = found%area*surface%waves_per_area
+    found%half_width = in_95*theory_scatter(found%share*found%waves)
+  end function theory_error_of
+
+  !> The rule of the choice holds.
+  pure logical function may_be_taken(found)
+    type(theory_error_t), intent(in) :: found  !< error on a contact
+    may_be_taken = found%area > 0 .and. found%half_width <= trust .and. found%steepness <= steep
+  end function may_be_taken
+
+  !> The error and what it follows from, in words.
+  pure function in_words(found) result(text)
+    type(theory_error_t), intent(in) :: found  !< error on a contact
+    character(len=:), allocatable :: text
+    if (found%steepness > steep) then
+      text = 'E* times slope is '//rounded(found%steepness)//' hardnesses, where nearly all contact yields and the error of '// &
+        'k_N by theory is not known'
+    else
+      text = 'k_N by theory lies within '//percent(found%half_width)//' of boundary elements (95 of 100 contacts), since '// &
+        rounded(found%share*found%waves)//' waves touch: '//rounded(100*found%share)//' % of the '//rounded(1e6_dp*found%area)// &
+        ' mm^2 that '//trim(merge('stick      ', 'are pressed', found%sticks))//' under '//rounded(1e-6_dp*found%pressure)// &
+        ' MPa in the mean, times '//rounded(found%waves)//' independent waves'
+    end if
+  end function in_words
+
+  !> True contact at a pressure; in proportion below the first.
+  pure real(dp) function share_at(surface, pressure) result(a)
+    type(theory_surface_t), intent(in) :: surface  !< surface
+    real(dp), intent(in) :: pressure               !< > 0 [Pa]
+    real(dp) :: x
+    integer :: i, n
+    n = size(surface%pressure)
+    i = min(max(count(surface%pressure <= pressure), 1), n - 1)
+    associate (p => surface%pressure(i:i + 1), s => surface%area(i:i + 1))
+      x = log(min(pressure, p(2))/p(1))/log(p(2)/p(1))
+      a = s(1)*exp(x*log(s(2)/s(1)))
+      if (x < 0) a = s(1)*pressure/p(1)
+    end associate
+  end function share_at
+end module hd_theory_trust

@@ -279,7 +279,7 @@ def make_parser() -> Any:
     record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")
     record.add_argument("--force", action="store_true", help="replace earlier results")
     add_options(_command(commands, "surface", run_surface, "read height maps, fit D and G, judge, plot",
-                         "surface data/specimen_flexspline.sdf data/specimen_bearing.sdf --pair"))
+                         "surface data/specimen_flexspline.sdf data/specimen_bearing.sdf --pair --ridges 5e-4,1e-6,10,1.5"))
     joint_command.add_options(_command(commands, "joint", joint_command.run_joint,
                                        "stiffness over pressure of the joint of one or two measured surfaces",
                                        "joint data/specimen_flexspline.sdf data/specimen_bearing.sdf --out joint.out"))

@@ -82,7 +82,7 @@ def theory(contact):
             space = HalfSpace(z, DX, E_STAR, RATIO)
             off = abs(np.log(k[0] / space.normal_stiffness(space.press(p[0]) > 0)))
             return (RIGHT if off <= TRUST else WRONG), f"off by {100 * off:.1f} %"
-        return "D", x, "longest wave, map over it", y, one
+        return "D", x, "map / longest wave", y, one
     make.__name__ = f"theory_{1000 * contact:g}"
     make.__doc__ = f"Theory of the joint at {100 * contact:g} % of contact: D and roll-off."
     return make

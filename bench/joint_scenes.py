@@ -5,7 +5,7 @@
 Each scene says the area that sticks, its mean pressure and its touching waves. The truth is k_N by boundary elements on periodic maps as large
 as that area, 8 points to the shortest wave, three sets of phases, no wave longer than joint.sample_length; elastic. Beside the theory stands the table
 that a user can have: boundary elements on a piece of a quarter of the side, measured on one map, for the contact of another.
-Writes bench/results/joint_scenes.json and the table of docs/evidence/joint_choice.md. Usage: bench/joint_scenes.py [--redraw]
+Writes bench/results/joint_scenes.json and the table of docs/evidence/joint_scenes.md. Usage: bench/joint_scenes.py [--redraw]
 """
 import argparse
 import tempfile
@@ -87,8 +87,8 @@ def pages(rows):
     out = [[f"{r['fractal_dimension']}, {1e3 * r['sample_length_m']:g} mm", r["load"], f"{1e-6 * r['mean_pressure_pa']:.2g}",
             f"{r['contact_area_fraction'] * r['independent_waves']:.2g}", f"{100 * r['ln_k_n_half_width']:.0f} %", f"`{r['taken']}`",
             rms(r["theory"]), rms(r["table_of_a_piece"])] for r in rows]
-    put("joint-scenes", table(["D, longest wave", "load", "pressure / MPa", "touching waves", "stated", "taken", "theory", "table of a piece"], out),
-        "evidence/joint_choice")
+    put("joint-scenes", table(["D, longest wave", "load", "pressure / MPa", "touching waves", "stated", "taken", "theory", "piece"], out),
+        "evidence/joint_scenes")
     kept = [abs(e) <= r["ln_k_n_half_width"] for r in rows for e in r["theory"]]
     print(f"{sum(kept)} of {len(kept)} errors within what is stated; of those taken within {TRUST:g}:",
           [(abs(e) <= TRUST) for r in rows if r["taken"] == "spectrum" for e in r["theory"]])

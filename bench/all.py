@@ -69,6 +69,7 @@ BENCHES = (
     Bench("tooth_causes.py", "K_FTS and the catalogue", 3),
     Bench("joint_law.py", "the joint law beside boundary elements", 5, full=("judge",)),
     Bench("joint_choice.py", "theory or boundary elements: rule, few points, contacts", 25),
+    Bench("joint_scenes.py", "the choice of the joint's model in scenes, beside boundary elements", 5),
     Bench("joint_causes.py", "the joint law: bias or scatter, k_T/k_N over the contact", 15),
     Bench("joint_second.py", "boundary elements beside ContactMechanics", 0.3),
     Bench("joint_shear.py", "shear with friction beside the law", 15),

@@ -140,8 +140,8 @@ def units(quick):
 
 def supports(quick):
     """Supports nearly free: their stiffness, friction."""
-    x = [1e-9, 1e-3, 1, 100, 1e6, 1e12][:: 2 if quick else 1]
-    y = [0, 0.01, 0.15, 1][:: 2 if quick else 1]
+    x = [1e-9, 1e-3, 1, 100, 1e6, 1e12][::3 if quick else 1]
+    y = [0, 0.01, 0.15, 1][::3 if quick else 1]
     return "support stiffness / (N/m)", x, "friction", y, lambda k, mu: scene(
         "load.support=bearing", f"load.support_stiffness={k}", "load.torque=1", f"contact.friction={mu}", *([] if mu else ["contact.mode=frictionless"]))
 
@@ -149,27 +149,27 @@ def supports(quick):
 def large_displacements(quick):
     """Large displacements: deformation w and wall."""
     _, x, _, y, one = wave_wall(quick)
-    return "wall and rim / m", x, "w / wall", y[:-1] if quick else y, lambda t, w: one(t, w, "solver.kinematics=nonlinear")
+    return "wall and rim / m", x[:-1] if quick else x, "w / wall", y[:-1] if quick else y, lambda t, w: one(t, w, "solver.kinematics=nonlinear")
 
 
 def balls_open(quick):
     """Whole drive: balls open, torque."""
-    x = [-2e-5, 0, 5e-6, 2e-5, 1e-4, 4e-4][:: 2 if quick else 1]
-    y = [0.1, 2, 14, 60][:: 2 if quick else 1]
+    x = [-2e-5, 0, 5e-6, 2e-5, 1e-4, 4e-4][::3 if quick else 1]
+    y = [0.1, 2, 14, 60][::3 if quick else 1]
     return "bearing clearance / m", x, "torque / N m", y, lambda c, t: drive(f"bearing.clearance={c}", f"load.torque={t}")
 
 
 def teeth_open(quick):
     """Whole drive: teeth open, torque."""
-    x = [0, 1e-5, 1e-4, 4e-4, 2e-3][:: 2 if quick else 1]
-    y = [0.1, 2, 14, 60][:: 2 if quick else 1]
+    x = [0, 1e-5, 1e-4, 4e-4, 2e-3][::3 if quick else 1]
+    y = [0.1, 2, 14, 60][::3 if quick else 1]
     return "clearance of teeth / m", x, "torque / N m", y, lambda g, t: drive(
         f"load.tooth_gaps={','.join([f'{g:g}'] * 40)}" if g else "load.tooth_clearance=0", f"load.torque={t}")
 
 
 def drive_friction(quick):
     """Whole drive: friction of contact and teeth."""
-    x = y = [0, 0.05, 0.15, 0.5, 1, 2][:: 2 if quick else 1]
+    x = y = [0, 0.05, 0.15, 0.5, 1, 2][::3 if quick else 1]
     return "friction of the contact", x, "friction of the teeth", y, lambda mu, teeth: drive(
         f"contact.friction={mu}", f"load.tooth_friction={teeth}", *([] if mu else ["contact.mode=frictionless"]))
 
@@ -238,7 +238,7 @@ def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", nargs="*")
-    parser.add_argument("--quick", action="store_true", help="every second value")
+    parser.add_argument("--quick", action="store_true", help="every second or third value")
     parser.add_argument("--tables", action="store_true", help="draw and write from the record")
     options = parser.parse_args()
     unknown = set(options.maps) - {m.__name__ for m in MAPS}

@@ -68,7 +68,7 @@ def joint(quick):
 def theory(contact):
     """A map of the theory of the joint over D (the slope of the spectrum) and roll-off, at a share of true contact."""
     def make(quick):
-        x, y = [2.01, 2.1, 2.3, 2.5, 2.7, 2.9, 2.99][:: 2 if quick else 1], [1, 2, 4, 8][:: 2 if quick else 1]
+        x, y = [2.01, 2.1, 2.3, 2.5, 2.7, 2.9, 2.99][::3 if quick else 1], [1, 2, 4, 8][::3 if quick else 1]
 
         def one(d, times):
             z = 1e-7 * rough(256, 3 - d, 256 / times, 6, int(1000 * d) + times)
@@ -91,7 +91,7 @@ def theory(contact):
 def fit(name, values, title):
     """A map of the fit of D, told nothing, over D and what spoils maps of 128 x 128 points."""
     def make(quick):
-        x, y = [2.02, 2.1, 2.3, 2.5, 2.7, 2.9, 2.98][:: 2 if quick else 1], values[:: 2 if quick else 1]
+        x, y = [2.02, 2.1, 2.3, 2.5, 2.7, 2.9, 2.98][::3 if quick else 1], values[::3 if quick else 1]
 
         def one(d, amount):
             warnings.simplefilter("ignore")

@@ -19,8 +19,8 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 from stability_methods import MAPS as METHOD_MAPS
-from stability_methods import PATIENCE, REFUSED, RIGHT, SLOW, WRONG
 from stability_peers import MAPS as PEER_MAPS
+from stability_peers import PATIENCE, REFUSED, RIGHT, SLOW, WRONG
 
 from common import FIGURES, RESULTS, new_axes, put, solve, table, write_record
 

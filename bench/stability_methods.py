@@ -11,6 +11,7 @@ import numpy as np
 from blind_generators import field
 from joint_choice import DX, RATIO
 from joint_law import E_STAR, lattice, pressures, rough, scaled
+from stability_peers import PATIENCE, REFUSED, RIGHT, SLOW, WRONG
 
 from hdengine import HdengineError, Joint, surface
 from hdengine.elastic import stiffness_from_spectrum
@@ -19,8 +20,6 @@ from hdengine.prediction.half_space import HalfSpace
 from hdengine.prediction.spectrum import of_map
 from hdengine.surfaces import roughness
 
-RIGHT, REFUSED, SLOW, WRONG = "right", "refused", "slow", "wrong"
-PATIENCE = 20.0   # CPU seconds after which a small scene counts as slow
 SEEDS = 3         # maps of a cell of the fit
 
 

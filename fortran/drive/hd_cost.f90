@@ -193,10 +193,10 @@ contains
   end function allowed_memory_mb
 
   !> Refuse a mesh that does not fit before it is tried.
-  subroutine check_memory(s, error, coarsest)
+  subroutine check_memory(s, coarsest, error)
     type(scene_t), intent(in) :: s                    !< scene
+    logical, intent(in) :: coarsest                   !< no plan has a coarser mesh; else it is that of the input
     type(error_t), allocatable, intent(out) :: error  !< too large
-    logical, intent(in), optional :: coarsest         !< no plan has a coarser mesh; else it is that of the input
     real(dp) :: need, limit
     character(len=:), allocatable :: mesh, whose, advice
     need = estimate_memory_mb(s)
@@ -205,7 +205,7 @@ contains
     mesh = 'this mesh'
     advice = 'reduce mesh.divisions ('//to_text(s%divisions)//') or mesh.band_facets ('//to_text(s%band_facets)// &
       '), or raise mesh.memory_limit_mb'
-    if (present(coarsest)) then
+    if (coarsest) then
       mesh = 'the coarsest mesh of a plan'
       advice = 'raise mesh.memory_limit_mb'
     end if

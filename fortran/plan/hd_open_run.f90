@@ -27,9 +27,9 @@ contains
       call raise(error, code_input, 'error: run.tolerance = '//to_text(scene%planned_tolerance)//nl// &
         '      valid: 0, or '//to_text(least_tolerance)//' and more: what the finest mesh of a plan can promise')
     else if (scene%planned_tolerance > 0) then
-      call check_memory(meshed(scene, coarse), error, coarsest=.true.)
+      call check_memory(meshed(scene, coarse), .true., error)
     else
-      call check_memory(scene, error)
+      call check_memory(scene, .false., error)
     end if
   end subroutine check_run
 

@@ -244,7 +244,7 @@ contains
       plan%scene = scene
       if (scene%kinematics == 'auto') plan%scene%kinematics = 'linear'
       call note(plan, 'a coarse run ended early: the scene is run as it stands')
-      call check_memory(plan%scene, error)
+      call check_memory(plan%scene, .false., error)
       return
     end if
     now = meshed(plan%scene, coarse)

@@ -76,8 +76,8 @@ contains
       else
         cuts = cuts + 1
         run%record%cuts = run%record%cuts + 1
-        if (sliding .and. cautious(run, slip_torque) >= part) then  ! friction carried more than was asked: no gross slip
-          sliding = .false.
+        if (sliding .and. slip_torque > 0 .and. cautious(run, slip_torque) >= part) then
+          sliding = .false.  ! friction carried more than was asked: no gross slip
           slip_torque = 0
         end if
         if (sliding .and. .not. slip_torque > 0) then

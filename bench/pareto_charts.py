@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The charts of bench/pareto.py: for each family of methods one problem, and the error, time and memory of each method on it."""
+import json
 import shutil
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from pareto_contact import cattaneo_mindlin, line_contact, pin_in_a_hole, press_fit, press_fit_matching
 from pareto_points import Chart, Point, relative
 
-from common import solve, take_turns
-from hdengine import read_scene
+from common import ROOT, solve, take_turns
+from hdengine import Joint, read_scene
+from hdengine.surfaces import roughness
 
 
 def heights(_):
@@ -33,6 +36,13 @@ def heights(_):
             calls["FINUFFT", f"{tolerance:g}", True] = lambda p=peer: p() + w["offset_m"]
         except ImportError:
             pass
+    for tolerance in (1e-3, 1e-6):
+        for name, method in (("matrix product", "product"), ("NUFFT", "nufft")):
+            calls[f"{name}, single", f"{tolerance:g}", False] = \
+                lambda t=tolerance, m=method: surface.generate(n, h, **s, tolerance=t, method=m, dtype="float32")
+    if any(peer for _, _, peer in calls):
+        single = Finufft(w, n, "single", 2.0, False, 1e-3)
+        calls["FINUFFT, single", "0.001", True] = lambda: single() + np.float32(w["offset_m"])
     timing, found = take_turns(calls, turns=5, limit=20, clock=time.process_time)
     points = [Point(name, setting, float(max(np.sqrt(np.mean((found[key][::step, ::step] - exact) ** 2)) / exact.std(), 1e-16)),
                     timing[key].median, default=setting == "bit-exact", peer=peer) for key in calls for name, setting, peer in [key]]
@@ -214,14 +224,26 @@ def fit(quick):
                  "Only the fit of the whole spectrum knows of the optics; fits of the structure function read them as a lower D.", points)
 
 
+def statistical(z, dimension, band):
+    """Joints of Hu et al. without yield for a map of 1 um spacing: D and band [m] as made, G of its structure function."""
+    calibrated = json.loads((ROOT / "data/joint_calibration.json").read_text())["fitted"]
+    lags = np.arange(1, 11)
+    found = roughness.structure_function(z, 1e-6, lags)
+    unit = roughness.expected_structure(1e-6 * lags, dimension, 1.0, band)
+    g = float(np.exp(np.log(found / unit).mean() / (2 * dimension - 4)))   # S grows with G^(2(D-2))
+    joint = Joint(hardness=1e15, fractal_dimension=dimension, roughness=g)
+    return {"r_m and s_min of the defaults": joint,
+            "r_m and s_min fitted to other maps": replace(joint, asperity_radius=calibrated["asperity_radius_m"], s_min=calibrated["s_min_m2"])}
+
+
 def joint(quick):
     """k_N of a rough joint at 3 % of contact: boundary elements over their grid, theory, and the model of Hu et al."""
     import joint_law as law
 
     from hdengine.elastic import stiffness_from_spectrum
     from hdengine.prediction.half_space import RESIDUAL, HalfSpace
-    pixels, longest, points = 64, 64 / 6, []   # of the coarsest grid; roll-off a sixth of the map
-    z0 = 1e-7 * law.rough(pixels, 0.7, longest, 4, 901)
+    pixels, longest, dimension, points = 64, 64 / 6, 2.3, []   # of the coarsest grid; roll-off a sixth of the map
+    z0 = 1e-7 * law.rough(pixels, 3 - dimension, longest, 4, 901)
 
     def finer(factor):
         """The same periodic map on a finer grid."""
@@ -260,9 +282,15 @@ def joint(quick):
     for _ in range(100):
         k, _area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, [pressure], law.E_STAR)
     points.append(Point("spectrum (theory)", "-", relative(float(k[0]), truth), (time.process_time() - start) / 100, default=True))
+    for setting, joint in statistical(z0, dimension, (4e-6, longest * 1e-6)).items():
+        start = time.process_time()
+        for _ in range(100):
+            k = joint.stiffness(np.array([pressure]))[0] / joint.reference_area
+        points.append(Point("statistical (Hu et al.)", setting, relative(float(k[0]), truth), (time.process_time() - start) / 100))
     return Chart("joint", "Normal stiffness of a rough joint, 3 % of contact",
                  "The theory costs no time and errs by some per cent; boundary elements need a grid of four points a shortest wave, and "
-                 "err as much on a map that is averaged to one. The residual hardly matters: k_N asks only which points touch.", points)
+                 "err as much on a map that is averaged to one. The residual hardly matters: k_N asks only which points touch. The statistical model "
+                 "is far too soft here: r_m and s_min of one surface do not hold for another.", points)
 
 
 def loop(quick):

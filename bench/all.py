@@ -90,6 +90,7 @@ BENCHES = (
     Bench("lay.py", "grooves beside jitter", 1),
     Bench("wrong_points.py", "wrong points, seams and jitter of maps", 12),
     Bench("regressions.py", "instructions of a dozen small runs", 2, full=("--record",), quick=()),
+    Bench("page_figures.py", "figures that the package draws by itself", 0.5),
     Bench("sensitivity.py", "what K_TS depends on", 10),
     Bench("tangent_indices.py", "Sobol indices of the tangent", 15),
 )

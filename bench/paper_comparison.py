@@ -18,7 +18,6 @@ import numpy as np
 import hdengine
 from common import ROOT, put, table, write_record
 from hdengine.catalogue import UNITS
-from hdengine.figures.run import draw_shares
 from hdengine.figures.study import draw_catalogue, draw_units, plot_study
 from hdengine.figures.style import new_axes, styled
 from hdengine.paper import comparison as paper
@@ -152,30 +151,20 @@ def teeth_run(work, name, **keys):
     return hdengine.load(folder)
 
 
-@styled
-def tooth_chart(work):
-    """Share of each pair of teeth at one end of the long axis; returns K_FTS(T) and the largest and smallest share in per cent."""
+def tooth_shares(work):
+    """K_FTS(T), and the largest and smallest share of a pair of teeth at one end of the long axis in per cent."""
     closed = teeth_run(work, "teeth.out")
     loose = teeth_run(work, "teeth_open.out", load__tooth_clearance=10e-6)
-    figure, axis = new_axes(figsize=(8, 4.4))
     share = {}
-    for run, torque, style, label in ((closed, 5.0, "C0o-", "closed at the start, 1 to 5 N m"),
-                                      (loose, 1.0, "C1^--", "outermost 10 µm open, 1 N m"),
-                                      (loose, 5.0, "C1s-", "outermost 10 µm open, 5 N m")):
-        draw_shares(axis, run, torque, style, label)
+    for run, torque, label in ((closed, 5.0, "closed at the start, 1 to 5 N m"), (loose, 1.0, "outermost 10 µm open, 1 N m"),
+                               (loose, 5.0, "outermost 10 µm open, 5 N m")):
         rows = run.teeth[abs(run.teeth["torque_nm"] - torque) < 1e-9]
         share[label] = [float(100 * rows["share"].max()), float(100 * rows["share"].min())]
-    axis.set_xlabel("angle from the long axis / degree (the other end is alike)")
-    axis.set_ylabel("share of the tooth forces / %")
-    axis.set_ylim(bottom=0)
-    axis.legend(fontsize=11)
-    figure.savefig(ROOT / "docs/figures/tooth_shares.png")
 
     def secant(run):
         return run.secant_stiffness()[run.torque_nm > 0].tolist()
     return {"torque_nm": closed.torque_nm[closed.torque_nm > 0].tolist(), "closed": secant(closed), "open": secant(loose),
             "share_percent": share}
-
 
 
 def comparison(work, explored):
@@ -232,7 +221,7 @@ def main():
     work.mkdir(parents=True, exist_ok=True)
     explored = [*trends(work)]
     rows, facts = comparison(work, explored)
-    teeth = tooth_chart(work)
+    teeth = tooth_shares(work)
     sizes, found = catalogue_chart(work)
     every = {column: explored if column == "k_ts_nm_per_rad" else [*trends(work, column)] for column in READINGS}
     facts |= {"teeth": teeth, "sizes": dict(zip(map(str, sizes), zip(*found))), "ball_stiffness_n_per_m": ball_stiffness(),

@@ -75,7 +75,7 @@ def time_of(seconds):
 def chart_table(points):
     """A line for each method and a column for each setting; a line for each point where methods share no settings."""
     names, settings = (list(dict.fromkeys(p[key] for p in points)) for key in ("method", "setting"))
-    if len(names) < 2 or len(settings) < 2 or len(names) * len(settings) > 1.75 * len(points):
+    if len(names) < 2 or len(settings) < 2 or len(names) * len(settings) > 1.9 * len(points):
         return point_table(points)
     at = {(p["method"], p["setting"]): p for p in points}
 

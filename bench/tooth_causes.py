@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table and figures of docs/evidence/cup_and_catalogue.md,
+"""Why K_FTS lies above the catalogue's K3: each cause switched alone, and one after the other. Table of docs/evidence/cup_and_catalogue.md,
 raw figures in bench/results/tooth_causes.json.
 
 Usage: python bench/tooth_causes.py
 """
-
-import numpy as np
 from paper_comparison import BALLS, ball_stiffness
 
 import hdengine
 from common import ROOT, put, table, write_record
 from hdengine.catalogue import UNITS
-from hdengine.figures.style import new_axes, styled
 
 SCENE = str(ROOT / "data/teeth.nml")
 PARTS = (("flexspline rigid", {"material.flexspline_e": 2.09e14}), ("ring rigid", {"material.ring_e": 2.19e14}),
@@ -32,27 +29,8 @@ def solve(**keys):
     return last.sums["torque_nm"] / last.sums["rotation_rad"]
 
 
-@styled
-def draw(base, chain):
-    """K_FTS as the causes are added."""
-    figure, axis = new_axes(figsize=(10, 4.8))
-    names = ["scene as it stands", *(f"+ {name}" for name, _ in CAUSES)]
-    axis.barh(range(len(names)), np.array([base, *(c[0] for c in chain)]) / 1e3, color=["0.5"] + ["C0"] * len(chain), height=0.6)
-    for i, k in enumerate([base, *(c[0] for c in chain)]):
-        axis.text(k / 1e3 + 0.3, i, f"{k / 1e3:.1f}", va="center", fontsize=11)
-    for name, k, colour in (("K1", UNITS[14].k1_nm_per_rad, "C3"), ("K3", UNITS[14].k3_nm_per_rad, "C1")):
-        axis.axvline(k / 1e3, color=colour, ls="--", label=f"catalogue {name}, size 14")
-    axis.set_yticks(range(len(names)), names, fontsize=11)
-    axis.grid(axis="y", visible=False)
-    axis.invert_yaxis()
-    axis.set_xlim(0, 1.1e-3 * base)
-    axis.set_xlabel("$K_{FTS}$ at 5 N m / (kN m/rad)")
-    axis.legend(loc="lower right")
-    figure.savefig(ROOT / "docs/figures/tooth_causes.png")
-
-
 def main():
-    """Solve, write, draw."""
+    """Solve, write."""
     base, k3 = solve(), UNITS[14].k3_nm_per_rad
     alone = {name: solve(**keys) for name, keys in PARTS + CAUSES}
     keys, chain = {}, []
@@ -70,7 +48,6 @@ def main():
     rows += [(name, f"{alone[name] / 1e3:.1f}", share(alone[name]), f"{five / 1e3:.1f}", f"{one / 1e3:.1f}")
              for (name, _), (five, one) in zip(CAUSES, chain)]
     put("causes", table(("switch", "alone: K_FTS / (kN m/rad)", "compliance against the scene", "one after the other: 5 N m", "1 N m"), rows), "evidence/cup_and_catalogue")
-    draw(base, chain)
 
 
 if __name__ == "__main__":

@@ -32,6 +32,18 @@ def test_every_benchmark_is_listed():
     assert scripts <= listed and all((ROOT / f"bench/{name}.py").is_file() for name in listed)
 
 
+def test_every_figure_has_a_script_and_a_page():
+    """`./hd bench` redraws each figure of the pages: a script names it, and a page or the README shows it."""
+    import pareto
+    pages = "".join(path.read_text() for path in (*(ROOT / "docs").rglob("*.md"), ROOT / "README.md"))
+    scripts = "".join(path.read_text() for path in (*(ROOT / "bench").glob("*.py"), *(ROOT / "docs/drawings").glob("*.py")))
+    scripts += "".join(f'"speed/{name}"' for names in pareto.PAGES.values() for name in names)
+    for path in (ROOT / "docs/figures").rglob("*.png"):
+        name = str(path.relative_to(ROOT / "docs/figures"))
+        assert f"figures/{name}" in pages, f"{name}: no page shows it"
+        assert f'"{name[:-4]}"' in scripts or f"{name}" in scripts, f"{name}: no script draws it"
+
+
 def test_calls_take_turns():
     """Timed calls alternate, and a ratio has its median between its smallest and its largest."""
     order = []

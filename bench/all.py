@@ -97,8 +97,8 @@ BENCHES = (
 
 
 ASIDE = {  # scripts that need what the checkout lacks, or make data
-    "areal_numbers": "a folder of measured maps, Gwyddion's libraries", "joint_patch": "a folder of measured maps", "measured_surfaces": "a folder of measured maps",
-    "premises_table": "a tree of commit c6eee82", "joint_bem": "refits data/joint_calibration.json", "torque_record": "writes data/torque_record.csv"}
+    "areal_numbers": "needs measured maps and Gwyddion's libraries", "joint_patch": "needs measured maps", "measured_surfaces": "needs measured maps",
+    "premises_table": "needs a tree of commit c6eee82", "joint_bem": "refits data/joint_calibration.json", "torque_record": "writes data/torque_record.csv"}
 
 
 def records_of(bench):
@@ -144,8 +144,9 @@ def known():
 
 
 def ages():
-    """A Markdown table of all benchmarks and how old their records are."""
-    return table(("benchmark", "what it measures", "minutes", "record"), [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known().items()])
+    """A Markdown table of all benchmarks and how old their records are, and the scripts beside them."""
+    return table(("benchmark", "what it measures", "minutes", "record"), [(name, b.what, f"{b.minutes:g}", age(b)) for name, b in known().items()]) + \
+        "\n\nCalled by themselves: " + ", ".join(f"`bench/{name}.py` ({why})" for name, why in ASIDE.items()) + "."
 
 
 def main():

@@ -25,7 +25,7 @@ PAGES = {  # page of docs/evidence: its charts
     "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
     "speed_solvers": ("solvers", "residual", "start", "symmetry", "kinematics"),
     "speed_runs": ("meshes", "planner", "load_steps", "loop")}
-UNITS = (" cells in a", " divisions", " cells round the pin", " steps a leg")  # of settings: they stand in the first head of a table
+UNITS = (" cells in a", " divisions", " cells round the pin", " steps a leg", " asked")  # of settings: they stand in the first head of a table
 BELOW = {"heights"}  # charts whose table is too wide to stand beside its figure
 WIDE = {"elements"}  # charts whose table needs a smaller figure beside it
 

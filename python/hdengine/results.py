@@ -19,6 +19,29 @@ from ._engine import FileError
 from .elastic import joint_of_scene
 from .joint import Joint, JointWarning
 
+WORD = 24   # characters beyond which a table is left to the slow reader
+
+
+def _table(path):
+    """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
+    with open(path, encoding="utf-8") as file:
+        head = [line for line, _ in zip(file, range(20))]
+    first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
+    if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
+        raise ValueError("neither numbers nor words")
+    kinds: dict = {name: f"U{WORD}" if first[name].kind == "U" else float for name in first.names}
+    table = np.loadtxt(path, delimiter=",", dtype=[*kinds.items()], skiprows=1, encoding="utf-8", ndmin=1)
+    for name in first.names:
+        column = table[name]
+        if first[name].kind == "U":
+            longest = int(np.char.str_len(column).max())
+            if not 0 < np.char.str_len(column).min() <= longest < WORD:
+                raise ValueError("words that are too long, or missing")
+            kinds[name] = f"U{longest}"
+        elif first[name].kind == "i" and np.all((column == np.rint(column)) & (abs(column) < 2.0**53)):
+            kinds[name] = int
+    return table.astype([*kinds.items()])
+
 
 def read_csv(path: Any, *needed: Any) -> Any:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
@@ -32,10 +55,13 @@ def read_csv(path: Any, *needed: Any) -> Any:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
-            table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+            try:
+                table = _table(path)
+            except (ValueError, Warning, IndexError):
+                table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
-    except (ValueError, Warning, IndexError) as e:
+    except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
         said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
         first = next((line for line in said if line.startswith("Line #")), said[0])
         raise FileError(f"'{path}' is no table of comma-separated values under a line of names: {first}") from None

@@ -335,3 +335,23 @@ def test_the_states_of_a_tangent_settle_with_short_edge_cells(exe, tmp_path):
             "load.assembly_steps=2", "load.torque_steps=2", "output.vtu=none"]
     done = call(exe, ROOT / "data/cd14_ground.nml", *keys, "--out", tmp_path / "a", "-q")
     assert done.returncode == 0 and "not certain" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("text", [
+    "step,phase,x\n1,assembly,0\n2,torque,0.5\n3,torque,nan\n", "a,b\n1,2\n", "a,b\n1,1e300\n-2,1e17\n", "a,word\n1,x\n2," + 30 * "y" + "\n",
+    "a,b\n1,\n2,3\n", "a,b\n1, 2\n"])
+def test_tables_are_read_alike(text, tmp_path):
+    """The fast reader gives the names, types and values of numpy's genfromtxt: whole numbers, words, gaps, a column that turns."""
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    slow, fast = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")), hdengine.results.read_csv(path)
+    assert slow.dtype == fast.dtype
+    for name in slow.dtype.names:
+        np.testing.assert_array_equal(slow[name], fast[name])
+
+
+def test_a_word_among_numbers_is_refused(tmp_path):
+    """A column of whole numbers that ends in a word is no table."""
+    (tmp_path / "t.csv").write_text("a,b\n" + 25 * "1,2\n" + "word,3\n")
+    with pytest.raises(hdengine.HdengineError, match="is no table"):
+        hdengine.results.read_csv(tmp_path / "t.csv")

@@ -76,6 +76,7 @@ BENCHES = (
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
     Bench("joint_models.py", "K_TS by each model of the joint", 8),
     Bench("which_k_ts.py", "K_TS in every reading", 10),
+    Bench("explained.py", "tables of the explaining pages and of the README", 3),
     Bench("cam_orders.py", "ellipse and cosine in small and large displacements", 1),
     Bench("ring_model.py", "a shell model beside the coarsest mesh", 0.3),
     Bench("edge_cycles.py", "short edge cells: settled or in a cycle", 10),
@@ -173,7 +174,8 @@ def main():
         done = subprocess.run([sys.executable, HERE / bench.script, *words], cwd=ROOT, stdout=subprocess.DEVNULL)
         print(f"{name}: {'done' if done.returncode == 0 else 'FAILED'} in {time.time() - start:.0f} s", flush=True)
         failed += [name] if done.returncode else []
-    subprocess.run([sys.executable, HERE / "evidence_tables.py"], cwd=ROOT)
+    for words in (["evidence_tables.py"], ["explained.py", "--tables"]):
+        subprocess.run([sys.executable, HERE / words[0], *words[1:]], cwd=ROOT)
     sys.exit(1 if failed else 0)
 
 

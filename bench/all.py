@@ -107,11 +107,11 @@ def records_of(bench):
 
 
 def made_of(path):
-    """Commit that a record names, "" if none."""
+    """Commits that a record names, the latest first, "" if none."""
     text = path.read_text()
     whole = json.loads(text.splitlines()[-1] if path.suffix == ".jsonl" else text)
     origin = whole.get("provenance", {}) if isinstance(whole, dict) else {}
-    return origin.get("commit", "")
+    return [origin.get("commit", ""), *origin.get("earlier", {}).values()]
 
 
 def changes_since(commit):
@@ -125,7 +125,7 @@ def changes_since(commit):
 
 def age(bench):
     """Words on the age of a bench's oldest record."""
-    commits = [made_of(path) for path in records_of(bench)]
+    commits = [commit for path in records_of(bench) for commit in made_of(path)]
     if not commits:
         return "no record"
     counts = {commit: changes_since(commit) for commit in commits}

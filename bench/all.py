@@ -76,6 +76,7 @@ BENCHES = (
     Bench("joint_measured.py", "measured joints beside the law", 0.1, quick=()),
     Bench("joint_models.py", "K_TS by each model of the joint", 8),
     Bench("which_k_ts.py", "K_TS in every reading", 10),
+    Bench("explained.py", "tables of the explaining pages and of the README", 3),
     Bench("cam_orders.py", "ellipse and cosine in small and large displacements", 1),
     Bench("ring_model.py", "a shell model beside the coarsest mesh", 0.3),
     Bench("edge_cycles.py", "short edge cells: settled or in a cycle", 10),
@@ -107,11 +108,11 @@ def records_of(bench):
 
 
 def made_of(path):
-    """Commit that a record names, "" if none."""
+    """Commits that a record names, the latest first, "" if none."""
     text = path.read_text()
     whole = json.loads(text.splitlines()[-1] if path.suffix == ".jsonl" else text)
     origin = whole.get("provenance", {}) if isinstance(whole, dict) else {}
-    return origin.get("commit", "")
+    return [origin.get("commit", ""), *origin.get("earlier", {}).values()]
 
 
 def changes_since(commit):
@@ -125,7 +126,7 @@ def changes_since(commit):
 
 def age(bench):
     """Words on the age of a bench's oldest record."""
-    commits = [made_of(path) for path in records_of(bench)]
+    commits = [commit for path in records_of(bench) for commit in made_of(path)]
     if not commits:
         return "no record"
     counts = {commit: changes_since(commit) for commit in commits}
@@ -175,7 +176,8 @@ def main():
         done = subprocess.run([sys.executable, HERE / bench.script, *words], cwd=ROOT, stdout=subprocess.DEVNULL)
         print(f"{name}: {'done' if done.returncode == 0 else 'FAILED'} in {time.time() - start:.0f} s", flush=True)
         failed += [name] if done.returncode else []
-    subprocess.run([sys.executable, HERE / "evidence_tables.py"], cwd=ROOT)
+    for words in (["evidence_tables.py"], ["explained.py", "--tables"]):
+        subprocess.run([sys.executable, HERE / words[0], *words[1:]], cwd=ROOT)
     sys.exit(1 if failed else 0)
 
 

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of docs/evidence on the law of the joint, made of their records."""
 
+import json
+import warnings
+
 from evidence_words import rounded
 
-from common import read_record
+from common import DATA, read_record
+from hdengine import Joint, JointWarning
 
 
 def shear():
@@ -43,6 +47,49 @@ def ten():
         ratios = [(a["k_n_theory"] * b["k_n_theory"] / a["k_n_boundary_elements"] / b["k_n_boundary_elements"])**0.5 for a, b in zip(*maps)]
         out.append((name, *(f"{r:.2f}" for r in ratios)))
     return ("surface", "0.2 %", "0.5 %", "1.5 %", "4 %", "13 %", "36 %"), out
+
+
+def measured_maps():
+    """Theory over boundary elements on measured maps: up to the last share of contact that is more than a tenth off, and beyond."""
+    unlike = {"al3d-1.al3d": ("a lay, isotropy", "isotropy", 2), "sflz_test_1.opd": ("a lay, isotropy", "isotropy", 2), "nanovea_test2.txt": ("skewness", "skewness", 1)}
+    surfaces = {s["surface"].split(" (")[0]: s for s in read_record("joint_law")["surfaces"] if "measured" in s["surface"]}
+
+    def span(values, digits):
+        ends = [f"{v:.{digits}f}" for v in (min(values), max(values))]
+        return " to ".join(dict.fromkeys(ends))
+    out = []
+    for name, (word, fact, digits) in unlike.items():
+        ratios = [(r["contact"], r["k_n_theory"] / r["k_n_boundary_elements"]) for r in surfaces[name]["rows"]]
+        n = 1 + max(i for i, (_, x) in enumerate(ratios) if abs(x - 1) > 0.1)
+        (some, light), (more, full) = zip(*ratios[:n]), zip(*ratios[n:])
+        out.append((name.split(".")[0], f"{word} {surfaces[name]['facts'][fact]:.{digits}f}", f"{span(light, 1)} up to {100 * some[-1]:.0f} %",
+                    f"{span(full, 2)} {'from' if len(more) > 1 else 'at'} {100 * more[0]:.0f} %{' on' if len(more) > 1 else ''}"))
+    return ("map", "what is unlike the theory", "light contact", "more contact"), out
+
+
+def calibration():
+    """The statistical model fitted to boundary elements, and that of cd14.nml, at 50 MPa."""
+    record = json.loads((DATA / "joint_calibration.json").read_text())
+    fitted, rows = record["fitted"], [r for r in record["rows"] if r["pressure_pa"] == 50e6]
+
+    def span(key):
+        low, high = (f"{f([r[key] for r in rows]):.1e}".replace("e+", "e") for f in (min, max))
+        return f"{low.removesuffix(high[3:])} to {high}"
+
+    def row(name, of, joint=None, misfit="-"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", JointWarning)
+            k = ["-", "-"] if joint is None else [f"{x / joint.reference_area:.1e}".replace("e+", "e") for x in joint.stiffness(50e6)]
+        return name, f"{1e6 * of[0]:.3g}", f"{of[1]:.3g}", *k, misfit
+
+    def pair(of):
+        return of["asperity_radius_m"], float(f"{of['s_min_m2']:.1e}")
+    best, parts, default = pair(fitted), fitted["by_cut_off"], Joint()
+    return ("joint", "r_m / µm", "s_min / m²", "k_N at 50 MPa / (Pa/m)", "k_T / (Pa/m)", "rms difference of ln k"), [
+        ("boundary elements", "-", "-", span("k_n_pa_per_m"), span("k_t_pa_per_m"), "scatter of the seeds"),
+        row("statistical, no yield, fitted to both wavelengths", best, Joint(asperity_radius=best[0], s_min=fitted["s_min_m2"], hardness=1e15), f"{fitted['rms_ln_misfit']:.2f}"),
+        *(row(f"fitted to {length.removesuffix(' um')} µm alone", pair(of), misfit=f"{of['rms_ln_misfit']:.2f}") for length, of in parts.items()),
+        row("`cd14.nml`, with yield, not fitted", (default.asperity_radius, default.s_min), default)]
 
 
 def models():

@@ -83,6 +83,21 @@ def default_scene():
         for r in read_record("default_study") for x in [r["results"]] if " ".join(r["keys"]) in names]
 
 
+def cam_orders():
+    """Ellipse and cosine in both descriptions."""
+    return ("w / mm", "cam", "kinematics", "normal force / N", "area / mm²", "peak pressure / MPa", "mid-band pressure / MPa", "rotation / µrad"), [
+        (f"{1e3 * r['w_m']:.1f}", r["cam"], r["kinematics"], f"{r['normal_force_n']:.0f}", f"{1e6 * r['contact_area_m2']:.0f}",
+         f"{1e-6 * r['pressure_max_pa']:.1f}", f"{1e-6 * r['pressure_mid_mean_pa']:.3f}", f"{1e6 * r['rotation_rad']:.2f}") for r in read_record("cam_orders")]
+
+
+def load_path():
+    """Who carries the torque with the ring held and sliding."""
+    found = read_record("explained")["ring_tangent"]
+    return ("`ring_tangent`", "hub / N m", "wave generator / N m", "ring springs / N m", "normal force / N", "rotation / µrad"), [
+        (name, f"{r['hub_torque_nm']:.3f}", rounded(r["wave_generator_torque_nm"], 3), short(r["ring_spring_torque_nm"]) if r["ring_spring_torque_nm"] else 0,
+         f"{r['normal_force_n']:.0f}", f"{1e6 * r['rotation_rad']:.2f}") for name in ("follow", "auto") for r in [found[name]]]
+
+
 # --- large displacements
 
 def kinematics():
@@ -121,6 +136,15 @@ def meshes():
         (f"{r['divisions']} x {r['band_facets']}", rounded(r["dof"]), rounded(x["normal_force_n"]), f"{1e6 * x['contact_area_m2']:.0f}",
          f"{1e-6 * x['pressure_mid_mean_pa']:.2f}", f"{1e6 * x['rotation_rad']:.1f}", f"{1e-6 * x['pressure_max_pa']:.0f}")
         for r in read_record("mesh_study") for x in [r["results"]]]
+
+
+def settles():
+    """How near each other the last three meshes of HUB are."""
+    rows = [r["results"] for r in read_record("mesh_study")][-3:]
+    near = [f"{100 * (max(values) / min(values) - 1):.0f}" for k in ("normal_force_n", "rotation_rad", "pressure_mid_mean_pa") for values in [[r[k] for r in rows]]]
+    return ("result", "on finer meshes"), [
+        ("normal force, rotation, mid-band pressure", f"settle: the last three meshes lie within {near[0]}, {near[1]} and {near[2]} %"),
+        ("peak pressure", "grows as one over the cell's length; it has no limit"), ("contact area", "shrinks with the width of the edge row")]
 
 
 def layers():

@@ -11,19 +11,24 @@ import evidence_elements as elements
 import evidence_joint as joint
 import evidence_scenes as scenes
 
-from common import RESULTS, ROOT, put, table
+from common import DATA, RESULTS, ROOT, put, table
 
 # records that were written before records named their commit
-EARLIER = {"peer_hub_80_slopes": "21 November 2026"}
+EARLIER = {"peer_hub_80_slopes": "21 November 2026", "joint_calibration": "21 November 2026"}
+
+
+def records(name):
+    """Paths of a record, none if it was not made."""
+    return [*RESULTS.glob(f"{name}.json*"), *DATA.glob(f"{name}.json")]
 
 
 def origin(name):
     """The line below a table: its record, and the engine and the machine that made it."""
-    path = next(RESULTS.glob(f"{name}.json*"))
+    path = records(name)[0]
     text = path.read_text()
     whole = json.loads(text.splitlines()[-1] if path.suffix == ".jsonl" else text)
-    made = whole.get("provenance") if isinstance(whole, dict) else None
-    return (f"Record: `{path.relative_to(ROOT)}`, engine `{made['commit']}`, {made['machine']}." if made else
+    made = whole.get("provenance", {}) if isinstance(whole, dict) else {}
+    return (f"Record: `{path.relative_to(ROOT)}`, engine `{made['commit']}`, {made['machine']}." if "commit" in made else
             f"Record: `{path.relative_to(ROOT)}`, engine of {EARLIER[name]}.")
 
 
@@ -32,6 +37,8 @@ TABLES = {  # marker: page, record, builder
     "joint-spot": ("joint_shear", "joint_shear", joint.spot),
     "joint-peers": ("joint_shear", "joint_shear", joint.peers),
     "joint-ten": ("joint_law", "joint_law", joint.ten),
+    "measured-maps": ("joint_law", "joint_law", joint.measured_maps),
+    "calibration": ("joint", "joint_calibration", joint.calibration),
     "joint-models": ("joint_k_ts", "joint_models", joint.models),
     "joint-bands": ("joint_k_ts_band", "joint_band", joint.bands),
     "joint-shares": ("joint_k_ts_band", "joint_band", joint.shares),
@@ -48,10 +55,13 @@ TABLES = {  # marker: page, record, builder
     "rim": ("contact_scene", "rim_study", scenes.rim),
     "slip": ("contact_scene", "slip_study", scenes.slip),
     "default-scene": ("contact_scene", "default_study", scenes.default_scene),
+    "cam-orders": ("premises", "cam_orders", scenes.cam_orders),
+    "load-path": ("premises", "explained", scenes.load_path),
     "kinematics": ("kinematics", "peer_scenes", scenes.kinematics),
     "kinematics-map": ("kinematics", "kinematics_map", scenes.kinematics_map),
     "drive-kinematics": ("kinematics_drive", "drive_kinematics", scenes.drive_kinematics),
     "meshes": ("meshes", "mesh_study", scenes.meshes),
+    "settles": ("meshes", "mesh_study", scenes.settles),
     "layers": ("meshes", "layer_study", scenes.layers),
     "swap": ("mesh_orders", "swap_study", scenes.swap),
     "orders": ("mesh_orders", "mesh_orders", scenes.orders),
@@ -77,7 +87,7 @@ def text_of(marker):
 
 if __name__ == "__main__":
     for marker, (page, record, _) in TABLES.items():
-        if list(RESULTS.glob(f"{record}.json*")):
+        if records(record):
             put(marker, text_of(marker), f"evidence/{page}")
         else:
             print(f"no record {record}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages of evidence show what the records of the benches hold."""
+"""The pages of evidence and of explain, and the README, show what the records of the benches hold."""
 import re
 import sys
 
@@ -8,15 +8,29 @@ import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "bench"))
+import explained_tables  # noqa: E402
 from evidence_tables import TABLES, text_of  # noqa: E402
+
+from common import table  # noqa: E402
+
+
+def between(text, marker):
+    """What stands between the markers of a table."""
+    return text.split(f"<!-- {marker} -->\n")[1].split(f"\n<!-- end of {marker} -->")[0]
 
 
 @pytest.mark.parametrize("marker", TABLES)
 def test_tables_are_those_of_the_records(marker):
     """Every table of a page of evidence is made of the record that it names, to the last character."""
     text = (ROOT / f"docs/evidence/{TABLES[marker][0]}.md").read_text()
-    shown = text.split(f"<!-- {marker} -->\n")[1].split(f"\n<!-- end of {marker} -->")[0]
-    assert shown == text_of(marker), "run bench/evidence_tables.py"
+    assert between(text, marker) == text_of(marker), "run bench/evidence_tables.py"
+
+
+@pytest.mark.parametrize("marker", explained_tables.TABLES)
+def test_explained_tables_are_those_of_the_records(marker):
+    """Every measured table of a page of explain and of the README is made of a record or of the engine's constants, to the last character."""
+    page, build = explained_tables.TABLES[marker]
+    assert between((ROOT / f"docs/{page}.md").read_text(), marker) == table(*build()), "run bench/explained.py --tables"
 
 
 @pytest.mark.parametrize("page", sorted({page for page, *_ in TABLES.values()}))

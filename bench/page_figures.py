@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 
-from common import DATA, ROOT, save_figure, write_record
+from common import DATA, FIGURES, ROOT, save_figure, write_record
 from hdengine import Joint, roughness, specimen
 from hdengine.figures.run import plot_joint
 from hdengine.record import Record
@@ -21,7 +21,7 @@ def main():
     save_figure(plot_joint(Joint(asperity_radius=250e-6, s_min=1e-15), np.logspace(-3, 3.2, 200) * 1e6).figure, "joint_stiffness")
     parts = [specimen.read(DATA / f"specimen_{name}.sdf") for name in ("flexspline", "bearing")]
     waves = roughness.Ridges(length=0.5e-3, shortest_wavelength=1e-6, ridges=10, gamma=1.5)
-    save_figure(specimen.equivalent(*parts, surface=waves).plot(), "joint_surface")
+    specimen.equivalent(*parts, surface=waves).plot().savefig(FIGURES / "joint_surface.png", dpi=80)
     save_figure(Record.read(DATA / "torque_record.csv").plot(), "record")
     drawn = ["joint_stiffness", "joint_surface", "record"]
     if importlib.util.find_spec("pyvista"):

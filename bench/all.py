@@ -37,7 +37,7 @@ class Bench:
 
 
 BENCHES = (
-    Bench("pareto.py", "error over time of every family of methods", 3, quick=("--quick",)),
+    Bench("pareto.py", "error over time of every family of methods", 13, quick=("--quick",)),
     Bench("stability.py", "right, refused, slow, wrong over hard parameters", 20, quick=("--quick",)),
     Bench("../court/run.py", "problems with published answers", 0.5, quick=(), record="court"),
     Bench("elements.py", "elements beside CalculiX", 2, quick=("--quick",)),

@@ -42,8 +42,10 @@ def charted():
 
 def draw(chart):
     """A chart as figure: error over CPU seconds, a star for the default, hollow marks for peers."""
-    figure, ax = new_axes(figsize=(5.0, 3.8))
-    for method in dict.fromkeys(p["method"] for p in chart["points"]):
+    methods = list(dict.fromkeys(p["method"] for p in chart["points"]))
+    columns = 1 if max(map(len, methods)) > 32 else 2
+    figure, ax = new_axes(figsize=(5.0, 3.2 + 0.21 * -(-len(methods) // columns)))
+    for method in methods:
         mine = [p for p in chart["points"] if p["method"] == method]
         peer = mine[0]["peer"]
         line, = ax.plot([p["seconds"] for p in mine], [p["error"] for p in mine], "o--" if peer else "o-", ms=6,
@@ -56,7 +58,7 @@ def draw(chart):
         low, high = axis.get_view_interval()
         limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
         axis.set_minor_formatter(NullFormatter())
-    ax.legend(fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.19), ncols=2, columnspacing=1)
+    figure.legend(*ax.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, columnspacing=1)
     path = FIGURES / f"speed/{chart['name']}.png"
     path.parent.mkdir(exist_ok=True)
     figure.savefig(path, dpi=80)

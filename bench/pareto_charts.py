@@ -161,9 +161,9 @@ def planner(quick):
             beyond += [f"{promises.NAMES[n]} at {100 * run['tolerance']:g} %" for n, e in errors.items() if e > run["tolerance"]]
             if data == "cd14.nml":
                 points.append(Point("tolerance asked", asked, run["tolerance"], run["seconds"], peer=True))
-    return Chart("planner", "Planned runs: true errors of the promised limits, CD-14-100 and K_FTS of a cup against its teeth",
-                 "The tolerance decides: the plan keeps it with the smallest mesh it can. A dash stands where the reference does not know a "
-                 f"result to a quarter of the tolerance. Promises broken here: {', '.join(beyond) or 'none'}.", points)
+    return Chart("planner", "Planned runs: error of the promised limits",
+                 "CD-14-100, and K_FTS of a cup against its teeth. The tolerance decides: the plan keeps it with the smallest mesh it can. "
+                 f"A dash stands where the reference does not know a result to a quarter of the tolerance. Promises broken here: {', '.join(beyond) or 'none'}.", points)
 
 
 def load_steps(quick):

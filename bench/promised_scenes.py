@@ -223,6 +223,15 @@ def figure(rows):
     fig.savefig(FIGURES / "promised_scenes.png", dpi=110)
 
 
+def short(value):
+    """Numbers of a row with eight digits, however deep they stand: tolerances are 1e-2, and every trial of every scene is kept."""
+    if isinstance(value, dict):
+        return {key: short(v) for key, v in value.items()}
+    if isinstance(value, list):
+        return [short(v) for v in value]
+    return float(f"{value:.8g}") if isinstance(value, float) else value
+
+
 def go_on(record, draw, tolerances, wanted, told):
     """Draw, plan and judge scenes until the time of the command line is over; what the record holds is not run again.
 
@@ -249,7 +258,7 @@ def go_on(record, draw, tolerances, wanted, told):
             if wanted(row["runs"], tolerance):
                 row["runs"].append(planned(data, keys, tolerance, folder))
         judge(row, folder)
-        add_row(record, row, seed=args.seed)
+        add_row(record, short(row), seed=args.seed)
         print(name, data, *told(row), row.get("reference_message", ""), flush=True)
     shutil.rmtree(folder)
 

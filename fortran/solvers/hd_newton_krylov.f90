@@ -17,7 +17,9 @@ module hd_newton_krylov
   private
   public :: newton_krylov_t, new_newton_krylov
 
-  integer, parameter :: most_steps = 40          !< of GMRES
+  integer, parameter :: most_steps = 40          !< of GMRES, then it starts again from what it found,
+  integer, parameter :: most_starts = 3          !< so often,
+  real(dp), parameter :: falls = 0.1_dp          !< where each start leaves less than this share of the residual
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   type, extends(linear_solver_t) :: newton_krylov_t
@@ -187,8 +189,9 @@ contains
     real(dp), intent(out) :: residual                         !< left, relative
     type(error_t), allocatable, intent(out) :: error          !< solver failure
     type(newton_operator_t) :: op
-    real(dp), allocatable :: b(:), x(:)
-    integer :: steps
+    real(dp), allocatable :: b(:), x(:), dx(:), left(:)
+    real(dp) :: share
+    integer :: k, steps
     op%problem => problem
     op%round => problem
     if (allocated(self%round)) op%round => self%round
@@ -202,9 +205,21 @@ contains
     end if
     call pack_residual(problem, du, dtraction, b)
     self%near%accuracy = 1e-3_dp  ! 1e-2 takes twice the steps, 1e-4 no fewer
-    call solve_gmres(op, b, self%accuracy, most_steps, x, steps, residual, error, flexible=.true.)
-    self%inner = self%inner + steps
-    call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
+    allocate (dx(size(b)), left(size(b)))
+    x = 0
+    left = b
+    residual = 1
+    do k = 1, most_starts
+      call solve_gmres(op, left, self%accuracy/residual, most_steps, dx, steps, share, error, flexible=.true.)
+      if (allocated(error)) return
+      x = x + dx
+      residual = share*residual
+      self%inner = self%inner + steps
+      call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
+      if (residual <= max(stalled, self%accuracy) .or. share > falls) exit
+      call op%multiply(x, left)
+      left = b - left
+    end do
     call unpack_correction(x, du, dtraction)
   end subroutine run_gmres
 

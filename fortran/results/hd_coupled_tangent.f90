@@ -53,7 +53,7 @@ contains
         call evaluate_joint(joint, p, min(shear, (1 - 1e-6_dp)*joint%mu*p), 1._dp, sheared)
         points(j)%k_0 = free%k_t
         points(j)%k_t = sheared%k_t
-        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow after the step
+        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow
         points(j)%state = merge(rate_slip, rate_stick, points(j)%at_bound)
         points(j)%grows = .not. points(j)%at_bound
         if (shear > 0) points(j)%direction = q/shear

@@ -82,7 +82,7 @@ BENCHES = (
     Bench("edge_cycles.py", "short edge cells: settled or in a cycle", 10),
     Bench("joint_band.py", "band of K_TS with two maps", 3),
     Bench("drive_catalogue.py", "the whole drive beside the catalogue", 11),
-    Bench("tooth_gaps.py", "clearances from the tooth profile in the loop", 1, quick=()),
+    Bench("tooth_gaps.py", "clearances from the tooth profile in the loop", 1),
     Bench("drive_turning.py", "angle error and ripple over a turn", 20),
     Bench("random_drives.py", "random whole drives: converged or refused", 31),
     Bench("fit_statistics.py", "fits of D and G over seeds", 3),

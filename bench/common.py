@@ -195,13 +195,12 @@ def measured(command, cwd=None, limit=None, threads=1):
     -------
     Command
     """
-    def limited():
-        if limit:
-            resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 5))
     start = time.time()
     with tempfile.TemporaryFile() as output:
-        process = subprocess.Popen([str(c) for c in command], cwd=cwd, stdout=output, stderr=subprocess.STDOUT, preexec_fn=limited,
+        process = subprocess.Popen([str(c) for c in command], cwd=cwd, stdout=output, stderr=subprocess.STDOUT,
                                    env=os.environ | {name: str(threads) for name in ONE_THREAD})
+        if limit:
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (int(limit), int(limit) + 5))
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         output.seek(0)

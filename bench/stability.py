@@ -14,6 +14,7 @@ import re
 import textwrap
 import time
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from matplotlib.colors import ListedColormap
@@ -179,9 +180,11 @@ MAPS = (friction_interference, wave_wall, large_displacements, ring_wall, eccent
 
 
 def measure(make, quick):
-    """Record of one map."""
+    """Record of one map, two cells at a time where each is a process of its own: limits are CPU seconds."""
     xlabel, x, ylabel, y, judge = make(quick)
-    cells = [[judge(a, b) for a in x] for b in y]
+    with ThreadPoolExecutor(1 if make in (*METHOD_MAPS, *PEER_MAPS) else 2) as pool:
+        found = list(pool.map(lambda c: judge(*c), [(a, b) for b in y for a in x]))
+    cells = [found[i:i + len(x)] for i in range(0, len(found), len(x))]
     return {"name": make.__name__, "title": make.__doc__.strip().rstrip("."), "xlabel": xlabel, "x": x, "ylabel": ylabel, "y": y,
             "verdict": [[c[0] for c in row] for row in cells], "words": [[c[1] for c in row] for row in cells]}
 

@@ -61,7 +61,7 @@ def test_little_friction_is_none(exe, tmp_path):
     assert none["results"]["loop_dissipated_teeth_j"] == 0 and not np.any(none["teeth"]["friction_n"])
 
 
-@pytest.mark.parametrize("more", [[], ["load.spline_thickness=7e-3"], ["solver.kinematics=nonlinear"]])
+@pytest.mark.parametrize("more", [[], ["load.spline_diameter=50e-3"], ["solver.kinematics=nonlinear"]])
 def test_matrix_gives_the_same_numbers(exe, tmp_path, more):
     """Newton's whole matrix and condensation agree to 1e-8 in angle, and in forces, friction and work: to 1e-8 where pairs stay, to 1e-7
     where they move."""
@@ -80,7 +80,7 @@ def test_matrix_gives_the_same_numbers(exe, tmp_path, more):
 def test_energy_balances(exe, tmp_path):
     """Work of the torque = heat of contact and flanks + change of the stored energy, to 1 % over the loop, also on an elastic circular
     spline."""
-    for more in ([], ["load.spline_thickness=7e-3"]):
+    for more in ([], ["load.spline_diameter=50e-3"]):
         run = solve(exe, tmp_path / "e", RUB, "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10", *more)
         loop = run["loop"]
         assert np.all(np.diff(loop["dissipated_teeth_j"]) >= 0) and loop["dissipated_teeth_j"][-1] > 0.2 * loop["dissipated_j"][-1]

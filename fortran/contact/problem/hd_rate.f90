@@ -28,18 +28,19 @@ module hd_rate
 contains
 
   !> Change of displacements per unit of load. The solver has begun this load and state.
-  subroutine respond_by_rates(problem, solver, force, friction, points, du, settled, error)
+  subroutine respond_by_rates(problem, solver, force, friction, points, du, traction, settled, error)
     type(problem_t), intent(in) :: problem               !< problem, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     real(dp), intent(in) :: force(:, :)                  !< nodal forces of the further load (3, n)
     real(dp), intent(in) :: friction                     !< mu
     type(rate_point_t), intent(inout) :: points(:)       !< points in their first states, then in the states found
     real(dp), intent(out) :: du(:, :)                    !< change (3, n)
+    real(dp), intent(out) :: traction(:, :)              !< change (3, points) [Pa]
     logical, intent(out) :: settled                      !< the states found are those assumed, the solution is accurate
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(rate_point_t) :: next(size(points))
     real(dp), dimension(3, 3, size(points)) :: dw, dt
-    real(dp), dimension(3, size(points)) :: traction, w
+    real(dp) :: w(3, size(points))
     real(dp), dimension(size(points)) :: drive, new
     real(dp) :: missed
     logical :: idle(3, size(points)), accurate, last, negligible

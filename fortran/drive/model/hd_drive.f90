@@ -47,7 +47,7 @@ module hd_drive
     real(dp), allocatable :: gauge(:, :)     !< even shear of a unit torque: weights of the rotation of the rim (3, n) [1/m]
     logical :: formed = .false.              !< the bodies have the cam's shape at rest
     real(dp) :: eccentricity(2) = 0          !< of the wave generator, along and across the long axis [m]
-    real(dp) :: interference = 0             !< radial interference [m]
+    real(dp) :: interference = 0             !< radial interference, negative: clearance [m]
     integer, allocatable :: sprung(:)        !< nodes held by the soft springs of a bearing support
     real(dp) :: hub_radius = 0               !< [m]
     integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
@@ -149,7 +149,7 @@ contains
     type(scene_t), intent(in) :: scene                !< checked scene
     type(drive_t), intent(inout) :: drive             !< drive of a scene that differs in nothing else
     type(error_t), allocatable, intent(out) :: error  !< unknown contact mode
-    drive%interference = scene%interference
+    drive%interference = merge(-scene%clearance, scene%interference, scene%clearance > 0)
     call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
     if (allocated(error)) return
     if (scene%support == 'drive') call set_struts(scene, drive)
@@ -231,7 +231,7 @@ contains
       if (allocated(problem%rub)) deallocate (problem%rub)
       if (scene%tooth_friction > 0) problem%rub = rub_t(scene%tooth_friction, [(drive%balls + i, i=1, drive%flanks)], &
         spread(0._dp, 1, drive%flanks), spread(.false., 1, drive%flanks))
-      if (scene%spline_thickness > 0) then
+      if (scene%spline == 'free') then
         problem%strut_give = spread(problem%struts%rate*0, 2, size(problem%struts))
         problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
       end if

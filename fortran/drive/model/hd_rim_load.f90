@@ -7,7 +7,7 @@ module hd_rim_load
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: even_shear, tooth_forces, add_rim_line
+  public :: even_shear, tooth_forces, add_tooth
 
   real(dp), parameter :: gauss(2) = [-1, 1]/sqrt(3._dp)
 
@@ -23,13 +23,13 @@ contains
     force = 0
     do s = 0, scene%divisions - 1
       do g = 1, 2
-        call add_rim_line(scene, body, face, s + (1 + gauss(g))/2, force(2, :))
+        call add_rim_line(scene, body, face, s + (1 + gauss(g))/2, 1._dp, force(2, :))
       end do
     end do
     force = force/axial_moment(body, force)
   end function even_shear
 
-  !> Line forces of the tooth pairs in mesh, evenly shared, half of them around each end of the long axis.
+  !> Forces of the tooth pairs in mesh, evenly shared, half of them around each end of the long axis.
   pure subroutine tooth_forces(scene, body, face, tangential, radial)
     type(scene_t), intent(in) :: scene              !< scene
     type(body_t), intent(in) :: body                !< flexspline
@@ -42,21 +42,44 @@ contains
     half = scene%tooth_pairs/2
     do lobe = 0, 1
       do tooth = 1, half
-        call add_rim_line(scene, body, face, scene%divisions*(0.5_dp*lobe + (tooth - 0.5_dp*(half + 1))/scene%teeth), &
-          tangential(2, :))
+        call add_tooth(scene, body, face, 0.5_dp*lobe + (tooth - 0.5_dp*(half + 1))/scene%teeth, tangential(2, :))
       end do
     end do
     tangential = tangential/axial_moment(body, tangential)
     radial(1, :) = -tan(scene%pressure_angle_deg*pi/180)*tangential(2, :)
   end subroutine tooth_forces
 
+  !> Add the nodal weights of a tooth: an even load along the rim, over one pitch of the teeth round the axis, or one facet if that
+  !> is longer. So no pair is stiffer for standing on a meridian of the mesh.
+  pure subroutine add_tooth(scene, body, face, turn, weight)
+    type(scene_t), intent(in) :: scene  !< where the rim ends, teeth
+    type(body_t), intent(in) :: body    !< flexspline
+    type(face_t), intent(in) :: face    !< outside of the rim, axial facets first, then round the axis
+    real(dp), intent(in) :: turn         !< place of its middle [turns]
+    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by the length of the rim [m]
+    real(dp) :: from, to, low, high, width
+    integer :: sector, g
+    width = max(1._dp, real(body%sectors, dp)/scene%teeth)
+    from = body%sectors*turn - width/2
+    to = from + width
+    do sector = floor(from), floor(to)
+      low = max(from, real(sector, dp))
+      high = min(to, real(sector + 1, dp))
+      if (.not. high > low) cycle
+      do g = 1, 2
+        call add_rim_line(scene, body, face, low + (high - low)*(1 + gauss(g))/2, (high - low)/(2*width), weight)
+      end do
+    end do
+  end subroutine add_tooth
+
   !> Add the nodal weights of an even load along one meridian of the rim, from the opening to where the rim ends.
-  pure subroutine add_rim_line(scene, body, face, place, weight)
+  pure subroutine add_rim_line(scene, body, face, place, amount, weight)
     type(scene_t), intent(in) :: scene  !< where the rim ends
     type(body_t), intent(in) :: body    !< flexspline
     type(face_t), intent(in) :: face    !< outside of the rim, axial facets first, then round the axis
     real(dp), intent(in) :: place        !< meridian, in sectors from theta = 0
-    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by the length of the rim [m]
+    real(dp), intent(in) :: amount       !< factor
+    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by amount times the length of the rim [m]
     real(dp) :: z(2), part, xi(2)
     integer :: sector, rows, f, g
     rows = size(face%nodes, 2)/body%sectors
@@ -68,7 +91,7 @@ contains
       do g = 1, 2
         xi(2) = part*(1 + gauss(g)) - 1
         associate (list => face%nodes(:, f))
-          weight(list) = weight(list) + shape_facet(size(list), xi)*part*(z(2) - z(1))/2
+          weight(list) = weight(list) + amount*shape_facet(size(list), xi)*part*(z(2) - z(1))/2
         end associate
       end do
     end do

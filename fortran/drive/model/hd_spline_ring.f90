@@ -17,6 +17,7 @@ module hd_spline_ring
   public :: spline_ring_t, new_spline_ring, ring_compliance, flank_compliance
 
   integer, parameter :: last = 400                    !< harmonic; what is left falls with its inverse
+  real(dp), parameter :: usual = 1.4_dp               !< outer diameter over that of the bore: 1.35 to 1.43 in catalogues
   real(dp), parameter :: shear_factor = 5._dp/6._dp   !< k of a rectangle
 
   type :: spline_ring_t
@@ -85,11 +86,13 @@ contains
   !> Ways of all flanks, and of their companions, under unit forces, in the order of hd_tooth_flanks [m/N].
   function flank_compliance(scene) result(c)
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
-    real(dp) :: c(flanks_of(scene), flanks_of(scene))
+    real(dp) :: c(flanks_of(scene), flanks_of(scene)), radius, thickness
     type(spline_ring_t) :: ring
     real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2)
     integer :: i, j, k, l, n
-    ring = new_spline_ring(scene%bore_radius + scene%rim_thickness, scene%spline_thickness, &
+    radius = scene%bore_radius + scene%rim_thickness
+    thickness = merge(scene%spline_diameter/2, usual*scene%bore_radius, scene%spline_diameter > 0) - radius
+    ring = new_spline_ring(radius, thickness, &
       merge(scene%spline_width, scene%rim_length, scene%spline_width > 0), scene%flexspline_e, scene%flexspline_nu)
     theta = tooth_angles(scene)
     along = flank_directions(scene)

@@ -14,7 +14,7 @@ module hd_teeth
   use hd_linear_solver, only: linear_solver_t
   use hd_newton, only: respond
   use hd_problem, only: state_t, load_t, gap_and_slip, internal_residual
-  use hd_rim_load, only: add_rim_line
+  use hd_rim_load, only: add_tooth
   use hd_scene, only: scene_t
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -88,7 +88,7 @@ contains
     associate (cup => drive%problem%bodies(drive%b_cup), first => drive%problem%first(drive%b_cup))
       do i = 1, teeth%n
         associate (line => teeth%pattern(:, first + 1:first + cup%nodes(), i))
-          call add_rim_line(scene, cup, drive%rim, scene%divisions*modulo(teeth%theta(i)/(2*pi), 1._dp), line(2, :))
+          call add_tooth(scene, cup, drive%rim, teeth%theta(i)/(2*pi), line(2, :))
           line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(cup, line)
           line = spread([sin(angle), sense*cos(angle), 0._dp], 2, cup%nodes())*spread(line(2, :), 1, 3)
         end associate

@@ -6,7 +6,7 @@ module hd_tooth_flanks
   use hd_body, only: body_t, axial_moment
   use hd_elastic_law, only: stick_ratio
   use hd_face, only: face_t
-  use hd_rim_load, only: add_rim_line
+  use hd_rim_load, only: add_tooth
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
@@ -86,8 +86,7 @@ contains
     k = scene%tooth_stiffness*stick_ratio(scene%flexspline_e, scene%flexspline_nu, scene%flexspline_e, scene%flexspline_nu)
   end function tangent_stiffness
 
-  !> Struts of the flanks: even along the rim, between two meridians of the mesh by their shape functions, with the arm of the rim's
-  !> outside.
+  !> Struts of the flanks: each on the patch of its tooth, with the arm of the rim's outside.
   function flank_struts(scene, body, rim, first) result(struts)
     type(scene_t), intent(in) :: scene  !< scene
     type(body_t), intent(in) :: body    !< flexspline
@@ -101,7 +100,7 @@ contains
     theta = tooth_angles(scene)
     do i = 1, scene%tooth_pairs
       line = 0
-      call add_rim_line(scene, body, rim, scene%divisions*modulo(theta(i)/(2*pi), 1._dp), line(2, :))
+      call add_tooth(scene, body, rim, theta(i)/(2*pi), line(2, :))
       line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(body, line)
       do kind = 1, merge(4, 2, size(struts) > n)
         associate (strut => struts(2*(i - 1) + kind + merge(n - 2, 0, kind > 2)))

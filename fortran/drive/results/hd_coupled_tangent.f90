@@ -16,92 +16,100 @@ module hd_coupled_tangent
   use hd_rate_law, only: rate_point_t, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
   implicit none
   private
-  public :: coupled_flexibility, glued_flexibility
+  public :: answer_t, coupled_response, glued_response
+
+  !> Answer to a further unit of torque.
+  type :: answer_t
+    real(dp) :: flexibility = 0                          !< rotation of the rim, or of the bottom [rad/(N m)]
+    logical :: settled = .false.                         !< the states of the points are certain, the linear solver is accurate
+    real(dp), allocatable :: du(:, :), traction(:, :)    !< displacements (3, n) [m] and tractions (3, points) [Pa], per N m
+    type(rate_point_t), allocatable :: points(:)         !< in the states found
+  end type answer_t
 
 contains
 
   !> Rotation of the rim per torque, for a torque that grows, with the faces on their joint.
-  subroutine coupled_flexibility(drive, solver, joint, load, sense, state, flexibility, settled, error)
+  subroutine coupled_response(drive, solver, joint, load, sense, state, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(joint_t), intent(in) :: joint                   !< joint, its shear capped by the friction of the step
     type(load_t), intent(in) :: load                     !< of the state
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
-    real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
-    logical, intent(out) :: settled                      !< the states of the points are certain, the linear solver is accurate
+    type(answer_t), intent(out) :: answer                !< to a further unit of torque
     type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(rate_point_t) :: points(size(state%contact))
     type(response_t) :: sheared, free
     real(dp) :: shear
     integer :: j, m
+    allocate (answer%points(size(state%contact)))
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
-    do j = 1, size(points)
+    do j = 1, size(state%contact)
       if (state%contact(j) == open_state) cycle
-      points(j)%state = rate_rigid
+      answer%points(j)%state = rate_rigid
       if (j > m) cycle
-      points(j)%state = rate_open
+      answer%points(j)%state = rate_open
       associate (p => state%traction(1, j), q => state%traction(2:, j))
         shear = norm2(q)
         call evaluate_joint(joint, p, 0._dp, 1._dp, free)
         if (.not. free%k_n > 0) cycle
-        points(j)%k_n = free%k_n
+        answer%points(j)%k_n = free%k_n
         if (.not. (joint%mu > 0 .and. free%k_t > 0 .and. drive%problem%law%mode == frictional)) then  ! pressed, free to slide
-          points(j)%state = rate_rigid
+          answer%points(j)%state = rate_rigid
           cycle
         end if
         call evaluate_joint(joint, p, min(shear, (1 - 1e-6_dp)*joint%mu*p), 1._dp, sheared)
-        points(j)%k_0 = free%k_t
-        points(j)%k_t = sheared%k_t
-        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow
-        points(j)%state = merge(rate_slip, rate_stick, points(j)%at_bound)
-        points(j)%grows = .not. points(j)%at_bound
-        if (shear > 0) points(j)%direction = q/shear
-        if (.not. points(j)%k_t > 0) points(j)%k_t = 1e-6_dp*points(j)%k_0
+        answer%points(j)%k_0 = free%k_t
+        answer%points(j)%k_t = sheared%k_t
+        answer%points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow
+        answer%points(j)%state = merge(rate_slip, rate_stick, answer%points(j)%at_bound)
+        answer%points(j)%grows = .not. answer%points(j)%at_bound
+        if (shear > 0) answer%points(j)%direction = q/shear
+        if (.not. answer%points(j)%k_t > 0) answer%points(j)%k_t = 1e-6_dp*answer%points(j)%k_0
       end associate
     end do
-    call turn(drive, solver, load, sense, state, joint%mu, points, flexibility, settled, error)
-  end subroutine coupled_flexibility
+    call turn(drive, solver, load, sense, state, joint%mu, answer, error)
+  end subroutine coupled_response
 
-  !> The same with the faces glued all over.
-  subroutine glued_flexibility(drive, solver, load, sense, state, flexibility, settled, error)
+  !> The same with the faces glued: all over, or only where they touch.
+  subroutine glued_response(drive, solver, load, sense, state, all_over, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(load_t), intent(in) :: load                     !< of the state
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
-    real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
-    logical, intent(out) :: settled                      !< the linear solver is accurate
+    logical, intent(in) :: all_over                      !< what is open is glued too
+    type(answer_t), intent(out) :: answer                !< to a further unit of torque
     type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(rate_point_t) :: points(size(state%contact))
     integer :: m
+    allocate (answer%points(size(state%contact)))
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
-    points(:m)%state = rate_glued
-    points(m + 1:)%state = merge(rate_open, rate_rigid, state%contact(m + 1:) == open_state)
-    call turn(drive, solver, load, sense, state, 0._dp, points, flexibility, settled, error)
-  end subroutine glued_flexibility
+    associate (points => answer%points, open => state%contact == open_state)
+      points(:m)%state = merge(rate_open, rate_glued, open(:m) .and. .not. all_over)
+      points(m + 1:)%state = merge(rate_open, rate_rigid, open(m + 1:))
+    end associate
+    call turn(drive, solver, load, sense, state, 0._dp, answer, error)
+  end subroutine glued_response
 
   !> Rotation of the rim under a further unit of torque.
-  subroutine turn(drive, solver, load, sense, state, friction, points, flexibility, settled, error)
+  subroutine turn(drive, solver, load, sense, state, friction, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(load_t), intent(in) :: load                     !< of the state
     real(dp), intent(in) :: sense                        !< of the torque
     type(state_t), intent(in) :: state                   !< converged state
     real(dp), intent(in) :: friction                     !< mu
-    type(rate_point_t), intent(inout) :: points(:)       !< in their first states
-    real(dp), intent(out) :: flexibility                 !< [rad/(N m)]
-    logical, intent(out) :: settled                      !< the states of the points are certain, the linear solver is accurate
+    type(answer_t), intent(inout) :: answer              !< has its points in their first states
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     type(load_t) :: further
-    real(dp) :: force(3, drive%problem%n), du(3, drive%problem%n)
-    flexibility = 0
-    settled = .false.
+    real(dp) :: force(3, drive%problem%n)
+    allocate (answer%du(3, drive%problem%n), source=0._dp)
+    allocate (answer%traction(3, size(answer%points)), source=0._dp)
     force = sense*drive%torque + drive%squeeze
     further = load
     further%force = load%force + force
     call solver%begin(drive%problem, further, state, error)
-    if (.not. allocated(error)) call respond_by_rates(drive%problem, solver, force, friction, points, du, settled, error)
-    if (.not. allocated(error)) flexibility = sense*sum(drive%gauge*du)
+    if (.not. allocated(error)) call respond_by_rates(drive%problem, solver, force, friction, answer%points, answer%du, &
+      answer%traction, answer%settled, error)
+    if (.not. allocated(error)) answer%flexibility = sense*sum(drive%gauge*answer%du)
   end subroutine turn
 end module hd_coupled_tangent

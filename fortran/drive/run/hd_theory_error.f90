@@ -4,7 +4,7 @@ module hd_theory_error
   use hd_kinds, only: dp
   use hd_checkpoint, only: flexibility_t
   use hd_contact_law, only: stick_state
-  use hd_coupled_tangent, only: coupled_flexibility
+  use hd_coupled_tangent, only: answer_t, coupled_response
   use hd_drive, only: drive_t, drive_load, step_friction
   use hd_elastic_law, only: scaled_law
   use hd_error, only: error_t
@@ -44,8 +44,7 @@ contains
     type(error_t), allocatable :: error
     type(joint_t) :: softer
     type(load_t) :: load
-    real(dp) :: now
-    logical :: settled
+    type(answer_t) :: now
     integer :: threads
     if (.not. (found%area > 0 .and. flexibility%known .and. scene%support /= 'drive')) return
     call drive_load(drive, 1._dp, flexibility%torque, step_friction(scene, 2._dp), load, state, before)
@@ -54,9 +53,9 @@ contains
     if (solver%own_threads) threads = blas_threads(1)
     softer = at_friction(joint, load%friction)
     softer%elastic = scaled_law(joint%elastic, merge(0.5_dp, exp(-found%half_width), found%steepness > steep))
-    call coupled_flexibility(drive, solver, softer, load, sign(1._dp, scene%torque), state, now, settled, error)
+    call coupled_response(drive, solver, softer, load, sign(1._dp, scene%torque), state, now, error)
     if (solver%own_threads) threads = blas_threads(threads)
-    if (allocated(error) .or. .not. (settled .and. now > flexibility%glued)) return
-    found%tangent = (flexibility%coupled - flexibility%glued)/(now - flexibility%glued) - 1
+    if (allocated(error) .or. .not. (now%settled .and. now%flexibility > flexibility%glued)) return
+    found%tangent = (flexibility%coupled - flexibility%glued)/(now%flexibility - flexibility%glued) - 1
   end subroutine move_tangent
 end module hd_theory_error

@@ -74,14 +74,14 @@ contains
       'number of load.tooth_gaps_back', real(s%gap_back_count, dp), 'none, or as many values as load.tooth_gaps', &
       real(s%gap_count, dp))
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
+    call need(faults, s%clearance < 0.1_dp*s%bore_radius, 'wave_generator.clearance', s%clearance, &
+      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
     call need(faults, abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
       'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
     call need(faults, s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
       'below sample_length', s%sample_length)
     call ask(faults, s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'contact.mode', s%contact_mode, &
       "'bonded' with load.support = 'teeth'; support 'drive' has teeth and friction")
-    call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
-      "0: the circular spline is rigid, but with load.support = 'drive'")
     call need(faults, s%support == 'drive' .or. .not. s%tooth_friction > 0, 'load.tooth_friction', s%tooth_friction, &
       "0: the flanks have no friction, but with load.support = 'drive'")
     call need(faults, (s%support == 'drive' .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
@@ -127,6 +127,8 @@ contains
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))
     call need(faults, s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
       '0 where bearing.balls stand for it')
+    call need(faults, .not. s%spline_diameter > 0 .or. s%spline_diameter > 2*(s%bore_radius + s%rim_thickness), &
+      'load.spline_diameter', s%spline_diameter, '0, or above that of the rim', 2*(s%bore_radius + s%rim_thickness))
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
   end subroutine check_drive
 

@@ -46,6 +46,9 @@ contains
     call add_list(t, 'loop', 'torques', 'load', s%torques, s%torque_count, 'N m', -big, big, &
       "torques at the cup's bottom, one after the other, each reached in load.torque_steps, with support 'drive'; 0: "// &
       'load.torque, 0, -load.torque, 0')
+    call add_choice(t, 'loop', 'history', 'load', s%history, 'loop assembled turned', &
+      'what the drive has been through where K1 to K3 are read. loop: the torque has gone up and down once, as on a bench; '// &
+      'assembled: the wave generator was pushed in; turned: it has then made one turn')
     call add_real(t, 'loop', 'torque_1', 'load', s%torque_1, 'N m', 0._dp, big, 'T1 of the catalogue: K1 is the chord up to it')
     call add_real(t, 'loop', 'torque_2', 'load', s%torque_2, 'N m', 0._dp, big, 'T2 of the catalogue: K2 from T1 to T2, K3 beyond')
     call add_real(t, 'loop', 'rated_torque', 'load', s%rated_torque, 'N m', 0._dp, big, &

@@ -122,8 +122,11 @@ contains
       'shift of the wave generator off the axis, an error of installation', closed=.true.)
     call add_real(t, 'wave_generator', 'eccentricity_angle_deg', 'assembly', s%eccentricity_angle_deg, 'deg', -360._dp, 360._dp, &
       'direction of the shift, from the long axis', closed=.true.)
-    call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', -big, big, &
-      'radial interference of ring and flexspline; negative: clearance', closed=.true.)
+    call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', 0._dp, big, &
+      'radial interference of ring and flexspline', closed=.true.)
+    call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
+      'radial clearance of the bearing in the flexspline before it is bent; above 0 it takes the place of interference. H7 '// &
+      'bore and normal bearing: 0 to 18 um to 50 mm, 0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
   end subroutine add_wave_generator_keys
 
   !> Contact and load.
@@ -168,9 +171,11 @@ contains
       'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'tooth_friction', 'load', s%tooth_friction, '', 0._dp, 1._dp, &
       "Coulomb coefficient of the flanks, with support 'drive'; 0: without friction", closed=.true.)
-    call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &
-      "radial thickness of the circular spline, with support 'drive': an elastic ring of the flexspline's material under the "// &
-      'forces of the teeth; 0: rigid', closed=.true.)
+    call add_choice(t, 'load', 'spline', 'model', s%spline, 'free rigid', &
+      "circular spline, with support 'drive'. free: an elastic ring of the flexspline's material under the forces of the "// &
+      'teeth, which no housing holds round its outside; rigid: as a housing without play would hold it. A real one lies between')
+    call add_real(t, 'load', 'spline_diameter', 'model', s%spline_diameter, 'm', 0._dp, big, &
+      'outer diameter of the circular spline; 0: 1.4 times that of the bore, as catalogues have it (1.35 to 1.43)', closed=.true.)
     call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
       'axial width of the circular spline; 0: geometry.rim_length', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &

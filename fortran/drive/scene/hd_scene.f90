@@ -39,7 +39,7 @@ module hd_scene
     ! wave generator
     real(dp) :: w = 0.2e-3_dp
     character(len=name_length) :: cam = 'ellipse', ring_tangent = 'auto', ring_contact = 'tied', shape = 'pressed'
-    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
+    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, clearance = 0, cone_angle_deg = 0
     real(dp) :: ball_stiffness = 0, arc_angle_deg = 45, perimeter_length = 0
     integer :: lobes = 2
     character(len=name_length) :: perimeter = 'kept'
@@ -48,10 +48,10 @@ module hd_scene
     character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
     real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp
     ! load
-    character(len=name_length) :: support = 'hub', torque_load = 'uniform'
-    real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
+    character(len=name_length) :: support = 'hub', torque_load = 'uniform', spline = 'free'
+    real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 20
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_thickness = 0, spline_width = 0
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_diameter = 0, spline_width = 0
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5
@@ -63,6 +63,7 @@ module hd_scene
     ! loop: torques of the whole drive
     real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
     integer :: torque_count = 1
+    character(len=name_length) :: history = 'loop'
     ! turning: the wave generator of the whole drive
     integer :: turning_positions = 0
     real(dp) :: turning_range_deg = 0, turning_torque = 0, tooth_phase = 0

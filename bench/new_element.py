@@ -9,7 +9,7 @@ import numpy as np
 from common import ROOT
 from hdengine import mesh
 
-PAGE = "".join((ROOT / f"docs/explain/{page}.md").read_text() for page in ("new_element", "new_element_tests"))
+PAGE = (ROOT / "docs/explain/new_element.md").read_text()
 CHANGES = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE, re.S | re.M))
 SOURCES = ("base/hd_kinds.f90", "base/hd_text.f90", "base/hd_error.f90", "lib/hd_blas_threads.c", "lib/hd_lapack.f90", "elements/hd_hexahedron.f90")
 PROGRAM = """program stiffness

@@ -45,7 +45,7 @@ def test_periodic_has_the_continuum_structure_function(d):
 
 def test_periodic_exceeds_the_continuum_at_long_lags_as_stated():
     """S exceeds the band-limited integral by what the page on the generator states, whatever the seed: amplitudes are fixed."""
-    page = (ROOT / "docs/explain/periodic_surface.md").read_text()
+    page = (ROOT / "docs/explain/surface.md").read_text()
     rows = [[float(c.strip(" %")) for c in line.strip("|").split("|")] for line in page.splitlines() if line.startswith("| 2.")]
     n, length = 512, 0.5e-3
     assert len(rows) == 4

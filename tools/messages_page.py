@@ -94,11 +94,11 @@ def settings(text):
     found = {}
     for name, expression in re.findall(r"^[^!\n]*?\b(\w+) = ((?:trim\([\w%]+\)//)?['\"].*)$", text, re.M):
         found.setdefault(name, {})[words(expression)] = True
-    return {name: one_of(x for x in texts if re.search("[a-z]{3}", x)) for name, texts in found.items()}
+    return {name: one_of(sorted((x for x in texts if re.search("[a-z]{3}|^$", x)), key=lambda x: not x)) for name, texts in found.items()}
 
 
 def one_of(texts):
-    """Alternatives as they are shown: <this / that>."""
+    """Alternatives as they are shown; nothing is the last."""
     texts = [*texts]
     return f"‹{' / '.join(texts)}›" if len(texts) > 1 else "".join(texts) or VALUE
 

@@ -5,7 +5,7 @@ module hd_command_line
   use hd_error, only: error_t, raise, code_input
   use hd_help, only: help_text, license_text, citation_text, version_text
   use hd_explain, only: explain
-  use hd_input, only: read_scene, holds_study
+  use hd_input, only: read_scene, holds_study, surface_scene_of
   use hd_log, only: set_log_level, quiet, normal, verbose, say
   use hd_surface_run, only: check_surface_run, run_surface
   use hd_joint_choice, only: choose_joint
@@ -141,7 +141,7 @@ contains
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
       if (scene%surface_only) then
-        call check_surface_run(scene, command%input, error)
+        call check_surface_run(surface_scene_of(scene, command%input), error)
       else
         call check_run(scene, error)
       end if
@@ -168,7 +168,7 @@ contains
       folder = command%folder
       if (len(folder) == 0) folder = stem(command%input)//'.out'
       if (scene%surface_only) then
-        call run_surface(scene, command%input, folder, command%force, error)
+        call run_surface(surface_scene_of(scene, command%input), command%input, folder, command%force, error)
       else
         call run_to_end(scene, command%input, folder, command%force, command%resume, error)
       end if

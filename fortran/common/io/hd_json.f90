@@ -1,0 +1,170 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> JSON documents, built key by key and written in one atomic step.
+module hd_json
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_system, only: rename_file
+  use hd_text, only: to_text, exact
+  use hd_text_file, only: write_text
+  implicit none
+  private
+  public :: json_t
+
+  type :: json_t
+    private
+    character(len=:), allocatable :: text
+    integer :: depth = 0
+    logical :: first = .true.
+  contains
+    procedure :: begin
+    procedure :: finish
+    procedure :: write_atomic
+    procedure :: content
+    generic :: add => add_integer, add_long, add_real, add_text, add_logical, add_reals, add_texts
+    procedure, private :: add_integer, add_long, add_real, add_text, add_logical, add_reals, add_texts
+    procedure, private :: put
+  end type json_t
+
+contains
+
+  !> Open an object; without a key: the document.
+  subroutine begin(self, key)
+    class(json_t), intent(inout) :: self              !< document
+    character(len=*), intent(in), optional :: key     !< name of the object
+    if (present(key)) then
+      call self%put(key, '{')
+    else
+      self%text = '{'
+    end if
+    self%depth = self%depth + 1
+    self%first = .true.
+  end subroutine begin
+
+  !> Close the innermost object.
+  subroutine finish(self)
+    class(json_t), intent(inout) :: self  !< document
+    self%depth = self%depth - 1
+    self%text = self%text//new_line('a')//repeat(' ', 2*self%depth)//'}'
+    self%first = .false.
+  end subroutine finish
+
+  !> Add a key with its value as JSON text.
+  subroutine put(self, key, value)
+    class(json_t), intent(inout) :: self     !< document
+    character(len=*), intent(in) :: key      !< name
+    character(len=*), intent(in) :: value    !< JSON text
+    if (.not. self%first) self%text = self%text//','
+    self%text = self%text//new_line('a')//repeat(' ', 2*self%depth)//quoted(key)//': '//value
+    self%first = .false.
+  end subroutine put
+
+  subroutine add_integer(self, key, value)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    integer, intent(in) :: value
+    call self%put(key, to_text(value))
+  end subroutine add_integer
+
+  subroutine add_long(self, key, value)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    integer(int64), intent(in) :: value
+    call self%put(key, to_text(value))
+  end subroutine add_long
+
+  subroutine add_real(self, key, value)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    real(dp), intent(in) :: value
+    call self%put(key, number(value))
+  end subroutine add_real
+
+  subroutine add_text(self, key, value)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    character(len=*), intent(in) :: value
+    call self%put(key, quoted(value))
+  end subroutine add_text
+
+  subroutine add_logical(self, key, value)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    logical, intent(in) :: value
+    call self%put(key, trim(merge('true ', 'false', value)))
+  end subroutine add_logical
+
+  subroutine add_reals(self, key, values)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    real(dp), intent(in) :: values(:)
+    character(len=:), allocatable :: s
+    integer :: i
+    s = '['
+    do i = 1, size(values)
+      if (i > 1) s = s//', '
+      s = s//number(values(i))
+    end do
+    call self%put(key, s//']')
+  end subroutine add_reals
+
+  subroutine add_texts(self, key, values)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key
+    character(len=*), intent(in) :: values(:)
+    character(len=:), allocatable :: s
+    integer :: i
+    s = '['
+    do i = 1, size(values)
+      if (i > 1) s = s//', '
+      s = s//quoted(trim(values(i)))
+    end do
+    call self%put(key, s//']')
+  end subroutine add_texts
+
+  !> JSON number that reads back exactly; null for NaN and infinity.
+  pure function number(x) result(s)
+    real(dp), intent(in) :: x  !< value
+    character(len=:), allocatable :: s
+    if (x /= x .or. abs(x) > huge(x)) then
+      s = 'null'
+    else
+      s = exact(x)
+    end if
+  end function number
+
+  !> JSON string.
+  pure function quoted(value) result(s)
+    character(len=*), intent(in) :: value  !< text
+    character(len=:), allocatable :: s
+    integer :: i
+    s = '"'
+    do i = 1, len_trim(value)
+      select case (value(i:i))
+      case ('"', '\')
+        s = s//'\'//value(i:i)
+      case (achar(0):achar(31))
+        s = s//merge('\n', '\t', value(i:i) == new_line('a'))
+      case default
+        s = s//value(i:i)
+      end select
+    end do
+    s = s//'"'
+  end function quoted
+
+  !> The document as text.
+  pure function content(self) result(text)
+    class(json_t), intent(in) :: self  !< closed document
+    character(len=:), allocatable :: text
+    text = self%text
+  end function content
+
+  !> Write the document under a temporary name and rename it: it is there whole or not at all.
+  subroutine write_atomic(self, path, error)
+    class(json_t), intent(in) :: self                 !< closed document
+    character(len=*), intent(in) :: path              !< file
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    call write_text(path//'.part', self%text//new_line('a'), error)
+    if (.not. allocated(error)) call rename_file(path//'.part', path, error)
+  end subroutine write_atomic
+end module hd_json

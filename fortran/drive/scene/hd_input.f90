@@ -1,0 +1,316 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> From an input file and assignments to a checked scene, with every mistake in one message; echo.
+module hd_input
+  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_conditions, only: check_scene
+  use hd_cup_sections, only: adopt_sections
+  use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_scene, only: scene_t
+  use hd_specimen_fit, only: place_files
+  use hd_surface_scene, only: surface_scene_t
+  use hd_system, only: path_kind, path_file
+  use hd_text, only: string_t, push, to_text, lower, suggestion
+  use hd_text_file, only: write_text
+  implicit none
+  private
+  public :: read_scene, holds_study, write_echo, surface_scene_of
+
+  character(len=1), parameter :: nl = new_line('a')
+
+contains
+
+  !> Read a scene. `path` may be empty: defaults and assignments only.
+  subroutine read_scene(path, assignments, scene, error)
+    character(len=*), intent(in) :: path              !< input file or ''
+    type(string_t), intent(in) :: assignments(:)      !< 'group.key=value'
+    type(scene_t), intent(inout), target :: scene     !< scene
+    type(error_t), allocatable, intent(out) :: error  !< all mistakes in one message
+    type(namelist_t) :: list
+    type(parameter_table_t) :: table
+    allocate (list%faults(0))
+    call new_table(scene, table)
+    if (is_toml(trim(path))) then
+      call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
+        'the Python package')
+      return
+    end if
+    if (len_trim(path) > 0) then
+      call read_namelist(trim(path), list, error)
+      if (allocated(error)) return
+      call apply_file(list, table)
+    end if
+    call apply_assignments(assignments, list%faults, table)
+    if (size(list%faults) == 0 .and. len_trim(scene%joint_from_fit) > 0) then
+      call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
+      if (allocated(error)) return
+    end if
+    if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)
+    if (size(list%faults) > 0) then
+      call raise(error, code_input, faults_text(list))
+      return
+    end if
+    if (.not. scene%planned_tolerance > 0 .and. scene%kinematics == 'auto') scene%kinematics = 'linear'
+  end subroutine read_scene
+
+  !> Does a file describe a study, many scenes, and not one scene? By its ending (TOML), or by its groups, the earlier form. A
+  !> file that cannot be read does not.
+  logical function holds_study(path)
+    character(len=*), intent(in) :: path  !< input file
+    type(namelist_t) :: list
+    type(error_t), allocatable :: error
+    holds_study = .false.
+    if (path_kind(path) /= path_file) return
+    holds_study = is_toml(path)
+    if (holds_study) return
+    call read_namelist(path, list, error)
+    holds_study = .not. allocated(error)
+    if (holds_study) holds_study = study_group(list) > 0
+  end function holds_study
+
+  !> The file of a study by its ending.
+  pure logical function is_toml(path)
+    character(len=*), intent(in) :: path  !< input file
+    is_toml = .false.
+    if (len(path) > 5) is_toml = lower(path(len(path) - 4:)) == '.toml'
+  end function is_toml
+
+  !> First group that only a study has, or 0.
+  pure integer function study_group(list)
+    type(namelist_t), intent(in) :: list  !< scanned file
+    do study_group = 1, size(list%groups)
+      if (any(list%groups(study_group)%group == [character(len=8) :: 'study', 'grid', 'together'])) return
+    end do
+    study_group = 0
+  end function study_group
+
+  !> Is only a surface asked for?
+  pure logical function surface_alone(table)
+    type(parameter_table_t), intent(in) :: table    !< table after reading
+    integer :: i
+    surface_alone = any([(table%rows(i)%given .and. of_surface(table%rows(i)%group), i=1, size(table%rows))]) .and. &
+      .not. any([(table%rows(i)%given .and. .not. with_surface(table%rows(i)%group), i=1, size(table%rows))])
+  end function surface_alone
+
+  !> Groups of a surface run only.
+  pure logical function of_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    of_surface = group == 'surface' .or. group == 'fit'
+  end function of_surface
+
+  !> Groups that a surface run may have.
+  pure logical function with_surface(group)
+    character(len=*), intent(in) :: group    !< name
+    with_surface = of_surface(group) .or. group == 'run' .or. group == 'hd_input'
+  end function with_surface
+
+  !> Enter the assignments of a file into the table.
+  subroutine apply_file(list, table)
+    type(namelist_t), intent(inout) :: list  !< scanned file; gets faults
+    type(parameter_table_t), intent(inout) :: table    !< table
+    character(len=:), allocatable :: what, hint
+    type(string_t), allocatable :: names(:)
+    logical, allocatable :: seen(:)
+    integer :: i, row
+    row = study_group(list)
+    if (row > 0) then
+      associate (g => list%groups(row))
+        call report(list, g%line, g%column, len(g%group) + 1, 'a study of many scenes, not a scene', &
+          "run it by 'hdengine study', of the Python package")
+      end associate
+      return
+    end if
+    names = groups_of(table)
+    allocate (seen(size(names)), source=.false.)
+    do i = 1, size(list%groups)
+      associate (g => list%groups(i))
+        row = place_of(names, g%group)
+        if (row == 0) then
+          call report(list, g%line, g%column, len(g%group) + 1, 'unknown group &'//g%group, suggestion(g%group, names))
+        else
+          if (seen(row)) call report(list, g%line, g%column, len(g%group) + 1, 'group &'//g%group//' stands twice', 'keep one')
+          seen(row) = .true.
+        end if
+      end associate
+    end do
+    do i = 1, size(list%assignments)
+      associate (a => list%assignments(i))
+        if (place_of(names, a%group) == 0) cycle
+        row = find_parameter(table, a%group, a%key)
+        if (row == 0) then
+          call report(list, a%line, a%column, len(a%key), "unknown key '"//a%key//"' in &"//a%group, &
+            suggestion(a%key, keys_of(table, a%group)))
+          cycle
+        end if
+        if (table%rows(row)%given) then
+          call report(list, a%line, a%column, len(a%key), "key '"//a%key//"' stands twice in &"//a%group, 'keep one')
+          cycle
+        end if
+        call assign_words(table%rows(row), a%values, what, hint)
+        if (len(what) > 0) call report(list, a%value_line, a%value_column, len(a%values(1)%s), what, hint)
+      end associate
+    end do
+  end subroutine apply_file
+
+  !> Enter assignments from the command line or from Python.
+  subroutine apply_assignments(assignments, faults, table)
+    type(string_t), intent(in) :: assignments(:)                !< 'group.key=value'
+    type(string_t), allocatable, intent(inout) :: faults(:)     !< gets mistakes
+    type(parameter_table_t), intent(inout) :: table                       !< table
+    character(len=:), allocatable :: what, hint, group, key
+    type(string_t), allocatable :: words(:)
+    integer :: i, dot, equal, row
+    do i = 1, size(assignments)
+      associate (s => assignments(i)%s)
+        equal = index(s, '=')
+        dot = index(s(:max(0, equal - 1)), '.')
+        what = ''
+        if (equal == 0 .or. dot == 0) then
+          what = "'"//s//"' is no assignment"
+          hint = 'write group.key=value'
+        else
+          group = lower(s(:dot - 1))
+          key = lower(s(dot + 1:equal - 1))
+          row = find_parameter(table, group, key)
+          if (place_of(groups_of(table), group) == 0) then
+            what = 'unknown group &'//group
+            hint = suggestion(group, groups_of(table))
+          else if (row == 0) then
+            what = "unknown key '"//key//"' in &"//group
+            hint = suggestion(key, keys_of(table, group))
+          else
+            words = split(s(equal + 1:), associated(table%rows(row)%reals))
+            call assign_words(table%rows(row), words, what, hint)
+          end if
+        end if
+        if (len(what) > 0) call push(faults, 'error: '//what//nl//'  --> '//s//nl//'      '//hint)
+      end associate
+    end do
+  end subroutine apply_assignments
+
+  !> Take the joint's keys from the scene.nml of a fit, here or beside the input; those that are given stay. Where all it can say is
+  !> given, as in an echo, the folder is not needed.
+  subroutine apply_fit(beside, scene, table, error)
+    character(len=*), intent(in) :: beside                !< folder of the input, with its slash
+    type(scene_t), intent(inout) :: scene                 !< names the fit
+    type(parameter_table_t), intent(inout) :: table       !< table of the scene
+    type(error_t), allocatable, intent(out) :: error      !< no such folder, not one joint in it
+    character(len=*), parameter :: keys = 'model fractal_dimension roughness sample_length shortest_wavelength '
+    type(namelist_t) :: list
+    character(len=:), allocatable :: folder, what, hint
+    integer :: i, row
+    logical :: needed
+    needed = .false.
+    do i = 1, size(table%rows)
+      associate (p => table%rows(i))
+        if (p%group == 'joint') needed = needed .or. (index(' '//keys, ' '//p%key//' ') > 0 .and. .not. p%given)
+      end associate
+    end do
+    if (.not. needed) return
+    folder = trim(scene%joint_from_fit)
+    if (path_kind(folder//'/scene.nml') /= path_file .and. path_kind(beside//folder//'/scene.nml') == path_file) then
+      folder = beside//folder
+    end if
+    if (path_kind(folder//'/surface.json') /= path_file .or. path_kind(folder//'/scene.nml') /= path_file) then
+      call raise(error, code_file, "error: joint.from_fit = '"//folder//"': no folder with a whole fit (surface.json, "// &
+        'scene.nml)'//nl//"      valid: what 'hdengine surface MAP [MAP --pair] --out DIR' wrote, named from here or the input")
+      return
+    end if
+    allocate (list%faults(0))
+    call read_namelist(folder//'/scene.nml', list, error)
+    if (allocated(error)) return
+    if (size(list%groups) /= 1) then
+      call raise(error, code_input, "error: joint.from_fit = '"//folder//"': its scene.nml has "//to_text(size(list%groups))// &
+        ' joints'//nl//"      valid: one, of a surface that is fractal, or of two by 'hdengine surface MAP MAP --pair'; "// &
+        'the file says why there is none')
+      return
+    end if
+    do i = 1, size(list%assignments)
+      associate (a => list%assignments(i))
+        row = find_parameter(table, 'joint', a%key)
+        if (row == 0) cycle
+        if (table%rows(row)%given) cycle
+        call assign_words(table%rows(row), a%values, what, hint)
+        if (len(what) > 0) call report(list, a%value_line, a%value_column, len(a%values(1)%s), what, hint)
+      end associate
+    end do
+    if (size(list%faults) > 0) call raise(error, code_input, faults_text(list))
+  end subroutine apply_fit
+
+  !> Words of a value; only lists of numbers are cut.
+  pure function split(s, cut) result(words)
+    character(len=*), intent(in) :: s  !< text behind '='
+    logical, intent(in) :: cut         !< cut at commas and blanks
+    type(string_t), allocatable :: words(:)
+    integer :: i, j
+    allocate (words(0))
+    if (.not. cut) then
+      call push(words, trim(adjustl(s)))
+      return
+    end if
+    i = 1
+    do while (i <= len(s))
+      j = i + scan(s(i:)//',', ', ') - 2
+      if (j >= i) call push(words, s(i:j))
+      i = j + 2
+    end do
+    if (size(words) == 0) call push(words, '')
+  end function split
+
+  !> Number of a name in a list, 0 if it is not there.
+  pure integer function place_of(names, name) result(i)
+    type(string_t), intent(in) :: names(:)  !< list
+    character(len=*), intent(in) :: name    !< name
+    do i = size(names), 1, -1
+      if (names(i)%s == name) return
+    end do
+  end function place_of
+
+  !> Write every key; reading the file back gives the same run.
+  subroutine write_echo(path, scene, error)
+    character(len=*), intent(in) :: path              !< file
+    type(scene_t), intent(in) :: scene                !< scene
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    call write_text(path, echo_of(scene), error)
+  end subroutine write_echo
+
+  !> Every key with its value, as an input file.
+  function echo_of(scene) result(text)
+    type(scene_t), intent(in) :: scene  !< scene
+    character(len=:), allocatable :: text
+    type(scene_t), target :: standard, copy
+    type(parameter_table_t) :: default, table
+    type(string_t), allocatable :: groups(:)
+    integer :: g, i
+    copy = scene
+    call new_table(standard, default)
+    call new_table(copy, table)
+    groups = groups_of(table)
+    text = ''
+    do g = 1, size(groups)
+      if (merge(.not. with_surface(groups(g)%s), of_surface(groups(g)%s), scene%surface_only)) cycle
+      text = text//'&'//groups(g)%s//nl
+      do i = 1, size(table%rows)
+        if (table%rows(i)%group /= groups(g)%s) cycle
+        text = text//'  '//table%rows(i)%key//' = '//value_text(table%rows(i))
+        if (value_text(table%rows(i)) == value_text(default%rows(i))) text = text//'  ! default'
+        text = text//nl
+      end do
+      text = text//'/'//nl
+    end do
+  end function echo_of
+
+  !> The surface run that an input asks for; files that stand beside the input are found there.
+  function surface_scene_of(scene, input) result(surface)
+    type(scene_t), intent(inout) :: scene       !< scene with a map; its files get their folder
+    character(len=*), intent(in) :: input       !< name of the input
+    type(surface_scene_t) :: surface
+    call place_files(scene%fit, input)
+    surface%surface = scene%surface
+    surface%fit = scene%fit
+    surface%title = trim(scene%title)
+    surface%echo = echo_of(scene)
+  end function surface_scene_of
+end module hd_input

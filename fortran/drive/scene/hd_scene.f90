@@ -1,0 +1,93 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The scene: every parameter of a run, in SI units. Bounds, units and meanings stand in hd_parameters.
+module hd_scene
+  use hd_kinds, only: dp
+  use hd_surface_scene, only: surface_t, surface_fit_t
+  implicit none
+  private
+  public :: scene_t
+
+  integer, parameter :: name_length = 32   !< longest choice
+  integer, parameter :: title_length = 120 !< longest title
+  integer, parameter :: path_length = 240  !< longest file name
+  integer, parameter :: reason_length = 800
+
+  integer, parameter, public :: most_torques = 100  !< in the list of a loop
+  integer, parameter, public :: most_gaps = 400     !< in the list of clearances of tooth pairs
+  integer, parameter, public :: most_sections = 60  !< of a cup
+
+  type :: scene_t
+    integer :: version = 1
+    character(len=title_length) :: title = ''
+    real(dp) :: planned_tolerance = 0
+    ! geometry
+    real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
+    real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
+    real(dp) :: hub_radius = 8e-3_dp, ring_thickness = 1e-3_dp, band_start = 0.5e-3_dp, band_length = 12e-3_dp
+    ! cup: sections of its meridian, instead of the simple keys of geometry
+    real(dp), dimension(most_sections) :: sections_r = 0, sections_z = 0, sections_thickness = 0, sections_fillet = 0
+    integer :: sections_count(4) = 1
+    ! material
+    real(dp) :: flexspline_e = 209e9_dp, flexspline_nu = 0.295_dp, ring_e = 219e9_dp, ring_nu = 0.30_dp
+    real(dp) :: yield_strength = 835e6_dp
+    ! mesh
+    integer :: divisions = 86, band_facets = 15, ring_divisions = 0, ring_facets = 0, wall_elements = 0
+    integer :: bottom_elements = 0, through_wall = 1, through_ring = 1
+    real(dp) :: edge_length = 0
+    character(len=name_length) :: element = 'hex8i'
+    real(dp) :: memory_limit_mb = 0
+    ! wave generator
+    real(dp) :: w = 0.2e-3_dp
+    character(len=name_length) :: cam = 'ellipse', ring_tangent = 'auto', ring_contact = 'tied', shape = 'pressed'
+    real(dp) :: eccentricity = 0, eccentricity_angle_deg = 0, interference = 10e-6_dp, cone_angle_deg = 0
+    real(dp) :: ball_stiffness = 0, arc_angle_deg = 45, perimeter_length = 0
+    integer :: lobes = 2
+    character(len=name_length) :: perimeter = 'kept'
+    character(len=path_length) :: cam_file = ''
+    ! contact
+    character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
+    real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp
+    ! load
+    character(len=name_length) :: support = 'hub', torque_load = 'uniform'
+    real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
+    integer :: teeth = 200, tooth_pairs = 40
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_thickness = 0, spline_width = 0
+    real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
+    integer :: gap_count = 1, gap_back_count = 1
+    integer :: assembly_steps = 3, torque_steps = 5
+    ! bearing: balls of the whole drive
+    integer :: balls = 21
+    real(dp) :: ball_diameter = 3.2e-3_dp, inner_conformity = 0.52_dp, outer_conformity = 0.52_dp, ball_clearance = 0
+    real(dp) :: groove_depth = 0, cage_angle_deg = 0, ball_e = 208e9_dp, ball_nu = 0.3_dp, patch_length = 0, patch_width = 0, &
+      ball_rate = 0
+    ! loop: torques of the whole drive
+    real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
+    integer :: torque_count = 1
+    ! turning: the wave generator of the whole drive
+    integer :: turning_positions = 0
+    real(dp) :: turning_range_deg = 0, turning_torque = 0, tooth_phase = 0
+    ! fatigue
+    real(dp) :: tensile_strength = 980e6_dp, fatigue_limit = 490e6_dp, notch_factor = 1
+    ! solver
+    character(len=name_length) :: method = 'auto', factors = 'auto', symmetry = 'auto', kinematics = 'auto', &
+      start = 'auto', bearing_model = 'auto'
+    real(dp) :: tolerance = 1e-8_dp
+    integer :: max_iterations = 60, max_cuts = 8
+    real(dp) :: time_limit_s = 0
+    ! joint
+    real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
+    real(dp) :: shortest_wavelength = 1e-6_dp, asperity_radius = 5e-6_dp, s_min = 0, hardness = 0
+    character(len=name_length) :: closure = 'nominal', plastic_spots = 'none', joint_model = 'spectrum'
+    character(len=path_length) :: joint_table = '', joint_spectrum = '', joint_from_fit = ''
+    character(len=reason_length) :: joint_reason = '', joint_doubt = ''  !< why joint.model = 'auto' became what it is, and what
+                                                                         !< speaks against it; no keys
+    ! surface
+    type(surface_t) :: surface
+    type(surface_fit_t) :: fit
+    logical :: surface_only = .false.     !< the input asks for a surface alone: no contact
+    ! output
+    character(len=name_length) :: vtu = 'last'
+    real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]
+  end type scene_t
+
+end module hd_scene

@@ -170,5 +170,5 @@ def page():
 def marked(text):
     """A message as Markdown: its first words in bold, for the eye."""
     text = re.sub(r"([\\*_|<>`$\[\]])", r"\\\1", text)
-    first = re.match(r"(.{12}.*?)(?=[;:,.]? valid:|[;:,] |\. [A-Z]|$)", text)
+    first = re.match(r"((?:‹[^›]*›|[^‹]){12,}?)(?=[;:,.]? valid:|[;:,] |\. [A-Z]|‹|$)", text)
     return f"**{first[0].strip()}**{text[first.end():]}" if first else text

@@ -9,9 +9,9 @@ import numpy as np
 from common import ROOT
 from hdengine import mesh
 
-PAGE = "".join((ROOT / f"docs/explain/{page}.md").read_text() for page in ("new_element", "new_element_tests"))
+PAGE = (ROOT / "docs/explain/new_element.md").read_text()
 CHANGES = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE, re.S | re.M))
-SOURCES = ("base/hd_kinds.f90", "base/hd_text.f90", "base/hd_error.f90", "lib/hd_blas_threads.c", "lib/hd_lapack.f90", "elements/hd_hexahedron.f90")
+SOURCES = ("hd_kinds.f90", "hd_text.f90", "hd_error.f90", "hd_blas_threads.c", "hd_lapack.f90", "hd_hexahedron.f90")
 PROGRAM = """program stiffness
   use hd_error, only: error_t
   use hd_hexahedron, only: element_kind, element_stiffness, elasticity_matrix
@@ -46,7 +46,7 @@ def changed_stiffness(folder):
     subprocess.run(["git", "apply", "-"], input=CHANGES, text=True, cwd=folder, check=True, env={"GIT_CEILING_DIRECTORIES": str(folder.parent), "PATH": "/usr/bin:/bin"})
     (folder / "program.f90").write_text(PROGRAM)
     blas = subprocess.run(["pkg-config", "--libs", "openblas"], capture_output=True, text=True, check=True).stdout.split()
-    subprocess.run(["gfortran", "-O1", *(folder / "fortran" / name for name in SOURCES), "program.f90", "-o", "stiffness", *blas], cwd=folder, check=True)
+    subprocess.run(["gfortran", "-O1", *(next((folder / "fortran").rglob(name)) for name in SOURCES), "program.f90", "-o", "stiffness", *blas], cwd=folder, check=True)
 
     def of(name, poisson, nodes):
         lines = "\n".join(f"{name} {poisson} " + " ".join(map(repr, map(float, x.ravel()))) for x in nodes)

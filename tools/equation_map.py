@@ -3,15 +3,13 @@
 """Where each equation of Hu et al. (2023) is computed: docs/reference/equations.md from tags in the source.
 
 A tag like [Eq. 23-27] stands in the description of the procedure that computes the equation: in the !> lines above a Fortran
-procedure, or in the docstring of a Python function. A mere mention is written without brackets. Usage: tools/equation_map.py [--check]
+procedure, or in the docstring of a Python function. A mere mention is written without brackets.
 """
 import ast
 import re
-import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/reference/equations.md"
 TAG = re.compile(r"\[Eq\. ([0-9, -]+)\]")
 WHAT = {
     "1": "height of a surface: sum of waves", "2": "height of a profile", "3": "shape of an asperity: a cosine", "4": "its amplitude",
@@ -26,10 +24,9 @@ WHAT = {
     "39-40": "tangential stiffness of a spot", "41-43": "tangential stiffness, by regime", "44": "tangential stiffness of the joint",
     "45": "torsional stiffness of the contact", "46": "torsional stiffness of the drive",
 }
-HEAD = """# Equations
+HEAD = """# Equations of the paper: where each is computed
 
-Where each equation of the paper (Hu et al. 2023) is computed. What was put right is told in
-[the paper and what was wrong in print](../explain/paper.md). `tools/equation_map.py` writes this page from the tags `[Eq. N]` in the source.
+What was put right of Hu et al. (2023) is told in [the paper](../explain/paper.md). Tags `[Eq. N]` in the sources name the place.
 
 | equation | what | computed by | in |
 |---|---|---|---|
@@ -84,8 +81,3 @@ def page():
         rows += [f"| {head} | `{name}` | `{file}` |" for head, (file, name) in zip(heads, here or [("", "")], strict=True)]
     return HEAD + "\n".join(rows) + "\n"
 
-
-if __name__ == "__main__":
-    if "--check" in sys.argv:
-        sys.exit(0 if PAGE.read_text() == page() else f"{PAGE.relative_to(ROOT)} is not current: run tools/equation_map.py")
-    PAGE.write_text(page())

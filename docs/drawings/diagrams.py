@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vector drawings of ideas: springs in a row, angles, path of the torque, contact law, rough joint, readings of K_TS, planner, structure function."""
+"""Vector drawings of ideas: angles, path of the torque, contact law, rough joint, readings of K_TS, planner, structure function."""
 import sys
 from pathlib import Path
 
@@ -30,24 +30,6 @@ def axes(ax, origin, size, x, y):
     arrow(ax, origin, (origin[0], origin[1] + size[1]), INK)
     ax.text(origin[0] + size[0], origin[1] - 0.32, x, ha="right", va="top", fontsize=10)
     ax.text(origin[0], origin[1] + size[1] + 0.15, y, ha="center", fontsize=10)
-
-
-def springs():
-    """Cup with teeth and contact as springs in a row: the angles add."""
-    figure, ax = canvas(8, 2.7, (0, 16), (0, 5.4))
-    ax.add_patch(Rectangle((0.4, 1.9), 0.4, 2.2, fc=STEEL, ec=INK, hatch="///", lw=0.8))
-    spring(ax, (0.8, 3), (7.6, 3), 9, 0.55)
-    ax.add_patch(Rectangle((7.6, 2.4), 0.25, 1.2, fc=INK))
-    spring(ax, (7.85, 3), (10.6, 3), 9, 0.55, FORCE)
-    ax.add_patch(Rectangle((10.6, 2.4), 0.25, 1.2, fc=INK))
-    arrow(ax, (10.9, 3), (13.2, 3), FORCE, "torque T", (0.4, 0.3))
-    ax.text(4.2, 4.5, r"cup and teeth: $K_{FTS}$, soft", ha="center", fontsize=11)
-    ax.text(9.3, 4.5, r"contact: $K_{TS}$, stiff", ha="center", fontsize=11, color=FORCE)
-    for a, b, text in ((0.8, 7.7, r"$T/K_{FTS}$"), (7.7, 10.7, r"$T/K_{TS}$")):
-        ax.annotate("", (a, 1.5), (b, 1.5), arrowprops={"arrowstyle": "<->", "color": GREY, "lw": 0.9})
-        ax.text((a + b) / 2, 0.75, text, ha="center", fontsize=11, color=GREY)
-    ax.text(11.3, 0.75, "angle = sum of both", fontsize=11, color=GREY)
-    return figure
 
 
 def angles():
@@ -230,7 +212,7 @@ def structure_function():
 
 def draw_all(folder):
     """Write the drawings as SVG files into a folder."""
-    for make in (springs, angles, drive_chain, contact_law, rough_joint, readings, planner, structure_function):
+    for make in (angles, drive_chain, contact_law, rough_joint, readings, planner, structure_function):
         figure = make()
         save(figure, folder, make.__name__)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cups by sections of their meridian: fillets, tapered walls, silk hats (docs/explain/cup_shapes.md)."""
+"""Cups by sections of their meridian: fillets, tapered walls, silk hats (docs/howto/own_size.md)."""
 import numpy as np
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The worked example of docs/explain/new_element.md and new_element_tests.md: its changes fit the sources, and the element that they add does what the page says."""
+"""The worked example of docs/explain/new_element.md: its changes fit the sources, and the element that they add does what the page says."""
 import re
 import shutil
 import sys

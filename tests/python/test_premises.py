@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which K_TS: tangent and secant of the coupled joint, what they mean, and what a run warns of (docs/explain/premises.md)."""
+"""Which K_TS: tangent and secant of the coupled joint, what they mean, and what a run warns of (docs/explain/k_ts.md)."""
 import json
 
 import numpy as np

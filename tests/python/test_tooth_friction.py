@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Friction of the tooth flanks in the whole drive (docs/explain/drive_rub.md)."""
+"""Friction of the tooth flanks in the whole drive (docs/explain/drive.md)."""
 import json
 
 import numpy as np

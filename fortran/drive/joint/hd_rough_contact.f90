@@ -6,7 +6,7 @@
 !> k_N = P / (dU/dP). W(A) = A in full contact and less below it. Persson (2008) and Wang and Mueser (2017) take W = A S(A) with
 !> S(0) = 5/9, which leaves k_N a share of that of boundary elements, the smaller the less touches. Here
 !>   W(A) = A (a A^e + (1 - a) A^2),
-!> with a and e set once on generated surfaces and judged on others (bench/joint_law.py, docs/explain/joint_law.md).
+!> with a and e set once on generated surfaces and judged on others (bench/joint_law.py, docs/explain/joint.md).
 !> Yield at the pressure H absorbs: A counts what is still elastic at q, so what has yielded stores no energy (Persson 2001).
 module hd_rough_contact
   use hd_kinds, only: dp, pi

@@ -91,7 +91,8 @@ contains
       if (error%code /= code_not_converged) return
       deallocate (error)
       call note(plan, 'kinematics linear: with large displacements a coarse mesh does not converge')
-      call push(plan%warnings, 'what large displacements would change is not known: with them a coarse mesh does not converge')
+      call push(plan%warnings, 'what large displacements would change is not known: with them a coarse mesh does not converge. '// &
+        'Take the results as those of small displacements')
       return
     end if
     change = relative(s, large_q - small_q, large_q)

@@ -33,10 +33,10 @@ contains
       if (scene%balls == 0 .and. scene%ring_tangent == 'follow') cause = "wave_generator.ring_tangent = 'follow' holds the ring"
       call push(lines, trim(merge('the ring puts', 'the balls put', scene%balls == 0))//' up to '// &
         to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
-        'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it: '//cause)
+        'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it. Check this: '//cause)
     end if
     if (loop%unloaded) call push(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
-      'way of the cam, or the torque has lifted the ring off')
+      'way of the cam, or the torque has lifted the ring off. Lower bearing.clearance or the torque')
     if (loop%play > 0) call push(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
       to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
       'load.tooth_pairs, or leave out torques of 0')
@@ -44,7 +44,8 @@ contains
       ' comes or goes with '//to_text(loop%jump%force)//' N between '//to_text(loop%jump%before)//' and '// &
       to_text(loop%jump%after)//' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')
     if (loop%lift > scene%w .and. scene%w > 0) call push(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
-      ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips here')
+      ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips '// &
+      'here. Lower the torque')
     if (any(between_steps(loop, scene))) call push(lines, 'the first rise has no load step up to '// &
       to_text(scene%torque_1)//' N m or none from there to '//to_text(scene%torque_2)//' N m: K1 and K2 are chords of longer '// &
       'steps. Raise load.torque_steps')

@@ -25,7 +25,7 @@ def moduli(e1: float, nu1: float, e2: float, nu2: float) -> tuple[float, float]:
 
 def stiffness_from_spectrum(q: ArrayLike, height_variance: ArrayLike, pressure: ArrayLike, e_star: float,
                             hardness: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-    """Normal stiffness per area and true contact of a rough elastic joint by Persson's theory (docs/explain/joint_law.md).
+    """Normal stiffness per area and true contact of a rough elastic joint by Persson's theory (docs/explain/joint.md).
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def stiffness_from_spectrum(q: ArrayLike, height_variance: ArrayLike, pressure: 
 
 @dataclass(frozen=True)
 class ElasticJoint:
-    """A joint whose law follows from k_N(P) alone: closure, shear with partial slip, loops (docs/explain/joint_in_detail.md).
+    """A joint whose law follows from k_N(P) alone: closure, shear with partial slip, loops (docs/explain/joint.md).
 
     Parameters
     ----------

@@ -8,15 +8,15 @@ module hd_joint_choice
   use hd_error, only: error_t, code_not_converged
   use hd_joint, only: joint_t
   use hd_log, only: say, set_log_level, quiet
+  use hd_march, only: march
   use hd_mesh_series, only: coarse, meshed, small_displacements
-  use hd_model_cache, only: put_aside, take_back
-  use hd_run, only: run_t, new_run, close_run
+  use hd_model, only: give_back
+  use hd_run, only: run_t, new_run, final_position, close_run
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint
   use hd_section, only: band_rows
   use hd_text, only: percent, rounded
   use hd_theory_trust, only: theory_error_t, in_words, may_be_taken, steep, trust
-  use hd_trial_runs, only: solve
   implicit none
   private
   public :: choose_joint
@@ -68,17 +68,17 @@ contains
     if (s%divisions*band_rows(s) >= scene%divisions*band_rows(scene)) s = scene
     s = small_displacements(s)
     s%planned_tolerance = 0
+    s%turning_positions = 0
     s%torque_steps = min(s%torque_steps, few)
     if (s%support /= 'drive') s%assembly_steps = 1
     call set_log_level(quiet, level)
-    call put_aside()
     allocate (run)
     call new_run(s, '', '', .false., run, error)
     run%tangent_from = huge(1._dp)
-    if (.not. allocated(error)) call solve(run, error)
+    if (.not. allocated(error)) call march(run, final_position(run), error)
     if (run%record%steps > 0) found = run%sums%theory
-    if (allocated(run%drive)) call close_run(run, trouble)
-    call take_back()
+    call close_run(run, trouble)
+    call give_back(run%model)
     call set_log_level(level)
   end subroutine try_theory
 

@@ -9,20 +9,21 @@ module hd_planner
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
-  use hd_job, only: resume_run, is_complete
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
     small_displacements
+  use hd_model, only: give_back
   use hd_output, only: check_folder
   use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
-  use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
-  use hd_run, only: run_t, new_run, close_run
+  use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
+  use hd_resume, only: resume_run, is_complete
+  use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_text, only: string_t, push, rounded, to_text, percent
   implicit none
   private
-  public :: new_planned_run, run_planned, plan_text
+  public :: new_planned_run, plan_text
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
@@ -296,28 +297,35 @@ contains
   end subroutine leave_out
 
   !> Plan a scene and set up its run, or take up both.
-  subroutine new_planned_run(scene, input, folder, force, resume, run, error)
+  subroutine new_planned_run(scene, input, folder, force, resume, run, complete, error)
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder or ''
     logical, intent(in) :: force                      !< replace earlier results
     logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped
+    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped, unless complete
+    logical, intent(out) :: complete                  !< the run in the folder is: nothing is left to do
     type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a run early
     type(trial_runs_t) :: trials
     type(plan_t) :: plan
+    complete = .false.
     if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
     if (.not. allocated(error)) call new_trial_runs(scene, folder, resume, trials, error)
-    if (.not. allocated(error)) call plan_scene(trials, scene, plan, error)
+    if (allocated(error)) return
+    if (resume) complete = is_complete(folder)
+    if (complete) return
+    call move_alloc(run%model, trials%model)
+    call plan_scene(trials, scene, plan, error)
+    call move_alloc(trials%model, run%model)
     if (allocated(error)) return
     if (resume) then
-      call resume_run(plan%scene, input, folder, run, error)
+      call resume_run(plan%scene, input, folder, run, complete, error)
     else
       call new_run(plan%scene, input, folder, force, run, error)
     end if
     if (allocated(error)) return
     run%clock = trials%begun
-    call note(plan, 'solver '//trim(run%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
+    call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
       ': found from load and state, step by step')
     run%record%planned_tolerance = scene%planned_tolerance
     run%record%estimate = plan%estimate
@@ -335,44 +343,6 @@ contains
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine new_planned_run
-
-  !> Plan a scene and run it.
-  subroutine run_planned(scene, input, folder, force, resume, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    character(len=*), intent(in) :: input             !< name of the input
-    character(len=*), intent(in) :: folder            !< output folder
-    logical, intent(in) :: force                      !< replace earlier results
-    logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
-    type(error_t), allocatable :: trouble
-    type(run_t), allocatable :: run
-    type(trial_runs_t) :: trials
-    type(promise_t) :: promised(promises)
-    character(len=:), allocatable :: text
-    logical :: complete
-    integer :: i
-    promised = promises_of(scene)
-    allocate (run)
-    complete = is_complete(folder)
-    if (resume .and. complete) then
-      call new_trial_runs(scene, folder, resume, trials, error)  ! the same scene, and planned
-      if (.not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
-      return
-    end if
-    call new_planned_run(scene, input, folder, force, resume, run, error)
-    if (allocated(error)) return
-    call solve(run, error)
-    call close_run(run, trouble)
-    if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    if (allocated(error) .or. run%record%level == 0) return
-    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
-      ' s, results in '//folder)
-    do i = 1, promises
-      text = promise_text(promised(i), run%record%limit)
-      if (len(text) > 0) call say(trim('limit     '//text//', known to '//percent(run%record%estimate(i))// &
-        merge(' in the norm', '            ', is_field(promised(i)%first))))
-    end do
-  end subroutine run_planned
 
   !> A mesh is within the memory allowed.
   logical function fits(scene)
@@ -406,6 +376,7 @@ contains
     linear = small_displacements(s)
     if (.not. allocated(error)) call trials%try(linear, q, error)
     if (.not. allocated(error)) call trials%try(s, q, error)
+    call give_back(trials%model)
     if (allocated(error)) return
     base = [trials%seconds_of(linear), trials%seconds_of(s)]
     facets = [linear%divisions*band_rows(linear), s%divisions*band_rows(s)]

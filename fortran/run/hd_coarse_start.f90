@@ -4,7 +4,7 @@
 module hd_coarse_start
   use hd_kinds, only: dp
   use hd_drive, only: drive_t
-  use hd_model_cache, only: assembly_t
+  use hd_model, only: model_t
   use hd_problem, only: state_t, new_state
   use hd_revolution, only: strip_t, strip_node
   use hd_scene, only: scene_t
@@ -17,8 +17,7 @@ module hd_coarse_start
 
   !> States of a run on a coarser mesh.
   type :: coarser_t
-    type(drive_t), allocatable :: drive  !< its model; absent where there is none
-    type(assembly_t) :: states           !< converged states of all its load steps
+    type(model_t), allocatable :: model  !< with converged states of all its load steps; absent where there is none
   contains
     procedure :: guess
   end type coarser_t
@@ -57,6 +56,7 @@ contains
     s%method = 'auto'
     s%factors = 'auto'
     s%symmetry = 'auto'
+    s%turning_positions = 0
   end function coarser_scene
 
   !> Guess of a load step: the state before it and the change that the coarser mesh saw, if that was solved.
@@ -71,17 +71,17 @@ contains
     real(dp), allocatable :: nodal(:, :)
     logical :: found
     integer :: i
-    if (.not. allocated(self%drive)) return
+    if (.not. allocated(self%model)) return
     do i = 1, 2
-      call new_state(self%drive%problem, pair(i))
+      call new_state(self%model%drive%problem, pair(i))
       if (.not. position(i) > 0) cycle
-      call self%states%recall(min(position(i), 1._dp), torque(i), pair(i), found)
+      call self%model%assembly%recall(min(position(i), 1._dp), torque(i), pair(i), found)
       if (.not. found) return
     end do
-    state%u = before%u + prolonged(self%drive, drive, pair(2)%u - pair(1)%u)
-    allocate (nodal(3, self%drive%problem%n), source=0._dp)
-    nodal(:, self%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
-    nodal = prolonged(self%drive, drive, nodal)
+    state%u = before%u + prolonged(self%model%drive, drive, pair(2)%u - pair(1)%u)
+    allocate (nodal(3, self%model%drive%problem%n), source=0._dp)
+    nodal(:, self%model%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
+    nodal = prolonged(self%model%drive, drive, nodal)
     state%traction = before%traction + nodal(:, drive%problem%mortar%node)
   end subroutine guess
 

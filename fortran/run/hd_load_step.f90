@@ -3,20 +3,18 @@
 module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
-  use hd_coarse_start, only: has_coarser, coarser_scene
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, frictionless, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_flanks, only: remember
   use hd_friction_path, only: raise_friction
-  use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
-  use hd_log, only: say, detail, set_log_level, quiet
+  use hd_load_path, only: torque_at, turns_back, largest_torque
+  use hd_log, only: detail
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
-  use hd_run, only: run_t, new_run, accept, place_step, final_position
-  use hd_section, only: band_rows
+  use hd_run, only: run_t, accept, begins, next_position, place_step
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
@@ -35,18 +33,14 @@ module hd_load_step
 contains
 
   !> Solve the next load step, in parts where it must be cut.
-  recursive subroutine solve_step(run, done, error)
-    type(run_t), intent(inout) :: run                 !< run
-    logical, intent(out) :: done                      !< the last step is solved
+  subroutine solve_step(run, error)
+    type(run_t), intent(inout) :: run                 !< run, not at its end
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
     real(dp) :: target, part, slip_torque
     integer :: cuts, attempt
     logical :: solved, sliding
-    done = run%position >= final_position(run) - 1e-12_dp  ! a run killed between its last checkpoint and its summary
-    if (done) return
-    if (.not. allocated(run%coarser) .and. (begins(run%position) .or. begins(run%position - 1))) call solve_coarser(run)
     target = next_position(run)
-    if (begins(run%position - 1)) run%stride = 2
+    if (begins(run) .and. run%position > 0.5_dp) run%stride = 2
     part = min(target, run%position + run%stride)
     cuts = 0
     attempt = 0
@@ -99,8 +93,6 @@ contains
     end do
     if (.not. allocated(error)) call accept(run, error)
     if (.not. allocated(error)) call check_slip(run, error)
-    done = run%position >= final_position(run) - 1e-12_dp
-    if (allocated(error)) run%failure = error
   end subroutine solve_step
 
   !> Next comes the first step from rest of a problem whose solution is in proportion to the load: half of it is no easier, so it
@@ -108,8 +100,9 @@ contains
   !> without pressure, as two shapes that fit.
   pure logical function proportional(run)
     type(run_t), intent(in) :: run  !< run
-    proportional = begins(run%position)
-    if (begins(run%position - 1)) proportional = all(run%state%contact /= open_state) .and. .not. any(abs(run%state%traction) > 0)
+    proportional = begins(run)
+    if (run%position > 0.5_dp) proportional = proportional .and. all(run%state%contact /= open_state) .and. &
+      .not. any(abs(run%state%traction) > 0)
     proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
   end function proportional
 
@@ -133,42 +126,6 @@ contains
     all_friction = run%scene%support == 'bearing' .and. run%scene%kinematics == 'nonlinear' .and. &
       run%sums%friction_capacity > 0 .and. abs(run%step%torque) >= nearly*run%sums%friction_capacity
   end function all_friction
-
-  !> The assembly or the torque begins here: there are no steps to extrapolate.
-  pure logical function begins(position)
-    real(dp), intent(in) :: position  !< in that phase
-    begins = abs(position) < 1e-12_dp
-  end function begins
-
-  !> Solve the same run as far as the first torque on a mesh of half as many facets either way; what ends that early ends only that.
-  recursive subroutine solve_coarser(run)
-    type(run_t), intent(inout) :: run                 !< gets the coarser states
-    type(run_t), allocatable :: coarse
-    type(error_t), allocatable :: error
-    logical :: done
-    real(dp) :: start
-    integer :: level
-    allocate (run%coarser)
-    if (.not. has_coarser(run%scene)) return
-    start = wall_seconds()
-    call set_log_level(quiet, level)
-    allocate (coarse)
-    call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
-    coarse%clock = run%clock
-    coarse%keeps_all = .true.
-    coarse%tangent_from = huge(1._dp)
-    done = .false.
-    do while (.not. (done .or. allocated(error) .or. coarse%position > 1 + 1e-12_dp))
-      call solve_step(coarse, done, error)
-    end do
-    call set_log_level(level)
-    run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
-    call say('start     first guess from a mesh of '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
-    if (allocated(coarse%solver)) call coarse%solver%release()
-    if (allocated(coarse%drive)) call move_alloc(coarse%drive, run%coarser%drive)
-    run%coarser%states = coarse%assembly
-    run%record%timers%coarser = wall_seconds() - start
-  end subroutine solve_coarser
 
   !> A signal ends the run in order; what the present load step had reached is lost.
   subroutine interrupt(run, error)
@@ -197,19 +154,6 @@ contains
     out_of_time = run%scene%time_limit_s > 0 .and. elapsed > run%scene%time_limit_s
   end function out_of_time
 
-  !> Position of the next load step: assembly ends at 1, torque at 2.
-  pure real(dp) function next_position(run) result(p)
-    type(run_t), intent(in) :: run  !< run
-    integer :: n
-    if (run%position < 1 - 1e-12_dp) then
-      n = run%scene%assembly_steps
-      p = real(floor(run%position*n + 1e-9_dp) + 1, dp)/n
-    else
-      n = torque_load_steps(run%scene)
-      p = 1 + real(floor((run%position - 1)*n + 1e-9_dp) + 1, dp)/n
-    end if
-  end function next_position
-
   !> Position four fifths of the way to the torque at which the contact slips.
   pure real(dp) function cautious(run, slip_torque) result(p)
     type(run_t), intent(in) :: run            !< run
@@ -237,26 +181,28 @@ contains
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
-    options%runaway = 0.05_dp*run%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + abs(run%scene%interference))
+    options%runaway = 0.05_dp*run%model%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + &
+      abs(run%scene%interference))
     torque = torque_at(run%scene, position)
     if (position > 1) options%torque = largest_torque(run%scene)
-    call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state)
-    run%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
+    call drive_load(run%model%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state)
+    run%model%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
     start = wall_seconds()
     call first_guess(run, position, torque, trial)
-    if (run%solver%own_threads) threads = blas_threads(1)
+    if (run%model%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support == 'teeth' .and. position > 1) then
       call turn_against_teeth(run, torque, trial, history, error)
       solved = .true.
       sliding = .false.
     else
-      call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+      call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
       if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, position)) then
-        call raise_friction(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+        call raise_friction(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, &
+          error)
       end if
       sliding = sliding .and. run%scene%support == 'bearing'  ! elsewhere hub or teeth take the torque: a part of the step is easier
     end if
-    if (run%solver%own_threads) threads = blas_threads(threads)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
     taken = history(size(history))%iteration
@@ -271,24 +217,24 @@ contains
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support == 'drive' .and. abs(position - 1) < 1e-12_dp) then
-        call touch_teeth(run%scene, run%drive, trial%u, trial)
+        call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
-        call remember(run%drive%problem, load, trial)
+        call remember(run%model%drive%problem, load, trial)
       end if
       run%before = run%state
       run%state = trial
       run%position_before = run%position
       run%position = position
-      if (position < 1 + 1e-12_dp .or. run%keeps_all) call run%assembly%add(min(position, 1._dp), torque, trial)
-      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
+      if (position < 1 + 1e-12_dp .or. run%keeps_all) call run%model%assembly%add(min(position, 1._dp), torque, trial)
+      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%model%solver%symmetry_used
       call place_step(run, position, run%step)
     else if (sliding) then
-      slip_torque = abs(contact_torque(run%drive, trial))
+      slip_torque = abs(contact_torque(run%model%drive, trial))
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
         slip_torque = 0
       end if  ! rounding: friction holds nothing
     end if
-    if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
+    if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
@@ -306,11 +252,13 @@ contains
     end if
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
-    if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
+    if (run%model%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) then
-      call run%coarser%guess(run%drive, run%state, [run%position, position], [torque_at(run%scene, run%position), torque], trial)
+      call run%coarser%guess(run%model%drive, run%state, [run%position, position], [torque_at(run%scene, run%position), torque], &
+        trial)
     end if
-    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
+    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%model%assembly%recall(min(position, 1._dp), torque, &
+      trial)
   end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.
@@ -332,10 +280,10 @@ contains
     integer :: i
     if (.not. allocated(run%teeth)) then
       allocate (run%teeth)
-      call new_teeth(run%scene, run%drive, run%solver, run%state, run%teeth, error)
+      call new_teeth(run%scene, run%model%drive, run%model%solver, run%state, run%teeth, error)
       if (allocated(error)) return
     end if
-    call turn_hub(run%teeth, run%drive, torque, trial, error)
+    call turn_hub(run%teeth, run%model%drive, torque, trial, error)
     history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
   end subroutine turn_against_teeth
 
@@ -385,8 +333,8 @@ contains
   subroutine check_slip(run, error)
     type(run_t), intent(in) :: run                    !< run after a load step
     type(error_t), allocatable, intent(out) :: error  !< the message
-    if (.not. allocated(run%drive%problem%lagrangian) .or. run%step%phase /= 'torque') return
-    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%drive%radius) return
+    if (.not. allocated(run%model%drive%problem%lagrangian) .or. run%step%phase /= 'torque') return
+    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%model%drive%radius) return
     call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
       to_text(run%step%torque)//' N m '//to_text(run%sums%torque%balance)//' N m are out of balance (friction carries '// &
       'mu int p r dA = '//to_text(run%sums%friction_capacity)//' N m). Lower the torque or use solver.kinematics = '// &

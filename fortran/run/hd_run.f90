@@ -7,7 +7,7 @@ module hd_run
   use hd_clock, only: wall_seconds, timestamp
   use hd_coarse_start, only: coarser_t
   use hd_coupled_tangent, only: coupled_flexibility, glued_flexibility
-  use hd_drive, only: drive_t, drive_load, step_friction
+  use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
@@ -15,13 +15,12 @@ module hd_run
   use hd_joint_range, only: check_stiffness, range_warnings
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
-  use hd_linear_solver, only: linear_solver_t
-  use hd_load_path, only: torque_at
+  use hd_load_path, only: torque_at, torque_load_steps
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
   use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
   use hd_loop_warnings, only: drive_warnings
-  use hd_model_cache, only: assembly_t, take_model, keep_model
+  use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
     write_grids, close_output
   use hd_lapack, only: blas_threads
@@ -36,20 +35,19 @@ module hd_run
   use hd_theory_error, only: theory_on, move_tangent
   implicit none
   private
-  public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run
+  public :: run_t, new_run, restore_run, fit_run, accept, begins, place_step, next_position, final_position, close_run, &
+    leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
 
   type :: run_t
     type(scene_t) :: scene
-    type(drive_t), allocatable :: drive
+    type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
     type(joint_t) :: joint
-    class(linear_solver_t), allocatable :: solver
     type(state_t) :: before, state          !< last two converged states
     real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
-    type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
     type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
-    logical :: keeps_all = .false.          !< `assembly` gets the states under torque too
+    logical :: keeps_all = .false.          !< `model` gets the states under torque too
     logical :: easy = .true.                !< the last part took few iterations
     real(dp) :: tangent_from = 1            !< position from which on steps get a tangent K_TS
     type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
@@ -125,7 +123,7 @@ contains
     run%record%symmetry = mark%symmetry
     run%step%number = mark%steps
     call place_step(run, run%position, run%step)
-    call pair_bodies(run%drive%problem, run%state%u)
+    call pair_bodies(run%model%drive%problem, run%state%u)
     call measure(run, again=.true.)
     call enter_stiffness(run)
     call say('resumed   after load step '//to_text(mark%steps)//', torque '//to_text(run%step%torque)//' N m')
@@ -156,28 +154,64 @@ contains
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, run%record%choice, error)
-    if (.not. allocated(error)) then
-      if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
-      if (run%scene%contact_law /= 'hard') then
-        allocate (run%drive%problem%law%joint)
-        call tabulate_joint(run%scene, run%joint, run%drive%problem%law%joint, error)
-      end if
-    end if
+    call fit_run(run, error)
     if (allocated(error)) return
-    call new_state(run%drive%problem, run%state)
+    call new_state(run%model%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
-    call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
-      ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
-    call say(trim('solver    '//trim(run%solver%name)//merge(', taken over from the last run', repeat(' ', 30), run%record%kept)))
+    call say('mesh      '//to_text(3*run%model%drive%problem%n)//' dof, '//to_text(size(run%model%drive%face%nodes, 2))// &
+      ' contact facets, '//to_text(run%model%solver%unknowns)//' unknowns')
+    call say(trim('solver    '//trim(run%model%solver%name)//merge(', taken over from the last run', repeat(' ', 30), &
+      run%record%kept)))
   end subroutine build
+
+  !> Fit the model that the run has to its scene and joint, or make one.
+  subroutine fit_run(run, error)
+    type(run_t), intent(inout) :: run                 !< gets model
+    type(error_t), allocatable, intent(out) :: error  !< mesh, memory
+    call fit_model(run%scene, run%model, run%record%kept, error)
+    if (allocated(error)) return
+    run%record%choice = run%model%choice
+    associate (law => run%model%drive%problem%law)
+      if (allocated(law%joint)) deallocate (law%joint)
+      if (run%scene%contact_law == 'hard') return
+      allocate (law%joint)
+      call tabulate_joint(run%scene, run%joint, law%joint, error)
+    end associate
+  end subroutine fit_run
+
+  !> Leave the model to the next run; after an iteration that was left in the middle mesh and factors are of no more use.
+  subroutine leave_model(run, to)
+    type(run_t), intent(inout) :: run                     !< run that is over
+    type(model_t), allocatable, intent(inout) :: to       !< place of the next run's
+    if (run%unsettled) call give_back(run%model)
+    call hand_on(run%model, to)
+  end subroutine leave_model
 
   !> Position at the end of the run.
   pure real(dp) function final_position(run) result(p)
     type(run_t), intent(in) :: run  !< run
     p = merge(2._dp, 1._dp, run%scene%torque_steps > 0)
   end function final_position
+
+  !> Position of the next load step: assembly ends at 1, torque at 2.
+  pure real(dp) function next_position(run) result(p)
+    type(run_t), intent(in) :: run  !< run
+    integer :: n
+    if (run%position < 1 - 1e-12_dp) then
+      n = run%scene%assembly_steps
+      p = real(floor(run%position*n + 1e-9_dp) + 1, dp)/n
+    else
+      n = torque_load_steps(run%scene)
+      p = 1 + real(floor((run%position - 1)*n + 1e-9_dp) + 1, dp)/n
+    end if
+  end function next_position
+
+  !> The assembly or the torque begins here: there are no steps to extrapolate.
+  pure logical function begins(run)
+    type(run_t), intent(in) :: run  !< run
+    begins = min(abs(run%position), abs(run%position - 1)) < 1e-12_dp
+  end function begins
 
   !> Phase, load factor and torque of a position.
   pure subroutine place_step(run, position, step)
@@ -214,15 +248,16 @@ contains
     end associate
     call say(trim(line))
     if (run%writes) then
-      call write_step(run%output, run%step, run%drive, run%facets, run%sums, error)
+      call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       if (run%scene%support == 'drive' .and. .not. allocated(error)) then
-        call book_stress(run%loop, run%scene, run%drive, run%state, run%step, error)
-        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%drive, run%loop, run%sums%k_ts, error)
+        call book_stress(run%loop, run%scene, run%model%drive, run%state, run%step, error)
+        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%model%drive, run%loop, run%sums%k_ts, &
+          error)
       end if
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         run%position >= final_position(run) - 1e-12_dp))) then
-        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
     end if
@@ -234,21 +269,21 @@ contains
     type(run_t), intent(inout) :: run  !< gets facets and sums
     logical, intent(in) :: again       !< its step is booked already
     type(load_t) :: load
-    call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
+    call drive_load(run%model%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
       step_friction(run%scene, run%position), load, run%state, run%before)
     if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
-    call evaluate_facets(run%drive, at_friction(run%joint, load%friction), run%state, run%facets)
-    call sum_up(run%drive, load, run%state, run%facets, run%sums)
-    run%sums%theory = theory_on(run%joint, run%drive, run%state)
+    call evaluate_facets(run%model%drive, at_friction(run%joint, load%friction), run%state, run%facets)
+    call sum_up(run%model%drive, load, run%state, run%facets, run%sums)
+    run%sums%theory = theory_on(run%joint, run%model%drive, run%state)
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
     if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
     if (run%scene%support == 'drive') then
-      if (.not. again) call book(run%loop, run%scene, run%drive, load, run%state, run%step)
-      run%sums%rotation = bottom_turn(run%drive, run%state)
+      if (.not. again) call book(run%loop, run%scene, run%model%drive, load, run%state, run%step)
+      run%sums%rotation = bottom_turn(run%model%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
-      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%state, run%loop%force)
+      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%model%drive, run%state, run%loop%force)
     end if
-    call sum_stiffness(run%scene, run%drive, run%step%torque, run%state, run%facets, run%sums)
+    call sum_stiffness(run%scene, run%model%drive, run%step%torque, run%state, run%facets, run%sums)
   end subroutine measure
 
   !> Flexibility of the drive with its joint for a further torque, from the end of the assembly on. None where the faces are bonded
@@ -264,23 +299,23 @@ contains
     if (run%position < run%tangent_from - 1e-12_dp) return
     start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
-    call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state, run%before)
-    call update_tangent(run%drive%problem, run%state%u)
+    call drive_load(run%model%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state, run%before)
+    call update_tangent(run%model%drive%problem, run%state%u)
     if (run%scene%support == 'drive') then  ! balls and teeth that push change from step to step, and with them the glued drive
       run%flexibility%known = .false.
       if (run%position < 1 + 1e-12_dp) return
       sense = sign(1._dp, run%step%torque)
-      load%displacement(2, run%drive%hub) = run%state%u(2, run%drive%hub)
-      call update_struts(run%drive%problem, load, run%state%u)
+      load%displacement(2, run%model%drive%hub) = run%state%u(2, run%model%drive%hub)
+      call update_struts(run%model%drive%problem, load, run%state%u)
     end if
     threads = 0
     glued = .true.
-    if (run%solver%own_threads) threads = blas_threads(1)
-    if (.not. run%flexibility%known) call glued_flexibility(run%drive, run%solver, load, sense, run%state, &
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    if (.not. run%flexibility%known) call glued_flexibility(run%model%drive, run%model%solver, load, sense, run%state, &
       run%flexibility%glued, glued, error)
-    if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
+    if (.not. allocated(error)) call coupled_flexibility(run%model%drive, run%model%solver, at_friction(run%joint, &
       step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)
-    if (run%solver%own_threads) threads = blas_threads(threads)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
     run%certain = settled .and. glued
     associate (f => run%flexibility)
@@ -341,8 +376,8 @@ contains
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
     if (run%record%steps > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
-      run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
-    if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%drive, run%solver, run%joint, &
+      run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
+    if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%model%drive, run%model%solver, run%joint, &
       run%flexibility, run%before, run%state, run%sums%theory)
     call judge_results(run)
     if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
@@ -350,22 +385,17 @@ contains
     run%record%timers%total = wall_seconds() - run%clock
     if (run%writes) then
       if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%record%steps > 0) then
-        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       call close_output(run%output)
-      if (run%record%steps > 0) run%record%k_ts_by_model = compare_models(run%scene, run%drive, run%state, &
+      if (run%record%steps > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &
         run%step%torque, run%sums)
-      if (.not. allocated(error)) call write_fatigue(run%output%folder, run%drive%problem%bodies(run%drive%b_cup), &
+      if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
-      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%drive, run%joint, run%solver, &
+      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
         run%sums, run%record, run%loop, run%failure, error)
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
-    end if
-    if (.not. run%unsettled) then
-      call keep_model(run%scene, run%drive, run%solver, run%assembly, run%record%choice)
-    else if (allocated(run%solver)) then
-      call run%solver%release()
     end if
     call run%lock%give()
   end subroutine close_run

@@ -63,11 +63,12 @@ end subroutine run_sizes
 
 !> Solve the next load step.
 subroutine run_advance(handle, done, status, message)
-  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
+  use hd_load_path, only: operator(<), path_end, step_end
   use hd_march, only: march
   use hd_registry, only: find_run
-  use hd_run, only: run_t, next_position, final_position
+  use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle
@@ -80,8 +81,8 @@ subroutine run_advance(handle, done, status, message)
   last = .true.
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    call march(run, next_position(run), error)
-    last = run%position >= final_position(run) - 1e-12_c_double
+    call march(run, step_end(run%place), error)
+    last = .not. run%place < path_end(run%scene)
   end if
   done = merge(1, 0, last)
   call tell(error, status, message)
@@ -105,7 +106,7 @@ subroutine run_sums(handle, n, sums, status, message)
   sums = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    sums(:4) = [real(run%step%number, c_double), merge(1._c_double, 0._c_double, run%step%phase == 'torque'), &
+    sums(:4) = [real(run%step%number, c_double), merge(1._c_double, 0._c_double, run%step%loaded), &
       run%step%load_factor, run%step%torque]
     sums(5:n - 2) = sum_values(run%sums)
     sums(n - 1:) = [real(run%step%iterations, c_double), run%step%seconds]
@@ -132,7 +133,7 @@ subroutine run_facets(handle, n, columns, fields, status, message)
   fields = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    if (run%record%steps > 0) then
+    if (run%step%number > 0) then
       do f = 1, n
         fields(f, :) = facet_row(run%facets, f)
       end do

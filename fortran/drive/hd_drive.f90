@@ -405,10 +405,10 @@ contains
   end subroutine load_rim
 
   !> Coulomb coefficient of a load step.
-  pure real(dp) function step_friction(scene, position) result(friction)
+  pure real(dp) function step_friction(scene, loaded) result(friction)
     type(scene_t), intent(in) :: scene    !< scene
-    real(dp), intent(in) :: position      !< at the end of the step: 0 to 1 assembly, 1 to 2 torque
-    friction = merge(scene%torque_friction, scene%friction, position > 1 + 1e-12_dp .and. scene%torque_friction > 0)
+    logical, intent(in) :: loaded         !< by the torque, else in the assembly
+    friction = merge(scene%torque_friction, scene%friction, loaded .and. scene%torque_friction > 0)
   end function step_friction
 
   !> Load at a fraction of the assembly and a torque, which the whole drive has at its bottom, others on the rim.

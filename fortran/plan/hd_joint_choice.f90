@@ -7,11 +7,12 @@ module hd_joint_choice
   use hd_kinds, only: dp
   use hd_error, only: error_t, code_not_converged
   use hd_joint, only: joint_t
+  use hd_load_path, only: path_end
   use hd_log, only: say, set_log_level, quiet
   use hd_march, only: march
   use hd_mesh_series, only: coarse, meshed, small_displacements
   use hd_model, only: give_back
-  use hd_run, only: run_t, new_run, final_position, close_run
+  use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint
   use hd_section, only: band_rows
@@ -74,9 +75,9 @@ contains
     call set_log_level(quiet, level)
     allocate (run)
     call new_run(s, '', '', .false., run, error)
-    run%tangent_from = huge(1._dp)
-    if (.not. allocated(error)) call march(run, final_position(run), error)
-    if (run%record%steps > 0) found = run%sums%theory
+    run%asks_tangent = .false.
+    if (.not. allocated(error)) call march(run, path_end(run%scene), error)
+    if (run%step%number > 0) found = run%sums%theory
     call close_run(run, trouble)
     call give_back(run%model)
     call set_log_level(level)

@@ -4,6 +4,7 @@ module hd_open_run
   use hd_cost, only: check_memory
   use hd_error, only: error_t, raise, code_input
   use hd_joint_choice, only: choose_joint
+  use hd_load_path, only: path_end
   use hd_log, only: say
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
@@ -11,7 +12,7 @@ module hd_open_run
   use hd_planner, only: new_planned_run
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
   use hd_resume, only: resume_run
-  use hd_run, only: run_t, new_run, final_position, close_run
+  use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
   use hd_text, only: percent, rounded, to_text
@@ -79,11 +80,11 @@ contains
     call open_run(scene, input, folder, force, resume, run, complete, error)
     if (complete .and. .not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
     if (complete .or. allocated(error)) return
-    call march(run, final_position(run), error)
+    call march(run, path_end(run%scene), error)
     call close_run(run, trouble)
     call give_back(run%model)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
+    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
       ' s, results in '//folder)
     if (run%record%level > 0 .and. .not. allocated(error)) call say_limits(promises_of(scene), run%record)
   end subroutine run_to_end

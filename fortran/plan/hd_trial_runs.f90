@@ -8,12 +8,13 @@ module hd_trial_runs
   use hd_clock, only: wall_seconds
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
+  use hd_load_path, only: path_end
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
   use hd_model, only: model_t
   use hd_pressure_patches, only: patch_pressures
   use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
-  use hd_run, only: run_t, new_run, final_position, close_run, leave_model
+  use hd_run, only: run_t, new_run, close_run, leave_model
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
@@ -99,8 +100,8 @@ contains
     allocate (run)
     call move_alloc(self%model, run%model)
     call new_run(s, '', '', .false., run, error)
-    if (scene%support == 'drive') run%tangent_from = huge(1._dp)  ! not promised
-    if (.not. allocated(error)) call march(run, final_position(run), error)
+    run%asks_tangent = scene%support /= 'drive'  ! not promised there
+    if (.not. allocated(error)) call march(run, path_end(run%scene), error)
     if (.not. allocated(error)) then
       q = promised_values(run%scene, run%sums, run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
       if (scene%balls > 0 .and. scene%support == 'drive') new%balls = stiffness_of_balls(run)

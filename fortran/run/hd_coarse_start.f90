@@ -60,11 +60,11 @@ contains
   end function coarser_scene
 
   !> Guess of a load step: the state before it and the change that the coarser mesh saw, if that was solved.
-  subroutine guess(self, drive, before, position, torque, state)
+  subroutine guess(self, drive, before, assembly, torque, state)
     class(coarser_t), intent(in) :: self       !< coarser run
     type(drive_t), intent(in) :: drive         !< model of the finer mesh
     type(state_t), intent(in) :: before        !< its state at the beginning of the step
-    real(dp), intent(in) :: position(2)        !< beginning and end: 0 to 1 assembly, 1 to 2 torque
+    real(dp), intent(in) :: assembly(2)        !< fractions of the assembly at beginning and end
     real(dp), intent(in) :: torque(2)          !< torques there [N m]
     type(state_t), intent(inout) :: state      !< guess, left as it is where the coarser run knows nothing
     type(state_t) :: pair(2)
@@ -74,8 +74,8 @@ contains
     if (.not. allocated(self%model)) return
     do i = 1, 2
       call new_state(self%model%drive%problem, pair(i))
-      if (.not. position(i) > 0) cycle
-      call self%model%assembly%recall(min(position(i), 1._dp), torque(i), pair(i), found)
+      if (.not. assembly(i) > 0) cycle
+      call self%model%assembly%recall(assembly(i), torque(i), pair(i), found)
       if (.not. found) return
     end do
     state%u = before%u + prolonged(self%model%drive, drive, pair(2)%u - pair(1)%u)

@@ -8,9 +8,10 @@ module hd_march
   use hd_drive, only: touch_teeth
   use hd_error, only: error_t
   use hd_load_step, only: solve_step
+  use hd_load_path, only: place_t, operator(<), assembled, begins, path_end, step_end
   use hd_log, only: say, set_log_level, quiet
   use hd_model, only: hand_on
-  use hd_run, only: run_t, new_run, fit_run, leave_model, begins, next_position, final_position
+  use hd_run, only: run_t, new_run, fit_run, leave_model
   use hd_section, only: band_rows
   use hd_table, only: table_t
   use hd_text, only: to_text
@@ -21,17 +22,17 @@ module hd_march
 
 contains
 
-  !> Solve load steps up to a position; at the end of the last one the wave generator turns, where the scene asks for it.
+  !> Solve load steps up to a place; at the end of the last one the wave generator turns, where the scene asks for it.
   recursive subroutine march(run, to, error)
     type(run_t), intent(inout) :: run                 !< run
-    real(dp), intent(in) :: to                        !< position
+    type(place_t), intent(in) :: to                   !< end of a load step; beyond the last one: that one
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver, files
-    do while (run%position < min(to, final_position(run)) - 1e-12_dp .and. .not. allocated(error))
-      if (.not. allocated(run%coarser) .and. begins(run)) call solve_coarser(run)
+    do while (run%place < to .and. run%place < path_end(run%scene) .and. .not. allocated(error))
+      if (.not. allocated(run%coarser) .and. begins(run%scene, run%place)) call solve_coarser(run)
       call solve_step(run, error)
     end do
     if (.not. (allocated(error) .or. allocated(run%loop%turned_angle) .or. run%scene%turning_positions == 0 .or. &
-      run%position < final_position(run) - 1e-12_dp)) call turn_wave_generator(run, error)
+      run%place < path_end(run%scene))) call turn_wave_generator(run, error)
     if (allocated(error)) run%failure = error
   end subroutine march
 
@@ -50,12 +51,11 @@ contains
     call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
     coarse%clock = run%clock
     coarse%keeps_all = .true.
-    coarse%tangent_from = huge(1._dp)
-    if (.not. allocated(error)) call march(coarse, 1._dp, error)
-    if (.not. allocated(error)) call march(coarse, next_position(coarse), error)
+    coarse%asks_tangent = .false.
+    if (.not. allocated(error)) call march(coarse, step_end(assembled(coarse%scene)), error)
     call set_log_level(level)
-    run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
-    call say('start     first guess from a mesh of '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
+    run%tally%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
+    call say('start     first guess from a mesh of '//trim(run%tally%start)//', '//to_text(coarse%tally%iterations)//' iterations')
     if (allocated(coarse%model)) call coarse%model%solver%release()
     call move_alloc(coarse%model, run%coarser%model)
     run%record%timers%coarser = wall_seconds() - start
@@ -71,6 +71,7 @@ contains
     real(dp), allocatable :: mean(:, :)
     real(dp) :: start
     integer :: i, level, inner
+    logical :: kept
     start = wall_seconds()
     inner = run%model%solver%inner
     allocate (places(run%scene%turning_positions))
@@ -82,8 +83,8 @@ contains
       call hand_on(run%model, places(i)%model)
       call new_run(turned_scene(run%scene, i), '', '', .false., places(i), error)
       places(i)%clock = run%clock
-      places(i)%tangent_from = huge(1._dp)
-      if (.not. allocated(error)) call march(places(i), 1._dp, error)
+      places(i)%asks_tangent = .false.
+      if (.not. allocated(error)) call march(places(i), assembled(run%scene), error)
       call leave_model(places(i), run%model)
       if (allocated(error)) exit
       mean = mean + places(i)%state%u/size(places)
@@ -99,9 +100,9 @@ contains
     end do
     call set_log_level(level)
     call rows%close()
-    call fit_run(run, trouble)
+    call fit_run(run, kept, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    run%model%solver%inner = inner
+    if (allocated(run%model)) run%model%solver%inner = inner
     run%record%timers%turning = wall_seconds() - start
     if (allocated(error)) error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, &
       size(places)))*180/pi)//' degrees: '//error%message
@@ -112,9 +113,10 @@ contains
     type(run_t), intent(inout) :: place               !< assembled run
     real(dp), intent(in) :: mean(:, :)                !< displacements (3, n) [m]
     type(error_t), allocatable, intent(out) :: error  !< not converged, stopped
-    call fit_run(place, error)
+    logical :: kept
+    call fit_run(place, kept, error)
     if (allocated(error)) return
     call touch_teeth(place%scene, place%model%drive, mean, place%state)
-    call march(place, 2._dp, error)
+    call march(place, path_end(place%scene), error)
   end subroutine load_place
 end module hd_march

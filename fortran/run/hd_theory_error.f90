@@ -48,7 +48,7 @@ contains
     logical :: settled
     integer :: threads
     if (.not. (found%area > 0 .and. flexibility%known .and. scene%support /= 'drive')) return
-    call drive_load(drive, 1._dp, flexibility%torque, step_friction(scene, 2._dp), load, state, before)
+    call drive_load(drive, 1._dp, flexibility%torque, step_friction(scene, .true.), load, state, before)
     call update_tangent(drive%problem, state%u)
     threads = 0
     if (solver%own_threads) threads = blas_threads(1)

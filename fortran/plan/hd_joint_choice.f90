@@ -43,7 +43,7 @@ contains
       call scene_joint(other, joint, error)
       if (allocated(error)) return
     end if
-    if (scene%support == 'teeth') then
+    if (.not. scene%support%contact) then
       scene%joint_reason = 'no joint takes part'
       return
     end if
@@ -71,7 +71,7 @@ contains
     s%planned_tolerance = 0
     s%turning_positions = 0
     s%torque_steps = min(s%torque_steps, few)
-    if (s%support /= 'drive') s%assembly_steps = 1
+    if (.not. s%support%loop) s%assembly_steps = 1
     call set_log_level(quiet, level)
     allocate (run)
     call new_run(s, '', '', .false., run, error)

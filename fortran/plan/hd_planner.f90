@@ -78,12 +78,12 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
+    if (plan%scene%support%against_teeth .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
     s = meshed(plan%scene, coarse)
-    if (s%support == 'drive') s%torque_steps = min(few_steps, s%torque_steps)
+    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
     call trials%try(s, small_q, error)
     if (allocated(error)) return
     s%kinematics = 'nonlinear'
@@ -193,13 +193,13 @@ contains
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
       trim(plan%scene%joint_reason))
-    if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
+    if (.not. plan%scene%support%loop) then  ! chords of a loop need places to begin with
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     end if
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
-    if (plan%scene%support == 'drive') call choose_wave_generator(trials, plan, error)
+    if (plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
   end subroutine choose_all
@@ -394,8 +394,8 @@ contains
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
-      if (s%kinematics == 'linear') seconds(2) = merge(2._dp, 0.1_dp, s%support == 'drive')*seconds(1)
-      if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
+      if (.not. s%large()) seconds(2) = merge(2._dp, 0.1_dp, s%support%loop)*seconds(1)
+      if (s%large() .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &

@@ -100,11 +100,11 @@ contains
     allocate (run)
     call move_alloc(self%model, run%model)
     call new_run(s, '', '', .false., run, error)
-    run%asks_tangent = scene%support /= 'drive'  ! not promised there
+    run%asks_tangent = .not. scene%support%loop  ! not promised there
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
     if (.not. allocated(error)) then
       q = promised_values(run%scene, run%sums, run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
-      if (scene%balls > 0 .and. scene%support == 'drive') new%balls = stiffness_of_balls(run)
+      if (scene%balls > 0 .and. scene%support%struts) new%balls = stiffness_of_balls(run)
     end if
     call close_run(run, trouble)
     call leave_model(run, self%model)
@@ -184,8 +184,8 @@ contains
     name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
       to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
       to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
-    if (s%support == 'drive') name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
-    name = name//'_'//trim(s%support)
+    if (s%support%struts) name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
+    name = name//'_'//trim(s%support%name)
   end function name_of
 
   !> A mesh for the log.
@@ -204,7 +204,7 @@ contains
     character(len=:), allocatable :: line
     promised = promises_of(s)
     line = mesh_text(s)//', steps '//to_text(s%assembly_steps)//' + '//to_text(s%torque_steps)// &
-      merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: '
+      merge(', large', ', small', s%large())//' displacements: '
     do i = 1, promises
       if (promised(i)%first == promised(i)%last .and. abs(found%q(promised(i)%first)) > 0) line = line// &
         promise_text(promised(i), found%q)//', '

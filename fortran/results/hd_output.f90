@@ -78,9 +78,9 @@ contains
       'residual,change,open,stick,slip,damping,'// &
       'linear_error,seconds', error)
     if (.not. allocated(error)) call output%steps%open(folder//'/steps.csv', place//','//sum_names//',iterations,seconds', error)
-    if (scene%support == 'teeth' .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
+    if (scene%support%against_teeth .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
       place//',tooth,theta_rad,force_n,share,closing_m', error)
-    if (scene%support == 'drive' .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
+    if (scene%support%loop .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
     if (allocated(error)) call close_output(output)
   end subroutine open_output
 

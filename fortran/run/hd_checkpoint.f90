@@ -98,7 +98,7 @@ contains
     if (status == 0) write (unit, iostat=status) head, mark
     if (status == 0) call write_state(unit, before, status)
     if (status == 0) call write_state(unit, state, status)
-    if (status == 0 .and. scene%support == 'drive') call store_loop(loop, unit, status)
+    if (status == 0 .and. scene%support%loop) call store_loop(loop, unit, status)
     if (status == 0) then
       inquire (unit=unit, pos=head%bytes)
       head%bytes = head%bytes - 1 + storage_size(sum)/8
@@ -157,7 +157,7 @@ contains
       if (status == 0) read (unit, pos=place, iostat=status) mark
       if (status == 0) call read_state(unit, before, status)
       if (status == 0) call read_state(unit, state, status)
-      if (status == 0 .and. scene%support == 'drive') call recall_loop(loop, unit, state, status)
+      if (status == 0 .and. scene%support%loop) call recall_loop(loop, unit, state, status)
       close (unit)
     end if
     if (status /= 0) call raise(error, code_file, "'"//file_of(folder)//"' is "//cause//new_line('a')// &

@@ -117,7 +117,7 @@ contains
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), allocatable :: ends(:)
     ends = [scene%torque]
-    if (scene%support /= 'drive') return
+    if (.not. scene%support%loop) return
     ends = scene%torques(:scene%torque_count)
     if (size(ends) == 1 .and. .not. abs(ends(1)) > 0) ends = [scene%torque, 0._dp, -scene%torque, 0._dp]
   end function ends_of

@@ -4,7 +4,7 @@ module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
   use hd_contact_law, only: open_state
-  use hd_drive, only: drive_load, frictionless, step_friction, touch_teeth
+  use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
   use hd_flanks, only: remember
   use hd_friction_path, only: raise_friction
@@ -106,7 +106,7 @@ contains
     proportional = begins(run%scene, run%place)
     if (.not. run%place < assembled(run%scene)) proportional = proportional .and. all(run%state%contact /= open_state) .and. &
       .not. any(abs(run%state%traction) > 0)
-    proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
+    proportional = proportional .and. .not. run%scene%large() .and. run%scene%hard()
   end function proportional
 
   !> The contact slides: gross slip, or nothing holds where the torque itself pressed the faces and there is no friction worth the
@@ -126,7 +126,7 @@ contains
   !> Friction alone holds the torque, and is used up: under large displacements pairs then move on without end.
   pure logical function all_friction(run)
     type(run_t), intent(in) :: run  !< run
-    all_friction = run%scene%support == 'bearing' .and. run%scene%kinematics == 'nonlinear' .and. &
+    all_friction = run%scene%support%friction_alone .and. run%scene%large() .and. &
       run%sums%friction_capacity > 0 .and. abs(run%step%torque) >= nearly*run%sums%friction_capacity
   end function all_friction
 
@@ -192,11 +192,11 @@ contains
     if (step%loaded) options%torque = largest_torque(run%scene)
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
-    run%model%drive%problem%turning = run%scene%support == 'drive' .and. step%loaded
+    run%model%drive%problem%turning = run%scene%support%turns_bottom .and. step%loaded
     start = wall_seconds()
     call first_guess(run, place, step, trial)
     if (run%model%solver%own_threads) threads = blas_threads(1)
-    if (run%scene%support == 'teeth' .and. step%loaded) then
+    if (run%scene%support%against_teeth .and. step%loaded) then
       call turn_against_teeth(run, step%torque, trial, history, error)
       solved = .true.
       sliding = .false.
@@ -206,7 +206,7 @@ contains
         call raise_friction(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, &
           error)
       end if
-      sliding = sliding .and. run%scene%support == 'bearing'  ! elsewhere hub or teeth take the torque: a part of the step is easier
+      sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere hub or teeth take the torque: a part of the step is easier
     end if
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
@@ -219,7 +219,7 @@ contains
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
     if (solved) then
-      if (run%scene%support == 'drive' .and. .not. (step%loaded .or. place < assembled(run%scene))) then
+      if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
         call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
         call remember(run%model%drive%problem, load, trial)
@@ -255,7 +255,7 @@ contains
     if (run%model%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) call run%coarser%guess(run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
-    if (run%scene%support /= 'drive' .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
+    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
   end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.
@@ -263,7 +263,7 @@ contains
     type(run_t), intent(in) :: run        !< run
     type(load_t), intent(in) :: load      !< load of the step
     type(step_t), intent(in) :: step      !< its end
-    bears_less_friction = load%friction > 0 .and. .not. (step%loaded .and. run%scene%support == 'bearing') .and. &
+    bears_less_friction = load%friction > 0 .and. .not. (step%loaded .and. run%scene%support%friction_alone) .and. &
       .not. out_of_time(run)
   end function bears_less_friction
 
@@ -348,10 +348,10 @@ contains
     tries = to_text(run%scene%max_cuts)//' halvings'
     if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
-    if (run%scene%support == 'drive' .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
+    if (run%scene%support%struts .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
       ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
       'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
-    if (run%scene%support == 'drive' .and. run%scene%kinematics == 'nonlinear' .and. frictionless(run%scene)) advice = '. '// &
+    if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
       "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
     call raise(error, code_not_converged, cause//' in the '// &

@@ -3,7 +3,7 @@
 !> they depend on: a study over torque, eccentricity, w, interference, friction or joint parameters so pays for them once.
 module hd_model
   use hd_cost, only: forecast_t
-  use hd_drive, only: drive_t, frictionless, new_drive, renew_drive
+  use hd_drive, only: drive_t, new_drive, renew_drive
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_kinds, only: dp
@@ -43,7 +43,7 @@ contains
     type(error_t), allocatable, intent(out) :: error      !< mesh, memory
     kept = .false.
     if (allocated(model)) kept = same_model(scene, model%scene, .false., .false.)
-    if (kept) kept = frictionless(scene) .eqv. frictionless(model%scene)  ! soft springs hold a ring that no friction does
+    if (kept) kept = scene%frictionless() .eqv. model%scene%frictionless()  ! soft springs hold a ring that no friction does
     if (kept) then
       if (struts_move(scene, model%scene)) kept = forgets_struts(model%solver)
     end if
@@ -55,7 +55,7 @@ contains
       call give_back(model)
       allocate (model)
       call new_drive(scene, model%drive, error)
-      if (.not. allocated(error) .and. scene%kinematics == 'nonlinear') call use_lagrangian(model%drive%problem, error)
+      if (.not. allocated(error) .and. scene%large()) call use_lagrangian(model%drive%problem, error)
       if (.not. allocated(error)) call choose_solver(scene, model%drive, model%solver, model%choice, error)
     end if
     model%scene = scene
@@ -125,7 +125,7 @@ contains
   !> Balls or teeth of two scenes of one model stand in other places, or those of one scene rub.
   pure logical function struts_move(a, b)
     type(scene_t), intent(in) :: a, b  !< scenes
-    struts_move = a%support == 'drive' .and. (abs(a%cage_angle_deg - b%cage_angle_deg) > 0 .or. &
+    struts_move = a%support%struts .and. (abs(a%cage_angle_deg - b%cage_angle_deg) > 0 .or. &
       abs(a%tooth_phase - b%tooth_phase) > 0 .or. (a%tooth_friction > 0 .neqv. b%tooth_friction > 0))
   end function struts_move
 
@@ -144,7 +144,7 @@ contains
     last = merge(stage_assembly, stage_model, assembly)
     same_model = .true.
     do i = 1, size(one%rows)
-      if (one%rows(i)%stage(a%shape /= 'pressed', joint) > last) cycle
+      if (one%rows(i)%stage(a%formed(), joint) > last) cycle
       same_model = same_model .and. value_text(one%rows(i)) == value_text(two%rows(i))
     end do
   end function same_model

@@ -126,7 +126,7 @@ contains
     run%record%input = input
     call implausible(scene, run%record%warnings)
     call scene_joint(scene, run%joint, error)
-    if (.not. allocated(error) .and. scene%support /= 'teeth') call check_stiffness(run%joint, error)
+    if (.not. allocated(error) .and. scene%support%contact) call check_stiffness(run%joint, error)
   end subroutine prepare
 
   !> Mesh and factors of the scene, the run at rest.
@@ -154,7 +154,7 @@ contains
     run%record%choice = run%model%choice
     associate (law => run%model%drive%problem%law)
       if (allocated(law%joint)) deallocate (law%joint)
-      if (run%scene%contact_law == 'hard') return
+      if (run%scene%hard()) return
       allocate (law%joint)
       call tabulate_joint(run%scene, run%joint, law%joint, error)
     end associate
@@ -205,7 +205,7 @@ contains
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
-      if (run%scene%support == 'drive' .and. .not. allocated(error)) then
+      if (run%scene%support%loop .and. .not. allocated(error)) then
         call book_stress(run%loop, run%scene, run%model%drive, run%state, run%step, error)
         if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%model%drive, run%loop, run%sums%k_ts, &
           error)
@@ -225,7 +225,7 @@ contains
     logical, intent(in) :: again       !< its step is booked already
     type(load_t) :: load
     call drive_load(run%model%drive, assembly_at(run%scene, run%place), &
-      merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
+      merge(0._dp, run%step%torque, run%scene%support%against_teeth), &
       step_friction(run%scene, run%step%loaded), load, run%state, run%before)
     if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
     call evaluate_facets(run%model%drive, at_friction(run%joint, load%friction), run%state, run%facets)
@@ -233,7 +233,7 @@ contains
     run%sums%theory = theory_on(run%joint, run%model%drive, run%state)
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
     if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
-    if (run%scene%support == 'drive') then
+    if (run%scene%support%loop) then
       if (.not. again) call book(run%loop, run%scene, run%model%drive, load, run%state, run%step)
       run%sums%rotation = bottom_turn(run%model%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
@@ -251,13 +251,13 @@ contains
     real(dp) :: sense, now, start
     logical :: settled, glued
     integer :: threads
-    if (run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
+    if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
     if (run%place < assembled(run%scene) .or. .not. run%asks_tangent) return
     start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
     call drive_load(run%model%drive, 1._dp, run%step%torque, step_friction(run%scene, run%step%loaded), load, run%state, run%before)
     call update_tangent(run%model%drive%problem, run%state%u)
-    if (run%scene%support == 'drive') then  ! balls and teeth that push change from step to step, and with them the glued drive
+    if (run%scene%support%struts) then  ! balls and teeth that push change from step to step, and with them the glued drive
       run%flexibility%known = .false.
       if (.not. run%step%loaded) return
       sense = sign(1._dp, run%step%torque)
@@ -294,12 +294,12 @@ contains
     associate (f => run%flexibility)
       if (.not. f%known) return
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
-      if (run%scene%support == 'drive') return  ! a loop has no secant
+      if (run%scene%support%loop) return  ! a loop has no secant
       station = run%place%step - run%scene%assembly_steps + nint(run%place%share)
       if (run%scene%torque_steps <= most_steps) f%tangent(station) = run%sums%k_tangent
       run%sums%k_secant = run%sums%k_tangent
       if (.not. abs(f%torque) > 0) return
-      turn = merge(f%turned, run%sums%rotation, run%scene%contact_law == 'hard')/f%torque
+      turn = merge(f%turned, run%sums%rotation, run%scene%hard())/f%torque
       if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
     end associate
   end subroutine enter_stiffness
@@ -349,12 +349,12 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     type(string_t), allocatable :: lines(:)
     integer :: i
-    if (run%step%number == 0 .or. run%scene%support == 'teeth') return  ! bonded there: no joint
+    if (run%step%number == 0 .or. .not. run%scene%support%contact) return  ! bonded there: no joint
     call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
     do i = 1, size(lines)
       call push(run%record%warnings, lines(i)%s)
     end do
-    if (run%scene%support == 'drive') then
+    if (run%scene%support%loop) then
       call drive_warnings(run%loop, run%scene, lines)
       do i = 1, size(lines)
         call push(run%record%warnings, lines(i)%s)
@@ -371,7 +371,7 @@ contains
       end if
       call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
-      if (run%scene%support == 'drive') call say('drive     '//loop_text(run%loop, run%scene))
+      if (run%scene%support%loop) call say('drive     '//loop_text(run%loop, run%scene))
     end associate
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)
@@ -383,7 +383,7 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     logical :: hard                    !< the hardness is exceeded
     associate (s => run%sums, scene => run%scene)
-      if (.not. s%normal_force > 0 .and. scene%contact_mode /= 'bonded') call push(run%record%warnings, &
+      if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
         'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
       if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
         'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_tangent_nm_per_rad')
@@ -395,7 +395,7 @@ contains
         to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa: '// &
         'bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
         'edge_line_load_n_per_m, '//rounded(s%edge_line_load)//' N/m on the last tenth of the band, which converges')
-      if (run%record%planned_tolerance > 0 .and. scene%support /= 'drive' .and. .not. s%pressure_middle > 0) call push( &
+      if (run%record%planned_tolerance > 0 .and. .not. scene%support%loop .and. .not. s%pressure_middle > 0) call push( &
         run%record%warnings, 'the middle of the band is open: nothing is promised of its pressure. Read the normal force')
     end associate
   end subroutine push_stiffness_warnings
@@ -410,7 +410,7 @@ contains
     associate (t => run%sums%torque)
       call say('torque    carried by the hub '//rounded(t%hub, run%step%torque)//', the wave generator '// &
         rounded(t%wave_generator, run%step%torque)//', springs of the ring '//rounded(t%ring_springs, run%step%torque)//' N m')
-      if (run%scene%support == 'drive') return  ! drive_warnings judges the whole loop
+      if (run%scene%support%loop) return  ! drive_warnings judges the whole loop
       real_one = abs(run%step%torque)*2/run%scene%teeth
       if (.not. abs(t%wave_generator) > allowed*real_one) return
       line = 'the wave generator carries '//rounded(t%wave_generator)//' of '//to_text(run%step%torque)// &

@@ -7,6 +7,7 @@ module hd_input
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
+  use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
   use hd_text, only: string_t, push, to_text, lower, suggestion
   implicit none
@@ -42,6 +43,7 @@ contains
       call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
       if (allocated(error)) return
     end if
+    if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)

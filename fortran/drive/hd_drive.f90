@@ -12,7 +12,6 @@ module hd_drive
   use hd_scene, only: scene_t
   use hd_body, only: body_t
   use hd_face, only: face_t
-  use hd_flanks, only: remember
   use hd_formed_body, only: form_body, formed_curve, put_on_curve
   use hd_revolution, only: strip_t, revolve, strip_face
   use hd_section, only: ring_strip, cup_strip, rim_end
@@ -23,6 +22,7 @@ module hd_drive
   use hd_contact_law, only: contact_mode
   use hd_rub, only: memories, rub_t
   use hd_strut, only: absent, closing_of
+  use hd_strut_step, only: remember
   use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
   implicit none
@@ -213,7 +213,7 @@ contains
   !> Balls and flanks of the whole drive, and the bottom that turns.
   subroutine set_struts(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
-    type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
+    type(drive_t), intent(inout) :: drive  !< gets its problem's struts and wheel
     type(face_t) :: inside
     type(ball_patch_t) :: patch
     integer :: i
@@ -225,7 +225,7 @@ contains
       if (scene%balls > 0) then
         patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
         problem%struts = [ball_struts(scene, patch), problem%struts]
-        if (allocated(problem%pairing)) problem%patch = patch
+        if (allocated(problem%pairing)) problem%placing = patch
       end if
       problem%strut_rate = [0._dp*problem%struts%rate]
       if (allocated(problem%rub)) deallocate (problem%rub)
@@ -235,7 +235,7 @@ contains
         problem%strut_give = spread(problem%struts%rate*0, 2, size(problem%struts))
         problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
       end if
-      problem%hub = drive%hub
+      problem%wheel = drive%hub
     end associate
   end subroutine set_struts
 

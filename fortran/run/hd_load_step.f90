@@ -6,7 +6,6 @@ module hd_load_step
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
-  use hd_flanks, only: remember
   use hd_friction_path, only: raise_friction
   use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
     stretch, torque_at
@@ -16,6 +15,7 @@ module hd_load_step
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
   use hd_run, only: run_t, accept, place_step
+  use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub

@@ -61,10 +61,10 @@ contains
     call count_nodes(s, nodes, section, rows, thick)
     dof = 3*nodes
     images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%symmetry /= 'full' .and. &
-      .not. abs(s%eccentricity) > 0 .and. s%shape == 'pressed')
+      .not. abs(s%eccentricity) > 0 .and. .not. s%formed())
     extra = min(thick - 1, 2._dp)
     part = dof/images
-    small = s%kinematics /= 'nonlinear'
+    small = .not. s%large()
     tangent = merge(0._dp, tangent_time*dof, small)
     harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
     list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
@@ -72,7 +72,7 @@ contains
       iterations*5*harmonic, &
       memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
     list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
-      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, s%shape == 'pressed')*nodes + 4e-6_dp*s%divisions*rows**2)
+      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, .not. s%formed())*nodes + 4e-6_dp*s%divisions*rows**2)
     list(4) = cost_t('single', seconds=iterations*(factor_time(part, 0.5_dp, 0.7_dp) + krylov_time(part, 0.6_dp) + tangent), &
       memory_mb=30 + 2.7e-3_dp*nodes + 2.6e-6_dp*entries(part))
     list(5) = cost_t('symmetric', seconds=iterations*(factor_time(part, 0.5_dp, 1._dp) + krylov_time(part, 1._dp) + tangent), &
@@ -80,18 +80,18 @@ contains
     list(6) = cost_t('exact', seconds=iterations*(factor_time(dof, 1._dp, 1._dp) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
-    round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
+    round = .not. s%support%against_teeth .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
-    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')
+    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. .not. s%formed())
     list(2)%applies = s%method == 'schur'  ! pays only where it is kept for many runs
     list(3:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(3:)%name)
     if (s%factors == 'auto') then
       list(3)%applies = newton .and. round
-      list(4:5)%applies = newton .and. s%support /= 'teeth'
+      list(4:5)%applies = newton .and. .not. s%support%against_teeth
     else if (s%method == 'auto') then
       list(1)%applies = .false.
     end if
-    if (s%support == 'drive') then  ! struts and rigid motions are known to three solvers
+    if (s%support%struts) then  ! struts and rigid motions are known to three solvers
       list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
       list(2:5)%applies = .false.
       list(3)%applies = s%factors == 'auto' .and. .not. small

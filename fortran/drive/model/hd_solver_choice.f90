@@ -28,7 +28,7 @@ contains
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
     type(forecast_t), intent(out) :: choice                       !< what was predicted, and the solver that was made
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
-    choice = forecast(scene, scene%shape /= 'pressed' .or. has_circulant(drive%problem))
+    choice = forecast(scene, scene%formed() .or. has_circulant(drive%problem))
     if (count(choice%costs%applies) > 1) call say('solver    predicted: '//cost_text(choice%costs))
     associate (name => choice%costs(choice%chosen)%name)
       select case (name)
@@ -96,7 +96,7 @@ contains
       allocate (part)
       call new_symmetric_matrix(drive%problem, factors == 'single', part, error)
       call move_alloc(part, near)
-    else if (scene%shape == 'as_formed') then
+    else if (scene%formed()) then
       pressed = scene
       pressed%shape = 'pressed'
       call new_drive(pressed, round, error)

@@ -46,7 +46,7 @@ contains
   pure real(dp) function expected_error(level, scene) result(e)
     integer, intent(in) :: level        !< of the series
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
-    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support == 'drive')/band(level)**power)
+    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support%loop)/band(level)**power)
   end function expected_error
 
   !> Errors of the limits that the layers leave however well the meshes agree.
@@ -54,7 +54,7 @@ contains
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
     real(dp) :: e(promises)
     e = left
-    if (scene%support == 'drive') e = left_drive
+    if (scene%support%loop) e = left_drive
     if (scene%planned_tolerance < fine) e = share*e
   end function least_error
 

@@ -9,20 +9,21 @@ module hd_planner
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
-  use hd_job, only: resume_run, is_complete
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
     small_displacements
+  use hd_model, only: give_back
   use hd_output, only: check_folder
   use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
-  use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
-  use hd_run, only: run_t, new_run, close_run
+  use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
+  use hd_resume, only: resume_run, is_complete
+  use hd_run, only: run_t, new_run
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_text, only: string_t, push, rounded, to_text, percent
   implicit none
   private
-  public :: new_planned_run, run_planned, plan_text
+  public :: new_planned_run, plan_text
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
@@ -77,12 +78,12 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
+    if (plan%scene%support%against_teeth .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
     s = meshed(plan%scene, coarse)
-    if (s%support == 'drive') s%torque_steps = min(few_steps, s%torque_steps)
+    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
     call trials%try(s, small_q, error)
     if (allocated(error)) return
     s%kinematics = 'nonlinear'
@@ -193,13 +194,13 @@ contains
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
       trim(plan%scene%joint_reason))
-    if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
+    if (.not. plan%scene%support%loop) then  ! chords of a loop need places to begin with
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     end if
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
-    if (plan%scene%support == 'drive') call choose_wave_generator(trials, plan, error)
+    if (plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
   end subroutine choose_all
@@ -297,28 +298,35 @@ contains
   end subroutine leave_out
 
   !> Plan a scene and set up its run, or take up both.
-  subroutine new_planned_run(scene, input, folder, force, resume, run, error)
+  subroutine new_planned_run(scene, input, folder, force, resume, run, complete, error)
     type(scene_t), intent(in) :: scene                !< scene with a tolerance
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder or ''
     logical, intent(in) :: force                      !< replace earlier results
     logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped
+    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped, unless complete
+    logical, intent(out) :: complete                  !< the run in the folder is: nothing is left to do
     type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a run early
     type(trial_runs_t) :: trials
     type(plan_t) :: plan
+    complete = .false.
     if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
     if (.not. allocated(error)) call new_trial_runs(scene, folder, resume, trials, error)
-    if (.not. allocated(error)) call plan_scene(trials, scene, plan, error)
+    if (allocated(error)) return
+    if (resume) complete = is_complete(folder)
+    if (complete) return
+    call move_alloc(run%model, trials%model)
+    call plan_scene(trials, scene, plan, error)
+    call move_alloc(trials%model, run%model)
     if (allocated(error)) return
     if (resume) then
-      call resume_run(plan%scene, input, folder, run, error)
+      call resume_run(plan%scene, input, folder, run, complete, error)
     else
       call new_run(plan%scene, input, folder, force, run, error)
     end if
     if (allocated(error)) return
     run%clock = trials%begun
-    call note(plan, 'solver '//trim(run%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
+    call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
       ': found from load and state, step by step')
     run%record%planned_tolerance = scene%planned_tolerance
     run%record%estimate = plan%estimate
@@ -336,44 +344,6 @@ contains
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine new_planned_run
-
-  !> Plan a scene and run it.
-  subroutine run_planned(scene, input, folder, force, resume, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    character(len=*), intent(in) :: input             !< name of the input
-    character(len=*), intent(in) :: folder            !< output folder
-    logical, intent(in) :: force                      !< replace earlier results
-    logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
-    type(error_t), allocatable :: trouble
-    type(run_t), allocatable :: run
-    type(trial_runs_t) :: trials
-    type(promise_t) :: promised(promises)
-    character(len=:), allocatable :: text
-    logical :: complete
-    integer :: i
-    promised = promises_of(scene)
-    allocate (run)
-    complete = is_complete(folder)
-    if (resume .and. complete) then
-      call new_trial_runs(scene, folder, resume, trials, error)  ! the same scene, and planned
-      if (.not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
-      return
-    end if
-    call new_planned_run(scene, input, folder, force, resume, run, error)
-    if (allocated(error)) return
-    call solve(run, error)
-    call close_run(run, trouble)
-    if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    if (allocated(error) .or. run%record%level == 0) return
-    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
-      ' s, results in '//folder)
-    do i = 1, promises
-      text = promise_text(promised(i), run%record%limit)
-      if (len(text) > 0) call say(trim('limit     '//text//', known to '//percent(run%record%estimate(i))// &
-        merge(' in the norm', '            ', is_field(promised(i)%first))))
-    end do
-  end subroutine run_planned
 
   !> A mesh is within the memory allowed.
   logical function fits(scene)
@@ -407,6 +377,7 @@ contains
     linear = small_displacements(s)
     if (.not. allocated(error)) call trials%try(linear, q, error)
     if (.not. allocated(error)) call trials%try(s, q, error)
+    call give_back(trials%model)
     if (allocated(error)) return
     base = [trials%seconds_of(linear), trials%seconds_of(s)]
     facets = [linear%divisions*band_rows(linear), s%divisions*band_rows(s)]
@@ -424,8 +395,8 @@ contains
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
-      if (s%kinematics == 'linear') seconds(2) = merge(2._dp, 0.1_dp, s%support == 'drive')*seconds(1)
-      if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
+      if (.not. s%large()) seconds(2) = merge(2._dp, 0.1_dp, s%support%loop)*seconds(1)
+      if (s%large() .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &

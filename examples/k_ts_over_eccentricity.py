@@ -22,7 +22,7 @@ study = hdengine.Study(data / "cd14.nml", grid={"wave_generator.eccentricity": [
 result = study.run(out / "study", show=False)
 rows = result.select(torque_nm=5.0)
 x = [1e6 * row["wave_generator.eccentricity"] for row in rows]
-tangent = [row["k_ts_tangent_nm_per_rad"] for row in rows]
+tangent = [row["k_ts_bonded_nm_per_rad"] for row in rows]
 eq45 = [row["k_ts_nm_per_rad"] for row in rows]
 
 # %

@@ -20,7 +20,7 @@ COARSE = {"mesh.divisions": 24, "mesh.band_facets": 4}
 run = hdengine.run(data / "cd14.nml", out / "torque", True, **COARSE)
 steps = run.steps[run.steps["torque_nm"] > 0]
 figure, axis = plt.subplots(figsize=(6, 4))
-for name, label in (("k_ts_tangent_nm_per_rad", "tangent"), ("k_ts_secant_nm_per_rad", "secant"), ("k_ts_nm_per_rad", "Eq. 45")):
+for name, label in (("k_ts_bonded_nm_per_rad", "tangent"), ("k_ts_secant_nm_per_rad", "secant"), ("k_ts_nm_per_rad", "Eq. 45")):
     axis.plot(steps["torque_nm"], steps[name] / 1e6, "o-", label=label)
 axis.set_yscale("log")
 axis.set_xlabel("torque / N m")

@@ -24,7 +24,7 @@ print(result)
 rows = result.select(torque_nm=5.0)
 
 figure, axis = plt.subplots(figsize=(6, 4.5))
-shown = axis.scatter([row["normal_force_n"] / 1e3 for row in rows], [row["k_ts_tangent_nm_per_rad"] / 1e6 for row in rows],
+shown = axis.scatter([row["normal_force_n"] / 1e3 for row in rows], [row["k_ts_bonded_nm_per_rad"] / 1e6 for row in rows],
                      c=[row["contact.friction"] for row in rows], s=60)
 figure.colorbar(shown, label="friction")
 axis.set_xlabel("normal force / kN")

@@ -39,7 +39,7 @@ for name in ("k_n_pa_per_m_low", "k_n_pa_per_m", "k_n_pa_per_m_high"):
     np.savetxt(out / f"{name}.csv", rows, delimiter=",", comments="", header="pressure_pa,k_n_pa_per_m,k_t_pa_per_m")
     run = hdengine.run(data / "cd14.nml", out / name, True, **COARSE,
                        joint={"model": "table", "table_file": str((out / f"{name}.csv").absolute())})
-    k_ts[name] = run.steps["k_ts_tangent_nm_per_rad"][-1]
+    k_ts[name] = run.steps["k_ts_bonded_nm_per_rad"][-1]
 low, middle, high = k_ts.values()
 print(f"tangent K_TS at 5 N m: {middle:.3g} N m/rad, 95 % band {low:.3g} to {high:.3g}")
 

@@ -41,7 +41,7 @@ class Step:
     def stiffness(self) -> Any:
         """Text of what the scene is solved for: K_TS, or K_FTS against the teeth."""
         if not self.against_teeth:
-            return f"K_TS tangent {self.sums['k_ts_tangent_nm_per_rad']:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad"
+            return f"K_TS tangent {self.sums['k_ts_bonded_nm_per_rad']:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad"
         torque, turn = self.sums["torque_nm"], self.sums["rotation_rad"]
         return f"K_FTS {torque / turn:.4g} N m/rad" if torque and turn else "K_FTS -"
 

@@ -383,7 +383,7 @@ class Result:
         Returns
         -------
         dict
-            (limit, its estimated relative error, mesh over limit) by column of steps.csv: k_ts_tangent_nm_per_rad, rotation_rad,
+            (limit, its estimated relative error, mesh over limit) by column of steps.csv: k_ts_bonded_nm_per_rad, rotation_rad,
             normal_force_n, pressure_mid_mean_pa, k_fe_secant_nm_per_rad (K_FTS) and pressure_mid_max_pa. Limit and mesh over limit
             are lists for k_ts_tangent_steps_nm_per_rad (K_TS after the assembly and in each torque step; NaN: not promised) and for
             pressure_field_pa (mean pressures of 16 x 4 equal patches, along the band first); their error is the largest, or that of
@@ -391,7 +391,7 @@ class Result:
             was planned.
         """
         plan = self.summary.get("plan", {})
-        names = {"k_ts_tangent_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
+        names = {"k_ts_bonded_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
                  "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts",
                  "pressure_mid_max_pa": "mid_band_peak", "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps",
                  "pressure_field_pa": "pressure_field",
@@ -408,7 +408,7 @@ class Result:
                 stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
-            stiffness = f"K_TS tangent {_number(r['k_ts_tangent_nm_per_rad'])}, secant {_number(r['k_ts_secant_nm_per_rad'])} " \
+            stiffness = f"K_TS tangent {_number(r['k_ts_bonded_nm_per_rad'])}, secant {_number(r['k_ts_secant_nm_per_rad'])} " \
                         f"N m/rad   Eq. 45 {_number(r['k_ts_nm_per_rad'])} N m/rad, as printed {_number(r['k_ts_paper_n'])} N"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
@@ -422,8 +422,8 @@ class Result:
             k = ", ".join(f"K{i} {_number(r[f'k{i}_nm_per_rad'])}" for i in (1, 2, 3))
             lines.append(f"  drive: {k} N m/rad" + "".join(f"; {key[:-4].replace('_', ' ')} {_number(r[key])} rad" for key in (
                 "hysteresis_rad", "lost_motion_rad") if r.get(key) is not None))
-        if "k_ts_tangent_nm_per_rad" in self.limits:
-            k, error, mesh = self.limits["k_ts_tangent_nm_per_rad"]
+        if "k_ts_bonded_nm_per_rad" in self.limits:
+            k, error, mesh = self.limits["k_ts_bonded_nm_per_rad"]
             lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "
                          f"(this mesh {100 * (mesh - 1):+.2g} %)")
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])

@@ -415,10 +415,10 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
         curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key in DRIVE}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
         found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
-        middle, tangents = drive_tornado(study, ranges, "k_ts_tangent_nm_per_rad")
+        middle, tangents = drive_tornado(study, ranges, "k_ts_bonded_nm_per_rad")
         if middle > 0:
             figures["tornado_tangent.png"] = plot_tornado(middle, tangents, ranges, "Tangent, contact solved anew")
-            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_tangent_nm_per_rad"), ranges), middle)
+            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_bonded_nm_per_rad"), ranges), middle)
             found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
                                 "shares_of_variance": shares}
     found["bands_95_nm_per_rad"] = {name: band for name, band in bands(field, curves, draws).items() if band[0] < band[2]}

@@ -79,7 +79,7 @@ def drive(exe, tmp_path_factory):
 def test_summary_states_what_a_bench_measures(drive):
     """K1 to K3, hysteresis, lost motion, forces of balls and teeth and the torque on the wave generator are there and positive."""
     for key in ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "wave_generator_torque_nm",
-                "k_ts_tangent_nm_per_rad", "ball_force_max_n", "tooth_force_max_n", "von_mises_max_pa", "goodman_safety_min"):
+                "k_ts_bonded_nm_per_rad", "ball_force_max_n", "tooth_force_max_n", "von_mises_max_pa", "goodman_safety_min"):
         assert drive[0][key] > 0, key
 
 

@@ -82,7 +82,7 @@ def test_steep_faces(exe, tmp_path, table):
 def test_error_of_the_theory_is_said_and_moves_the_tangent(exe, tmp_path):
     """A run by theory says the error of k_N and what it does to the tangent: the same as a table so much softer does."""
     found, _ = run(exe, tmp_path / "o")
-    error, tangent = found["joint"]["theory_error"], found["results"]["k_ts_tangent_nm_per_rad"]
+    error, tangent = found["joint"]["theory_error"], found["results"]["k_ts_bonded_nm_per_rad"]
     said, = (line for line in found["model_error"]["left_out"] if line.startswith("joint: k_N by theory "))
     assert f"within {100 * error['ln_k_n_half_width']:.0f} % of boundary elements (95 of 100 contacts)" in said
     assert "chosen_because" not in found["joint"]
@@ -91,7 +91,7 @@ def test_error_of_the_theory_is_said_and_moves_the_tangent(exe, tmp_path):
     np.savetxt(tmp_path / "k.csv", np.column_stack([law.table_pressure, law.k_n * factor, law.k_t * factor]), delimiter=",",
                header="pressure_pa,k_n_pa_per_m,k_t_pa_per_m", comments="", fmt="%.17g")
     other, _ = run(exe, tmp_path / "p", "joint.model=table", f"joint.table_file={tmp_path / 'k.csv'}")
-    assert other["results"]["k_ts_tangent_nm_per_rad"] / tangent - 1 == pytest.approx(error["k_ts_tangent_change"], rel=1e-3)
+    assert other["results"]["k_ts_bonded_nm_per_rad"] / tangent - 1 == pytest.approx(error["k_ts_tangent_change"], rel=1e-3)
     assert other["results"]["k_ts_nm_per_rad"] / found["results"]["k_ts_nm_per_rad"] == pytest.approx(factor, rel=1e-3)
     assert -0.05 < error["k_ts_tangent_change"] < 0
 

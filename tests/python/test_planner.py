@@ -12,7 +12,7 @@ from conftest import ROOT, call
 
 CD14 = ROOT / "data/cd14.nml"
 NARROW = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "output.vtu=none"]  # few facets round the axis
-PROMISED = ("k_ts_tangent_nm_per_rad", "rotation_rad", "normal_force_n", "pressure_mid_mean_pa", "pressure_mid_max_pa",
+PROMISED = ("k_ts_bonded_nm_per_rad", "rotation_rad", "normal_force_n", "pressure_mid_mean_pa", "pressure_mid_max_pa",
             "k_ts_tangent_steps_nm_per_rad", "pressure_field_pa")
 QUICK = [*NARROW, "run.tolerance=0.3", "solver.kinematics=linear"]
 
@@ -74,7 +74,7 @@ def test_what_a_scene_does_not_have_is_not_promised(exe, tmp_path):
     assert done.returncode == 0, done.stderr
     s, _ = planned(tmp_path / "p")
     assert s["results"]["pressure_mid_mean_pa"] == 0 and s["plan"]["level"] > 0
-    assert s["model_error"]["tolerance_covers"] == ["k_ts_tangent_nm_per_rad", "normal_force_n", *PROMISED[-2:]] == list(
+    assert s["model_error"]["tolerance_covers"] == ["k_ts_bonded_nm_per_rad", "normal_force_n", *PROMISED[-2:]] == list(
         hdengine.load(tmp_path / "p").limits)
     assert not any("mid_band" in key or "rotation" in key for key in s["plan"]) and "limit     mid-band" not in done.stdout
     assert any("nothing is promised of its pressure" in w for w in s["warnings"])
@@ -106,7 +106,7 @@ def test_what_does_not_settle_is_left_out(exe, tmp_path):
     s, reasons = planned(tmp_path / "p")
     assert s["plan"]["met"] == "yes" and "not promised: K_TS of all steps where its estimated error is up to 1" in reasons
     k, error, _ = hdengine.load(tmp_path / "p").limits["k_ts_tangent_steps_nm_per_rad"]
-    assert np.isnan(k[0]) and k[-1] == pytest.approx(s["plan"]["k_ts_tangent_nm_per_rad"]) and error <= 0.1
+    assert np.isnan(k[0]) and k[-1] == pytest.approx(s["plan"]["k_ts_bonded_nm_per_rad"]) and error <= 0.1
 
 
 def test_k_fts_is_promised_against_the_teeth(exe, tmp_path):

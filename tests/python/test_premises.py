@@ -11,7 +11,7 @@ from hdengine import Joint
 
 CD14 = ROOT / "data/cd14.nml"
 SMALL = {"mesh__divisions": 32, "mesh__band_facets": 6}
-TANGENT, SECANT, OVER = "k_ts_tangent_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad"
+TANGENT, SECANT, OVER = "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad"
 
 
 def sums(**keys):
@@ -146,5 +146,5 @@ def test_model_error_stands_beside_the_tolerance(tmp_path):
     """summary.json says what the tolerance covers and what the model leaves out, with sizes where they are known."""
     plan = hdengine.run(CD14, tmp_path / "a", True, run__tolerance=0.3)
     left_out = plan.summary["model_error"]
-    assert "k_ts_tangent_nm_per_rad" in left_out["tolerance_covers"] and len(left_out["left_out"]) >= 5
+    assert "k_ts_bonded_nm_per_rad" in left_out["tolerance_covers"] and len(left_out["left_out"]) >= 5
     assert any("read" in line or "slip" in line for line in left_out["left_out"])

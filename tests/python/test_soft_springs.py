@@ -37,7 +37,7 @@ def test_it_is_the_cup_of_the_direct_solver(exe, tmp_path, keys, ours, tolerance
     found, direct = (solve(exe, tmp_path / n, *keys, *s)["results"] for n, s in (("ours", ours), ("direct", DIRECT)))
     for name in NUMBERS:
         assert found[name] == pytest.approx(direct[name], rel=within), name
-    assert found["k_ts_tangent_nm_per_rad"] == pytest.approx(direct["k_ts_tangent_nm_per_rad"], rel=1e-5)
+    assert found["k_ts_bonded_nm_per_rad"] == pytest.approx(direct["k_ts_bonded_nm_per_rad"], rel=1e-5)
 
 
 @pytest.mark.parametrize("keys", [[], EDGES], ids=str)
@@ -59,7 +59,7 @@ def test_its_tangent_with_short_cells():
     for method in ("condensed", "newton"):
         hdengine.forget()
         with hdengine.Run(GROUND, solver__method=method, **keys) as run:
-            found.append(list(run)[-1].sums["k_ts_tangent_nm_per_rad"])
+            found.append(list(run)[-1].sums["k_ts_bonded_nm_per_rad"])
     assert found[0] == pytest.approx(found[1], rel=1e-5)
 
 

@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Torsional flexibility of the drive with the rough joint between its bodies, from any converged state, and that of the same
-!> drive with the faces glued. Their difference is what the contact adds: its inverse is the tangent K_TS.
+!> drive with the faces glued, open ones too. Their difference is what the contact adds: its inverse is K_TS with the bonded drive as
+!> reference, that of Eq. 46. Most of it may be gaps, and where the contact carries no torque a softer body makes it grow: no share of
+!> a chain of springs then. `contact_alone` is of the contact only.
 !>
 !> The joint's stiffness is taken at the pressure and shear of the state, also where the contact law of the run is hard: the bodies
 !> are in equilibrium there, and the joint answers to what is added.
@@ -16,7 +18,7 @@ module hd_coupled_tangent
   use hd_rate_law, only: rate_point_t, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
   implicit none
   private
-  public :: answer_t, coupled_response, glued_response
+  public :: answer_t, coupled_response, glued_response, contact_alone
 
   !> Answer to a further unit of torque.
   type :: answer_t
@@ -70,25 +72,41 @@ contains
     call turn(drive, solver, load, sense, state, joint%mu, answer, error)
   end subroutine coupled_response
 
-  !> The same with the faces glued: all over, or only where they touch.
-  subroutine glued_response(drive, solver, load, sense, state, all_over, answer, error)
+  !> The same with the faces glued all over.
+  subroutine glued_response(drive, solver, load, sense, state, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(load_t), intent(in) :: load                     !< of the state
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
-    logical, intent(in) :: all_over                      !< what is open is glued too
     type(answer_t), intent(out) :: answer                !< to a further unit of torque
     type(error_t), allocatable, intent(out) :: error     !< linear solver
     integer :: m
     allocate (answer%points(size(state%contact)))
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
-    associate (points => answer%points, open => state%contact == open_state)
-      points(:m)%state = merge(rate_open, rate_glued, open(:m) .and. .not. all_over)
-      points(m + 1:)%state = merge(rate_open, rate_rigid, open(m + 1:))
-    end associate
+    answer%points(:m)%state = rate_glued
+    answer%points(m + 1:)%state = merge(rate_open, rate_rigid, state%contact(m + 1:) == open_state)
     call turn(drive, solver, load, sense, state, 0._dp, answer, error)
   end subroutine glued_response
+
+  !> Stiffness of the contact alone: the torque by which the faces, held rigid, turn against each other by a further unit angle, over
+  !> that angle. A point that sticks answers with the joint's stiffness along and across its shear, one that slips across it alone,
+  !> an open one not at all. The oval's lever of the pressure, w/r squared, is left out.
+  pure real(dp) function contact_alone(drive, answer) result(k)
+    type(drive_t), intent(in) :: drive     !< drive
+    type(answer_t), intent(in) :: answer   !< has its points in the states of a further torque
+    real(dp) :: along, across
+    integer :: j
+    k = 0
+    do j = 1, drive%problem%mortar%n - drive%problem%mortar%rigid
+      associate (point => answer%points(j))
+        if (point%state /= rate_stick .and. point%state /= rate_slip) cycle
+        across = point%k_0
+        along = merge(merge(point%k_t, point%k_0, point%grows), 0._dp, point%state == rate_stick)
+        k = k + drive%problem%mortar%area(j)*drive%radius**2*(point%direction(1)**2*along + (1 - point%direction(1)**2)*across)
+      end associate
+    end do
+  end function contact_alone
 
   !> Rotation of the rim under a further unit of torque.
   subroutine turn(drive, solver, load, sense, state, friction, answer, error)

@@ -14,6 +14,7 @@ module hd_facets
   use hd_torsion, only: facet_weights, printed_weights
   use hd_theory_trust, only: theory_error_t
   use hd_supports, only: support_torques_t, support_torques, moment
+  use hd_twist_shares, only: part_names
   use hd_vector, only: cross
   implicit none
   private
@@ -53,7 +54,9 @@ module hd_facets
     real(dp) :: friction = 0           !< Coulomb coefficient of the step
     real(dp) :: k_ts = 0               !< Eq. 45 put right [N m/rad]
     real(dp) :: k_ts_paper = 0         !< Eq. 45 as printed [N]
-    real(dp) :: k_tangent = 0, k_secant = 0   !< of the coupled joint (hd_coupled_tangent); NaN where there is none [N m/rad]
+    real(dp) :: k_tangent = 0, k_secant = 0   !< of what the contact adds to bonded faces (hd_coupled_tangent); NaN: none [N m/rad]
+    real(dp) :: k_contact = 0          !< of the contact alone, the same [N m/rad]
+    real(dp) :: shares(size(part_names)) = 0  !< of a loop's further twist by part; NaN where there are none
     real(dp) :: over_rotation = 0      !< torque over rotation; NaN without torque [N m/rad]
     real(dp) :: slip_area = 0          !< share of the contact area that slips
     real(dp) :: slip_force = 0         !< share of the normal force on points that slip
@@ -74,7 +77,8 @@ module hd_facets
   !> Names of what `sum_values` returns, as in steps.csv, summary.json and Python.
   character(len=*), parameter :: sum_names = 'rotation_rad,normal_force_n,reaction_force_n,facet_force_n,lobe_force_x_n,'// &
     'contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,pressure_mid_max_pa,friction_torque_nm,friction_capacity_nm,'// &
-    'torque_balance_nm,axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_tangent_nm_per_rad,k_ts_secant_nm_per_rad,'// &
+    'torque_balance_nm,axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_bonded_nm_per_rad,'// &
+    'k_ts_contact_nm_per_rad,k_ts_secant_nm_per_rad,'// &
     'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
@@ -96,8 +100,8 @@ contains
     real(dp), allocatable :: values(:)
     values = [s%rotation, s%normal_force, s%reaction_force, s%facet_force, s%lobe_force_x, s%contact_area, s%pressure_max, &
       s%pressure_middle, s%pressure_middle_max, s%friction_torque, s%friction_capacity, s%torque%balance, s%axial_balance, &
-      s%friction, s%k_ts, s%k_ts_paper, s%k_tangent, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, s%slip_k_ts, &
-      s%edge_line_load, s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
+      s%friction, s%k_ts, s%k_ts_paper, s%k_tangent, s%k_contact, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, &
+      s%slip_k_ts, s%edge_line_load, s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
   end function sum_values
 
   !> Fields on the facets. The joint answers to the pressure and shear of a point: a facet's means would lie between slip here

@@ -249,37 +249,60 @@ contains
     m = moment(drive, state, f, 1) + moment(drive, state, f, 2)
   end function moments_of_struts
 
-  !> What a catalogue reads: chords of the first rise, width at no torque, lost motion.
+  !> What a catalogue reads: chords of a rise, the last one through no torque or the first one, width at no torque, lost motion.
   pure type(readings_t) function read_loop(loop, scene) result(r)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
     real(dp) :: place(4), turn(4), sense
-    integer :: i, last
+    integer :: i, first, last, top
     if (.not. allocated(loop%torque)) return
     r%loop_area = loop%work
     if (size(loop%torque) < 2) return
     sense = sign(1._dp, loop%torque(2))
-    last = 1
-    do while (last < size(loop%torque))
-      if (.not. sense*(loop%torque(last + 1) - loop%torque(last)) > 0) exit
-      last = last + 1
-    end do
+    call find_rise(sense*loop%torque, .false., first, last)
+    top = last
+    if (scene%history == 'loop') call find_rise(sense*loop%torque, .true., first, last)
     place = [0._dp, scene%torque_1, scene%torque_2, sense*loop%torque(last)]
     do i = 1, 4
-      turn(i) = sense*between(sense*loop%torque(:last), loop%angle(:last), min(place(i), place(4)))
+      turn(i) = sense*between(sense*loop%torque(first:last), loop%angle(first:last), min(place(i), place(4)))
     end do
     do i = 1, 3
       if (place(i + 1) > place(i) .and. place(4) > place(i) .and. turn(i + 1) > turn(i)) then
         r%k(i) = (min(place(i + 1), place(4)) - place(i))/(turn(i + 1) - turn(i))
       end if
     end do
-    r%has_hysteresis = passes(loop, last, 0._dp)
-    if (r%has_hysteresis) r%hysteresis = abs(branch(loop, last, 0._dp, -1) - branch(loop, last, 0._dp, 1))
+    r%has_hysteresis = passes(loop, top, 0._dp)
+    if (r%has_hysteresis) r%hysteresis = abs(branch(loop, top, 0._dp, -1) - branch(loop, top, 0._dp, 1))
     associate (small => 0.04_dp*scene%rated_torque)
       r%has_lost_motion = passes(loop, 1, small) .and. passes(loop, 1, -small)
       if (r%has_lost_motion) r%lost_motion = middle(loop, small) - middle(loop, -small)
     end associate
   end function read_loop
+
+  !> The first rise of the torque from 0, or the last one that passes it from below; where there is none the first.
+  pure subroutine find_rise(torque, again, first, last)
+    real(dp), intent(in) :: torque(:)       !< booked steps, rising first [N m]
+    logical, intent(in) :: again            !< the last
+    integer, intent(out) :: first, last     !< steps between which it rises
+    integer :: low, high
+    first = 1
+    last = 1
+    high = 1
+    do while (high < size(torque))
+      low = high
+      do while (high < size(torque))
+        if (.not. torque(high + 1) > torque(high)) exit
+        high = high + 1
+      end do
+      if (low == 1) last = high
+      if (again .and. high > low .and. torque(low) < 0 .and. torque(high) > 0) then
+        first = low
+        last = high
+      end if
+      if (low == 1 .and. .not. again) return
+      high = max(high, low + merge(1, 0, high == low))
+    end do
+  end subroutine find_rise
 
   !> The torque passes a value falling and rising.
   pure logical function passes(loop, from, torque)

@@ -34,7 +34,7 @@ module hd_promises
   !> slowly where contact ends round the axis, and K_TS while the torque is small, where few points stick.
   logical, parameter :: needed(promises) = [.true., .true., .true., .true., .true., .false., .false., .true.]
   type(promise_t), parameter :: of_contact(promises) = [ &
-    promise_t('k_ts_tangent_nm_per_rad', 'k_ts_tangent', 'tangent K_TS', 'N m/rad', 1, 1), &
+    promise_t('k_ts_bonded_nm_per_rad', 'k_ts_tangent', 'tangent K_TS', 'N m/rad', 1, 1), &
     promise_t('rotation_rad', 'rotation', 'rotation', 'rad', 2, 2), &
     promise_t('normal_force_n', 'normal_force', 'normal force', 'N', 3, 3), &
     promise_t('pressure_mid_mean_pa', 'mid_band_pressure', 'mid-band pressure', 'Pa', 4, 4), &

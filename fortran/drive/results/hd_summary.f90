@@ -20,6 +20,7 @@ module hd_summary
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
+  use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_theory_trust, only: theory_error_t, steep
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
@@ -57,6 +58,7 @@ module hd_summary
     integer :: level = 0               !< of the series of meshes
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
+    integer :: steps = 0               !< load steps of the run
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -69,7 +71,7 @@ contains
     type(drive_t), intent(in) :: drive                        !< drive
     type(joint_t), intent(in) :: joint                        !< joint
     class(linear_solver_t), intent(in) :: solver              !< linear solver
-    type(step_t), intent(in) :: step                          !< last converged step
+    type(step_t), intent(in) :: step                          !< that the results are of: the last one, or the reference step of a loop
     type(sums_t), intent(in) :: sums                          !< its sums
     type(tally_t), intent(in) :: tally                        !< counts
     type(record_t), intent(in) :: record                      !< times, plan, warnings
@@ -82,12 +84,12 @@ contains
     call json%add('kind', 'drive')
     call json%add('title', scene%title)
     call json%begin('results')
-    call json%add('steps', step%number)
+    call json%add('steps', record%steps)
     call json%add('iterations', tally%iterations)
     call json%add('cut_backs', tally%cuts)
     call json%add('cycles', tally%cycles)
     call add_results(json, sums, record, scene%support%loop)
-    if (scene%support%loop) call add_loop(json, scene, loop)
+    if (scene%support%loop) call add_loop(json, scene, loop, step, sums)
     call json%finish()
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
@@ -220,7 +222,7 @@ contains
     call json%finish()
   end subroutine add_predictions
 
-  !> Results of the last converged step.
+  !> Results of a converged step.
   subroutine add_results(json, sums, record, whole)
     type(json_t), intent(inout) :: json      !< document
     type(sums_t), intent(in) :: sums         !< sums
@@ -246,12 +248,20 @@ contains
   end subroutine add_results
 
   !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
-  subroutine add_loop(json, scene, loop)
+  subroutine add_loop(json, scene, loop, step, sums)
     type(json_t), intent(inout) :: json    !< document
     type(scene_t), intent(in) :: scene     !< T1, T2, rated torque
     type(loop_t), intent(in) :: loop       !< booked steps
+    type(step_t), intent(in) :: step       !< reference step
+    type(sums_t), intent(in) :: sums       !< its sums
     type(readings_t) :: readings
     integer :: i
+    call json%add('reference_torque_nm', step%torque)
+    call json%begin('twist_shares')
+    do i = 1, size(part_names)
+      call json%add(trim(part_names(i)), sums%shares(i))
+    end do
+    call json%finish()
     readings = read_loop(loop, scene)
     do i = 1, 3
       if (readings%k(i) > 0) call json%add('k'//achar(iachar('0') + i)//'_nm_per_rad', readings%k(i))

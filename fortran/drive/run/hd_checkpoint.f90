@@ -5,6 +5,7 @@ module hd_checkpoint
   use hd_checksum, only: checksum, file_checksum
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_file, code_input
+  use hd_facets, only: sums_t
   use hd_input, only: read_scene
   use hd_load_path, only: place_t
   use hd_loop, only: loop_t, store_loop, recall_loop
@@ -17,10 +18,11 @@ module hd_checkpoint
   use hd_summary, only: tally_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file
   use hd_text, only: string_t
+  use hd_twist_shares, only: part_names
   use hd_version, only: version
   implicit none
   private
-  public :: mark_t, flexibility_t, save_checkpoint, load_checkpoint, drop_checkpoint, has_checkpoint, check_same_scene
+  public :: mark_t, reference_t, flexibility_t, save_checkpoint, load_checkpoint, drop_checkpoint, has_checkpoint, check_same_scene
 
   !> Flexibility of the drive with its joint, for the tangent and the secant K_TS.
   type :: flexibility_t
@@ -29,10 +31,20 @@ module hd_checkpoint
     real(dp) :: coupled = 0        !< at the last load step [rad/(N m)]
     real(dp) :: torque = 0         !< of that step [N m]
     real(dp) :: turned = 0         !< integral of the coupled one over the torque [rad]
+    real(dp) :: contact = 0        !< stiffness of the contact alone at the last load step [N m/rad]
+    real(dp) :: shares(size(part_names)) = 0   !< of the drive's further twist there
     real(dp) :: tangent(0:most_steps) = 0   !< tangent K_TS after the assembly and in each torque step, 0: none [N m/rad]
   end type flexibility_t
 
-  !> The part of a run that it goes on from, beside its last two states and its loop: written and read whole.
+  !> The step of a loop that its results are of: where the torque was largest last, in the sense of its first rise.
+  type :: reference_t
+    logical :: known = .false.    !< there was one
+    type(step_t) :: step
+    type(sums_t) :: sums
+    logical :: certain = .true.   !< its tangent is
+  end type reference_t
+
+  !> The part of a run that it goes on from, beside its states and its loop: written and read whole.
   type :: mark_t
     type(place_t) :: place, place_before    !< of the last two converged states
     real(dp) :: stride = 1                  !< longest share of a load step that is tried
@@ -42,13 +54,14 @@ module hd_checkpoint
     type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
     logical :: certain = .true.             !< the last step's tangent is
     type(tally_t) :: tally                  !< counts
+    type(reference_t) :: reference          !< of a loop
     integer(int64) :: table_sizes(6) = 0    !< of the tables that are written [bytes]
     integer(int64) :: table_sums(6) = 0     !< their checksums
   end type mark_t
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint A'
+    character(len=21) :: magic = 'hdengine checkpoint B'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change
@@ -77,11 +90,12 @@ contains
   end subroutine drop_checkpoint
 
   !> Write a checkpoint; the one before is replaced only when this one is whole.
-  subroutine save_checkpoint(folder, scene, mark, before, state, loop, error)
+  subroutine save_checkpoint(folder, scene, mark, before, state, top, loop, error)
     character(len=*), intent(in) :: folder            !< of a run
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(in) :: mark                  !< where it stands
     type(state_t), intent(in) :: before, state        !< last two converged states
+    type(state_t), intent(in) :: top                  !< that of the reference step, if there is one
     type(loop_t), intent(in) :: loop                  !< steps of a whole drive
     type(error_t), allocatable, intent(out) :: error  !< disk full
     character(len=:), allocatable :: part
@@ -98,6 +112,7 @@ contains
     if (status == 0) write (unit, iostat=status) head, mark
     if (status == 0) call write_state(unit, before, status)
     if (status == 0) call write_state(unit, state, status)
+    if (status == 0 .and. mark%reference%known) call write_state(unit, top, status)
     if (status == 0 .and. scene%support%loop) call store_loop(loop, unit, status)
     if (status == 0) then
       inquire (unit=unit, pos=head%bytes)
@@ -119,11 +134,12 @@ contains
 
   !> Read a checkpoint into states of the right size. What is not, to the last bit, what this version of the engine wrote for
   !> this scene is refused.
-  subroutine load_checkpoint(folder, scene, mark, before, state, loop, error)
+  subroutine load_checkpoint(folder, scene, mark, before, state, top, loop, error)
     character(len=*), intent(in) :: folder            !< of a run
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(out) :: mark                 !< where it stood
     type(state_t), intent(inout) :: before, state     !< at rest, then the last two converged states
+    type(state_t), intent(inout) :: top               !< gets that of the reference step
     type(loop_t), intent(inout) :: loop               !< gets the steps of a whole drive
     type(error_t), allocatable, intent(out) :: error  !< broken, of another version, scene or mesh
     type(head_t) :: head, right
@@ -157,6 +173,8 @@ contains
       if (status == 0) read (unit, pos=place, iostat=status) mark
       if (status == 0) call read_state(unit, before, status)
       if (status == 0) call read_state(unit, state, status)
+      top = state
+      if (status == 0 .and. mark%reference%known) call read_state(unit, top, status)
       if (status == 0 .and. scene%support%loop) call recall_loop(loop, unit, state, status)
       close (unit)
     end if

@@ -119,7 +119,8 @@ contains
     ends = [scene%torque]
     if (.not. scene%support%loop) return
     ends = scene%torques(:scene%torque_count)
-    if (size(ends) == 1 .and. .not. abs(ends(1)) > 0) ends = [scene%torque, 0._dp, -scene%torque, 0._dp]
+    if (size(ends) == 1 .and. .not. abs(ends(1)) > 0) ends = [scene%torque, 0._dp, -scene%torque, &
+      0._dp, scene%torque]
   end function ends_of
 
   !> Load steps of the torque.

@@ -6,6 +6,7 @@ module hd_load_step
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
+  use hd_first_turn, only: turn_once
   use hd_friction_path, only: raise_friction
   use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
     stretch, torque_at
@@ -220,6 +221,8 @@ contains
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
+        if (run%scene%history == 'turned') call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+        if (allocated(error)) return
         call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
         call remember(run%model%drive%problem, load, trial)

@@ -3,10 +3,10 @@
 module hd_run
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
-  use hd_checkpoint, only: mark_t, save_checkpoint, load_checkpoint, drop_checkpoint
+  use hd_checkpoint, only: mark_t, reference_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
   use hd_coarse_start, only: coarser_t
-  use hd_coupled_tangent, only: coupled_flexibility, glued_flexibility
+  use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, contact_alone
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
@@ -33,6 +33,7 @@ module hd_run
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
+  use hd_twist_shares, only: twist_shares
   implicit none
   private
   public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, leave_model
@@ -44,6 +45,7 @@ module hd_run
     type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
     type(joint_t) :: joint
     type(state_t) :: before, state          !< last two converged states
+    type(state_t) :: top                    !< that of the reference step of a loop
     type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
     logical :: keeps_all = .false.          !< `model` gets the states under torque too
     logical :: asks_tangent = .true.        !< steps from the end of the assembly on get a tangent K_TS
@@ -95,7 +97,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
     call prepare(scene, input, run, error)
     if (.not. allocated(error)) call build(run, error)
-    if (.not. allocated(error)) call load_checkpoint(folder, scene, run%mark_t, run%before, run%state, run%loop, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, run%mark_t, run%before, run%state, run%top, run%loop, error)
     if (.not. allocated(error)) call reopen_output(folder, scene, run%table_sizes, run%table_sums, run%step%number, run%output, &
       error)
     if (allocated(error)) return
@@ -202,6 +204,7 @@ contains
         run%sums%pressure_max*1e-6_dp
     end associate
     call say(trim(line))
+    if (run%scene%support%loop) call note_reference(run)
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
@@ -211,7 +214,7 @@ contains
           error)
       end if
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
-        .not. run%place < path_end(run%scene)))) then
+        .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
@@ -248,8 +251,8 @@ contains
     type(run_t), intent(inout) :: run                 !< gets flexibility
     type(error_t), allocatable, intent(out) :: error  !< linear solver
     type(load_t) :: load
-    real(dp) :: sense, now, start
-    logical :: settled, glued
+    type(answer_t) :: now, bonded
+    real(dp) :: sense, start
     integer :: threads
     if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
     if (run%place < assembled(run%scene) .or. .not. run%asks_tangent) return
@@ -265,19 +268,23 @@ contains
       call update_struts(run%model%drive%problem, load, run%state%u)
     end if
     threads = 0
-    glued = .true.
     if (run%model%solver%own_threads) threads = blas_threads(1)
-    if (.not. run%flexibility%known) call glued_flexibility(run%model%drive, run%model%solver, load, sense, run%state, &
-      run%flexibility%glued, glued, error)
-    if (.not. allocated(error)) call coupled_flexibility(run%model%drive, run%model%solver, at_friction(run%joint, &
-      step_friction(run%scene, .true.)), load, sense, run%state, now, settled, error)
+    bonded%settled = .true.
+    if (.not. run%flexibility%known) then
+      call glued_response(run%model%drive, run%model%solver, load, sense, run%state, bonded, error)
+      run%flexibility%glued = bonded%flexibility
+    end if
+    if (.not. allocated(error)) call coupled_response(run%model%drive, run%model%solver, at_friction(run%joint, &
+      step_friction(run%scene, .true.)), load, sense, run%state, now, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
-    run%certain = settled .and. glued
+    run%certain = now%settled .and. bonded%settled
+    run%flexibility%contact = contact_alone(run%model%drive, now)
+    if (run%scene%support%loop) run%flexibility%shares = twist_shares(run%model%drive, now, bonded)
     associate (f => run%flexibility)
-      if (f%known) f%turned = f%turned + 0.5_dp*(f%coupled + now)*(run%step%torque - f%torque)
+      if (f%known) f%turned = f%turned + 0.5_dp*(f%coupled + now%flexibility)*(run%step%torque - f%torque)
       f%known = .true.
-      f%coupled = now
+      f%coupled = now%flexibility
       f%torque = run%step%torque
     end associate
     run%record%timers%stiffness = run%record%timers%stiffness + wall_seconds() - start
@@ -291,8 +298,12 @@ contains
     integer :: station
     run%sums%k_tangent = ieee_value(1._dp, ieee_quiet_nan)
     run%sums%k_secant = run%sums%k_tangent
+    run%sums%k_contact = run%sums%k_tangent
+    run%sums%shares = run%sums%k_tangent
     associate (f => run%flexibility)
       if (.not. f%known) return
+      run%sums%k_contact = f%contact
+      if (run%scene%support%loop) run%sums%shares = f%shares
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
       if (run%scene%support%loop) return  ! a loop has no secant
       station = run%place%step - run%scene%assembly_steps + nint(run%place%share)
@@ -310,8 +321,31 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< disk full
     run%table_sizes = table_sizes(run%output)
     run%table_sums = table_sums(run%output)
-    call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%loop, error)
+    call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%top, run%loop, error)
   end subroutine save
+
+  !> Keep a step of a loop whose torque is the largest so far, in the sense of its first rise; of equals the last.
+  subroutine note_reference(run)
+    type(run_t), intent(inout) :: run  !< after a load step
+    real(dp) :: sense
+    if (.not. run%step%loaded) return
+    sense = sign(1._dp, run%loop%torque(2))
+    if (.not. sense*run%step%torque > 0) return
+    if (run%reference%known .and. sense*run%step%torque < (1 - 1e-9_dp)*sense*run%reference%step%torque) return
+    run%reference = reference_t(.true., run%step, run%sums, run%certain)
+    run%top = run%state
+  end subroutine note_reference
+
+  !> The results of a loop are those of its reference step: state, sums and facets of the run become those.
+  subroutine take_reference(run)
+    type(run_t), intent(inout) :: run  !< run at its end
+    if (.not. run%reference%known) return
+    run%state = run%top
+    run%sums = run%reference%sums
+    run%certain = run%reference%certain
+    run%step = run%reference%step
+    call evaluate_facets(run%model%drive, at_friction(run%joint, step_friction(run%scene, .true.)), run%state, run%facets)
+  end subroutine take_reference
 
   !> Close the run: warnings, last grids of a run that ended early, summary.
   subroutine close_run(run, error, interrupted)
@@ -323,12 +357,15 @@ contains
       run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
     if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%model%drive, run%model%solver, run%joint, &
       run%flexibility, run%before, run%state, run%sums%theory)
+    run%record%steps = run%step%number
+    call take_reference(run)
     call judge_results(run)
     if (.not. allocated(run%failure) .and. run%place < path_end(run%scene)) call raise(run%failure, &
       code_stopped, 'closed after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on')
     run%record%timers%total = wall_seconds() - run%clock
     if (run%writes) then
-      if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%step%number > 0) then
+      if ((run%scene%vtu == 'last' .and. run%reference%known) .or. (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. &
+        run%step%number > 0)) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       call close_output(run%output)
@@ -386,7 +423,7 @@ contains
       if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
         'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
       if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
-        'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_tangent_nm_per_rad')
+        'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_bonded_nm_per_rad')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
         'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
       hard = s%pressure_max > run%joint%asperity%hardness

@@ -129,6 +129,9 @@ contains
       '0 where bearing.balls stand for it')
     call need(faults, .not. s%spline_diameter > 0 .or. s%spline_diameter > 2*(s%bore_radius + s%rim_thickness), &
       'load.spline_diameter', s%spline_diameter, '0, or above that of the rim', 2*(s%bore_radius + s%rim_thickness))
+    call ask(faults, s%history /= 'turned' .or. (.not. s%large() .and. (s%ring_divisions == 0 .or. s%ring_divisions == &
+      s%divisions)), 'loop.history', s%history, &
+      "'loop' or 'assembled' with solver.kinematics = 'nonlinear' or with mesh.ring_divisions")
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)
   end subroutine check_drive
 

@@ -45,7 +45,7 @@ contains
       'width of this part, along the axis; 0: likewise', closed=.true.)
     call add_list(t, 'loop', 'torques', 'load', s%torques, s%torque_count, 'N m', -big, big, &
       "torques at the cup's bottom, one after the other, each reached in load.torque_steps, with support 'drive'; 0: "// &
-      'load.torque, 0, -load.torque, 0')
+      'load.torque, 0, -load.torque, 0, load.torque')
     call add_choice(t, 'loop', 'history', 'load', s%history, 'loop assembled turned', &
       'what the drive has been through where K1 to K3 are read. loop: the torque has gone up and down once, as on a bench; '// &
       'assembled: the wave generator was pushed in; turned: it has then made one turn')

@@ -17,7 +17,7 @@ from .style import new_axes, styled
 LABELS = {  # column: (label, unit, factor)
     "torque_nm": ("torque", "N m", 1), "k_ts_nm_per_rad": ("$K_{TS}$ (Eq. 45)", "MN m/rad", 1e-6),
     "k_ts_normal_nm_per_rad": ("$K_{TS}$, normal part", "MN m/rad", 1e-6),
-    "k_ts_tangent_nm_per_rad": ("$K_{TS}$, tangent", "MN m/rad", 1e-6),
+    "k_ts_bonded_nm_per_rad": ("$K_{TS}$, tangent", "MN m/rad", 1e-6),
     "k_ts_secant_nm_per_rad": ("$K_{TS}$, secant", "MN m/rad", 1e-6),
     "slip_share_k_ts": ("slipping share of Eq. 45", "%", 100), "edge_line_load_n_per_m": ("line load of the ends", "kN/m", 1e-3),
     "k_ts_paper_n": ("Eq. 45 as printed", "MN", 1e-6), "pressure_max_pa": ("peak pressure at a node", "MPa", 1e-6),

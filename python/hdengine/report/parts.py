@@ -129,7 +129,7 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-_PROMISED = {"k_ts_tangent_nm_per_rad": ("K_TS, tangent / (MN m/rad)", 1e-6), "rotation_rad": ("rotation / µrad", 1e6),
+_PROMISED = {"k_ts_bonded_nm_per_rad": ("K_TS, tangent / (MN m/rad)", 1e-6), "rotation_rad": ("rotation / µrad", 1e6),
              "normal_force_n": ("normal force / N", 1), "pressure_mid_mean_pa": ("mid-band pressure / MPa", 1e-6),
              "k_fe_secant_nm_per_rad": ("K_FTS / (kN m/rad)", 1e-3), "pressure_mid_max_pa": ("mid-band peak / MPa", 1e-6),
              "k_ts_tangent_steps_nm_per_rad": ("K_TS, tangent, of all load steps / (MN m/rad)", 1e-6),
@@ -198,8 +198,8 @@ def _stiffness(result):
         return found, k, \
             "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
     k, found = result.torsional_stiffness()[0], _readings(result.summary["results"])
-    if "k_ts_tangent_nm_per_rad" in result.limits:
-        limit, error, _ = result.limits["k_ts_tangent_nm_per_rad"]
+    if "k_ts_bonded_nm_per_rad" in result.limits:
+        limit, error, _ = result.limits["k_ts_bonded_nm_per_rad"]
         found["K_TS, tangent, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
     return found, k, \
         "The tangent K_TS is what a test can measure: the slope of torque over rotation, less what glued faces give. " \
@@ -208,7 +208,7 @@ def _stiffness(result):
 
 def _readings(results):
     """K_TS in every reading, and what of it slips."""
-    names = {"K_TS, tangent / (MN m/rad)": ("k_ts_tangent_nm_per_rad", 1e-6),
+    names = {"K_TS, tangent / (MN m/rad)": ("k_ts_bonded_nm_per_rad", 1e-6),
              "K_TS, secant / (MN m/rad)": ("k_ts_secant_nm_per_rad", 1e-6),
              "torque over rotation / (MN m/rad)": ("k_fe_secant_nm_per_rad", 1e-6),
              "K_TS by Eq. 45 / (MN m/rad)": ("k_ts_nm_per_rad", 1e-6), "Eq. 45 as printed / MN": ("k_ts_paper_n", 1e-6),
@@ -230,8 +230,8 @@ def _band_of(result, k):
     """What is known of the error of K_TS [N m/rad], as text."""
     path = result.folder / "sensitivity.json"
     known = []
-    if "k_ts_tangent_nm_per_rad" in result.limits:
-        limit, error, ratio = result.limits["k_ts_tangent_nm_per_rad"]
+    if "k_ts_bonded_nm_per_rad" in result.limits:
+        limit, error, ratio = result.limits["k_ts_bonded_nm_per_rad"]
         known.append(f"The limit {_engineering(limit)} is known to {100 * error:.2g} %; the last mesh itself gives "
                      f"{_engineering(limit * ratio)}.")
     else:
@@ -278,8 +278,8 @@ def _answer(result):
     if result.against_teeth:
         k, name = limits.get("k_fe_secant_nm_per_rad", result.secant_stiffness()[-1]), "K_FTS, cup against the teeth"
     else:
-        found = [(limits.get("k_ts_tangent_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent, limit of fine meshes"),
-                 (results.get("k_ts_tangent_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent"),
+        found = [(limits.get("k_ts_bonded_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent, limit of fine meshes"),
+                 (results.get("k_ts_bonded_nm_per_rad"), "Torsional stiffness of the contact, K_TS, tangent"),
                  (results.get("k_ts_nm_per_rad"), "Torsional stiffness of the contact, K_TS, by Eq. 45")]
         k, name = next(((v, n) for v, n in found if v is not None), (float("nan"), found[-1][1]))
     if not np.isfinite(k) or not k > 0:
@@ -324,7 +324,7 @@ def _run_parts(result, picture):
     yield from _sensitivity(result.folder)
     steps = result.steps
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
-                         "friction_torque_nm", "torque_balance_nm", "k_ts_tangent_nm_per_rad", "k_ts_secant_nm_per_rad",
+                         "friction_torque_nm", "torque_balance_nm", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad",
                          "iterations") if n in steps.dtype.names]
     name = "k_fts_nm_per_rad" if result.against_teeth else "k_ts_nm_per_rad"
     yield "Load steps", _columns([*names, name], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])

@@ -34,7 +34,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False, "image_scrapers": ("matplotlib",), "default_thumb_file": None, "matplotlib_animations": False,
     "capture_repr": (), "write_computation_times": False, "show_signature": False, "nested_sections": False}
 templates_path = []
-exclude_patterns = ["_build", "drawings", "evidence/record_ages.md", "gallery/*.ipynb", "gallery/*.py", "gallery/*.json"]
+exclude_patterns = ["_build", "drawings", "gallery/*.ipynb", "gallery/*.py", "gallery/*.json"]
 html_theme = "furo"
 html_title = "hdengine"
 html_static_path = ["_static"]
@@ -80,13 +80,10 @@ def link_figures(app, tree, page):
 
 
 def setup(app):
-    """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, list what the tests require,
-    what the commands take and how old the records are."""
+    """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, list what the commands take."""
     logging.getLogger("hdengine").setLevel(logging.WARNING)
-    runpy.run_path(str(HERE.parent / "tools/requirements_page.py"))["write"]()
     runpy.run_path(str(HERE.parent / "tools/command_line_page.py"))["write"]()
-    sys.path[:0] = [str(HERE / "drawings"), str(HERE.parent / "bench")]
-    (HERE / "evidence/record_ages.md").write_text(importlib.import_module("all").ages() + "\n")
+    sys.path[:0] = [str(HERE / "drawings")]
     for name in ("draw", "diagrams"):
         importlib.import_module(name).draw_all(HERE / "figures")
     app.connect("doctree-resolved", link_figures)

@@ -26,8 +26,7 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN = {"docs/start/install.md": "conda-forge is not reachable from the machine that runs the tests"}
 PROVED = "tools/prove_install.sh"
 BUILT = ROOT / ".venv/stamp-package"
-LONG_ROWS = {"paper_figures.md": 160}  # figures of the paper and ours, as their record has them
-LONG = {"evidence/record_ages.md", "evidence/coverage.md"}  # lists that tools make
+LONG_ROWS = {"comparison.md": 160}  # figures of the paper and ours, as their record has them
 
 
 def blocks(page):
@@ -144,7 +143,7 @@ def test_pages_have_few_words():
     for room in ("explain", "evidence"):
         for page in (ROOT / "docs" / room).glob("*.md"):
             words = sum(any(map(str.isalnum, word)) for word in BLOCK.sub("", page.read_text()).split())
-            assert words <= 1000 or f"{room}/{page.name}" in LONG, f"{page}: {words} words"
+            assert words <= 1000, f"{page}: {words} words"
 
 
 def tables(page):
@@ -157,13 +156,13 @@ def tables(page):
 
 def test_cells_fit_a_line():
     """The longest cells of a table's columns and two characters for each column's edges have at most 150 characters together, what a line of
-    960 pixels holds (7 pixels a character); no cell has more than 90, but in the notebook."""
+    960 pixels holds (7 pixels a character); no cell has more than 90."""
     made = {"api", "gallery", "_build"}
     for page in (ROOT / "README.md", *(p for p in (ROOT / "docs").rglob("*.md") if not made & set(p.parts))):
         for rows in tables(page):
             longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
             assert sum(longest) + 2 * len(longest) <= LONG_ROWS.get(page.name, 150), (page, longest)
-            assert max(longest) <= 90 or "notebook" in page.parts, (page, longest)
+            assert max(longest) <= 90, (page, longest)
 
 
 def test_list_of_words_is_whole():

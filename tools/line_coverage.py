@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One page of the lines that the tests run: docs/evidence/coverage.md. Called by ./hd coverage.
+"""Lines of the sources that the tests run, by folder, and those of each file that they do not. Called by ./hd coverage.
 
-Usage: tools/coverage_page.py BUILD PYTHON.json (a build with counters of gcov, and what coverage.py wrote)
+Usage: tools/line_coverage.py BUILD PYTHON.json (a build with counters of gcov, and what coverage.py wrote)
 """
 import json
 import subprocess
@@ -10,16 +10,6 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/evidence/coverage.md"
-HEAD = """---
-orphan: true
----
-# Coverage
-
-Lines of the sources that the tests run, and those they do not; `./hd coverage` measures and writes this page. A line that is run is not
-proved right; a line that is not run is proved nothing at all.
-
-"""
 
 
 def fortran_lines(build):
@@ -59,25 +49,20 @@ def share(run, missed):
     return 100 * run / max(1, run + missed)
 
 
-def page(files):
-    """The page as text, and the share of all lines."""
+def show(files):
+    """Print shares by folder, then the lines of each file that no test runs."""
     rooms = {}
     for name, (run, missed) in files.items():
         room = rooms.setdefault(name.rpartition("/")[0], [0, 0])
         room[0] += len(run)
         room[1] += len(missed)
-    total = [sum(r[i] for r in rooms.values()) for i in (0, 1)]
-    text = HEAD + "| folder | lines | run / % |\n|---|---|---|\n"
-    for room, (run, missed) in sorted(rooms.items()):
-        text += f"| `{room}` | {run + missed} | {share(run, missed):.1f} |\n"
-    text += f"| all | {sum(total)} | {share(*total):.1f} |\n\n| file | not run | lines |\n|---|---|---|\n"
     for name, (_, missed) in sorted(files.items(), key=lambda item: -len(item[1][1])):
         if missed:
-            text += f"| `{name}` | {len(missed)} | {ranges(missed)} |\n"
-    return text, share(*total)
+            print(f"{name}: {len(missed)} lines not run: {ranges(missed)}")
+    for room, (run, missed) in sorted(rooms.items()):
+        print(f"{room}: {share(run, missed):.1f} % of {run + missed} lines")
+    print(f"{share(*(sum(r[i] for r in rooms.values()) for i in (0, 1))):.1f} % of the lines are run by the tests")
 
 
 if __name__ == "__main__":
-    content, percent = page(fortran_lines(sys.argv[1]) | python_lines(sys.argv[2]))
-    PAGE.write_text(content)
-    print(f"{percent:.1f} % of the lines are run by the tests: {PAGE.relative_to(ROOT)}")
+    show(fortran_lines(sys.argv[1]) | python_lines(sys.argv[2]))

@@ -9,7 +9,7 @@ import tempfile
 
 import numpy as np
 
-from common import DATA, commit, read_record, save_figure, solve, write_record
+from common import DATA, read_record, save_figure, solve, write_part
 from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
@@ -105,12 +105,10 @@ def draw(rows):
 
 def main():
     """Solve, write, draw."""
-    found = read_record("drive_catalogue")
     for name, part in (("sizes", sizes), ("inputs", inputs)):
         if name in (sys.argv[1:] or ("sizes", "inputs")):
-            found[name], found["commits"][name] = part(), commit()
-            write_record("drive_catalogue", found, threads=1)
-    draw(found["sizes"])
+            write_part("drive_catalogue", name, part(), threads=1)
+    draw(read_record("drive_catalogue")["sizes"])
 
 
 if __name__ == "__main__":

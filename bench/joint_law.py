@@ -16,7 +16,7 @@ import sys
 
 import numpy as np
 
-from common import new_axes, read_record, save_figure, styled, write_record
+from common import new_axes, read_record, save_figure, styled, write_part, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction.choice import TRUST, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
@@ -133,7 +133,7 @@ def rule():
         rows.append({"fractal_dimension": d, "kind": kind, "seed": seed, "contact": short(contact, 3), "ln_error": short(np.log(theory / k_n), 3),
                      "theory": (1.96 * scatter_of(area, of_map(seen, DX)[0].waves) <= TRUST).tolist()})
         print(rows[-1], flush=True)
-    write_record("joint_choice", read_record("joint_choice") | {"maps": rows}, seed=list(SEEDS), peers=(tamaas(),))
+    write_part("joint_choice", "maps", rows, seed=list(SEEDS), peers=(tamaas(),))
 
 
 def fewer():
@@ -153,7 +153,7 @@ def fewer():
              "rms_error": float(f"{np.sqrt(np.mean(np.square(e))):.3g}"), "largest_error": float(f"{np.abs(e).max():.3g}")}
             for (n, added, label), e in errors.items()]
     print(*rows, sep="\n")
-    write_record("joint_choice", read_record("joint_choice") | {"fewer": rows}, seed=list(SEEDS), peers=(tamaas(),))
+    write_part("joint_choice", "fewer", rows, seed=list(SEEDS), peers=(tamaas(),))
 
 
 def stiffness(z, p):

@@ -18,7 +18,7 @@ from statistics import median
 
 import numpy as np
 
-from common import DATA, ONE_THREAD, commit, program, read_record, write_record
+from common import DATA, ONE_THREAD, program, write_part
 
 SCENES, DRIVES = 2023, 36   # seeds
 OPTIONS = ((0.15, "contact.law", "joint"), (0.1, "wave_generator.shape", "as_formed"), (0.15, "wave_generator.ring_contact", "unilateral"),
@@ -201,9 +201,7 @@ def main():
         found = run(kind, [args.only] if args.only is not None else range(args.count or KINDS[kind][1]))
         print(kind, found, flush=True)
         if args.only is None and args.count is None:
-            record = read_record("random_runs")
-            record["runs"][NAMES.get(kind, kind)], record["commits"][NAMES.get(kind, kind)] = found, commit()
-            write_record("random_runs", record, seed=SCENES, threads=1)
+            write_part("random_runs", NAMES.get(kind, kind), found, seed=SCENES, threads=1)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import tempfile
 import numpy as np
 
 import hdengine
-from common import DATA, commit, read_record, solve, write_record
+from common import DATA, solve, write_part
 from hdengine.catalogue import UNITS
 
 VARIED = {"as it is": {}, "e = 10 µm": {"wave_generator.eccentricity": 10e-6}, "µ = 0.05": {"contact.friction": 0.05}, "µ = 0.3": {"contact.friction": 0.3}}
@@ -114,7 +114,6 @@ PARTS = {f.__name__: f for f in (frictions, meshes, inputs, steps, kinematics, d
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:
-        record = read_record("readings")
-        record[part], record["commits"][part] = PARTS[part](), commit()
-        print(part, record[part], flush=True)
-        write_record("readings", record, threads=1)
+        found = PARTS[part]()
+        print(part, found, flush=True)
+        write_part("readings", part, found, threads=1)

@@ -88,6 +88,13 @@ def write_record(name, facts, **origin):
     return path
 
 
+def write_part(name, part, facts, **origin):
+    """Write one part of results/NAME.json anew; "commits" says which engine made each part."""
+    record = read_record(name) if (RESULTS / f"{name}.json").exists() else {}
+    commits = {**record.get("commits", {}), part: commit()}
+    return write_record(name, {**record, "commits": commits, part: facts}, **origin)
+
+
 def read_record(name):
     """Facts of a record: a list where it holds rows alone, without the provenance."""
     found = json.loads((RESULTS / f"{name}.json").read_text())

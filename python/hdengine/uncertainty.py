@@ -17,7 +17,7 @@ from .elastic import joint_of_scene
 from .results import facet_stiffness
 from .studies.study import Study
 
-# key: (low, high, why); docs/evidence/sensitivity.md has the sources
+# key: (low, high, why)
 JOINT = {
     "joint.asperity_radius": (3.74e-6, 6.30e-6, "fits to boundary elements: both cut-offs, the finer one"),
     "joint.s_min": (4.9e-13, 2.4e-12, "fits to boundary elements: the coarser cut-off, both"),

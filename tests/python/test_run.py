@@ -317,7 +317,7 @@ def test_cycling_states_are_named(exe, tmp_path):
 
 
 def test_softened_friction_stiffens_as_far_as_needed(exe, tmp_path):
-    """Short cells at the edges (scene 26 of bench/promised_scenes.py) whose states run in a cycle: with no outer step stiffer than the
+    """Short cells at the edges (scene 26 of bench/promised.py) whose states run in a cycle: with no outer step stiffer than the
     law's own scale, as formerly, sixty iterations do not suffice, and halving the load step does not help."""
     keys = {"geometry.wall_thickness": 0.753016e-3, "geometry.rim_thickness": 0.910787e-3, "geometry.ring_thickness": 0.669676e-3,
             "geometry.band_length": 9.4901e-3, "wave_generator.w": 0.293256e-3, "wave_generator.interference": 4.69408e-6,

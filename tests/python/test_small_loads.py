@@ -45,7 +45,7 @@ def test_torque_on_faces_that_touch_without_pressure(exe, tmp_path):
 
 
 def test_torque_presses_faces_that_fit(exe, tmp_path):
-    """Scene 260 of bench/random_scenes.py, seed 2026: the torque alone presses two faces formed alike. Newton's method fails with all of the
+    """Random scene 260 of seed 2026: the torque alone presses two faces formed alike. Newton's method fails with all of the
     friction, and finds the solution from one with a five-hundredth of it; no step is halved."""
     done, r = solve(exe, tmp_path / "f", "geometry.wall_thickness=0.150807e-3", "geometry.ring_thickness=0.254397e-3", "geometry.rim_thickness=0.183627e-3",
                     "mesh.divisions=40", "mesh.band_facets=5", "mesh.ring_divisions=53", "mesh.ring_facets=6", "mesh.wall_elements=4", "mesh.bottom_elements=3",

@@ -129,7 +129,7 @@ def test_predicted_order_is_the_measured_one():
                 pairs += 1
                 p = [r["predicted"][r["solver"] + predicted] for r in (a, b)]
                 wrong += (p[0] > p[1]) != (a[measured] > b[measured])
-    assert pairs > 40 and wrong == 0
+    assert pairs > 15 and wrong == 0
 
 
 @pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.method=schur"],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Contact against closed solutions, and what must not change a result. Finer meshes: bench/contact_standards.py."""
+"""Contact against closed solutions, and what must not change a result. Finer meshes: court/closed_solutions.py."""
 import csv
 import json
 import sys
@@ -11,8 +11,8 @@ import pytest
 from conftest import ROOT, call
 from hdengine import mesh, solid
 
-sys.path.insert(0, str(ROOT / "bench"))
-import contact_cases as cc  # noqa: E402
+sys.path.insert(0, str(ROOT / "court"))
+import closed_solutions as cc  # noqa: E402
 
 
 def test_hertz_line():

@@ -15,7 +15,7 @@ module hd_nufft_plan
     integer :: rows = 0                    !< rows of a tile
     real(dp) :: tolerance = 0              !< error wanted
     integer :: precision = 1               !< of the sum: 1 double, 2 single
-    real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/evidence/generator.md
+    real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/evidence/peers.md
   end type nufft_plan_t
 
   real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]

@@ -26,7 +26,7 @@ UNIT = 30.0         # slope beyond which heights are taken for those of another 
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 PATCHES = ("periodic", "free")
 PUNCH = 1.15        # stiffness of a smooth square patch over E* times its side
-OWN = 0.9           # share of a free patch's compliance that its own bulk may take (bench/joint_patch.py)
+OWN = 0.9           # share of a free patch's compliance that its own bulk may take
 
 
 @dataclass(frozen=True)

@@ -174,7 +174,7 @@ def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pr
 
 
 def coarse_error(touching: np.ndarray) -> np.ndarray:
-    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_choice.py fewer)."""
+    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_law.py fewer)."""
     return np.hypot(COARSE[0] / np.sqrt(np.maximum(touching, 1)), COARSE[1])
 
 

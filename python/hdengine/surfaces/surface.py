@@ -30,7 +30,7 @@ class Method:
     n_max, waves : int
         Largest exponent of Eq. 1 and number of waves M (n_max + 1).
     predicted_s : dict
-        Predicted time of the methods considered on the machine of docs/evidence/generator.md [s].
+        Predicted time of the methods considered on the machine of docs/evidence/peers.md [s].
     memory_mb : float
         Memory needed beside the heights [MB].
     """

@@ -70,7 +70,10 @@ class Mesh:
         ndarray (k, 4) or (k, 8)
             Nodes, corners in turn, then mid-sides.
         """
-        chosen = np.asarray(chosen)
+        try:
+            chosen = np.asarray(chosen)
+        except ValueError:  # a list of unlike lengths
+            raise InputError("chosen is no array: must be true or false for each node") from None
         if chosen.shape != (len(self.points),) or chosen.dtype.kind != "b":
             raise InputError(f"chosen has shape {chosen.shape}, {chosen.dtype}: must be true or false for each of "
                              f"{len(self.points)} nodes")

@@ -83,6 +83,7 @@ def test_specimens_hold_what_is_checked():
                        (lambda: hdengine.Joint().stiffness([1e6, np.nan]), r"pressure\[1\] = nan"),
                        (lambda: hdengine.Joint().stiffness([1e6] * 3, [1.0] * 2), r"pressure \(3,\), shear \(2,\)"),
                        (lambda: hdengine.specimen.Specimen(np.ones((3, 3)), "um"), "spacing = 'um'"),
+                       (lambda: mesh.block([0, 1], [0, 1], [0, 1]).facets([[], 1]), "chosen is no array"),
                        (lambda: hdengine.read_scene("", load={"torque": object()}), "a key takes"),
                        (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
         with pytest.raises(hdengine.InputError, match=says):

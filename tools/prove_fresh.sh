@@ -16,6 +16,7 @@ shift
 if [ ! -d "$target/usr" ]; then
   mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources 2>/dev/null | awk '/^(URIs:|deb )/ {print $2; exit}' || true)
   debootstrap --variant=minbase bookworm "$target" "$mirror" >/dev/null
+  rm -f "$target/etc/apt/sources.list"
   for f in /etc/apt /usr/share/keyrings /etc/ssl/certs /usr/local/share/ca-certificates /etc/pip.conf /etc/resolv.conf /etc/hosts \
     "${PIP_CERT:-}" "${PIP_FIND_LINKS:-}"; do
     if [ -e "$f" ]; then echo "${f#/}"; fi

@@ -55,17 +55,14 @@ contains
     call add_integer(t, 'fit', 'first_lag', 'output', s%first_lag, 1, 8388608, 'first lag of the window [points]')
     call add_integer(t, 'fit', 'last_lag', 'output', s%last_lag, 0, 8388608, &
       'last lag [points]; 0: 20, or half a row if that is less')
-    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum isotropic profile ridges paper none', &
+    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum ridges paper none', &
       'law that is fitted. ridges: the sum of Eq. 1 by the keys of &surface; spectrum: a power law, all else unknown; '// &
-      'isotropic, profile: a power law between two known wavelengths, of a map or a line; paper: Eq. 23 as printed; none: no '// &
-      'fit; auto: ridges of a generated surface, spectrum of files')
+      'paper: Eq. 23 as printed; none: no fit; auto: ridges of a generated surface, spectrum of files')
     call add_choice(t, 'fit', 'level', 'output', s%level, 'yes no', 'take the least-squares plane off')
     call add_real(t, 'fit', 'shortest_wavelength', 'output', s%shortest_wavelength, 'm', 0._dp, big, &
-      'shortest wavelength of isotropic and profile; 0: L_s of a '// &
-      'generated surface, one spacing of files', closed=.true.)
+      'with longest_wavelength: the window that spectrum fits; 0: it looks for one', closed=.true.)
     call add_real(t, 'fit', 'longest_wavelength', 'output', s%longest_wavelength, 'm', 0._dp, big, &
-      'longest wavelength; 0: L of a generated surface, the longer '// &
-      'side of files', closed=.true.)
+      'the other end of that window', closed=.true.)
     call add_real(t, 'fit', 'noise', 'output', s%noise, 'm', 0._dp, big, &
       "known rms of the instrument's white noise", closed=.true.)
     call add_choice(t, 'fit', 'fit_noise', 'output', s%fit_noise, 'no yes', 'fit the noise too')

@@ -141,7 +141,7 @@ def test_walk_with_measured_surfaces(tmp_path):
     half = whole.heights.shape[1] // 2
     for name, part in (("flexspline", whole.heights[:, :half]), ("bearing", whole.heights[:, half:2 * half])):
         specimen.save(tmp_path / f"specimen_{name}.sdf", specimen.Specimen(np.ascontiguousarray(part), whole.spacing))
-    code = "\n".join(WALK).replace("(flexspline, ring)", "(flexspline, ring, model='isotropic')")  # the spectrum leaves G open
+    code = "\n".join(WALK).replace("(flexspline, ring)", "(flexspline, ring, model='paper')")  # the spectrum leaves G open
     code = code.replace('f"data/specimen_{name}.sdf"', f'f"{tmp_path}/specimen_{{name}}.sdf"')
     code = code.replace('"data/', f'"{ROOT}/data/').replace('"tutorial.out"', repr(str(tmp_path / "out")))
     found = {}

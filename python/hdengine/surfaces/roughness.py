@@ -14,7 +14,8 @@ from .._check import array, checked, flag, integers, kind, number, optional_flag
 from .._engine import InputError
 from .fitted import Fit, Ridges
 
-_MODELS = {"isotropic": 1, "profile": 2, "ridges": 3, "paper": 4, "spectrum": 5}
+_MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
+_BANDS = {"isotropic": 1, "profile": 2}
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}
 
 
@@ -118,7 +119,7 @@ def _robust_square(z, p, q, second):
 
 
 @checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
-         model=word("isotropic", "profile"))
+         model=word(*_BANDS))
 def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: float, band: Any,
                        model: str = "isotropic") -> np.ndarray:
     """Mean structure function of a continuous band with the power of Eq. 1 (isotropic) or Eq. 2 (profile).
@@ -150,7 +151,7 @@ def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: floa
         raise InputError(f"band = {tuple(band)}: shortest and longest wavelength in m, 0 <= shortest < longest")
     top = 1 / band[0] if band[0] > 0 else inf
     tau = np.asarray(tau)
-    s = _engine.call("structure_expected", _MODELS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
+    s = _engine.call("structure_expected", _BANDS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
     return roughness ** (2 * (fractal_dimension - 2)) * s.reshape(tau.shape)
 
 
@@ -254,9 +255,9 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
         Spacing (dy, dx) [m].
     lags : (int, int)
         First and last lag [points].
-    model : {"spectrum", "isotropic", "profile", "ridges", "paper"}, optional
-        Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". "isotropic" and "profile" fit S over `lags` to a
-        band with sharp ends, which must be known. A spectrum of lines (few waves) is left for them too.
+    model : {"spectrum", "ridges", "paper"}, optional
+        Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". Where the spectrum has lines (few waves), S over
+        `lags` is fitted to a band with sharp ends, and the result names "isotropic" or, of a line, "profile".
         "paper" is the straight line with the literature's (Majumdar-Bhushan) constant: G is wrong by 2.2 (profile) or 1.4.
     surface : Ridges, optional
         What is known of a surface made by Eq. 1.
@@ -306,12 +307,11 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
     free = isinstance(noise, str)
     if (free and noise != "fit") or (not free and not 0 <= noise < inf):
         raise InputError(f'noise = {noise!r}: rms in m, >= 0, or "fit"')
-    known = surface is not None
-    waves = surface if known else Ridges(1.0, 0.5)
-    if known and waves.ridges * (waves.n_max + 1) > 4000:
+    waves = surface or Ridges(1.0, 0.5)
+    if model == "ridges" and waves.ridges * (waves.n_max + 1) > 4000:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
     options = _engine.named(
-        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted, known=known,
+        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted,
         fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],
         f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=0.0 if free else noise)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
@@ -363,7 +363,8 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, prof
         ln_roughness_error=(v["ln_g_high"] - v["ln_g_low"]) / 3.919928,
         covariance=cov, interval=_interval(v), sampling_interval=_interval(v, "_sampling"),
         noise_m=float(np.sqrt(v["noise_variance"])), verdict=_VERDICTS[int(v["verdict"])], kind=name.strip(), reason=reason.strip(),
-        model=model, weighted=weighted, ridges=ridges, ensemble="random phases" if ridges else "Gaussian field", lags=tuple(lags),
+        model=model, weighted=weighted, ridges=ridges, lags=tuple(lags),
+        ensemble="random phases" if model == "ridges" else "Gaussian field",
         band_m=tuple(band), rms=v["rms"], rms_expected=v["rms_expected"], misfit=v["misfit"], chi2=v["chi2"],
         freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,
         anisotropy=anisotropy,

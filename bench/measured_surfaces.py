@@ -22,7 +22,7 @@ def measure(path):
         f = s.fit()
     except hdengine.HdengineError as e:
         return {"file": path.name, "error": str(e)}
-    return {"file": path.name, "points": "x".join(map(str, s.heights.shape)), "spacing_m": s.spacing, "sq_m": s.parameters()["sq_m"],
+    return {"file": path.name, "points": "x".join(map(str, s.heights.shape)), "spacing_m": s.spacing, "sq_m": s.texture().numbers["sq_m"],
             "notes": list(s.notes), "model": f.model, "d": f.fractal_dimension, "d_interval": f.interval[0], "g_m": f.roughness_m,
             "g_interval_m": f.interval[1], "band_m": f.band_m, "probe_m": f.probe_m, "noise_m": f.noise_m, "misfit": f.misfit,
             "verdict": f.verdict, "kind": f.kind, "reason": f.reason}

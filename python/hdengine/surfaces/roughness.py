@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measure height maps: structure function, roughness numbers, and the fit of D and G."""
+"""Measure height maps: structure function, and the fit of D and G."""
 from __future__ import annotations
 
 from dataclasses import replace
-from math import floor, inf
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -171,65 +171,6 @@ def level(heights: ArrayLike) -> np.ndarray:
     z = np.array(_map(heights), order="F", copy=True)
     _engine.call("surface_level", z)
     return z.T.reshape(np.shape(heights))
-
-
-def parameters(heights: ArrayLike, spacing: Any) -> dict:
-    """Roughness numbers named as in ISO 25178-2, of the heights less their plane.
-
-    Parameters
-    ----------
-    heights : array_like (rows, points) or (points,)
-        Heights [m]; NaN are holes.
-    spacing : float or (float, float)
-        Spacing (dy, dx) [m].
-
-    Returns
-    -------
-    dict
-        sa_m, sq_m, sz_m, ssk, sku; sdq (root mean square gradient over one spacing: Sdq^2 = S_x(1)/dx^2 + S_y(1)/dy^2);
-        bandwidth_m: shortest and longest wavelength that the map holds, two spacings and its shorter side; nayak: Nayak's
-        bandwidth parameter m0 m4/m2^2 along rows, from first and second differences.
-    """
-    dx, dy = _spacing(spacing)
-    v = _engine.call("surface_roughness", _map(heights), dx, dy).tolist()
-    names = ("sa_m", "sq_m", "sz_m", "ssk", "sku", "sdq")
-    return dict(zip(names, v)) | {"bandwidth_m": (v[6], v[7]), "nayak": v[8]}
-
-
-def psd(heights: ArrayLike, spacing: Any, direction: str = "rows") -> tuple:
-    """Power spectral density of the heights less their plane, under a Hann window.
-
-    Parameters
-    ----------
-    heights : array_like (rows, points) or (points,)
-        Heights [m], without holes.
-    spacing : float or (float, float)
-        Spacing (dy, dx) [m].
-    direction : "rows", "columns" or "radial"
-        One-sided spectrum of profiles, mean over all; or two-dimensional spectrum, mean over rings.
-
-    Returns
-    -------
-    frequency : ndarray
-        1/wavelength [1/m], without 0.
-    density : ndarray
-        [m^3] of profiles: its integral over the frequency is Sq^2; [m^4] radial.
-
-    Raises
-    ------
-    InputError
-        The map has holes.
-    """
-    z = _map(heights)
-    dx, dy = _spacing(spacing)
-    if not isinstance(direction, str) or direction not in ("rows", "columns", "radial"):
-        raise InputError(f'direction = {direction!r}: "rows", "columns" or "radial"')
-    if direction == "radial":
-        rings = floor(0.5 * max(z.shape[0] * dx, z.shape[1] * dy) / max(dx, dy) + 1e-9)
-        return _engine.call("surface_spectrum", z, dx, dy, 1, rings)
-    if direction == "columns":
-        z, dx = np.asfortranarray(z.T), dy
-    return _engine.call("surface_spectrum", z, dx, dy, 0, z.shape[0] // 2)
 
 
 def _noise(name, value):

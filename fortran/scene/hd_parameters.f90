@@ -169,10 +169,8 @@ contains
     call add_real(t, 'load', 'tooth_friction', 'load', s%tooth_friction, '', 0._dp, 1._dp, &
       "Coulomb coefficient of the flanks, with support 'drive'; 0: without friction", closed=.true.)
     call add_real(t, 'load', 'spline_thickness', 'model', s%spline_thickness, 'm', 0._dp, big, &
-      "radial thickness of the circular spline, with support 'drive': an elastic ring of the flexspline's material under the "// &
-      'forces of the teeth; 0: rigid', closed=.true.)
-    call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
-      'axial width of the circular spline; 0: geometry.rim_length', closed=.true.)
+      "radial thickness of the circular spline, with support 'drive': an elastic ring of the flexspline's material, as wide "// &
+      'as the rim, under the forces of the teeth; 0: rigid', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the tooth pairs round the axis, in pitches; 0: they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)

@@ -14,7 +14,7 @@ module hd_scene
   !> A generated surface.
   type :: surface_t
     integer :: nx = 512, ny = 512, ridges = 10, seed = 1
-    real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp, x_0 = 0, y_0 = 0
+    real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp
     real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
     real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 0
     character(len=name_length) :: method = 'auto', precision = 'double'
@@ -24,8 +24,8 @@ module hd_scene
   type :: surface_fit_t
     character(len=path_length) :: first_file = '', second_file = ''
     integer :: first_lag = 1, last_lag = 0
-    real(dp) :: dx = 0, dy = 0, shortest_wavelength = 0, longest_wavelength = 0, noise = 0
-    character(len=name_length) :: model = 'auto', fit_noise = 'no', level = 'yes'
+    real(dp) :: dx = 0, dy = 0, shortest_wavelength = 0, longest_wavelength = 0
+    character(len=name_length) :: model = 'auto'
   end type surface_fit_t
 
   integer, parameter, public :: most_torques = 100  !< in the list of a loop
@@ -67,7 +67,7 @@ module hd_scene
     character(len=name_length) :: support = 'hub', torque_load = 'uniform'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_thickness = 0, spline_width = 0
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_thickness = 0
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5

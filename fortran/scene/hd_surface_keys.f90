@@ -19,10 +19,6 @@ contains
     call add_integer(t, 'surface', 'ny', 'output', s%ny, 1, 8388608, 'points along y')
     call add_real(t, 'surface', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x')
     call add_real(t, 'surface', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y')
-    call add_real(t, 'surface', 'x_0', 'output', s%x_0, 'm', -big, big, &
-      'x of the first point')
-    call add_real(t, 'surface', 'y_0', 'output', s%y_0, 'm', -big, big, &
-      'y of the first point')
     call add_real(t, 'surface', 'fractal_dimension', 'output', s%fractal_dimension, '', 2._dp, 3._dp, 'D of Eq. 1')
     call add_real(t, 'surface', 'roughness', 'output', s%roughness, 'm', 0._dp, big, 'G of Eq. 1')
     call add_real(t, 'surface', 'gamma', 'output', s%gamma, '', 1._dp, big, 'frequency ratio')
@@ -58,13 +54,9 @@ contains
     call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum ridges paper none', &
       'law that is fitted. ridges: the sum of Eq. 1 by the keys of &surface; spectrum: a power law, all else unknown; '// &
       'paper: Eq. 23 as printed; none: no fit; auto: ridges of a generated surface, spectrum of files')
-    call add_choice(t, 'fit', 'level', 'output', s%level, 'yes no', 'take the least-squares plane off')
     call add_real(t, 'fit', 'shortest_wavelength', 'output', s%shortest_wavelength, 'm', 0._dp, big, &
       'with longest_wavelength: the window that spectrum fits; 0: it looks for one', closed=.true.)
     call add_real(t, 'fit', 'longest_wavelength', 'output', s%longest_wavelength, 'm', 0._dp, big, &
       'the other end of that window', closed=.true.)
-    call add_real(t, 'fit', 'noise', 'output', s%noise, 'm', 0._dp, big, &
-      "known rms of the instrument's white noise", closed=.true.)
-    call add_choice(t, 'fit', 'fit_noise', 'output', s%fit_noise, 'no yes', 'fit the noise too')
   end subroutine add_fit_keys
 end module hd_surface_keys

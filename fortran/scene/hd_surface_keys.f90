@@ -28,7 +28,7 @@ contains
     call add_integer(t, 'surface', 'seed', 'output', s%seed, 0, huge(1), &
       'seed of the random phases')
     call add_real(t, 'surface', 'tolerance', 'output', s%tolerance, '', 0._dp, 0.1_dp, &
-      'rms error that the heights may have, relative to the waves, 1e-13 or more; 0: none, the same bits on every processor', &
+      'rms error that the heights may have, relative to the waves, 1e-13 or more; 0: none but rounding', &
       closed=.true.)
     call add_choice(t, 'surface', 'method', 'output', s%method, 'auto direct product nufft', &
       'evaluator of the sum of waves; auto: the fastest that keeps the tolerance (without one: nufft to 1e-12)')

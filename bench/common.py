@@ -36,9 +36,9 @@ def machine():
 
 
 def commit():
-    """Commit of the sources, with '+' behind it where files differ from it; '' outside of a repository."""
+    """Commit of the sources, with '+' behind it where files differ from it; '' outside of a repository and without git."""
     def git(*words):
-        return subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True).stdout.strip()
+        return subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which("git") else ""
     return git("rev-parse", "--short=12", "HEAD") + ("+" if git("status", "--porcelain", "--untracked-files=no", "--", "fortran", "python") else "")
 
 

@@ -24,7 +24,7 @@ contains
     call measure(z, other, dx, dy, whole('first_lag'), whole('last_lag'), yes('level'), &
       band_spectrum_t(whole('model'), number('f_lo'), number('f_hi'), &
       ridges_t(number('gamma'), whole('ridges'), whole('n_max'), number('length'))), &
-      fit_options_t(yes('weighted'), yes('known'), yes('fit_noise'), number('noise'), yes('told'), yes('mask')), m, error)
+      fit_options_t(yes('weighted'), yes('fit_noise'), number('noise'), yes('told'), yes('mask')), m, error)
   contains
     pure real(dp) function number(name)
       character(len=*), intent(in) :: name

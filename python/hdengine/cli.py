@@ -9,7 +9,6 @@ import re
 import signal
 import sys
 import threading
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -121,11 +120,7 @@ def _completion(args):
 def _study(args):
     from .studies.study import Study
 
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always", DeprecationWarning)
-        study = Study.read(args.input)
-    for note in notes:
-        print(f"warning: {note.message}", file=sys.stderr)
+    study = Study.read(args.input)
     if args.check:
         study.check()
         print(f"{args.input} is valid: {study}")

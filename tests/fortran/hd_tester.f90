@@ -52,5 +52,5 @@ program hd_tester
   call run_rub()
   call run_section()
   call run_cup_sections()
-  if (.not. report_checks()) stop 1, quiet=.true.
+  if (.not. report_checks()) stop 1
 end program hd_tester

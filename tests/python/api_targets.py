@@ -50,9 +50,7 @@ def targets():
     yield "roughness.expected_structure", roughness.expected_structure, {
         "tau": [1e-6, 2e-6], "fractal_dimension": 2.5, "roughness": 1e-8, "band": (1e-6, 1e-4), "model": "isotropic"}
     yield "roughness.level", roughness.level, {"heights": z}
-    yield "roughness.parameters", roughness.parameters, {"heights": z, "spacing": 1e-6}
-    yield "roughness.psd", roughness.psd, {"heights": z, "spacing": 1e-6, "direction": "rows"}
-    yield "roughness.fit", roughness.fit, {"heights": z, "spacing": 1e-6, "lags": (1, 8), "model": "isotropic", "surface": None,
+    yield "roughness.fit", roughness.fit, {"heights": z, "spacing": 1e-6, "lags": (1, 8), "model": "paper", "surface": None,
                                            "weighted": None, "level": True, "band": None, "noise": 0.0, "second": None}
     yield "roughness.Ridges", ridges, {"length": 1e-4, "shortest_wavelength": 1e-6, "ridges": 10, "gamma": 1.5}
     yield "specimen.Specimen.fit", specimen_fit, {"heights": z, "spacing": (1e-6, 1e-6), "name": "a", "lags": (1, 8)}
@@ -137,7 +135,7 @@ def specimen_fit(heights, spacing, name, lags):
     from hdengine import specimen
 
     made = specimen.Specimen(heights, spacing, name)
-    return made.size, made.parameters(), made.fit(lags=lags)
+    return made.size, made.texture().numbers, made.fit(lags=lags)
 
 
 def joint_stiffness(pressure, shear, area, **numbers):

@@ -74,15 +74,6 @@ def test_nothing_holds_the_cup(exe, tmp_path, mesh):
     assert len((tmp_path / "h/history.csv").read_text().splitlines()) < 20
 
 
-def test_ring_without_inner_nodes_by_schur(exe, tmp_path):
-    """All dofs of a ring of one layer that may lift off are on its faces: the Schur complement has nothing to eliminate there, and gives what
-    the harmonics give."""
-    keys = ["wave_generator.ring_contact=unilateral"]
-    (a, schur), (b, harmonics) = (solve(exe, tmp_path / m, *keys, f"solver.method={m}") for m in ("schur", "condensed"))
-    assert a.returncode == b.returncode == 0, a.stderr + b.stderr
-    assert schur.steps["normal_force_n"][-1] == pytest.approx(harmonics.steps["normal_force_n"][-1], rel=1e-7)
-
-
 def test_first_step_is_not_halved(exe, tmp_path):
     """From rest a linear scene is as hard at any share of the load: where it fails it is tried with less friction, but not in halves."""
     done, _ = solve(exe, tmp_path / "p", "solver.max_iterations=3", "load.torque_steps=0")

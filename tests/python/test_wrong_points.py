@@ -105,12 +105,12 @@ def test_a_blurred_map_does_not_jitter():
 
 
 def test_told_models_mask_too():
-    """Seven points off by 5 Sq and a seam move D of a told band by less than its standard error, and by more where they are kept."""
+    """Seven points off by 5 Sq and a seam move D of the paper's line by less than its standard error, and by more where they are kept."""
     z, spacing = rough(6)
     bad = z.copy()
     bad.flat[np.random.default_rng(7).choice(z.size, 7, replace=False)] += 5 * z.std()
     bad[:, 60:] += z.std()
-    told = {"model": "isotropic", "band": (1e-6, 128e-6)}
+    told = {"model": "paper"}
     right, masked, kept = (roughness.fit(m, spacing, outliers=o, **told) for m, o in ((z, True), (bad, True), (bad, False)))
     assert masked.spikes == 7 and masked.seams == (1, 0) and kept.spikes == 0
     assert abs(masked.fractal_dimension - right.fractal_dimension) < right.fractal_dimension_error

@@ -8,7 +8,7 @@ module hd_symmetry
   use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
-  public :: symmetry_t, sharing_t, use_symmetry, symmetrise, choose_agents, share_law, same_shape, symmetry_name, image_sector, &
+  public :: symmetry_t, sharing_t, use_symmetry, symmetrise, share_law, same_shape, symmetry_name, image_sector, &
     node_images
 
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
@@ -80,16 +80,15 @@ contains
   end function image_sector
 
   !> Symmetry to be used in a load step: what it has, at most so many images.
-  subroutine use_symmetry(problem, load, state, usable, most, demanded, symmetry, error)
+  subroutine use_symmetry(problem, load, state, most, demanded, symmetry, error)
     type(problem_t), intent(in) :: problem            !< problem
     type(load_t), intent(in) :: load                  !< load at the end of the step
     type(state_t), intent(in) :: state                !< state at its beginning
-    logical, intent(in) :: usable                     !< by the solver
     integer, intent(in) :: most                       !< images: 1, 2 or 4
     logical, intent(inout) :: demanded                !< fewer are an error; asked for in the first step only
     type(symmetry_t), intent(out) :: symmetry         !< to be used
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there
-    if (usable .and. most > 1) symmetry = limit_symmetry(find_symmetry(problem, load, state), most)
+    if (most > 1) symmetry = limit_symmetry(find_symmetry(problem, load, state), most)
     if (demanded .and. symmetry%order() < most) call raise(error, code_input, 'solver.symmetry asks for more than the '// &
       'scene has in its assembly: '//trim(symmetry_name(symmetry))//"; valid: 'auto'")
     demanded = .false.

@@ -8,7 +8,7 @@
 !> three times the steps, and without their hold the right-hand side is not one of forces in balance.
 module hd_face_system
   use hd_kinds, only: dp
-  use hd_compliance, only: compliance_t
+  use hd_circulant, only: circulant_t
   use hd_error, only: error_t
   use hd_krylov, only: operator_t, solve_gmres
   use hd_lapack, only: solve_dense
@@ -22,7 +22,7 @@ module hd_face_system
   real(dp), parameter :: single_above = 1e-6_dp  !< residual to which GMRES gets along with F in single precision
 
   type, extends(operator_t) :: face_system_t
-    class(compliance_t), pointer :: compliance => null()  !< F
+    type(circulant_t), pointer :: compliance => null()  !< F
     integer, allocatable :: rank(:)              !< unknowns of each multiplier (multipliers)
     real(dp), allocatable :: r(:, :, :)          !< rows that see displacements (3, 3, multipliers); rank rows count
     real(dp), allocatable :: p(:, :, :)          !< tractions per unknown (3, 3, multipliers); rank columns count
@@ -392,11 +392,7 @@ contains
     do l = 1, n
       self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
     end do
-    if (self%single) then
-      call self%compliance%apply_single(self%f, self%w)
-    else
-      call self%compliance%apply(self%f, self%w)
-    end if
+    call self%compliance%apply(self%single, self%f, self%w)
     do l = 1, n
       y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
       do k = self%first(l), min(self%first(l) + 2, n)

@@ -89,8 +89,8 @@ contains
     type(spline_ring_t) :: ring
     real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2)
     integer :: i, j, k, l, n
-    ring = new_spline_ring(scene%bore_radius + scene%rim_thickness, scene%spline_thickness, &
-      merge(scene%spline_width, scene%rim_length, scene%spline_width > 0), scene%flexspline_e, scene%flexspline_nu)
+    ring = new_spline_ring(scene%bore_radius + scene%rim_thickness, scene%spline_thickness, scene%rim_length, &
+      scene%flexspline_e, scene%flexspline_nu)
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs

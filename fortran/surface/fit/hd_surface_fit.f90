@@ -12,8 +12,7 @@ module hd_surface_fit
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_uncertainty, only: identity, left_over, alike, unexplained, interval_95
-  use hd_expectation, only: band_spectrum_t, expectation_t, new_expectation, expected_log, ripple, check_spectrum, &
-    d_lowest, d_highest, &
+  use hd_expectation, only: band_spectrum_t, expectation_t, new_expectation, expected_log, d_lowest, d_highest, &
     model_profile, model_ridges, model_paper
   implicit none
   private
@@ -22,7 +21,6 @@ module hd_surface_fit
   !> How to fit.
   type :: fit_options_t
     logical :: weighted = .false.     !< weight by the inverse covariance of ln S (only sound if the model is exact)
-    logical :: known = .false.        !< the surface is the sum `ridges`: its covariance is that of random phases
     logical :: fit_noise = .false.    !< white instrument noise is a third unknown
     real(dp) :: noise = 0             !< known rms noise, taken off S [m]
     logical :: told_band = .false.    !< the band of the model is told, not a guess: a spectrum is fitted over it
@@ -61,8 +59,6 @@ contains
     real(dp) :: y(size(o%lag)), shift(size(o%lag)), d, b, share, off
     integer :: i, n
     n = size(o%lag)
-    call check_spectrum(p, error)
-    if (allocated(error)) return
     off = 2 * options%noise**2
     if (.not. all(o%s - off > 0)) then
       i = findloc(o%s - off > 0, .false., 1)
@@ -74,7 +70,7 @@ contains
     e = new_expectation(o, p)
     white = patches(o, options%weighted .or. p%model == model_paper)
     shift = 0
-    if (.not. options%known) call split_directions(o, e, y, white, shift)
+    if (p%model /= model_ridges) call split_directions(o, e, y, white, shift)
     y = y - shift
     call search(e, y, white, about, options%fit_noise, d, b, share)
     do i = 1, merge(2, 1, options%weighted)
@@ -243,7 +239,7 @@ contains
     end if
     kind = merge(kind_profile, kind_isotropic, p%model == model_profile)
     t = new_radial(kind, d, scale, f_lo, f_hi, min(o%dx, o%dy), 2 * hypot(o%nx * o%dx, o%ny * o%dy))
-    if (options%known) then
+    if (p%model == model_ridges) then
       call wave_numbers(p%ridges, qx, qy)
       a2 = [(levels_of(p%ridges, d) * scale, i=1, p%ridges%count)]
       call wave_covariance(o, qx, qy, a2, cov)
@@ -299,7 +295,7 @@ contains
     type(fit_t), intent(out) :: r                       !< result
     type(error_t), allocatable, intent(out) :: error    !< internal
     real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :), curved(:, :)
-    real(dp) :: res(size(y)), off_by(size(y)), spare
+    real(dp) :: res(size(y)), spare
     integer :: i, n, unknowns
     n = size(y)
     unknowns = merge(3, 2, options%fit_noise)
@@ -319,11 +315,7 @@ contains
     r%rms_expected = sqrt(max(left_over(identity(n), hat, cov), 0._dp) / n)
     total = cov
     sure = cov
-    if (options%known .and. p%model <= model_profile) then
-      off_by = ripple(o, p, e, d, share)                ! a bias, not a matter of chance
-      r%misfit = sqrt(sum(off_by**2) / n)
-      res = res - off_by
-    else if (.not. options%weighted .and. p%model /= model_ridges) then
+    if (.not. options%weighted .and. p%model /= model_ridges) then
       like = alike(o, 0.3_dp)
       spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
       r%misfit = sqrt(spare / left_over(white, hat, like))

@@ -3,7 +3,7 @@
 module hd_specimen_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_ridges, model_paper, model_spectrum
+  use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
   use hd_json, only: json_t
   use hd_log, only: say
   use hd_measurement, only: measurement_t, measure
@@ -32,7 +32,7 @@ module hd_specimen_fit
   type :: found_t
     character(len=10) :: name = ''              !< of the specimen, or equivalent
     character(len=:), allocatable :: file       !< that the specimen comes from
-    character(len=9) :: model = ''              !< isotropic, profile, ridges or paper
+    character(len=9) :: model = ''              !< spectrum, ridges or paper; isotropic or profile where the spectrum has lines
     logical :: weighted = .false.               !< by the inverse covariance, of random phases
     integer :: lags(2) = 0                      !< window [points]
     real(dp) :: band(2) = 0                     !< shortest and longest wavelength of the model [m]
@@ -163,12 +163,10 @@ contains
     end if
     if (r%model == 'ridges' .and. .not. small) then
       call raise(error, code_input, "fit.model = 'ridges' takes up to "//to_text(most_waves)//' waves, &surface makes '// &
-        to_text((n_max + 1._dp) * map%ridges)//": take 'isotropic'")
+        to_text((n_max + 1._dp) * map%ridges)//": take 'spectrum'")
       return
     end if
     select case (r%model)
-    case ('isotropic'); model = model_isotropic
-    case ('profile'); model = model_profile
     case ('ridges'); model = model_ridges
     case ('spectrum'); model = model_spectrum
     case default; model = model_paper
@@ -182,9 +180,9 @@ contains
     if (f%shortest_wavelength > 0) r%band(1) = f%shortest_wavelength
     if (f%longest_wavelength > 0) r%band(2) = f%longest_wavelength
     told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0
-    call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), f%level == 'yes', &
+    call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), .true., &
       band_spectrum_t(model, 1 / r%band(2), 1 / r%band(1), ridges), &
-      fit_options_t(r%weighted, r%weighted, f%fit_noise == 'yes', f%noise, told), r%m, error)
+      fit_options_t(weighted=r%weighted, told_band=told), r%m, error)
     if (allocated(error)) return
     r%ridges = ridges
     if (r%m%of_lines) r%model = merge('profile  ', 'isotropic', size(s%z, 2) == 1)

@@ -12,7 +12,6 @@ from .._check import path as a_path
 from .._engine import FileError
 from ..contact import _assignments, read_scene
 from .study import Study
-from .study_file import is_study
 
 TOLERANCE = 0.1  # where the scene names none
 
@@ -48,7 +47,7 @@ def plan(path: str | os.PathLike, tolerance: float | None = None, keys: dict | N
     if not path.is_file():
         raise FileError(f"'{path}' cannot be read")
     head = ""
-    if is_study(path):
+    if path.suffix.lower() == ".toml":
         study = Study.read(path)
         head = f"{len(study.points)} points; the first of them:\n"
         path, keys = study.scene, {**study.fixed, **study.points[0], **keys}

@@ -20,7 +20,7 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--spacing", "--dx", type=float, help="distance of points [m] of files that state no size")
     parser.add_argument("--lags", type=int, nargs=2, default=(1, 20), metavar=("FIRST", "LAST"), help="window in points")
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
-    parser.add_argument("--model", choices=("isotropic", "profile", "ridges", "paper"), help="default: by what is known")
+    parser.add_argument("--model", choices=("spectrum", "ridges", "paper"), help="default: by what is known")
     parser.add_argument("--ridges", metavar="L,L_s,M,gamma", help="the surfaces are sums of Eq. 1 with these numbers")
     parser.add_argument("--form", default="plane", help="form taken off first: none, plane, poly2 to poly8, or cylinder (rings)")
     parser.add_argument("--s-filter", type=float, metavar="M", help="nesting index of the S-filter of the areal numbers [m]")

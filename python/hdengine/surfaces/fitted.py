@@ -65,7 +65,7 @@ class Fit:
     verdict: str                            #: "fractal", "not fractal" or "noise-dominated"
     kind: str                               #: what it is: fractal, sine, square wave, steps, plane, constant, white noise, ...
     reason: str                             #: why
-    model: str                              #: spectrum, isotropic, profile, ridges or paper
+    model: str                              #: spectrum, ridges or paper; isotropic or profile where the spectrum has lines
     weighted: bool                          #: by the inverse covariance of ln S
     ensemble: str                           #: covariance taken from: "random phases" or "Gaussian field"
     lags: tuple                             #: window, first and last lag [points]

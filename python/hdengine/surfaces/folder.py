@@ -53,7 +53,7 @@ def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint
     surfaces = {}
     for i, (name, s) in enumerate(zip(names, specimens)):
         surfaces[name] = {"points": s.heights.shape, "spacing_m": s.spacing, "size_m": s.size, "notes": s.notes,
-                          "roughness": s.parameters(), "areal": _areal(textures[i]), **_told(fits[i])}
+                          "areal": _areal(textures[i]), **_told(fits[i])}
         if i < len(sources):
             surfaces[name] |= {"file": str(sources[i]), "sha256": hashlib.sha256(Path(sources[i]).read_bytes()).hexdigest()}
     files: dict[str, Any] = {}

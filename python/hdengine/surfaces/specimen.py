@@ -67,10 +67,6 @@ class Specimen:
         """`roughness.structure_function` of this specimen."""
         return roughness.structure_function(self.heights, self.spacing, lags, direction, second)
 
-    def parameters(self) -> Any:
-        """`roughness.parameters` of this specimen."""
-        return roughness.parameters(self.heights, self.spacing)
-
     def texture(self, **options: Any) -> Any:
         """`texture.texture` of this specimen (form, filters, areal numbers); takes its options."""
         from .texture import texture

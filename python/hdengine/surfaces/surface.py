@@ -169,13 +169,13 @@ def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: floa
     ridges : int
         M, the number of directions.
     seed : int
-        Seed of the phases. Without a tolerance the heights of a seed are the same bits on every platform and for any number of
-        threads.
+        Seed of the phases. The heights of a seed are the same bits for any number of threads, those of 'direct' on every
+        platform too.
     origin : float or (float, float)
         First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
     tolerance : float or None
         Root mean square error allowed, relative to the waves, 1e-13 to 0.1: lets 'auto' take the non-uniform FFT, which many
-        waves need, and 'product' sum as fast as it can. None: exact to rounding.
+        waves need, and 'product' single precision. None: exact to rounding.
     method : str
         'direct' (term by term), 'product' (matrix products), 'nufft' (without a tolerance: to 1e-12); 'auto' takes the one
         predicted to be the fastest that keeps the tolerance.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Areal numbers of ISO 25178-2 beyond those of `roughness.parameters`: after form removal and filters."""
+"""Areal numbers of ISO 25178-2 after form removal and filters."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field

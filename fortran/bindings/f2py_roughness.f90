@@ -188,10 +188,10 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, options, no, n, columns
   text = ''
   call measure_flat(z, other, dx, dy, options, m, error)
   if (.not. allocated(error)) then
-    call fit_numbers(m, columns, numbers)
-    call fit_curves(m, curves)
-    call fit_rings(m, rings)
-    call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
+    call fit_numbers(m, columns, numbers, error)
+    if (.not. allocated(error)) call fit_curves(m, curves, error)
+    if (.not. allocated(error)) call fit_rings(m, rings, error)
+    if (.not. allocated(error)) call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
   end if
   call tell(error, status, message)
 end subroutine surface_fit

@@ -232,12 +232,6 @@ def _after_fork():
 os.register_at_fork(before=lambda: _lock.acquire(), after_in_parent=lambda: _lock.release(), after_in_child=_after_fork)
 
 
-def asperity(*args: Any) -> Any:
-    """Entry `asperity` of the extension (it cannot fail)."""
-    with _lock:
-        return _hdengine.asperity(*args)
-
-
 def joint_moduli(*args: float) -> tuple[float, float]:
     """Entry `joint_moduli` of the extension (it cannot fail)."""
     return _hdengine.joint_moduli(*args)
@@ -250,8 +244,16 @@ def names(values: str) -> tuple[str, ...]:
 
 
 def named(values: str, **given: Any) -> np.ndarray:
-    """A list of numbers for the engine, from its values by name."""
-    return np.array([float(given.pop(name)) for name in names(values)])
+    """A list of numbers for the engine, from its values by name.
+
+    Raises
+    ------
+    InternalError
+        A name is missing, or is none of the list's.
+    """
+    if wrong := set(given) ^ set(names(values)):
+        raise InternalError(f"the list '{values}' and the names given differ by {', '.join(sorted(wrong))}")
+    return np.array([float(given[name]) for name in names(values)])
 
 
 def version() -> Any:

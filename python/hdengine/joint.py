@@ -390,5 +390,6 @@ class Joint:
         by_area : ndarray (3,)
             Load [N], normal and tangential stiffness [N/m].
         """
-        properties, by_depth, by_area = _engine.asperity(self._parameters(), depth, area, tau, int(smooth))
-        return dict(zip(_engine.names("asperity"), properties)), by_depth, by_area
+        names = _engine.names("asperity")
+        properties, by_depth, by_area = _engine.call("asperity", self._parameters(), depth, area, tau, int(smooth), len(names))
+        return dict(zip(names, properties)), by_depth, by_area

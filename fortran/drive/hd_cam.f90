@@ -6,6 +6,7 @@
 !> that are even on the circle are even by arc length on a curve parallel to the profile. The distance h of that curve sets its
 !> length, which grows by 2 pi h.
 module hd_cam
+  use hd_gauss, only: gauss_8, weight_8
   use hd_kinds, only: dp, pi
   use hd_cam_table, only: cam_table_t, read_cam_table, radius_deviation
   use hd_error, only: error_t, raise, code_input
@@ -17,9 +18,6 @@ module hd_cam
 
   integer, parameter :: panels = 128              !< of a smooth profile
   real(dp), parameter :: largest_misfit = 0.02_dp  !< of the radius of a measured curve and the ring's, relative
-  real(dp), parameter :: gauss(4) = [0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, 0.9602898564975363_dp]
-  real(dp), parameter :: weight(4) = [0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
-  real(dp), parameter :: place(8) = [-gauss(4:1:-1), gauss], share(8) = [weight(4:1:-1), weight]/2
 
   !> A profile and the circle that goes on it.
   type :: cam_t
@@ -254,12 +252,12 @@ contains
     real(dp), intent(in) :: low, high              !< [rad]
     real(dp), intent(inout), optional :: moment    !< int phi ds [m rad]
     real(dp), dimension(8) :: phi, r, dr, ddr, speed
-    phi = (low + high)/2 + (high - low)/2*place
+    phi = (low + high)/2 + (high - low)/2*gauss_8
     call self%cam%polar(self%w, phi, r, dr, ddr)
     speed = hypot(r, dr)
     speed = speed + self%parallel*(r**2 + 2*dr**2 - r*ddr)/speed**2  ! parallel curves: the turn of the normal times the distance
-    s = (high - low)*sum(share*speed)
-    if (present(moment)) moment = moment + (high - low)*sum(share*speed*phi)
+    s = (high - low)*sum(weight_8/2*speed)
+    if (present(moment)) moment = moment + (high - low)*sum(weight_8/2*speed*phi)
   end function step
 
   !> Put a point of the circle on the curve.

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Segments: the overlaps of the facets of two faces on their chart, with integration points.
 module hd_segment
+  use hd_gauss, only: gauss_8, weight_8
   use hd_kinds, only: dp
   use hd_face, only: face_t, shape_facet, shape_corner
   implicit none
@@ -30,12 +31,6 @@ module hd_segment
     rb, rb, 1 - 2*rb, rb, rb, 1 - 2*rb], [2, 7])
   real(dp), parameter :: wa = 0.12593918054482715_dp, wb = 0.13239415278850618_dp
   real(dp), parameter :: weight(7) = [0.225_dp, wa, wa, wa, wb, wb, wb]
-
-  !> Gauss's rule of eight points on (-1, 1): for facets that are no parallelograms, whose shape functions are no polynomials of x.
-  real(dp), parameter :: gauss(8) = [-0.9602898564975363_dp, -0.7966664774136267_dp, -0.5255324099163290_dp, &
-    -0.1834346424956498_dp, 0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, 0.9602898564975363_dp]
-  real(dp), parameter :: gauss_weight(8) = [0.1012285362903763_dp, 0.2223810344533745_dp, 0.3137066458778873_dp, &
-    0.3626837833783620_dp, 0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
 
 contains
 
@@ -177,11 +172,11 @@ contains
         do p = 1, 7
           call add(middle + rule(1, p)*u + rule(2, p)*v, weight(p)*area)
         end do
-      else
+      else  ! facets that are no parallelograms have shape functions that are no polynomials of x
         do p = 1, 8
           do q = 1, 8
-            call add(middle + (1 + gauss(p))/4*((1 - gauss(q))*u + (1 + gauss(q))*v), &
-              (1 + gauss(p))/4*gauss_weight(p)*gauss_weight(q)*area)
+            call add(middle + (1 + gauss_8(p))/4*((1 - gauss_8(q))*u + (1 + gauss_8(q))*v), &
+              (1 + gauss_8(p))/4*weight_8(p)*weight_8(q)*area)
           end do
         end do
       end if

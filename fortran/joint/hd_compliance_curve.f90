@@ -4,6 +4,7 @@
 !> Below the table k goes on as a power of P, with an exponent between 0 and 1; above it k stays. The closure int dP/k counts from
 !> the first entry.
 module hd_compliance_curve
+  use hd_gauss, only: gauss_4, weight_4
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
@@ -11,10 +12,7 @@ module hd_compliance_curve
   private
   public :: compliance_curve_t, new_curve, stiffness_of, closure_of, pressure_of
 
-  real(dp), parameter :: x(4) = 0.5_dp + 0.5_dp*[-0.861136311594052575224_dp, -0.339981043584856264803_dp, &
-    0.339981043584856264803_dp, 0.861136311594052575224_dp]                          !< Gauss rule on [0, 1]
-  real(dp), parameter :: w(4) = 0.5_dp*[0.347854845137453857373_dp, 0.652145154862546142627_dp, 0.652145154862546142627_dp, &
-    0.347854845137453857373_dp]
+  real(dp), parameter :: x(4) = 0.5_dp + 0.5_dp*gauss_4, w(4) = 0.5_dp*weight_4   !< Gauss rule on [0, 1]
   integer, parameter :: panels = 4   !< of the closure between two entries
 
   type :: compliance_curve_t

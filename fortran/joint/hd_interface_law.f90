@@ -8,10 +8,10 @@
 !> Tangential: u(q) = int dq / k_T(P, q) at constant P up to the friction limit mu P, then slip. Reversals follow Masing's rule,
 !> u - u_r = 2 u((q - q_r) / 2).
 module hd_interface_law
+  use hd_gauss, only: gauss_rule
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_joint, only: joint_t, spots_t, spots_at, find_largest_spot, tangential_stiffness, spot_shear
-  use hd_partial_slip, only: gauss_rule
   use hd_text, only: to_text
   implicit none
   private

@@ -4,6 +4,7 @@
 module hd_named_values
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
+  use hd_promises, only: promise_names
   use hd_error, only: error_t, raise, code_internal
   use hd_facets, only: sum_names, facet_names
   implicit none
@@ -55,6 +56,8 @@ contains
     case ('fit'); names = fit_names
     case ('fit_curves'); names = fit_curve_names
     case ('fit_rings'); names = fit_ring_names
+    case ('promises'); names = promise_names(columns=.true.)
+    case ('promise_names'); names = promise_names(columns=.false.)
     case default; names = ''
     end select
   end function names_of

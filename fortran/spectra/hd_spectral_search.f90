@@ -4,6 +4,7 @@
 !> probes shows is followed to its bottom by Fisher's scoring within the bounds (Levenberg and Marquardt).
 module hd_spectral_search
   use hd_kinds, only: dp, pi
+  use hd_lapack, only: solve_definite
   use hd_ring_table, only: ring_table_t
   use hd_spectral_model, only: spectral_model_t, slope_t, at_slope, power_of, mixed, shares
   implicit none
@@ -52,7 +53,7 @@ contains
   end function most_likely
 
   !> The most likely point at one slope. The share of finer detail has two ranges, with a kink of the expectation between them.
-  pure type(trial_t) function best_at(t, m, first, last, fixed, n) result(best)
+  type(trial_t) function best_at(t, m, first, last, fixed, n) result(best)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< tables
     integer, intent(in) :: first, last        !< rings of the window
@@ -96,7 +97,7 @@ contains
   end function noise_power
 
   !> From a point to the bottom of its valley, within bounds.
-  pure subroutine descend(t, m, s, first, last, low, high, b)
+  subroutine descend(t, m, s, first, last, low, high, b)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< tables
     type(slope_t), intent(in) :: s            !< tables at the slope
@@ -151,29 +152,22 @@ contains
     b%alpha = q(4)
   end subroutine descend
 
-  !> Step of a damped normal equation (Levenberg and Marquardt) among the free unknowns, by Cholesky's factors.
-  pure function newton_step(h, g, free, damp) result(x)
+  !> Step of a damped normal equation (Levenberg and Marquardt) among the free unknowns; none where it is singular.
+  function newton_step(h, g, free, damp) result(x)
     real(dp), intent(in) :: h(4, 4), g(4)     !< information and slope of the ln likelihood
     logical, intent(in) :: free(4)            !< unknowns that move
     real(dp), intent(in) :: damp              !< what is added to the diagonal, over it
-    real(dp) :: x(4), l(4, 4), scale(4)
-    integer :: i, j
+    real(dp) :: x(4), a(4, 4), scale(4)
+    logical :: definite
+    integer :: i
     scale = [(merge(1 / sqrt(max(h(i, i), tiny(damp))), 0._dp, free(i)), i=1, 4)]
-    l = 0
-    do j = 1, 4
-      do i = j, 4
-        l(i, j) = h(i, j) * scale(i) * scale(j) - dot_product(l(i, :j - 1), l(j, :j - 1))
-        if (i == j) l(i, i) = sqrt(max(l(i, i) + merge(damp, 1._dp, free(i)), 1e-12_dp))
-        if (i > j) l(i, j) = l(i, j) / l(j, j)
-      end do
-    end do
     do i = 1, 4
-      x(i) = (g(i) * scale(i) - dot_product(l(i, :i - 1), x(:i - 1))) / l(i, i)
+      a(:, i) = h(:, i) * scale * scale(i)
+      a(i, i) = a(i, i) + merge(damp, 1._dp, free(i))
     end do
-    do i = 4, 1, -1
-      x(i) = (x(i) - dot_product(l(i + 1:, i), x(i + 1:))) / l(i, i)
-    end do
-    x = x * scale
+    x = g * scale
+    call solve_definite(a, x, definite)
+    x = merge(x * scale, 0._dp, definite)
   end function newton_step
 
   !> Amplitude and noise, neither negative, of least deviance for a given shape: weighted least squares again and again.

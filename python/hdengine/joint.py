@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,23 @@ from ._check import fields as check_fields
 _warned: set[str] = set()  # beginnings of the warnings that were given
 
 
+def _joint_of(lines):
+    """Values of a joint by name, as the engine makes it of a scene; lines 'group.key=value'."""
+    names = _engine.names("joint")
+    found = dict(zip(names, _engine.call("joint_of_scene", " ", lines, len(names)).tolist()))
+    return found | {flag: found[flag] > 0 for flag in ("paper", "plastic")}
+
+
+_OF_SCENES = _joint_of("joint.model='hu2023'")  # what a scene has unless it says otherwise
+
+
 class JointWarning(UserWarning):
     """The joint model is used outside the range it is meant for."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Material and surface of a rough joint.
+    """Material and surface of a rough joint; defaults: those of a scene.
 
     Parameters
     ----------
@@ -50,21 +59,21 @@ class Joint:
         Fully plastic spots unload elastically, k = 2 E a; otherwise they have no stiffness, as in the paper.
     """
 
-    e1: float = 209e9
-    nu1: float = 0.295
-    e2: float = 219e9
-    nu2: float = 0.30
-    nu_soft: float = 0.295
-    hardness: float = 2.8 * 835e6
-    fractal_dimension: float = 2.5304
-    roughness: float = 2.4248e-7
-    gamma: float = 1.5
-    asperity_radius: float = 5e-6
-    friction: float = 0.15
-    s_min: float = pi * 0.5e-6**2
-    reference_area: float = 0.25e-6
-    paper: bool = False
-    plastic: bool = False
+    e1: float = _OF_SCENES["e1"]
+    nu1: float = _OF_SCENES["nu1"]
+    e2: float = _OF_SCENES["e2"]
+    nu2: float = _OF_SCENES["nu2"]
+    nu_soft: float = _OF_SCENES["nu_soft"]
+    hardness: float = _OF_SCENES["hardness"]
+    fractal_dimension: float = _OF_SCENES["fractal_dimension"]
+    roughness: float = _OF_SCENES["roughness"]
+    gamma: float = _OF_SCENES["gamma"]
+    asperity_radius: float = _OF_SCENES["asperity_radius"]
+    friction: float = _OF_SCENES["friction"]
+    s_min: float = _OF_SCENES["s_min"]
+    reference_area: float = _OF_SCENES["reference_area"]
+    paper: bool = _OF_SCENES["paper"]
+    plastic: bool = _OF_SCENES["plastic"]
 
     def __post_init__(self) -> None:
         positive, ratio = number(above=0), number(above=-1, most=0.5)
@@ -94,9 +103,7 @@ class Joint:
         if friction is not None:
             keys["contact.friction"] = friction
         lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
-        names = _engine.names("joint")
-        found = dict(zip(names, _engine.call("joint_of_scene", " ", lines or " ", len(names)).tolist()))
-        return cls(**found | {flag: found[flag] > 0 for flag in ("paper", "plastic")})
+        return cls(**_joint_of(lines))
 
     def __str__(self) -> str:
         p = self.asperity()[0]

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import torsion
+from . import _engine, torsion
 from ._check import checked
 from ._check import path as a_path
 from ._engine import FileError
@@ -391,13 +391,9 @@ class Result:
             was planned.
         """
         plan = self.summary.get("plan", {})
-        names = {"k_ts_tangent_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
-                 "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts",
-                 "pressure_mid_max_pa": "mid_band_peak", "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps",
-                 "pressure_field_pa": "pressure_field",
-                 "k1_nm_per_rad": "k1", "k2_nm_per_rad": "k2", "k3_nm_per_rad": "k3", "hysteresis_rad": "hysteresis"}
+        names = zip(_engine.names("promises"), _engine.names("promise_names"))
         return {key: (_known(plan[key]), plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
-                for key, n in names.items() if key in plan}
+                for key, n in names if key in plan}
 
     def __repr__(self) -> str:
         r = self.summary["results"]

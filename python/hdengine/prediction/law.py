@@ -15,6 +15,7 @@ from .. import _engine
 from .._engine import InputError
 from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from ..files import csv_text, write_folder
+from ..joint import Joint
 from . import half_space, patches
 from .choice import LAY, choose, scatter_of
 from .spectrum import Spectrum, bands, of_map
@@ -33,11 +34,11 @@ OWN = 0.9           # share of a free patch's compliance that its own bulk may t
 class Bodies:
     """Elastic constants and hardness of the two bodies; defaults: those of the scene."""
 
-    e1: float = 209e9
-    nu1: float = 0.295
-    e2: float = 219e9
-    nu2: float = 0.30
-    hardness: float = 2.8 * 835e6
+    e1: float = Joint.e1
+    nu1: float = Joint.nu1
+    e2: float = Joint.e2
+    nu2: float = Joint.nu2
+    hardness: float = Joint.hardness
 
     @property
     def e_star(self) -> float:

@@ -7,7 +7,7 @@
 !> length, which grows by 2 pi h.
 module hd_cam
   use hd_gauss, only: gauss_8, weight_8
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_cam_table, only: cam_table_t, read_cam_table, radius_deviation
   use hd_error, only: error_t, raise, code_input
   use hd_scene, only: scene_t
@@ -16,6 +16,7 @@ module hd_cam
   private
   public :: cam_t, new_cam, curve_t, new_curve
 
+  real(dp), parameter :: settled = 1e-15_dp         !< change of an angle that is below its rounding [rad]
   integer, parameter :: panels = 128              !< of a smooth profile
   real(dp), parameter :: largest_misfit = 0.02_dp  !< of the radius of a measured curve and the ring's, relative
 
@@ -73,7 +74,7 @@ contains
     call read_cam_table(trim(scene%cam_file), cam%table, error)
     if (allocated(error)) return
     cam%w = cam%table%amplitude
-    if (.not. cam%w > 1e-9_dp*radius) then
+    if (.not. cam%w > hair*radius) then
       call raise(error, code_input, trim(scene%cam_file)//': the radii are all alike; a round wave generator is w = 0')
     else if (cam%perimeter == 'curve' .and. abs(cam%table%mean - radius) > largest_misfit*radius) then
       call raise(error, code_input, "wave_generator.perimeter = 'curve': the mean radius of "//trim(scene%cam_file)//' is '// &
@@ -287,7 +288,7 @@ contains
       speed = speed + self%parallel*(r**2 + 2*dr**2 - r*ddr)/speed**2
       change = (s - self%arc(low) - self%step(self%phi(low), phi))/speed
       phi = phi + change
-      if (abs(change) < 1e-15_dp) exit
+      if (abs(change) < settled) exit
     end do
     call self%cam%polar(self%w, phi, r, dr, ddr)
     n = [r*cos(phi) + dr*sin(phi), r*sin(phi) - dr*cos(phi)]/hypot(r, dr)

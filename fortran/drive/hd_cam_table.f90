@@ -2,7 +2,7 @@
 !> A measured cam: radii over angles from a CSV file, joined by a periodic cubic spline.
 module hd_cam_table
   use hd_gauss, only: gauss_3, weight_3
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_system, only: path_kind, path_file
   use hd_text, only: to_text
@@ -66,7 +66,7 @@ contains
       if (.not. point(2) > 0) fault = 'radius '//to_text(point(2))//' m; valid: above 0'
       if (size(points, 2) > 1) then
         if (points(1, size(points, 2)) <= points(1, size(points, 2) - 1)) fault = 'the angle does not rise'
-        if (points(1, size(points, 2)) >= points(1, 1) + 2*pi*(1 - 1e-9_dp)) fault = 'the angle leaves the first turn'// &
+        if (points(1, size(points, 2)) >= points(1, 1) + 2*pi*(1 - hair)) fault = 'the angle leaves the first turn'// &
           ' (the first point does not stand again at the end)'
       end if
     end do

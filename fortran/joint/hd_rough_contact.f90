@@ -16,6 +16,7 @@ module hd_rough_contact
   private
   public :: contact_at
 
+  real(dp), parameter :: rounding = 1e-18_dp !< what further terms of the series add is below rounding
   real(dp), parameter :: share_at_no_contact = 0.40_dp   !< a
   real(dp), parameter :: share_power = 0.12_dp           !< e
   real(dp), parameter :: stiffest = 1e-6_dp !< full contact: k_N <= P / (stiffest h_rms)
@@ -90,7 +91,7 @@ contains
     yielding = p/h
     do n = 1, terms
       fall = exp(-(n*pi/h)**2*v/2)
-      if (fall < 1e-18_dp) exit
+      if (fall < rounding) exit
       sine = 2/(n*pi)*sin(n*pi*p/h)*fall
       if (mod(n, 2) == 1) then
         elastic = elastic + 2*sine

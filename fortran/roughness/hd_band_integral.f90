@@ -12,7 +12,9 @@ module hd_band_integral
 
   integer, parameter :: kind_isotropic = 1   !< 1 - J0: mean over all directions of a surface (Eq. 1)
   integer, parameter :: kind_profile = 2     !< 1 - cos: one profile (Eq. 2)
-  real(dp), parameter :: near = 8._dp, far = 40._dp
+  real(dp), parameter :: near = 8, far = 40   !< where the series still and the tail already holds 1e-12
+  real(dp), parameter :: panel = 1.5_dp       !< longest panel of eight points in between: a quarter of a wave
+  real(dp), parameter :: nothing = 1e-18_dp   !< term of the series over its sum that is below rounding
 
 contains
 
@@ -46,7 +48,7 @@ contains
     if (x <= near) then
       f = series(kind, a, x)
     else if (x <= far) then
-      panels = ceiling((x - near) / 1.5_dp)
+      panels = ceiling((x - near) / panel)
       h = (x - near) / panels
       f = series(kind, a, near)
       do i = 1, panels
@@ -93,7 +95,7 @@ contains
         term = -term * x * x / (2._dp * k * (2 * k - 1))
       end if
       f = f + term / (2 * k - a)
-      if (abs(term) < 1e-18_dp * abs(f)) exit
+      if (abs(term) < nothing * abs(f)) exit
     end do
     f = f * x**(-a)
   end function series

@@ -46,6 +46,9 @@ module hd_surface_fit
     real(dp), allocatable :: sd_curve(:)      !< standard error of the model's ln S
   end type fit_t
 
+  real(dp), parameter :: whole = 0.99_dp        !< share of a direction in a lag's S that is all of it
+  real(dp), parameter :: most_noise = 0.999_dp  !< share of noise at the first lag: at 1 nothing is left of the surface
+
 contains
 
   !> Fit an observation.
@@ -115,7 +118,7 @@ contains
     integer :: i, n
     shift = 0
     n = size(y) / 2
-    if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
+    if (.not. (any(o%share(1, :) > whole) .and. any(o%share(2, :) > whole))) return
     do i = 1, 4
       call search(e, y - shift, white, about, .false., d, b, share)
       res = y - b - shape_of(e, d, share)
@@ -163,7 +166,7 @@ contains
     share = 0
     if (noise) then
       low = 0
-      high = 0.999_dp
+      high = most_noise
       do pass = 1, 7
         best = huge(best)
         do i = 0, 16
@@ -175,7 +178,7 @@ contains
         end do
         at = (high - low) / 16
         low = max(0._dp, share - at)
-        high = min(0.999_dp, share + at)
+        high = min(most_noise, share + at)
       end do
     end if
     call search_d(e, y, white, about, share, d, b, chi)

@@ -14,6 +14,8 @@ module hd_spectral_model
   private
   public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed, shares
 
+  !> distance of slopes from those of D = 3 and D = 2, where power and G lose their meaning
+  real(dp), parameter :: from_ends = 0.004_dp
   integer, parameter :: nodes = 41            !< over n
   integer, parameter :: blurs = 13            !< over sigma^2
   integer, parameter :: steeps = 64           !< over the square of the slope of ln power
@@ -63,8 +65,8 @@ contains
     real(dp) :: slopes(nodes)
     integer :: i
     m%key = [real(t%dim, dp), t%step, t%side]
-    m%n_low = t%dim + 0.004_dp                ! n = 8 - 2D (line: 7 - 2D), D from 2.002 to 2.998
-    m%n_high = t%dim + 1.996_dp
+    m%n_low = t%dim + from_ends                 ! n = 8 - 2D (line: 7 - 2D)
+    m%n_high = t%dim + (2 - from_ends)
     m%spacing = t%step(1)
     if (t%dim == 2) m%spacing = sqrt(product(t%step))
     m%f = t%f

@@ -12,7 +12,7 @@ import numpy as np
 
 from common import DATA, FIGURES, ROOT, save_figure, write_record
 from hdengine import Joint, roughness, specimen
-from hdengine.figures.run import plot_joint
+from hdengine.figures.joint import plot_joint
 from hdengine.record import Record
 
 

@@ -217,3 +217,16 @@ subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
   if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
   call tell(error, status, message)
 end subroutine structure_expected
+
+!> Low end of the interval of D from which on G is determined.
+subroutine determined_dimension(d, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_verdict, only: determined
+  implicit none
+  real(c_double), intent(out) :: d
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  d = determined
+  status = 0
+  message = ''
+end subroutine determined_dimension

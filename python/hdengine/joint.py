@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike
 from . import _engine
 from ._check import array, checked, flag, integer, number, together
 from ._check import fields as check_fields
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _warned: set[str] = set()  # beginnings of the warnings that were given
 
@@ -83,7 +86,7 @@ class Joint:
                      plastic=flag)
 
     @classmethod
-    def of_scene(cls, scene: dict, friction: float | None = None) -> Any:
+    def of_scene(cls, scene: dict, friction: float | None = None) -> Joint:
         """Joint of a scene, as the engine makes it.
 
         Parameters
@@ -181,13 +184,13 @@ class Joint:
         return p.shape, k_n.reshape(p.shape), k_t.reshape(p.shape), s_l.reshape(p.shape), d, iterations
 
     @checked(pressure=array(empty=True))
-    def largest_spot(self, pressure: Any) -> Any:
+    def largest_spot(self, pressure: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Largest contact spot s_l [m^2] under a pressure [Pa], and the Newton iterations it took."""
         _, _, _, s_l, _, iterations = self._facets(pressure, 0.0, None)
         return s_l, iterations
 
     @checked(pressure=number())
-    def warnings(self, pressure: Any) -> list:
+    def warnings(self, pressure: float) -> list:
         """What does not hold under the largest pressure [Pa].
 
         Returns
@@ -221,7 +224,7 @@ class Joint:
         return self._normal_law(pressure, zero_pressure, 0)
 
     @checked(closure=array(), zero_pressure=number(above=0))
-    def pressure(self, closure: Any, zero_pressure: float = 1e3) -> Any:
+    def pressure(self, closure: ArrayLike, zero_pressure: float = 1e3) -> tuple[np.ndarray, np.ndarray]:
         """Inverse of `closure`: pressure [Pa] and k_N [Pa/m], smooth and positive for every approach [m]."""
         return self._normal_law(closure, zero_pressure, 1)
 
@@ -336,7 +339,7 @@ class Joint:
         quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
         return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
-    def plot(self, pressure: ArrayLike | None = None, axis: Any = None) -> Any:
+    def plot(self, pressure: ArrayLike | None = None, axis: Axes | None = None) -> Axes:
         """K_N and K_T per nominal area over the pressure, the regimes of the largest spot shaded.
 
         Parameters
@@ -350,7 +353,7 @@ class Joint:
         -------
         matplotlib axes
         """
-        from .figures.run import plot_joint
+        from .figures.joint import plot_joint
 
         return plot_joint(self, np.logspace(4, 9, 200) if pressure is None else np.asarray(pressure), axis)
 

@@ -2,8 +2,6 @@
 """Torsional stiffness of the contact (Eq. 45) and of the drive (Eq. 46)."""
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,7 +12,7 @@ from ._engine import InputError
 
 @checked(position=array(), normal=array())
 def facet_weights(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of K_N and K_T in Eq. 45, as the engine has them: squares of the levers of a facet's normal and plane about the z axis.
+    """Weights of K_N and K_T in Eq. 45: squares of the levers of a facet's normal and of its plane about the z axis.
 
     Parameters
     ----------
@@ -114,14 +112,15 @@ def torsional_stiffness_paper(k_n: ArrayLike, k_t: ArrayLike, theta: ArrayLike, 
         [N].
     """
     k_n, k_t, theta = together(k_n=k_n, k_t=k_t, theta=theta)
-    w_n, w_t = _engine.call("torsion_weights_printed", theta.ravel(), r, w, slope)
-    return np.sum(k_n * w_n.reshape(theta.shape) + k_t * w_t.reshape(theta.shape), axis=-1)
+    angles = np.asarray(theta)
+    w_n, w_t = (w.reshape(angles.shape) for w in _engine.call("torsion_weights_printed", angles.ravel(), r, w, slope))
+    return np.sum(k_n * w_n + k_t * w_t, axis=-1)
 
 
 _stiffness = number(least=0)
 
 
-def series(*stiffness: Any) -> Any:
+def series(*stiffness: float) -> float:
     """Springs in series [Eq. 46], in N m/rad; 0 if any of them is 0.
 
     Raises
@@ -136,7 +135,7 @@ def series(*stiffness: Any) -> Any:
 
 
 @checked(k_total=number(), k_part=number())
-def remaining_stiffness(k_total: Any, k_part: Any) -> Any:
+def remaining_stiffness(k_total: float, k_part: float) -> float:
     """Stiffness in series with `k_part` that makes `k_total` ([Eq. 46] inverted), in N m/rad.
 
     Raises

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -43,7 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def read_maps(paths: list, unit: Any = None, dx: float | None = None, dy: float | None = None) -> list:
+def read_maps(paths: list, unit: str | tuple[str, str] | None = None, dx: float | None = None, dy: float | None = None) -> list:
     """Height maps of files. Unit and spacing go to those that do not state them.
 
     Parameters

@@ -2,12 +2,12 @@
 """Namelist files whose keys may be dotted (`load.torque = 1, 3, 5`), for studies; scenes are read by the engine."""
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
 from typing import Any
 
 from .._engine import FileError, InputError
+from .._types import PathLike
 
 _TOKEN = re.compile(r"""\s*(?:(?P<group>&\w+)|(?P<end>/)|(?P<text>'(?:[^']|'')*'|"[^"]*")|(?P<equal>=)|(?P<comma>,)
                         |(?P<word>[^\s,=/'"!&]+)|(?P<bad>.))""", re.X)
@@ -36,7 +36,7 @@ def _tokens(text):
                 yield match.lastgroup, match.group(match.lastgroup), number
 
 
-def read(path: str | os.PathLike) -> Any:
+def read(path: PathLike) -> Any:
     """Groups of a namelist file.
 
     Parameters

@@ -2,13 +2,13 @@
 """Study files: TOML. The earlier form, a namelist with dotted keys, which is no valid namelist, is still read."""
 from __future__ import annotations
 
-import os
 import re
 import sys
 import warnings
 from pathlib import Path
 
 from .._engine import FileError, InputError
+from .._types import PathLike
 from . import namelist
 
 if sys.version_info >= (3, 11):
@@ -25,7 +25,7 @@ GROUPS: dict[str, tuple[str, ...] | None] = {
 }
 
 
-def is_study(path: str | os.PathLike) -> bool:
+def is_study(path: PathLike) -> bool:
     """A file is a study, by its ending or by its groups.
 
     Parameters
@@ -43,7 +43,7 @@ def is_study(path: str | os.PathLike) -> bool:
         return any(re.match(r"\s*&(study|grid|together)\b", line, re.I) for line in file)
 
 
-def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
+def read(path: PathLike) -> dict[str, dict[str, list]]:
     """Groups of a study file.
 
     Parameters

@@ -21,9 +21,10 @@ from joint_law import CONTACT, E_STAR, lattice, pressures, rough, scaled
 
 from common import new_axes, put, read_record, save_figure, styled, table, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
+from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.choice import TRUST, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
-from hdengine.prediction.law import Bodies, predict
+from hdengine.prediction.law import predict
 from hdengine.prediction.patches import _averaged, coarse_error, on_fewer_points
 from hdengine.prediction.spectrum import level, of_map
 

@@ -16,9 +16,10 @@ import numpy as np
 import hdengine
 from common import DATA, put, read_record, table, write_record
 from hdengine.elastic import ElasticJoint, moduli
+from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.choice import TRUST
 from hdengine.prediction.half_space import HalfSpace, tamaas
-from hdengine.prediction.law import Bodies, predict
+from hdengine.prediction.law import predict
 
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
 POINTS, SHORTEST, H_RMS, SEEDS = {"light": 480, "heavy": 256}, 200e-6, 1e-6, (7001, 7002, 7003)

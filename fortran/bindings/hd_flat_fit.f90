@@ -64,7 +64,7 @@ contains
     call enter('tilt_y', m%tilt(2))
     call enter('verdict', real(m%verdict%kind, dp))
     call enter('size', real(min(size(m%o%s), room), dp))
-    call enter_faults
+    call enter_faults(m, names, numbers)
     call enter_spectrum
     if (allocated(m%fit%curve)) call enter_fit(m%fit)
     call names%check(error)
@@ -102,17 +102,6 @@ contains
       call enter('ln_g_high'//kind, interval(2, 2))
     end subroutine enter_interval
 
-    subroutine enter_faults
-      call enter('spikes', real(m%spikes, dp))
-      call enter('wrong_from', m%seen(1))
-      call enter('clumps_from', m%seen(2))
-      call enter('seams_x', real(m%seams%count(1), dp))
-      call enter('seams_y', real(m%seams%count(2), dp))
-      call enter('seam_step', m%seams%largest)
-      call enter('jitter_x', m%seams%jitter(1))
-      call enter('jitter_y', m%seams%jitter(2))
-    end subroutine enter_faults
-
     subroutine enter_spectrum
       integer :: i
       associate (b => m%blind, f => m%blind%fit)
@@ -134,6 +123,21 @@ contains
       end associate
     end subroutine enter_spectrum
   end subroutine fit_numbers
+
+  !> Faults of the maps.
+  subroutine enter_faults(m, names, numbers)
+    type(measurement_t), intent(in) :: m               !< what was found
+    type(named_list_t), intent(inout) :: names         !< 'fit'
+    real(dp), intent(inout) :: numbers(:)              !< in its order
+    call names%put(numbers, 'spikes', real(m%spikes, dp))
+    call names%put(numbers, 'wrong_from', m%seen(1))
+    call names%put(numbers, 'clumps_from', m%seen(2))
+    call names%put(numbers, 'seams_x', real(m%seams%count(1), dp))
+    call names%put(numbers, 'seams_y', real(m%seams%count(2), dp))
+    call names%put(numbers, 'seam_step', m%seams%largest)
+    call names%put(numbers, 'jitter_x', m%seams%jitter(1))
+    call names%put(numbers, 'jitter_y', m%seams%jitter(2))
+  end subroutine enter_faults
 
   !> Curves over the lag.
   subroutine fit_curves(m, curves, error)

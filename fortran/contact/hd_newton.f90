@@ -85,11 +85,8 @@ module hd_newton
   real(dp), parameter :: forcing = 1e-2_dp   !< accuracy over the residual while pairs still move (Dembo, Eisenstat, Steihaug 1982)
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
-  !> iterations without a new lowest residual before the law is softened: a line search has halved its step seven times in one
-  !> of them
-  integer, parameter :: patience = 8
-  real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law: so soft that few
-                                                !< points slip, from which tenths lead to the law's own
+  integer, parameter :: patience = 8           !< iterations without a new lowest residual before the law is softened, by judgement
+  real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law: two tenths from 1
   !> compliance times that scale below which outer steps stiffen only after easy ones: above the last of the tenths from
   !> `softest` on, 1, at which scenes with short edge cells crept
   real(dp), parameter :: stiff = 1.5_dp

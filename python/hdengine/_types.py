@@ -10,9 +10,10 @@ from typing import Any, Protocol, TypeAlias, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-PathLike: TypeAlias = Union[str, "os.PathLike[str]"]   # noqa: UP007  # a file or a folder
-Value: TypeAlias = Union[float, str, bool, Sequence[float], Mapping[str, Any], None]   # noqa: UP007  # of a key or of a group of a scene
-Spacing: TypeAlias = Union[float, Sequence[float]]   # noqa: UP007  # of points [m]: one number, or (dy, dx)
+# A file or a folder; the value of a key or of a group of a scene, None for its default; distance of points, one or (dy, dx) [m].
+PathLike: TypeAlias = Union[str, "os.PathLike[str]"]  # noqa: UP007
+Value: TypeAlias = Union[float, str, bool, Sequence[float], Mapping[str, Any], None]  # noqa: UP007
+Spacing: TypeAlias = Union[float, Sequence[float]]  # noqa: UP007
 
 
 class RunLike(Protocol):

@@ -11,7 +11,8 @@ import numpy as np
 from .._engine import InputError
 from ..files import check_folder
 from ..surfaces import specimen
-from .law import FILES, PATCHES, PRESSURES, Bodies, predict
+from .bodies import Bodies
+from .law import FILES, PATCHES, PRESSURES, predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -43,7 +43,7 @@ module hd_promises
     promise_t('k_fe_secant_nm_per_rad', 'k_fts', 'K_FTS', 'N m/rad', 5, 5, 0.002_dp), &
     promise_t('pressure_mid_max_pa', 'mid_band_peak', 'mid-band peak', 'Pa', 6, 6, 0.005_dp), &
     promise_t('k_ts_tangent_steps_nm_per_rad', 'k_ts_tangent_steps', 'K_TS of all steps', 'N m/rad', 7, 7 + most_steps, &
-    0.014_dp), &
+      0.014_dp), &
     promise_t('pressure_field_pa', 'pressure_field', 'pressure field', 'Pa', 8 + most_steps, values, 0.003_dp)]
   type(promise_t), parameter :: of_drive(promises) = [ &
     promise_t('k1_nm_per_rad', 'k1', 'K1', 'N m/rad', 1, 1, 0.004_dp), &

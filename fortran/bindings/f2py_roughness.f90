@@ -136,10 +136,10 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, options, no, n, columns
   text = ''
   call measure_flat(z, other, dx, dy, options, m, error)
   if (.not. allocated(error)) then
-    call fit_numbers(m, columns, numbers)
-    call fit_curves(m, curves)
-    call fit_rings(m, rings)
-    call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
+    call fit_numbers(m, columns, numbers, error)
+    if (.not. allocated(error)) call fit_curves(m, curves, error)
+    if (.not. allocated(error)) call fit_rings(m, rings, error)
+    if (.not. allocated(error)) call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
   end if
   call tell(error, status, message)
 end subroutine surface_fit
@@ -165,3 +165,16 @@ subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
   if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
   call tell(error, status, message)
 end subroutine structure_expected
+
+!> Low end of the interval of D from which on G is determined.
+subroutine determined_dimension(d, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_verdict, only: determined
+  implicit none
+  real(c_double), intent(out) :: d
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  d = determined
+  status = 0
+  message = ''
+end subroutine determined_dimension

@@ -9,6 +9,8 @@ import re
 import signal
 import sys
 import threading
+import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -221,7 +223,7 @@ def _command(commands, name, action, text, example):
     return parser
 
 
-def make_parser() -> Any:
+def make_parser() -> argparse.ArgumentParser:
     """The command with its subcommands."""
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
@@ -323,7 +325,7 @@ def _for_the_shell(message):
     return message.replace("leave out spacing=", "leave out --spacing")
 
 
-def main(argv: Any = None) -> Any:
+def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the command; returns the exit code of hdengine.x."""
     args = _arguments(argv)
     try:

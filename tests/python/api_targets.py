@@ -78,7 +78,7 @@ def targets():
                                                                        "normal": normal}
     yield "torsion.torsional_stiffness_paper", torsion.torsional_stiffness_paper, {
         "k_n": np.ones(7), "k_t": np.ones(7), "theta": np.arange(7.0), "r": 17.5e-3, "w": 2e-4, "slope": 0.0}
-    yield "torsion.lever_arms", torsion.lever_arms, {"position": position, "normal": normal}
+    yield "torsion.facet_weights", torsion.facet_weights, {"position": position, "normal": normal}
     yield "torsion.ellipse_facet", torsion.ellipse_facet, {"theta": np.arange(7.0), "r": 17.5e-3, "w": 2e-4, "slope": 0.0,
                                                            "homothetic": False}
     yield "torsion.series", torsion.series, {"*": (1e4, 2e4)}
@@ -135,7 +135,7 @@ def specimen_fit(heights, spacing, name, lags):
     from hdengine import specimen
 
     made = specimen.Specimen(heights, spacing, name)
-    return made.size, made.texture().numbers, made.fit(lags=lags)
+    return made.size, texture(made).numbers, made.fit(lags=lags)
 
 
 def joint_stiffness(pressure, shear, area, **numbers):

@@ -11,7 +11,7 @@ import hdengine
 from conftest import ROOT
 from hdengine.cli import main
 from hdengine.record import ARCSEC, Record
-from hdengine.spline import Spline, basis
+from hdengine.smoothing import Spline, basis
 
 sys.path.insert(0, str(ROOT / "data"))
 import make_torque_record as bench  # noqa: E402

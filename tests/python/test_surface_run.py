@@ -9,6 +9,7 @@ import hdengine
 from conftest import ROOT, call
 from hdengine import roughness, specimen, surface
 from hdengine.cli import main
+from hdengine.surfaces.texture import texture
 
 FIG5 = ROOT / "data/fig5_surface.nml"
 KNOWN = roughness.Ridges(0.5e-3, 1e-6)
@@ -39,7 +40,7 @@ def test_figure_5_from_one_command(fig5):
     pair = [specimen.read(ROOT / f"data/specimen_{n}.sdf") for n in ("flexspline", "bearing")]
     joint = specimen.equivalent(*pair, surface=KNOWN)
     for one, s in zip(pair, fits.values()):
-        numbers = one.texture().numbers
+        numbers = texture(one).numbers
         for key in ("sa_m", "sq_m", "sz_m", "ssk", "sku", "sdq"):
             assert s["roughness"][key] == pytest.approx(numbers[key], rel=1e-9)
     for fit, s in zip((*joint.fits, joint.equivalent), fits.values()):

@@ -189,7 +189,7 @@ def test_the_command_takes_forms_and_filters(tmp_path, capsys):
     assert main(["surface", file, *options, "--out", str(out)]) == 0
     assert "form      cylinder" in capsys.readouterr().out
     areal = json.loads((out / "surface.json").read_text())["surfaces"]["specimen_bearing"]["areal"]
-    want = read(file).texture(form="cylinder", s_filter=2.5e-6, l_filter=8e-5, outliers=True, fill=True)
+    want = texture.texture(read(file), form="cylinder", s_filter=2.5e-6, l_filter=8e-5, outliers=True, fill=True)
     assert areal["form"] == "cylinder" and areal["form_radius_m"] == pytest.approx(want.form.radius_m)
     assert {k: areal[k] for k in ("sq_m", "sdr", "sk_m")} == pytest.approx({k: want.numbers[k] for k in ("sq_m", "sdr", "sk_m")})
     rows = read_csv(out / "material_ratio.csv")

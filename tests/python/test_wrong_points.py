@@ -11,6 +11,7 @@ from hdengine import InputError
 from hdengine.cli import main
 from hdengine.surfaces import roughness
 from hdengine.surfaces.specimen import Specimen, clean
+from hdengine.surfaces.texture import texture
 
 sys.path.insert(0, str(ROOT / "bench"))
 from blind_generators import NOT_FRACTAL, clumps, field, grooves, jitter, straight, stretched  # noqa: E402
@@ -148,7 +149,7 @@ def test_the_command_levels_seams(tmp_path, capsys):
     bad = z.copy()
     bad[:, 60:] += 3 * z.std()
     np.save(tmp_path / "map.npy", bad)
-    want = Specimen(z, spacing).texture().numbers["sq_m"]
+    want = texture(Specimen(z, spacing)).numbers["sq_m"]
     found = []
     for more in ([], ["--seams"]):
         assert main(["surface", str(tmp_path / "map.npy"), "--spacing", "1e-6", *more, "--out", str(tmp_path / "o"), "--force"]) == 0

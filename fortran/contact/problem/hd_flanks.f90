@@ -29,20 +29,22 @@ contains
     logical, intent(in) :: sticks              !< some contact points stick
     type(flanks_t), intent(inout) :: flanks    !< what was counted in this load step
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
-    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
+    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of flanks that close together, of one that has just parted [m]
+    real(dp), parameter :: linear = 1.25_dp  !< between the powers of flanks, 1, and of balls, 3/2
+    real(dp), parameter :: unfelt = 1e-6_dp  !< share of a flank's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: flank(:)
     logical :: torque
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%turning)) return
     closing = strut_closings(problem, load, u)
-    flank = problem%struts%power < 1.25_dp .and. closing > -1
+    flank = problem%struts%power < linear .and. closing > -1
     if (allocated(problem%rub)) flank(size(flank) - size(problem%rub%flank) + 1:) = .false.
     if (.not. any(flank)) return
     flanks%held = flanks%held .or. (flanks%ahead .and. sticks .and. .not. any(flank .and. closing > -just_off))
     flanks%ahead = .false.
     if (flanks%held .or. any(flank .and. problem%strut_rate > 0)) return
-    torque = abs(sum(load%force(2, problem%hub))) > 1e-6_dp*just_off*maxval(problem%struts%rate, mask=flank)
+    torque = abs(sum(load%force(2, problem%hub))) > unfelt*just_off*maxval(problem%struts%rate, mask=flank)
     do i = 1, size(closing)
       flank(i) = flank(i) .and. ((.not. torque .and. closing(i) > -just_off) .or. &
         sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%hub)) < 0)

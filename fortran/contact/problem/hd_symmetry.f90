@@ -11,6 +11,8 @@ module hd_symmetry
   public :: symmetry_t, sharing_t, use_symmetry, symmetrise, share_law, same_shape, symmetry_name, image_sector, &
     node_images
 
+  real(dp), parameter :: given = 1e-11_dp   !< relative difference of loads and places that are images: they differ by rounding,
+  real(dp), parameter :: solved = 1e-7_dp   !< of displacements and tractions by what Newton's method leaves, above its tolerance
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
   real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
 
@@ -124,11 +126,11 @@ contains
     number(problem%mortar%node) = [(j, j=1, problem%mortar%n)]
     partner = number(image(problem%mortar%node))
     if (any(partner == 0)) return
-    yes = same(load%displacement, image, sign, 1e-11_dp)
-    if (yes) yes = same(load%force, image, sign, 1e-11_dp)
-    if (yes) yes = all(abs(load%gap - load%gap(partner)) <= 1e-11_dp*maxval(abs(load%gap)))
-    if (yes) yes = same(state%u, image, sign, 1e-7_dp)
-    if (yes) yes = same(state%traction, partner, sign, 1e-7_dp)
+    yes = same(load%displacement, image, sign, given)
+    if (yes) yes = same(load%force, image, sign, given)
+    if (yes) yes = all(abs(load%gap - load%gap(partner)) <= given*maxval(abs(load%gap)))
+    if (yes) yes = same(state%u, image, sign, solved)
+    if (yes) yes = same(state%traction, partner, sign, solved)
   end function holds
 
   !> Image of every node.
@@ -165,8 +167,8 @@ contains
       end associate
     end do
     yes = .true.
-    if (symmetry%half_turn) yes = same(x, node_images(round, 0), mirror_sign, 1e-11_dp)
-    if (yes .and. symmetry%mirror > 0) yes = same(x, node_images(round, symmetry%mirror), mirror_sign, 1e-11_dp)
+    if (symmetry%half_turn) yes = same(x, node_images(round, 0), mirror_sign, given)
+    if (yes .and. symmetry%mirror > 0) yes = same(x, node_images(round, symmetry%mirror), mirror_sign, given)
   end function same_shape
 
   !> A nodal field without what rounding has left of its other parts.

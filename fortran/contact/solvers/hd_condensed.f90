@@ -20,6 +20,7 @@ module hd_condensed
   private
   public :: condensed_t, new_condensed, first_guess
 
+  real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
@@ -273,7 +274,7 @@ contains
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
       call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
-      krylov = residual <= max(1e-3_dp, self%accuracy) .or. n > largest_dense
+      krylov = residual <= max(useful, self%accuracy) .or. n > largest_dense
     end if
     if (.not. krylov) then
       call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)

@@ -19,6 +19,8 @@ module hd_face_system
   private
   public :: face_system_t, new_face_system
 
+  !> length of a row of the law, relative, that rounding leaves of one without displacements
+  real(dp), parameter :: unseen = 1e-11_dp
   real(dp), parameter :: single_above = 1e-6_dp  !< residual to which GMRES gets along with F in single precision
 
   type, extends(operator_t) :: face_system_t
@@ -100,7 +102,7 @@ contains
     do k = 1, 3
       i = k - 1 + maxloc(sum(r(k:, :)**2, 2), 1)
       length = norm2(r(i, :))
-      if (length <= 1e-11_dp*size) exit
+      if (length <= unseen*size) exit
       row = r(i, :); r(i, :) = r(k, :); r(k, :) = row/length
       row = t(i, :); t(i, :) = t(k, :); t(k, :) = row/length
       factor = s(i); s(i) = s(k); s(k) = factor/length

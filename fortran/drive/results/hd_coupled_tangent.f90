@@ -18,6 +18,9 @@ module hd_coupled_tangent
   private
   public :: coupled_flexibility, glued_flexibility
 
+  !> share by which shear lies below slip, and of the unsheared stiffness that a point keeps there
+  real(dp), parameter :: just = 1e-6_dp
+
 contains
 
   !> Rotation of the rim per torque, for a torque that grows, with the faces on their joint.
@@ -50,14 +53,14 @@ contains
           points(j)%state = rate_rigid
           cycle
         end if
-        call evaluate_joint(joint, p, min(shear, (1 - 1e-6_dp)*joint%mu*p), 1._dp, sheared)
+        call evaluate_joint(joint, p, min(shear, (1 - just)*joint%mu*p), 1._dp, sheared)
         points(j)%k_0 = free%k_t
         points(j)%k_t = sheared%k_t
-        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow
+        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - just)*joint%mu  ! mu may grow
         points(j)%state = merge(rate_slip, rate_stick, points(j)%at_bound)
         points(j)%grows = .not. points(j)%at_bound
         if (shear > 0) points(j)%direction = q/shear
-        if (.not. points(j)%k_t > 0) points(j)%k_t = 1e-6_dp*points(j)%k_0
+        if (.not. points(j)%k_t > 0) points(j)%k_t = just*points(j)%k_0
       end associate
     end do
     call turn(drive, solver, load, sense, state, joint%mu, points, flexibility, settled, error)

@@ -6,7 +6,7 @@ module hd_surface_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
-  use hd_lapack, only: solve_dense
+  use hd_lapack, only: inverse_factor, solve_dense
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_observation, only: observation_t
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
@@ -43,6 +43,9 @@ module hd_surface_fit
     real(dp), allocatable :: sd_sample(:)     !< standard deviation of measured ln S about the model's
     real(dp), allocatable :: sd_curve(:)      !< standard error of the model's ln S
   end type fit_t
+
+  real(dp), parameter :: whole = 0.99_dp        !< share of a direction in a lag's S that is all of it
+  real(dp), parameter :: most_noise = 0.999_dp  !< share of noise at the first lag: at 1 nothing is left of the surface
 
 contains
 
@@ -111,7 +114,7 @@ contains
     integer :: i, n
     shift = 0
     n = size(y) / 2
-    if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
+    if (.not. (any(o%share(1, :) > whole) .and. any(o%share(2, :) > whole))) return
     do i = 1, 4
       call search(e, y - shift, white, about, .false., d, b, share)
       res = y - b - shape_of(e, d, share)
@@ -159,7 +162,7 @@ contains
     share = 0
     if (noise) then
       low = 0
-      high = 0.999_dp
+      high = most_noise
       do pass = 1, 7
         best = huge(best)
         do i = 0, 16
@@ -171,7 +174,7 @@ contains
         end do
         at = (high - low) / 16
         low = max(0._dp, share - at)
-        high = min(0.999_dp, share + at)
+        high = min(most_noise, share + at)
       end do
     end if
     call search_d(e, y, white, about, share, d, b, chi)
@@ -257,29 +260,21 @@ contains
   subroutine whiten(cov, white)
     real(dp), intent(in) :: cov(:, :)       !< covariance
     real(dp), intent(out) :: white(:, :)    !< lower triangle W, W cov W^T = 1
-    real(dp) :: l(size(cov, 1), size(cov, 1)), s, jitter
-    integer :: i, j, n
-    n = size(cov, 1)
+    real(dp) :: jitter
+    integer :: i
+    logical :: definite
     jitter = 1e-15_dp
     do
-      l = 0
-      columns: do j = 1, n
-        s = cov(j, j) * (1 + jitter) + jitter * maxval(cov) - sum(l(j, :j - 1)**2)
-        if (.not. s > 0) exit columns
-        l(j, j) = sqrt(s)
-        do i = j + 1, n
-          l(i, j) = (cov(i, j) - sum(l(i, :j - 1) * l(j, :j - 1))) / l(j, j)
-        end do
-      end do columns
-      if (j > n) exit
+      white = cov
+      do i = 1, size(cov, 1)
+        white(i, i) = cov(i, i) * (1 + jitter) + jitter * maxval(cov)
+      end do
+      call inverse_factor(white, definite)
+      if (definite) exit
       jitter = 10 * jitter
     end do
-    white = 0
-    do j = 1, n
-      white(j, j) = 1 / l(j, j)
-      do i = j + 1, n
-        white(i, j) = -sum(l(i, j:i - 1) * white(j:i - 1, j)) / l(i, i)
-      end do
+    do i = 2, size(cov, 1)
+      white(:i - 1, i) = 0
     end do
   end subroutine whiten
 

@@ -18,6 +18,8 @@ module hd_heights
   public :: method_t, choose_method, heights, heights_single
   public :: method_auto, method_direct, method_product, method_nufft
 
+  !> tolerances: rounding of a long sum leaves more than less; above, nothing is saved
+  real(dp), parameter :: finest = 1e-13_dp, roughest = 0.1_dp
   integer, parameter :: in_double = 1, in_single = 2
   integer, parameter :: method_auto = 0, method_direct = 1, method_product = 2, method_nufft = 3
 
@@ -54,7 +56,7 @@ contains
     type(method_t), intent(out) :: method             !< choice
     type(error_t), allocatable, intent(out) :: error  !< bad input or not enough memory
     real(dp) :: points, extra(3), mb
-    if (tolerance /= 0 .and. .not. (tolerance >= 1e-13_dp .and. tolerance <= 0.1_dp)) then
+    if (tolerance /= 0 .and. .not. (tolerance >= finest .and. tolerance <= roughest)) then
       call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': must lie between 1e-13 and 0.1 (0: none)')
       return
     end if

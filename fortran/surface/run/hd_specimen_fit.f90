@@ -42,6 +42,7 @@ module hd_specimen_fit
     type(roughness_t) :: rough                  !< roughness numbers of a specimen
   end type found_t
 
+  real(dp), parameter :: largest = 600          !< ln G that is a number after exp
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -262,8 +263,8 @@ contains
           call json%add('fractal_dimension_95_sampling', r%interval_sampling(:, 1))
           call json%add('roughness_m', exp(r%ln_g))
           call json%add('ln_roughness_error', (r%interval(2, 2) - r%interval(1, 2)) / 3.919928_dp)
-          call json%add('roughness_95_m', exp(max(-600._dp, min(600._dp, r%interval(:, 2)))))
-          call json%add('roughness_95_sampling_m', exp(max(-600._dp, min(600._dp, r%interval_sampling(:, 2)))))
+          call json%add('roughness_95_m', exp(max(-largest, min(largest, r%interval(:, 2)))))
+          call json%add('roughness_95_sampling_m', exp(max(-largest, min(largest, r%interval_sampling(:, 2)))))
           call json%add('covariance', reshape(r%cov, [9]))
           call json%add('noise_m', sqrt(max(0._dp, r%noise_variance)))
           call json%add('residual_rms', r%rms)

@@ -2,12 +2,12 @@
 """Study files: TOML."""
 from __future__ import annotations
 
-import os
 import re
 import sys
 from pathlib import Path
 
 from .._engine import FileError, InputError
+from .._types import PathLike
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -23,7 +23,7 @@ GROUPS: dict[str, tuple[str, ...] | None] = {
 }
 
 
-def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
+def read(path: PathLike) -> dict[str, dict[str, list]]:
     """Groups of a study file.
 
     Parameters

@@ -2,17 +2,17 @@
 """The command `hdengine surface`."""
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from .._engine import InputError
 from ..files import check_folder
-from . import composite, folder, form, roughness, specimen
+from . import composite, folder, form, roughness, specimen, texture
 
 
-def add_options(parser: Any) -> None:
+def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
@@ -35,7 +35,7 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def run_surface(args: Any) -> Any:
+def run_surface(args: argparse.Namespace) -> int:
     """Read, fit, judge, write; returns 0."""
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     known = None
@@ -55,8 +55,8 @@ def run_surface(args: Any) -> Any:
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
     check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
-    textures = [s.texture(form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers, fill=args.fill,
-                          seams=args.seams)
+    textures = [texture.texture(s, form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers,
+                                fill=args.fill, seams=args.seams)
                 for s in specimens]
     if args.form != "plane":    # the fit takes the plane off itself, with what that does to the spectrum
         specimens = [form.remove(s, args.form).specimen for s in specimens]

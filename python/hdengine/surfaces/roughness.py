@@ -2,6 +2,7 @@
 """Measure height maps: structure function, and the fit of D and G."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 from typing import Any
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike
 from .. import _engine
 from .._check import array, checked, flag, integers, kind, number, optional_flag, word
 from .._engine import InputError
-from .fitted import Fit, Ridges
+from .._types import Spacing
+from .fit import Fit, Ridges
 
 _MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
 _BANDS = {"isotropic": 1, "profile": 2}
@@ -45,7 +47,7 @@ def _direction(name, value):
 
 
 @checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag, robust=flag)
-def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direction: str = "rows",
+def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int] | None = None, direction: str | tuple = "rows",
                        second: bool = False, robust: bool = False) -> tuple:
     """Structure function S(tau) = mean (z(x + tau) - z(x))^2; NaN are holes.
 
@@ -94,15 +96,15 @@ def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direc
         p, q = -p, -q
     if lags is None:
         reach = [(n - 1) // abs(k) for n, k in zip(z.shape, (p, q)) if k]
-        lags = np.arange(1, max(2, min(reach, default=1) // (2 if second else 1) + 1))
-    lags = np.asarray(lags, dtype=np.int32)
-    if lags.ndim != 1 or lags.size == 0 or lags.min() < 1:
+        lags = range(1, max(2, min(reach, default=1) // (2 if second else 1) + 1))
+    chosen = np.asarray(lags, dtype=np.int32)
+    if chosen.ndim != 1 or chosen.size == 0 or chosen.min() < 1:
         raise InputError("lags must be a list of whole numbers >= 1")
     if robust:
-        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in lags.tolist()]).T
+        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in chosen.tolist()]).T
     else:
-        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), lags)
-    return lags * np.hypot(p * dx, q * dy), s, pairs
+        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), chosen)
+    return chosen * np.hypot(p * dx, q * dy), s, pairs
 
 
 def _robust_square(z, p, q, second):
@@ -179,8 +181,9 @@ def _noise(name, value):
 
 
 @checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise, outliers=flag)
-def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None, surface: Any = None, weighted: bool | None = None,
-        level: bool = True, band: Any = None, noise: float = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
+def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] = (1, 20), model: str | None = None,
+        surface: Ridges | None = None, weighted: bool | None = None, level: bool = True, band: tuple[float, float] | None = None,
+        noise: float | str = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
 
     A sum of Eq. 1 (told by `surface`): two-step generalised least squares on the exact sum, errors from random phases. Any other
@@ -246,7 +249,8 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
     if not 0 <= band[0] < band[1]:
         raise InputError(f"band = {band}: shortest and longest wavelength in m, 0 <= shortest < longest")
     free = isinstance(noise, str)
-    if (free and noise != "fit") or (not free and not 0 <= noise < inf):
+    rms = 0.0 if isinstance(noise, str) else noise
+    if (free and noise != "fit") or not 0 <= rms < inf:
         raise InputError(f'noise = {noise!r}: rms in m, >= 0, or "fit"')
     waves = surface or Ridges(1.0, 0.5)
     if model == "ridges" and waves.ridges * (waves.n_max + 1) > 4000:
@@ -254,7 +258,7 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
     options = _engine.named(
         "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted,
         fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],
-        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=0.0 if free else noise)
+        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=rms)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
     found = [_engine.names(values) for values in ("fit", "fit_curves", "fit_rings")]
     sizes = [len(found[0]), columns, _RINGS]

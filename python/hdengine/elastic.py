@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import _engine
-from ..joint import Joint, JointWarning
+from . import _engine
+from .joint import Joint, JointWarning
 
 _MOST = 100_000  # rows of a scene's table
 

@@ -2,7 +2,6 @@
 """The rim as a run has deformed it, from the grids that the run wrote."""
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from .._engine import FileError, InputError
+from .._types import PathLike
 
 
-def read_grid(path: str | os.PathLike, *names: str) -> dict:
+def read_grid(path: PathLike, *names: str) -> dict:
     """Arrays and numbers of a grid that the engine wrote.
 
     Parameters
@@ -65,7 +65,7 @@ class RimShape:
     harmonics: np.ndarray = field(repr=False)
 
     @classmethod
-    def read(cls, folder: str | os.PathLike, scene: dict) -> RimShape:
+    def read(cls, folder: PathLike, scene: dict) -> RimShape:
         """Shape at the end of the assembly.
 
         Parameters

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import floor, inf, log
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from .. import _engine
 from .._check import fields, integer, number
 from .._engine import InputError
 from ..results import preformatted
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+_DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 
 
 @dataclass(frozen=True)
@@ -38,14 +45,14 @@ class Ridges:
         fields(self, length=number(), shortest_wavelength=number(), ridges=integer(-2**31), gamma=number())
 
     @property
-    def n_max(self) -> Any:
+    def n_max(self) -> int:
         """Highest index of the sum."""
         if not (self.gamma > 1 and 0 < self.shortest_wavelength <= self.length < inf and self.ridges >= 1):
             raise InputError(f"{self}: gamma > 1, 0 < shortest_wavelength <= length and ridges >= 1 are needed")
         return floor((log(self.length) - log(self.shortest_wavelength)) / log(self.gamma) + 1e-9)
 
     @property
-    def band(self) -> Any:
+    def band(self) -> tuple:
         """Wavelengths (shortest, longest) of the continuous band with the same power [m]."""
         return self.length * self.gamma ** -(self.n_max + 0.5), self.length * self.gamma**0.5
 
@@ -99,7 +106,12 @@ class Fit:
     density_model: np.ndarray = field(repr=False, default=cast(Any, None))  #: the model's; NaN outside the window
 
     @property
-    def band(self) -> Any:
+    def determined(self) -> bool:
+        """The interval of D keeps off 2, where every G fits, by the engine's bound."""
+        return bool(np.isfinite(self.fractal_dimension)) and self.interval[0][0] >= _DETERMINED
+
+    @property
+    def band(self) -> tuple:
         """95 % band of measured S about the model: (low, high) [m^2]."""
         w = np.exp(1.959964 * self.sample_error)
         return self.curve_m2 / w, self.curve_m2 * w
@@ -120,7 +132,7 @@ class Fit:
             lines += [
                 f"D         {self.fractal_dimension:.4f}, {d_low:.4f} to {d_high:.4f} (95 %; by sampling alone {s_low:.4f} to "
                 f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
-                "G         not determined: the interval of D reaches 2" if d_low < 2.005 else
+                "G         not determined: the interval of D reaches 2" if not self.determined else
                 f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
                 f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
                 *([f"ridges    {self.ridges}"] if self.ridges else []),
@@ -158,7 +170,7 @@ class Fit:
     def _repr_html_(self):
         return preformatted(self)
 
-    def plot(self, axis: Any = None, label: str = "measured", colour: str = "C0") -> Any:
+    def plot(self, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:
         """S with the fit and its 95 % band.
 
         Parameters

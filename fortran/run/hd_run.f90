@@ -5,7 +5,6 @@ module hd_run
   use hd_kinds, only: dp
   use hd_checkpoint, only: mark_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
-  use hd_coarse_start, only: coarser_t
   use hd_coupled_tangent, only: coupled_flexibility, glued_flexibility
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
@@ -44,7 +43,7 @@ module hd_run
     type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
     type(joint_t) :: joint
     type(state_t) :: before, state          !< last two converged states
-    type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
+    type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
     logical :: keeps_all = .false.          !< `model` gets the states under torque too
     logical :: asks_tangent = .true.        !< steps from the end of the assembly on get a tangent K_TS
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
@@ -133,8 +132,10 @@ contains
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call fit_run(run, run%record%kept, error)
+    call fit_run(run, error)
     if (allocated(error)) return
+    run%record%kept = run%model%kept
+    run%record%choice = run%model%choice
     call new_state(run%model%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
@@ -145,13 +146,11 @@ contains
   end subroutine build
 
   !> Fit the model that the run has to its scene and joint, or make one.
-  subroutine fit_run(run, kept, error)
+  subroutine fit_run(run, error)
     type(run_t), intent(inout) :: run                 !< gets model
-    logical, intent(out) :: kept                      !< mesh and factors are those of an earlier run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call fit_model(run%scene, run%model, kept, error)
+    call fit_model(run%scene, run%model, error)
     if (allocated(error)) return
-    run%record%choice = run%model%choice
     associate (law => run%model%drive%problem%law)
       if (allocated(law%joint)) deallocate (law%joint)
       if (run%scene%hard()) return
@@ -214,7 +213,11 @@ contains
         .not. run%place < path_end(run%scene)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
-      if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
+      if (.not. (allocated(error) .or. allocated(run%teeth))) then
+        run%table_sizes = table_sizes(run%output)
+        run%table_sums = table_sums(run%output)
+        call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%loop, error)
+      end if
     end if
     run%record%timers%output = run%record%timers%output + wall_seconds() - start
   end subroutine accept
@@ -303,15 +306,6 @@ contains
       if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
     end associate
   end subroutine enter_stiffness
-
-  !> Write the checkpoint of the present state.
-  subroutine save(run, error)
-    type(run_t), intent(inout) :: run                 !< run after a load step
-    type(error_t), allocatable, intent(out) :: error  !< disk full
-    run%table_sizes = table_sizes(run%output)
-    run%table_sums = table_sums(run%output)
-    call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%loop, error)
-  end subroutine save
 
   !> Close the run: warnings, last grids of a run that ended early, summary.
   subroutine close_run(run, error, interrupted)

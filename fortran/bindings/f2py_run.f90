@@ -4,7 +4,7 @@
 !> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing; `resume`: go on with a stopped run.
 subroutine run_open(path, assignments, folder, force, resume, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
   use hd_open_run, only: open_run
   use hd_registry, only: put_run, drop_run
@@ -22,13 +22,15 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   type(string_t), allocatable :: lines(:)
   type(scene_t), allocatable :: scene
   type(run_t), pointer :: run
+  logical :: complete
   handle = 0
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
-    call open_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, error)
+    call open_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, complete, error)
+    if (complete) call raise(error, code_input, "the run in '"//trim(folder)//"' is complete: nothing to resume")
     if (allocated(error)) call drop_run(handle)
   end if
   call tell(error, status, message)
@@ -52,9 +54,9 @@ subroutine run_sizes(handle, facets, axial, dof, status, message)
   dof = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    facets = size(run%drive%face%nodes, 2)
-    axial = run%drive%axial_facets
-    dof = 3*run%drive%problem%n
+    facets = size(run%model%drive%face%nodes, 2)
+    axial = run%model%drive%axial_facets
+    dof = 3*run%model%drive%problem%n
   end if
   call tell(error, status, message)
 end subroutine run_sizes
@@ -63,10 +65,11 @@ end subroutine run_sizes
 subroutine run_advance(handle, done, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
+  use hd_load_path, only: operator(<), path_end, step_end
+  use hd_march, only: march
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
-  use hd_turning, only: advance
   implicit none
   integer(c_int), intent(in) :: handle
   integer(c_int), intent(out) :: done, status
@@ -77,7 +80,10 @@ subroutine run_advance(handle, done, status, message)
   logical :: last
   last = .true.
   call find_run(handle, run, error)
-  if (.not. allocated(error)) call advance(run, last, error)
+  if (.not. allocated(error)) then
+    call march(run, step_end(run%place), error)
+    last = .not. run%place < path_end(run%scene)
+  end if
   done = merge(1, 0, last)
   call tell(error, status, message)
 end subroutine run_advance
@@ -108,7 +114,7 @@ subroutine run_sums(handle, n, sums, status, message)
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
     call names%put(sums, 'step', real(run%step%number, c_double))
-    call names%put(sums, 'in_torque', merge(1._c_double, 0._c_double, run%step%phase == 'torque'))
+    call names%put(sums, 'in_torque', merge(1._c_double, 0._c_double, run%step%loaded))
     call names%put(sums, 'load_factor', run%step%load_factor)
     call names%put(sums, 'torque_nm', run%step%torque)
     call names%put(sums, 'iterations', real(run%step%iterations, c_double))
@@ -142,7 +148,7 @@ subroutine run_facets(handle, n, columns, fields, status, message)
   fields = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    if (run%record%steps > 0) then
+    if (run%step%number > 0) then
       do f = 1, n
         fields(f, :) = facet_row(run%facets, f)
       end do
@@ -177,7 +183,7 @@ end subroutine run_close
 subroutine model_forget(status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_model_cache, only: forget_model
+  use hd_registry, only: forget_model
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(out) :: status

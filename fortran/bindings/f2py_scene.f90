@@ -111,7 +111,7 @@ subroutine scene_cam(path, assignments, n, theta, field, curve, length, status, 
   allocate (scene)
   call read_scene(path, lines_of(assignments), scene, error)
   if (.not. allocated(error)) then
-    call new_cam(scene, scene%bore_radius - merge(scene%ring_thickness, 0._c_double, scene%shape == 'pressed'), cam, error)
+    call new_cam(scene, scene%bore_radius - merge(scene%ring_thickness, 0._c_double, .not. scene%formed()), cam, error)
   end if
   if (.not. allocated(error)) then
     call cam%displace(cam%w, theta, field(1, :), field(2, :))

@@ -1,19 +1,22 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Runs and locks that Python holds by an integer handle; a stale handle is an error, not a crash.
+!> Runs and locks that Python holds by an integer handle; a stale handle is an error, not a crash. The model of the run that was
+!> closed last is kept for the next one.
 module hd_registry
   use hd_error, only: error_t, raise, code_input
   use hd_folder_lock, only: folder_lock_t
-  use hd_run, only: run_t
+  use hd_model, only: model_t, give_back
+  use hd_run, only: run_t, leave_model
   use hd_text, only: to_text
   implicit none
   private
-  public :: put_run, find_run, drop_run, put_lock, drop_lock, leave_locks
+  public :: put_run, find_run, drop_run, put_lock, drop_lock, leave_locks, forget_model
 
   integer, parameter :: capacity = 64   !< runs open at the same time
   type :: run_slot_t
     type(run_t), allocatable :: run
   end type run_slot_t
   type(run_slot_t), save, target :: slots(capacity)
+  type(model_t), allocatable, save :: last_model
   type(folder_lock_t), save :: locks(capacity)
   logical, save :: taken(capacity) = .false.
 
@@ -22,13 +25,14 @@ contains
   !> Make room for a run.
   subroutine put_run(handle, run, error)
     integer, intent(out) :: handle                    !< its handle
-    type(run_t), pointer, intent(out) :: run          !< an empty run
+    type(run_t), pointer, intent(out) :: run          !< an empty run with the model of the last one
     type(error_t), allocatable, intent(out) :: error  !< too many
     nullify (run)
     do handle = 1, capacity
       if (allocated(slots(handle)%run)) cycle
       allocate (slots(handle)%run)
       run => slots(handle)%run
+      call move_alloc(last_model, run%model)
       return
     end do
     call raise(error, code_input, to_text(capacity)//' runs are open; close some with Run.close()')
@@ -46,12 +50,19 @@ contains
     if (.not. associated(run)) call raise(error, code_input, 'this run is closed (handle '//to_text(handle)//')')
   end subroutine find_run
 
-  !> Forget a run.
+  !> Forget a run, but its model.
   subroutine drop_run(handle)
     integer, intent(in) :: handle  !< handle
     if (handle < 1 .or. handle > capacity) return
-    if (allocated(slots(handle)%run)) deallocate (slots(handle)%run)
+    if (.not. allocated(slots(handle)%run)) return
+    call leave_model(slots(handle)%run, last_model)
+    deallocate (slots(handle)%run)
   end subroutine drop_run
+
+  !> Give back the memory of the last run's model.
+  subroutine forget_model()
+    call give_back(last_model)
+  end subroutine forget_model
 
   !> Take the lock of a folder.
   subroutine put_lock(folder, handle, error)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Balls on the deformed face of a ring.
 module test_ball_patch
-  use hd_ball_patch, only: ball_patch_t, material_angle, place_ball
+  use hd_ball_patch, only: ball_patch_t
   use hd_check, only: check_close
   use hd_kinds, only: dp, pi
   use hd_strut, only: closing_of, strut_t
@@ -25,7 +25,7 @@ contains
       call set(u, closing(1))
       call check_close(closing(1), 0._dp, 1e-17_dp, 'a ring turned by 0.3 rad under a ball neither presses on it')
       call check_close(moment(u), 0._dp, 1e-16_dp, 'nor is turned by it')
-      call check_close(material_angle(patch, i, u), patch%theta(i) - 0.3_dp, 1e-14_dp, 'the ball lies where the ring has come to')
+      call check_close(patch%foot(i, u), patch%theta(i) - 0.3_dp, 1e-14_dp, 'the ball lies where the ring has come to')
       d = 1e-4_dp
       u = moved(0._dp, d, 0._dp)
       angle = patch%theta(i)
@@ -43,7 +43,7 @@ contains
     subroutine set(u, closing)
       real(dp), intent(in) :: u(:, :)
       real(dp), intent(out) :: closing
-      call place_ball(patch, i, ball, closing, u)
+      call patch%place(i, ball, closing, u)
       closing = closing + closing_of(ball, u)
     end subroutine set
 

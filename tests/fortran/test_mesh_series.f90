@@ -5,6 +5,7 @@ module test_mesh_series
   use hd_mesh_series, only: extrapolate, first_judged, expected_error, first_level, least_error, least_tolerance, levels, meshed
   use hd_promises, only: promises, promise_t, promises_of, promise_text, relative, every_second, values
   use hd_scene, only: scene_t
+  use hd_support, only: support_of
   implicit none
   private
   public :: run_mesh_series
@@ -54,7 +55,7 @@ contains
     type(scene_t) :: scene
     type(promise_t) :: list(promises)
     real(dp) :: value(values), error(values), r(promises)
-    scene%support = 'hub'
+    scene%support = support_of('hub')
     list = promises_of(scene)
     value = 0
     error = 0

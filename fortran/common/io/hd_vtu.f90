@@ -160,7 +160,8 @@ contains
       read (unit, '(a)', iostat=status) line
       if (status /= 0) exit
       if (line(:9) /= '<DataSet ') cycle
-      read (line(index(line, 'timestep="') + 10:), *, iostat=status) time
+      name = line(index(line, 'timestep="') + 10:)
+      read (name(:index(name, '"') - 1), *, iostat=status) time
       if (status /= 0) exit
       name = line(index(line, 'file="') + 6:)
       files = [files, name(:index(name, '"') - 1)//repeat(' ', len(name) - index(name, '"') + 1)]

@@ -62,7 +62,7 @@ contains
     real(dp) :: residual, work
     integer :: i
     none = 0
-    left_u = -force  ! a bottom that turns is loaded there too
+    left_u = -force  ! a wheel that turns is loaded there too
     left_c = 0
     if (any(abs(du) > 0)) call find_remainder(problem, dw, dt, -force, none, du, dtraction, left_u, left_c, residual)
     do i = 1, most

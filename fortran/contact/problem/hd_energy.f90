@@ -28,7 +28,7 @@ contains
     end if
     force = forces_at(problem, load, closing)
     n = size(closing)
-    if (allocated(problem%rub)) n = n - size(problem%rub%flank)
+    if (allocated(problem%rub)) n = n - size(problem%rub%partner)
     e = e + sum(strut_energy(problem%struts(:n), closing(:n))) + sum(force(n + 1:)**2/(2*problem%struts(n + 1:)%rate))
     if (.not. allocated(problem%strut_give)) return
     e = e + dot_product(force, matmul(problem%strut_give, force))/2

@@ -8,16 +8,15 @@
 module hd_newton
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
-  use hd_ball_patch, only: material_angle
   use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
-  use hd_flanks, only: flanks_t, count_flanks
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
     apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
+  use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
   implicit none
   private
@@ -156,10 +155,10 @@ contains
     integer :: i
     call pairing_error(problem%pairing, problem%mortar, state%u, state%traction(1, :), apart, turned)
     pairs_stay = turned <= turn_left .and. apart <= way_left*problem%pairing%radius
-    if (allocated(problem%patch)) then
-      do i = 1, size(problem%ball_on)
+    if (allocated(problem%placing)) then
+      do i = 1, problem%placing%struts
         if (problem%strut_rate(i) > 0) pairs_stay = pairs_stay .and. &
-          abs(material_angle(problem%patch, i, state%u) - problem%ball_on(i)) <= way_left
+          abs(problem%placing%foot(i, state%u) - problem%strut_foot(i)) <= way_left
       end do
     end if
     if (pairs_stay .and. options%torque > 0) pairs_stay = apart <= rounding_left*problem%pairing%radius .or. &
@@ -184,7 +183,7 @@ contains
     type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
     logical :: search
-    type(flanks_t) :: flanks
+    type(ahead_t) :: ahead
     integer(int64) :: start, now, rate
     call system_clock(start, rate)
     allocate (history(0))
@@ -224,7 +223,7 @@ contains
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
       call update_struts(problem, load, state%u)
-      call count_flanks(problem, load, state%u, row%stick > 0, flanks, here%r_u)
+      call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(exact, searched, search)
       if (allocated(problem%pairing) .and. .not. search) then
@@ -241,16 +240,16 @@ contains
     end do
   end subroutine settle
 
-  !> Enter the values of the fixed dofs; a bottom that turns keeps its turn.
+  !> Enter the values of the fixed dofs; a wheel keeps its turn.
   pure subroutine prescribe(problem, load, u)
     type(problem_t), intent(in) :: problem   !< problem
     type(load_t), intent(in) :: load         !< load
     real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
     real(dp) :: turn
     turn = 0
-    if (allocated(problem%hub)) turn = u(2, problem%hub(1))
+    if (allocated(problem%wheel)) turn = u(2, problem%wheel(1))
     where (problem%fixed) u = load%displacement
-    if (allocated(problem%hub)) u(2, problem%hub) = turn
+    if (allocated(problem%wheel)) u(2, problem%wheel) = turn
   end subroutine prescribe
 
   !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
@@ -439,7 +438,7 @@ contains
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
     scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
-    if (problem%turning) here%distance = hypot(here%distance, sum(here%r_u(2, problem%hub)))
+    if (problem%turning) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
 

@@ -10,9 +10,8 @@ module hd_problem
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
-  use hd_ball_patch, only: ball_patch_t, place_ball, material_angle
   use hd_rub, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
-  use hd_strut, only: strut_t, closing_of, push, strut_force, strut_tangent, answers, give_way
+  use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
@@ -36,15 +35,15 @@ module hd_problem
     type(pairing_t), allocatable :: pairing    !< faces of the interface, if they are paired anew as they move
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
-    type(ball_patch_t), allocatable :: patch   !< of the balls, the first struts, if they are placed anew as the ring moves
-    real(dp), allocatable :: strut_shift(:)    !< closings of balls placed anew beside those by weights; unallocated: none [m]
-    real(dp), allocatable :: ball_on(:)        !< angles at rest of what they press on [rad]
+    class(placing_t), allocatable :: placing   !< of the first struts, if they are placed anew as the bodies move
+    real(dp), allocatable :: strut_shift(:)    !< closings of these struts beside those by weights; unallocated: none [m]
+    real(dp), allocatable :: strut_foot(:)     !< angles at rest of what they press on [rad]
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
     real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
-    type(rub_t), allocatable :: rub            !< friction of flanks, the last struts being their companions; unallocated: none
+    type(rub_t), allocatable :: rub            !< friction of struts, the last ones being companions of others; unallocated: none
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
     integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
-    integer, allocatable :: hub(:)             !< nodes on one circle with one common turn about the axis, an unknown; their other
+    integer, allocatable :: wheel(:)           !< nodes on one circle with one common turn about the axis, an unknown; their other
                                                !< dofs are fixed, and so is this one for whoever does not know of it
     logical :: turning = .false.               !< they may turn; else they are held
   end type problem_t
@@ -56,7 +55,7 @@ module hd_problem
     real(dp), allocatable :: gap(:)              !< initial gap (multipliers), negative for interference [m]
     real(dp) :: friction = 0                     !< Coulomb coefficient of the step
     real(dp), allocatable :: closing(:)          !< offsets of the struts [m]
-    real(dp), allocatable :: past(:, :)          !< of companions of flanks, at the beginning of the step (memories, companions)
+    real(dp), allocatable :: past(:, :)          !< of companions of struts, at the beginning of the step (memories, companions)
   end type load_t
 
   !> Fields of a converged step (or an iterate).
@@ -317,7 +316,7 @@ contains
     real(dp) :: f(size(closing)), rate(size(closing)), lean(size(closing))
     logical :: slides(size(closing))
     if (allocated(problem%rub)) then
-      associate (m => size(problem%rub%flank))
+      associate (m => size(problem%rub%partner))
         call strut_laws(problem%struts, problem%rub, load%past, closing, f, rate, lean(:m), slides(:m))
       end associate
     else
@@ -402,27 +401,27 @@ contains
     end do
   end subroutine sum_cells
 
-  !> Couple the faces, and set the balls, where they are; nothing to do for pairs that stay those at rest.
+  !> Couple the faces, and place struts, where they are; nothing to do for pairs that stay those at rest.
   subroutine pair_bodies(problem, u)
-    type(problem_t), intent(inout) :: problem  !< gets its mortar and its balls anew
+    type(problem_t), intent(inout) :: problem  !< gets its mortar and its struts anew
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    type(strut_t) :: ball
+    type(strut_t) :: new
     integer :: i, n
     logical :: same
     if (.not. allocated(problem%pairing)) return
     call pair_faces(problem%pairing, u, problem%mortar)
-    if (.not. allocated(problem%patch)) return
-    n = size(problem%patch%theta)
+    if (.not. allocated(problem%placing)) return
+    n = problem%placing%struts
     if (.not. allocated(problem%strut_shift)) allocate (problem%strut_shift(n))
-    problem%ball_on = [(material_angle(problem%patch, i, u), i=1, n)]
+    problem%strut_foot = [(problem%placing%foot(i, u), i=1, n)]
     do i = 1, n
-      ball = problem%struts(i)
-      call place_ball(problem%patch, i, ball, problem%strut_shift(i), u)
-      same = size(ball%node) == size(problem%struts(i)%node)
-      if (same) same = all(ball%node == problem%struts(i)%node) .and. &
-        all((abs(ball%weight) > 0) .eqv. (abs(problem%struts(i)%weight) > 0))
+      new = problem%struts(i)
+      call problem%placing%place(i, new, problem%strut_shift(i), u)
+      same = size(new%node) == size(problem%struts(i)%node)
+      if (same) same = all(new%node == problem%struts(i)%node) .and. &
+        all((abs(new%weight) > 0) .eqv. (abs(problem%struts(i)%weight) > 0))
       if (.not. same) problem%mortar%pattern = problem%mortar%serial
-      problem%struts(i) = ball
+      problem%struts(i) = new
     end do
   end subroutine pair_bodies
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Coulomb friction of flanks. Beside a strut of power 1 that pushes along its normal, the flank, stands a companion along its
-!> tangent: a spring of stiffness k_t that carries T between -mu F and mu F while the flank pushes with F, and nothing else.
-!> Within a load step flank and way are taken to move evenly. So a flank that closes has its spring from the part of the step on
+!> Coulomb friction of struts. Beside a strut of power 1 that pushes along its normal stands a companion along its tangent: a
+!> spring of stiffness k_t that carries T between -mu F and mu F while the strut pushes with F, and nothing else. Within a load
+!> step closing and way are taken to move evenly. So where a strut closes its companion has its spring from the part of the step on
 !> in which it touches, and where it opens it forgets.
 !>
 !> Linearised, a companion that sticks has  dT = rate dx + lean dF,  one that slides  dT = lean dF.
@@ -14,23 +14,23 @@ module hd_rub
   private
   public :: rub_t, rub, remembered, strut_laws, rubbed_answers, lean_rows, give_way_rubbing, memories
 
-  integer, parameter :: memories = 4  !< of a companion: closing of its flank [m], way [m], friction T [N], work so far [J]
+  integer, parameter :: memories = 4  !< of a companion: closing of its partner [m], way [m], friction T [N], work so far [J]
 
   !> The last struts are companions.
   type :: rub_t
     real(dp) :: friction = 0                !< mu
-    integer, allocatable :: flank(:)        !< number of each companion's flank among the struts
+    integer, allocatable :: partner(:)      !< number of the strut that each companion goes with
     real(dp), allocatable :: lean(:)        !< dT/dF of each companion at the present iterate
     logical, allocatable :: slides(:)       !< it slides there
   end type rub_t
 
 contains
 
-  !> Friction of a flank at the end of a step, and its derivatives.
+  !> Friction of a strut at the end of a step, and its derivatives.
   elemental subroutine rub(mu, k_n, k_t, closing, way, closing_0, way_0, force_0, force, rate, lean, slides)
     real(dp), intent(in) :: mu                          !< Coulomb's coefficient
     real(dp), intent(in) :: k_n, k_t                    !< stiffness along normal and tangent [N/m]
-    real(dp), intent(in) :: closing, way                !< of flank and companion [m]
+    real(dp), intent(in) :: closing, way                !< of strut and companion [m]
     real(dp), intent(in) :: closing_0, way_0, force_0   !< at the beginning of the step, with the friction there [m], [m], [N]
     real(dp), intent(out) :: force                      !< T [N]
     real(dp), intent(out) :: rate                       !< dT/dx; of one that slides k_t, of one that is open 0 [N/m]
@@ -58,7 +58,7 @@ contains
   end subroutine rub
 
   !> What a companion remembers when the step is over. Its end slips from where T first reaches its bound, until the step ends or
-  !> the flank opens; T and way change evenly.
+  !> the strut opens; T and way change evenly.
   pure function remembered(mu, k_n, k_t, closing, way, force, past) result(memory)
     real(dp), intent(in) :: mu                          !< Coulomb's coefficient
     real(dp), intent(in) :: k_n, k_t                    !< stiffness along normal and tangent [N/m]
@@ -91,10 +91,10 @@ contains
     real(dp), intent(out) :: lean(:)                   !< (companions)
     logical, intent(out) :: slides(:)                  !< (companions)
     integer :: n
-    n = size(struts) - size(law%flank)
+    n = size(struts) - size(law%partner)
     force(:n) = strut_force(struts(:n), closing(:n))
     rate(:n) = strut_tangent(struts(:n), closing(:n))
-    call rub(law%friction, struts(law%flank)%rate, struts(n + 1:)%rate, closing(law%flank), closing(n + 1:), past(1, :), &
+    call rub(law%friction, struts(law%partner)%rate, struts(n + 1:)%rate, closing(law%partner), closing(n + 1:), past(1, :), &
       past(2, :), past(3, :), force(n + 1:), rate(n + 1:), lean, slides)
   end subroutine strut_laws
 
@@ -109,12 +109,12 @@ contains
     real(dp), allocatable :: a(:, :), b(:, :)
     integer, allocatable :: list(:)
     integer :: i, n
-    n = size(rate) - size(law%flank)
+    n = size(rate) - size(law%partner)
     if (.not. present(give)) then
       force = rate*closing
-      do i = 1, size(law%flank)
+      do i = 1, size(law%partner)
         if (law%slides(i)) force(n + i) = 0
-        if (rate(n + i) > 0) force(n + i) = force(n + i) + law%lean(i)*force(law%flank(i))
+        if (rate(n + i) > 0) force(n + i) = force(n + i) + law%lean(i)*force(law%partner(i))
       end do
       return
     end if
@@ -130,7 +130,7 @@ contains
     force(list) = b(:, 1)
   end function rubbed_answers
 
-  !> Rows of companions in equations for the forces of those struts that push: they hang on their flank, and one that slides on
+  !> Rows of companions in equations for the forces of those struts that push: they hang on their partner, and one that slides on
   !> nothing else.
   pure subroutine lean_rows(law, list, struts, rate, a, b)
     type(rub_t), intent(in) :: law          !< with lean, slides
@@ -140,7 +140,7 @@ contains
     real(dp), intent(inout) :: a(:, :)      !< equations of the list come first [m/N]
     real(dp), intent(inout), optional :: b(:)  !< right-hand sides [m]
     integer :: i, k, n
-    n = struts - size(law%flank)
+    n = struts - size(law%partner)
     do i = 1, size(list)
       if (list(i) <= n) cycle
       associate (companion => list(i) - n)
@@ -149,13 +149,13 @@ contains
           a(i, i) = 1/rate(list(i))
           if (present(b)) b(i) = 0
         end if
-        k = findloc(list, law%flank(companion), 1)
+        k = findloc(list, law%partner(companion), 1)
         a(i, k) = a(i, k) - law%lean(companion)/rate(list(i))
       end associate
     end do
   end subroutine lean_rows
 
-  !> Closings left where what flanks and companions stand on has given way, by Newton's method.
+  !> Closings left where what struts and companions stand on has given way, by Newton's method.
   subroutine give_way_rubbing(struts, law, past, give, closing)
     type(strut_t), intent(in) :: struts(:)     !< struts
     type(rub_t), intent(in) :: law             !< their friction
@@ -168,7 +168,7 @@ contains
     logical :: yields(size(closing))
     type(rub_t) :: now
     integer :: i, k, n
-    n = size(struts) - size(law%flank)
+    n = size(struts) - size(law%partner)
     yields = [(give(i, i) > 0, i=1, size(closing))]
     now = law
     left = closing
@@ -176,9 +176,9 @@ contains
       call strut_laws(struts, law, past, left, force, rate, now%lean, now%slides)
       where (.not. yields) rate = 0
       aim = closing
-      do i = 1, size(law%flank)
+      do i = 1, size(law%partner)
         if (rate(n + i) > 0 .and. .not. now%slides(i)) aim(n + i) = closing(n + i) - left(n + i) + &
-          (force(n + i) - now%lean(i)*force(law%flank(i)))/rate(n + i)
+          (force(n + i) - now%lean(i)*force(law%partner(i)))/rate(n + i)
       end do
       before = left
       left = closing - matmul(give, rubbed_answers(rate, now, aim, give))

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Struts are unilateral springs between points of the bodies and rigid surroundings, F = K max(0, closing)^power. A ball between
-!> cam and ring (power 3/2) and a flank of a tooth against the circular spline (power 1) are struts. What they stand on may give way
-!> under all their forces together (`give`, a symmetric compliance between struts of power 1).
+!> Struts are unilateral springs between points of the bodies and rigid surroundings, F = K max(0, closing)^power: Hertzian contacts
+!> of small bodies (power 3/2), elastic stops (power 1). What they stand on may give way under all their forces together (`give`, a
+!> symmetric compliance between struts of power 1).
 module hd_strut
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_lapack, only: solve_dense
   implicit none
   private
-  public :: strut_t, absent, closing_of, strut_force, strut_tangent, strut_energy, push, answers, give_way
+  public :: strut_t, placing_t, absent, closing_of, strut_force, strut_tangent, strut_energy, push, answers, give_way
 
   real(dp), parameter :: absent = -huge(1._dp)  !< offset of a strut that is not there yet
 
@@ -19,6 +19,34 @@ module hd_strut
     real(dp) :: rate = 0                     !< K [N/m^power]
     real(dp) :: power = 1                    !< exponent
   end type strut_t
+
+  !> How the first struts of a problem are placed anew as the bodies move under them.
+  type, abstract :: placing_t
+    integer :: struts = 0                    !< so many
+  contains
+    procedure(place_strut), deferred :: place
+    procedure(foot_of_strut), deferred :: foot
+  end type placing_t
+
+  abstract interface
+    !> Nodes and weights of a strut, and what its closing has beside the displacements so weighted.
+    pure subroutine place_strut(self, i, strut, shift, u)
+      import :: dp, placing_t, strut_t
+      class(placing_t), intent(in) :: self           !< placing
+      integer, intent(in) :: i                       !< number of the strut
+      type(strut_t), intent(inout) :: strut          !< gets node, weight
+      real(dp), intent(out) :: shift                 !< [m]
+      real(dp), intent(in), optional :: u(:, :)      !< displacements (3, n), if they may be large [m]
+    end subroutine place_strut
+
+    !> Angle at rest of the point that a strut has come to press on [rad].
+    pure real(dp) function foot_of_strut(self, i, u)
+      import :: dp, placing_t
+      class(placing_t), intent(in) :: self           !< placing
+      integer, intent(in) :: i                       !< number of the strut
+      real(dp), intent(in) :: u(:, :)                !< displacements (3, n) [m]
+    end function foot_of_strut
+  end interface
 
 contains
 

@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> What stands beside the contact points in a condensed system: the forces x of the struts that push, and the motions a of bodies
 !> that contact, struts or soft springs to the ground alone hold (two translations and the turn of a loose body, the turn of one
-!> with a free hub).
+!> with a wheel).
 !>
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u + G x = 0                    linearised strut, k its tangent, G compliance of what it stands on
 !>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
-!> A companion of a flank (hd_rub) has  (x - lean x_flank)/k + P^T u + G x = 0,  or where it slides  x = lean x_flank  alone: its
+!> A companion (hd_rub) has  (x - lean x_partner)/k + P^T u + G x = 0,  or where it slides  x = lean x_partner  alone: its
 !> row is no longer its column.
 !> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the
-!> equations are those of the body on S. In a C without them the soft springs of a cup would hide what the contact gives way.
+!> equations are those of the body on S. In a C without them the soft springs of a body would hide what the contact gives way.
 !> Motions are scaled to unknowns in newtons.
 module hd_border
   use hd_kinds, only: dp
@@ -122,8 +122,8 @@ contains
         border%body = [border%body, (problem%loose(b), k=size(border%body) + 1, size(border%kind))]
       end do
     end if
-    if (allocated(problem%hub)) then
-      border%body = [border%body, count(problem%first < problem%hub(1))]
+    if (allocated(problem%wheel)) then
+      border%body = [border%body, count(problem%first < problem%wheel(1))]
       border%kind = [border%kind, 3]
     end if
     border%modes = size(border%body)
@@ -159,7 +159,7 @@ contains
     if (self%struts == 0) return
     self%active = pack([(i, i=1, self%struts)], problem%strut_rate > 0)
     slides = .false.
-    if (allocated(problem%rub)) slides(self%struts - size(problem%rub%flank) + 1:) = problem%rub%slides
+    if (allocated(problem%rub)) slides(self%struts - size(problem%rub%partner) + 1:) = problem%rub%slides
     self%blind = slides(self%active)
   end subroutine take_active
 

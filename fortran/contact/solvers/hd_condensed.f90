@@ -215,8 +215,8 @@ contains
     system%corner = self%border%matrix(problem)
     system%known = known
     if (self%symmetry%half_turn) system%fold = 2
-    if (problem%turning .or. .not. allocated(problem%hub)) return
-    associate (last => system%more)  ! the turn of the bottom, which is held
+    if (problem%turning .or. .not. allocated(problem%wheel)) return
+    associate (last => system%more)  ! the turn of the wheel, which is held
       system%side(:, :, last) = 0
       system%corner(last, :) = 0
       system%corner(:, last) = 0

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Newton's equations by GMRES around the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES
-!> stalls, the exact factors of hd_newton_matrix take over for the rest of the run. Round bodies keep the balls where they stood
+!> stalls, the exact factors of hd_newton_matrix take over for the rest of the run. Round bodies keep struts where they stood
 !> at rest.
 module hd_newton_krylov
   use hd_kinds, only: dp
@@ -114,7 +114,7 @@ contains
     end if
   end subroutine update_newton_krylov
 
-  !> Couple the bodies at rest as they are coupled now, and let those balls and teeth push that do.
+  !> Couple the bodies at rest as they are coupled now, and let those struts push that do.
   subroutine follow_pairs(round, problem)
     type(problem_t), intent(inout) :: round  !< bodies at rest
     type(problem_t), intent(in) :: problem   !< the same, deformed
@@ -227,7 +227,7 @@ contains
     real(dp), intent(out) :: x(:)                  !< [N]
     real(dp) :: f(size(r_u, 1), size(r_u, 2))
     f = merge(0._dp, r_u, problem%fixed)
-    if (problem%turning) f(2, problem%hub) = sum(r_u(2, problem%hub))/size(problem%hub)  ! one unknown, shared by its nodes
+    if (problem%turning) f(2, problem%wheel) = sum(r_u(2, problem%wheel))/size(problem%wheel)  ! one unknown, shared by its nodes
     x(:size(r_u)) = pack(f, .true.)
     x(size(r_u) + 1:) = pack(spread(max(problem%mortar%area, tiny(1._dp)), 1, 3)*r_c, .true.)
   end subroutine pack_residual

@@ -32,7 +32,7 @@ module hd_newton_matrix
     procedure :: release
   end type newton_matrix_t
 
-  real(dp), parameter :: held = 1e6_dp  !< stiffness that holds a bottom, over that of a piece of the bodies
+  real(dp), parameter :: held = 1e6_dp  !< stiffness that holds a wheel, over that of a piece of the bodies
 
 contains
 
@@ -63,9 +63,9 @@ contains
         matrix%equation(c, a) = matrix%dofs
       end do
     end do
-    if (allocated(problem%hub)) then  ! one unknown for all of them
+    if (allocated(problem%wheel)) then  ! one unknown for all of them
       matrix%dofs = matrix%dofs + 1
-      matrix%equation(2, problem%hub) = matrix%dofs
+      matrix%equation(2, problem%wheel) = matrix%dofs
     end if
     matrix%struts = 0
     if (allocated(problem%struts)) matrix%struts = size(problem%struts)
@@ -99,7 +99,7 @@ contains
           end do
         end do
       end do
-      if (allocated(problem%hub)) call put(matrix%dofs, matrix%dofs, 0._dp)
+      if (allocated(problem%wheel)) call put(matrix%dofs, matrix%dofs, 0._dp)
       matrix%law_start = n
       do j = 1, problem%mortar%n
         do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
@@ -127,7 +127,7 @@ contains
           end do
           call put(at, at, 0._dp)
           k = companion_of(problem, j)
-          if (k > 0) call put(at, at - j + problem%rub%flank(k), 0._dp)
+          if (k > 0) call put(at, at - j + problem%rub%partner(k), 0._dp)
           if (.not. allocated(problem%strut_give)) cycle
           do k = 1, matrix%struts
             call put(at, at - j + k, 0._dp)
@@ -154,12 +154,12 @@ contains
     end subroutine put
   end subroutine lay_out
 
-  !> Number of a strut among the companions of flanks, 0 for others.
+  !> Number of a strut among the companions of others, 0 for others.
   pure integer function companion_of(problem, strut)
     type(problem_t), intent(in) :: problem  !< problem
     integer, intent(in) :: strut            !< number
     companion_of = 0
-    if (allocated(problem%rub)) companion_of = max(0, strut - size(problem%struts) + size(problem%rub%flank))
+    if (allocated(problem%rub)) companion_of = max(0, strut - size(problem%struts) + size(problem%rub%partner))
   end function companion_of
 
   !> Enter the present stiffness, in the order of lay_out.
@@ -203,8 +203,8 @@ contains
       a = at(i)
       do c = 1, 3
         if (matrix%equation(c, a) == 0) cycle
-        if (allocated(problem%hub)) then
-          if (c == 2 .and. any(problem%hub == a)) cycle
+        if (allocated(problem%wheel)) then
+          if (c == 2 .and. any(problem%wheel == a)) cycle
         end if
         n = n + 1
         position(matrix%equation(c, a)) = n
@@ -213,7 +213,7 @@ contains
       position(matrix%dofs + 3*owner(a) - 2:matrix%dofs + 3*owner(a)) = [n + 1, n + 2, n + 3]
       n = n + 3
     end do
-    if (allocated(problem%hub)) then
+    if (allocated(problem%wheel)) then
       n = n + 1
       position(matrix%dofs) = n
     end if
@@ -294,7 +294,7 @@ contains
     if (allocated(problem%lagrangian)) call enter_stiffness(problem, self)
     turned = allocated(problem%mortar%turn)
     n = self%law_start
-    if (allocated(problem%hub)) self%val(n) = merge(0._dp, held*problem%law%scale*problem%bodies(1)%x(1, 1)**2, problem%turning)
+    if (allocated(problem%wheel)) self%val(n) = merge(0._dp, held*problem%law%scale*problem%bodies(1)%x(1, 1)**2, problem%turning)
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
         block = -problem%mortar%area(j)*coupling_block(problem%mortar, j, k)
@@ -372,7 +372,7 @@ contains
         if (self%equation(c, a) > 0) du(c, a) = b(self%equation(c, a), 1)
       end do
     end do
-    if (allocated(problem%hub) .and. .not. problem%turning) du(2, problem%hub) = 0
+    if (allocated(problem%wheel) .and. .not. problem%turning) du(2, problem%wheel) = 0
     dtraction = problem%law%scale*reshape(b(self%dofs + 1:self%unknowns - self%struts, 1), shape(dtraction))
   end subroutine solve_newton
 

@@ -3,7 +3,7 @@
 !> a patch of that face.
 module hd_ball_bearing
   use hd_kinds, only: dp, pi
-  use hd_ball_patch, only: ball_patch_t, place_ball
+  use hd_ball_patch, only: ball_patch_t
   use hd_face, only: face_t
   use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series, semi_axes
   use hd_race, only: race_radius
@@ -68,6 +68,7 @@ contains
     patch%width = min(z(2) - z(1), merge(scene%patch_width, max(axes(1), (z(2) - z(1))/(size(face%nodes, 2)/sectors)), &
       scene%patch_width > 0))
     patch%theta = ball_angles(scene)
+    patch%struts = size(patch%theta)
   end function ball_patches
 
   !> Struts of the balls on their patches.
@@ -80,7 +81,7 @@ contains
     struts%rate = ball_rate(scene)
     struts%power = 1.5_dp
     do i = 1, scene%balls
-      call place_ball(patch, i, struts(i), none)
+      call patch%place(i, struts(i), none)
     end do
   end function ball_struts
 end module hd_ball_bearing

@@ -61,27 +61,27 @@ contains
     call count_nodes(s, nodes, section, rows, thick)
     dof = 3*nodes
     images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%symmetry /= 'full' .and. &
-      .not. abs(s%eccentricity) > 0 .and. s%shape == 'pressed')
+      .not. abs(s%eccentricity) > 0 .and. .not. s%formed())
     extra = min(thick - 1, 2._dp)
-    small = s%kinematics /= 'nonlinear'
+    small = .not. s%large()
     tangent = merge(0._dp, tangent_time*dof, small)
     harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
     list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
     list(2) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
-      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, s%shape == 'pressed')*nodes + 4e-6_dp*s%divisions*rows**2)
+      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, .not. s%formed())*nodes + 4e-6_dp*s%divisions*rows**2)
     list(3) = cost_t('exact', seconds=iterations*(factor_time(dof) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
-    round = s%support /= 'teeth' .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
+    round = .not. s%support%against_teeth .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
-    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. s%shape == 'pressed')
+    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. .not. s%formed())
     list(2:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(2:)%name)
     if (s%factors == 'auto') then
       list(2)%applies = newton .and. round
     else if (s%method == 'auto') then
       list(1)%applies = .false.
     end if
-    if (s%support == 'drive') then
+    if (s%support%struts) then
       list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
       list(2)%applies = s%factors == 'auto' .and. .not. small
       list(3)%applies = .not. any(list(:2)%applies)

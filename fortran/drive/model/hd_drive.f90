@@ -12,7 +12,6 @@ module hd_drive
   use hd_scene, only: scene_t
   use hd_body, only: body_t
   use hd_face, only: face_t
-  use hd_flanks, only: remember
   use hd_formed_body, only: form_body, formed_curve, put_on_curve
   use hd_revolution, only: strip_t, revolve, strip_face
   use hd_section, only: ring_strip, cup_strip, rim_end
@@ -23,11 +22,12 @@ module hd_drive
   use hd_contact_law, only: contact_mode
   use hd_rub, only: memories, rub_t
   use hd_strut, only: absent, closing_of
+  use hd_strut_step, only: remember
   use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
   implicit none
   private
-  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth, frictionless
+  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth
 
   type :: drive_t
     type(problem_t) :: problem               !< bodies, supports, interface
@@ -102,7 +102,7 @@ contains
     master%nodes = master%nodes + bodies(1)%nodes()
     bore%nodes = bore%nodes + bodies(1)%nodes()
     drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
-    if (scene%shape == 'as_formed') then
+    if (scene%formed()) then
       call new_cam(scene, scene%bore_radius, drive%cam, error)
       if (allocated(error)) return
       call form_body(scene, drive%cam, bodies(1))
@@ -112,7 +112,7 @@ contains
     if (allocated(error)) return
     call new_mortar(drive%face, master, drive%problem%mortar)
     inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
-    if (scene%kinematics == 'nonlinear' .and. scene%contact_mode /= 'bonded' .and. (scene%shape == 'pressed' .or. &
+    if (scene%large() .and. .not. scene%bonded() .and. (.not. scene%formed() .or. &
       .not. abs(scene%cone_angle_deg) > 0)) call follow_faces(scene, drive, bore, inside)
     if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
     if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
@@ -139,7 +139,7 @@ contains
       pairing%slave_nodes = drive%problem%bodies(1)%nodes()
       allocate (pairing%stretch(n), source=1._dp)
       allocate (pairing%bend(n), source=1/drive%radius)
-      if (scene%shape == 'as_formed') call formed_curve(drive%cam, drive%reference(2, pairing%rest%node), &
+      if (scene%formed()) call formed_curve(drive%cam, drive%reference(2, pairing%rest%node), &
         pairing%stretch, pairing%bend)
     end associate
   end subroutine follow_faces
@@ -152,7 +152,7 @@ contains
     drive%interference = scene%interference
     call contact_mode(scene%contact_mode, drive%problem%law%mode, error)
     if (allocated(error)) return
-    if (scene%support == 'drive') call set_struts(scene, drive)
+    if (scene%support%struts) call set_struts(scene, drive)
     call turn_cam(scene, drive, error)
   end subroutine renew_drive
 
@@ -177,18 +177,18 @@ contains
       inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
       problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
       if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
-      if (scene%support == 'drive' .and. scene%balls > 0) then
+      if (scene%support%struts .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
         call loosen(problem, drive%b_ring, 1)
-      else if (scene%support == 'drive' .and. scene%ring_tangent == 'free') then
+      else if (scene%support%struts .and. scene%ring_tangent == 'free') then
         call loosen(problem, drive%b_ring, 3)
       else if (ring_follows(scene)) then
         problem%fixed(2, inner) = .true.
       else
-        if (scene%contact_mode /= 'bonded') call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
+        if (.not. scene%bonded()) call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
         if (scene%ring_contact == 'tied') call loosen(problem, drive%b_ring, 3)
       end if
-      if (scene%support == 'drive' .and. allocated(problem%loose) .and. frictionless(scene)) then  ! nothing else resists its turn
+      if (scene%support%struts .and. allocated(problem%loose) .and. scene%frictionless()) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
       end if
       middle = (size(drive%ring%inner, 2) + 1)/2
@@ -199,7 +199,7 @@ contains
       hub = nodes_on(drive, drive%b_cup, reshape([scene%hub_radius, minval(edge), scene%hub_radius, maxval(edge)], [2, 2]))
       problem%fixed(3, hub) = .true.
       drive%hub = hub
-      if (scene%support /= 'bearing') then
+      if (.not. scene%support%friction_alone) then
         problem%fixed(:, hub) = .true.
       else
         drive%sprung = hub
@@ -213,7 +213,7 @@ contains
   !> Balls and flanks of the whole drive, and the bottom that turns.
   subroutine set_struts(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
-    type(drive_t), intent(inout) :: drive  !< gets its problem's struts and hub
+    type(drive_t), intent(inout) :: drive  !< gets its problem's struts and wheel
     type(face_t) :: inside
     type(ball_patch_t) :: patch
     integer :: i
@@ -225,7 +225,7 @@ contains
       if (scene%balls > 0) then
         patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
         problem%struts = [ball_struts(scene, patch), problem%struts]
-        if (allocated(problem%pairing)) problem%patch = patch
+        if (allocated(problem%pairing)) problem%placing = patch
       end if
       problem%strut_rate = [0._dp*problem%struts%rate]
       if (allocated(problem%rub)) deallocate (problem%rub)
@@ -235,7 +235,7 @@ contains
         problem%strut_give = spread(problem%struts%rate*0, 2, size(problem%struts))
         problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
       end if
-      problem%hub = drive%hub
+      problem%wheel = drive%hub
     end associate
   end subroutine set_struts
 
@@ -263,16 +263,9 @@ contains
   !> 'bearing', and without friction under large displacements.
   pure logical function ring_follows(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support == 'bearing' .or. &
-      (frictionless(scene) .and. scene%kinematics == 'nonlinear')))
+    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support%friction_alone .or. &
+      (scene%frictionless() .and. scene%large())))
   end function ring_follows
-
-  !> The contact takes no shear.
-  pure logical function frictionless(scene)
-    type(scene_t), intent(in) :: scene  !< scene
-    frictionless = scene%contact_mode == 'frictionless' .or. (scene%contact_mode == 'frictional' .and. &
-      .not. max(scene%friction, scene%torque_friction) > 0)
-  end function frictionless
 
   !> Springs of the balls between wave generator and ring, even over the ring's inner face.
   subroutine set_on_balls(scene, drive)
@@ -322,12 +315,12 @@ contains
     angle = scene%eccentricity_angle_deg*pi/180
     drive%eccentricity = scene%eccentricity*[cos(angle), sin(angle)]
     drive%inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
-    drive%exact = scene%kinematics == 'nonlinear' .and. scene%shape == 'pressed'
-    drive%formed = scene%shape == 'as_formed'
+    drive%exact = scene%large() .and. .not. scene%formed()
+    drive%formed = scene%formed()
     if (.not. drive%formed) call new_cam(scene, scene%bore_radius - scene%ring_thickness, drive%cam, error)
     if (allocated(error)) return
     drive%assembly = assembled(drive, 1._dp)
-    if (scene%support == 'drive') call turn_cam_under_balls(scene, drive)
+    if (scene%support%struts) call turn_cam_under_balls(scene, drive)
   end subroutine turn_cam
 
   !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way. Without balls the slope of
@@ -390,7 +383,7 @@ contains
     first = drive%problem%first(drive%b_cup)
     allocate (drive%gauge(3, drive%problem%n), source=0._dp)
     drive%squeeze = drive%gauge
-    if (scene%support == 'drive') then
+    if (scene%support%turns_bottom) then
       drive%gauge(2, drive%hub) = 1/(size(drive%hub)*drive%hub_radius)
       drive%torque = drive%gauge
       return
@@ -405,10 +398,10 @@ contains
   end subroutine load_rim
 
   !> Coulomb coefficient of a load step.
-  pure real(dp) function step_friction(scene, position) result(friction)
+  pure real(dp) function step_friction(scene, loaded) result(friction)
     type(scene_t), intent(in) :: scene    !< scene
-    real(dp), intent(in) :: position      !< at the end of the step: 0 to 1 assembly, 1 to 2 torque
-    friction = merge(scene%torque_friction, scene%friction, position > 1 + 1e-12_dp .and. scene%torque_friction > 0)
+    logical, intent(in) :: loaded         !< by the torque, else in the assembly
+    friction = merge(scene%torque_friction, scene%friction, loaded .and. scene%torque_friction > 0)
   end function step_friction
 
   !> Load at a fraction of the assembly and a torque, which the whole drive has at its bottom, others on the rim.

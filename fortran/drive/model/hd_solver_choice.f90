@@ -25,7 +25,7 @@ contains
     class(linear_solver_t), allocatable, intent(out) :: solver    !< ready to use
     type(forecast_t), intent(out) :: choice                       !< what was predicted, and the solver that was made
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
-    choice = forecast(scene, scene%shape /= 'pressed' .or. has_circulant(drive%problem))
+    choice = forecast(scene, scene%formed() .or. has_circulant(drive%problem))
     if (count(choice%costs%applies) > 1) call say('solver    predicted: '//cost_text(choice%costs))
     select case (choice%costs(choice%chosen)%name)
     case ('condensed')
@@ -75,7 +75,7 @@ contains
     type(scene_t) :: pressed
     type(drive_t) :: round
     allocate (krylov)
-    if (scene%shape == 'as_formed') then
+    if (scene%formed()) then
       pressed = scene
       pressed%shape = 'pressed'
       call new_drive(pressed, round, error)

@@ -7,16 +7,17 @@ module hd_joint_choice
   use hd_kinds, only: dp
   use hd_error, only: error_t, code_not_converged
   use hd_joint, only: joint_t
+  use hd_load_path, only: path_end
   use hd_log, only: say, set_log_level, quiet
+  use hd_march, only: march
   use hd_mesh_series, only: coarse, meshed, small_displacements
-  use hd_model_cache, only: put_aside, take_back
+  use hd_model, only: give_back
   use hd_run, only: run_t, new_run, close_run
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint
   use hd_section, only: band_rows
   use hd_text, only: percent, rounded
   use hd_theory_trust, only: theory_error_t, in_words, may_be_taken, steep, trust
-  use hd_trial_runs, only: solve
   implicit none
   private
   public :: choose_joint
@@ -42,7 +43,7 @@ contains
       call scene_joint(other, joint, error)
       if (allocated(error)) return
     end if
-    if (scene%support == 'teeth') then
+    if (.not. scene%support%contact) then
       scene%joint_reason = 'no joint takes part'
       return
     end if
@@ -68,17 +69,17 @@ contains
     if (s%divisions*band_rows(s) >= scene%divisions*band_rows(scene)) s = scene
     s = small_displacements(s)
     s%planned_tolerance = 0
+    s%turning_positions = 0
     s%torque_steps = min(s%torque_steps, few)
-    if (s%support /= 'drive') s%assembly_steps = 1
+    if (.not. s%support%loop) s%assembly_steps = 1
     call set_log_level(quiet, level)
-    call put_aside()
     allocate (run)
     call new_run(s, '', '', .false., run, error)
-    run%tangent_from = huge(1._dp)
-    if (.not. allocated(error)) call solve(run, error)
-    if (run%record%steps > 0) found = run%sums%theory
-    if (allocated(run%drive)) call close_run(run, trouble)
-    call take_back()
+    run%asks_tangent = .false.
+    if (.not. allocated(error)) call march(run, path_end(run%scene), error)
+    if (run%step%number > 0) found = run%sums%theory
+    call close_run(run, trouble)
+    call give_back(run%model)
     call set_log_level(level)
   end subroutine try_theory
 

@@ -41,7 +41,7 @@ contains
   pure real(dp) function expected_error(level, scene) result(e)
     integer, intent(in) :: level        !< of the series
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
-    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support == 'drive')/band(level)**power)
+    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support%loop)/band(level)**power)
   end function expected_error
 
   !> Errors of the limits that the layers leave however well the meshes agree.

@@ -1,16 +1,23 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The one door to a run, for the command line and for Python: planned if the scene states a tolerance, resumed, or new.
 module hd_open_run
+  use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_cost, only: check_memory
   use hd_error, only: error_t, raise, code_input
-  use hd_folder_lock, only: folder_lock_t
-  use hd_job, only: resume_run, run_scene
   use hd_joint_choice, only: choose_joint
+  use hd_load_path, only: path_end
+  use hd_log, only: say
+  use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
-  use hd_planner, only: new_planned_run, run_planned
-  use hd_run, only: run_t, new_run
+  use hd_model, only: give_back
+  use hd_output, only: check_folder
+  use hd_planner, only: plan_t, make_plan, enter_plan
+  use hd_promises, only: promise_t, promises_of, promise_text, is_field
+  use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
-  use hd_text, only: to_text
+  use hd_summary, only: record_t
+  use hd_system, only: path_kind, path_absent
+  use hd_text, only: percent, rounded, to_text
   implicit none
   private
   public :: check_run, open_run, run_to_end
@@ -33,34 +40,63 @@ contains
     end if
   end subroutine check_run
 
-  !> Open a run that is solved step by step.
-  subroutine open_run(scene, input, folder, force, resume, run, error)
-    type(scene_t), intent(inout) :: scene             !< checked scene
+  !> Open a run.
+  subroutine open_run(scene, input, folder, force, resume, run, complete, error)
+    type(scene_t), intent(inout) :: scene             !< checked scene; gets its joint.model
     character(len=*), intent(in) :: input             !< name of the input
     character(len=*), intent(in) :: folder            !< output folder; empty: nothing is written
     logical, intent(in) :: force                      !< replace earlier results
     logical, intent(in) :: resume                     !< go on with a stopped run of this scene
-    type(run_t), intent(inout) :: run                 !< opened
+    type(run_t), intent(inout) :: run                 !< opened; its model may be that of an earlier run
+    logical, intent(out) :: complete                  !< there is nothing to resume: the run is not opened
     type(error_t), allocatable, intent(out) :: error  !< memory, files, another scene
+    type(scene_t) :: chosen
+    type(plan_t) :: plan
+    logical :: planned, begun
+    complete = .false.
     call check_run(scene, error)
     if (.not. allocated(error)) call run%lock%take(folder, error)
     if (allocated(error)) return
-    call choose_joint(scene, error)
-    if (allocated(error)) then
-      call run%lock%give()
-      return
+    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
+    if (.not. allocated(error)) call choose_joint(scene, error)
+    planned = scene%planned_tolerance > 0
+    begun = resume .and. path_kind(folder//'/echo.nml') /= path_absent
+    if (begun) complete = is_complete(folder)
+    if (planned .and. .not. allocated(error)) call make_plan(scene, folder, resume, complete, run%model, plan, error)
+    chosen = scene
+    if (planned .and. .not. complete) chosen = plan%scene
+    if (begun .and. .not. ((planned .and. complete) .or. allocated(error))) call check_same_scene(folder, 'echo.nml', chosen, error)
+    if (.not. (complete .or. allocated(error))) then
+      if (begun .and. has_checkpoint(folder)) then
+        call restore_run(chosen, input, folder, run, error)
+      else
+        call new_run(chosen, input, folder, force .or. begun, run, error)
+      end if
+      if (.not. allocated(error)) then
+        if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")
+        if (planned) call enter_plan(plan, run)
+      end if
     end if
-    if (scene%planned_tolerance > 0) then
-      call new_planned_run(scene, input, folder, force, resume, run, error)
-    else if (resume) then
-      call resume_run(scene, input, folder, run, error)
-    else
-      call new_run(scene, input, folder, force, run, error)
-    end if
-    if (allocated(error)) call run%lock%give()
+    complete = complete .and. .not. allocated(error)
+    if (complete .or. allocated(error)) call run%lock%give()
   end subroutine open_run
 
-  !> Solve a scene to its end.
+  !> The summary of a folder says that its run is complete.
+  logical function is_complete(folder)
+    character(len=*), intent(in) :: folder  !< of a run
+    character(len=200) :: line
+    integer :: unit, status
+    is_complete = .false.
+    open (newunit=unit, file=folder//'/summary.json', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do while (status == 0 .and. .not. is_complete)
+      read (unit, '(a)', iostat=status) line
+      if (status == 0) is_complete = index(line, '"status": "complete"') > 0
+    end do
+    close (unit)
+  end function is_complete
+
+  !> Open a run, march to its end, close it.
   subroutine run_to_end(scene, input, folder, force, resume, error)
     type(scene_t), intent(inout) :: scene             !< checked scene
     character(len=*), intent(in) :: input             !< name of the input
@@ -68,18 +104,32 @@ contains
     logical, intent(in) :: force                      !< replace earlier results
     logical, intent(in) :: resume                     !< go on with a stopped run of this scene
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
-    type(folder_lock_t) :: lock
-    call check_run(scene, error)
-    if (.not. allocated(error)) call lock%take(folder, error)
-    if (allocated(error)) return
-    call choose_joint(scene, error)
-    if (.not. allocated(error)) then
-      if (scene%planned_tolerance > 0) then
-        call run_planned(scene, input, folder, force, resume, error)
-      else
-        call run_scene(scene, input, folder, force, resume, error)
-      end if
-    end if
-    call lock%give()
+    type(error_t), allocatable :: trouble
+    type(run_t), allocatable :: run
+    logical :: complete
+    allocate (run)
+    call open_run(scene, input, folder, force, resume, run, complete, error)
+    if (complete) call say("the run in '"//folder//"' is complete: nothing to do")
+    if (complete .or. allocated(error)) return
+    call march(run, path_end(run%scene), error)
+    call close_run(run, trouble)
+    call give_back(run%model)
+    if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
+    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
+      ' s, results in '//folder)
+    if (run%record%level > 0 .and. .not. allocated(error)) call say_limits(promises_of(scene), run%record)
   end subroutine run_to_end
+
+  !> The limits that a plan promised.
+  subroutine say_limits(promised, record)
+    type(promise_t), intent(in) :: promised(:)  !< what is promised
+    type(record_t), intent(in) :: record        !< limits and their errors
+    character(len=:), allocatable :: text
+    integer :: i
+    do i = 1, size(promised)
+      text = promise_text(promised(i), record%limit)
+      if (len(text) > 0) call say(trim('limit     '//text//', known to '//percent(record%estimate(i))// &
+        merge(' in the norm', '            ', is_field(promised(i)%first))))
+    end do
+  end subroutine say_limits
 end module hd_open_run

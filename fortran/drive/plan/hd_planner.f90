@@ -9,20 +9,19 @@ module hd_planner
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
-  use hd_job, only: resume_run, is_complete
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
     small_displacements
-  use hd_output, only: check_folder
+  use hd_model, only: model_t, give_back
   use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
-  use hd_trial_runs, only: trial_runs_t, new_trial_runs, solve, growth
-  use hd_run, only: run_t, new_run, close_run
+  use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
+  use hd_run, only: run_t
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_text, only: string_t, push, rounded, to_text, percent
   implicit none
   private
-  public :: new_planned_run, run_planned, plan_text
+  public :: plan_t, make_plan, enter_plan, plan_text
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
@@ -31,6 +30,7 @@ module hd_planner
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
+    real(dp) :: begun = 0                       !< wall clock when planning began [s]
     type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
     type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
@@ -77,12 +77,12 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support == 'teeth' .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
+    if (plan%scene%support%against_teeth .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
     s = meshed(plan%scene, coarse)
-    if (s%support == 'drive') s%torque_steps = min(few_steps, s%torque_steps)
+    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
     call trials%try(s, small_q, error)
     if (allocated(error)) return
     s%kinematics = 'nonlinear'
@@ -193,13 +193,13 @@ contains
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
       trim(plan%scene%joint_reason))
-    if (plan%scene%support /= 'drive') then  ! chords of a loop need places to begin with
+    if (.not. plan%scene%support%loop) then  ! chords of a loop need places to begin with
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     end if
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
-    if (plan%scene%support == 'drive') call choose_wave_generator(trials, plan, error)
+    if (plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
   end subroutine choose_all
@@ -296,31 +296,32 @@ contains
     end do
   end subroutine leave_out
 
-  !> Plan a scene and set up its run, or take up both.
-  subroutine new_planned_run(scene, input, folder, force, resume, run, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    character(len=*), intent(in) :: input             !< name of the input, for the record
-    character(len=*), intent(in) :: folder            !< output folder or ''
-    logical, intent(in) :: force                      !< replace earlier results
-    logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped
-    type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a run early
+  !> Plan a scene, or take up a plan that was stopped.
+  subroutine make_plan(scene, folder, resume, over, model, plan, error)
+    type(scene_t), intent(in) :: scene                          !< scene with a tolerance
+    character(len=*), intent(in) :: folder                      !< output folder or ''
+    logical, intent(in) :: resume                               !< go on with the plan in the folder
+    logical, intent(in) :: over                                 !< its run is complete: only see that it is that of this scene
+    type(model_t), allocatable, intent(inout) :: model          !< of the run before, then of the last trial
+    type(plan_t), intent(out) :: plan                           !< what to run
+    type(error_t), allocatable, intent(out) :: error            !< another scene, files, whatever ended a trial early
     type(trial_runs_t) :: trials
-    type(plan_t) :: plan
-    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
-    if (.not. allocated(error)) call new_trial_runs(scene, folder, resume, trials, error)
-    if (.not. allocated(error)) call plan_scene(trials, scene, plan, error)
-    if (allocated(error)) return
-    if (resume) then
-      call resume_run(plan%scene, input, folder, run, error)
-    else
-      call new_run(plan%scene, input, folder, force, run, error)
-    end if
-    if (allocated(error)) return
-    run%clock = trials%begun
-    call note(plan, 'solver '//trim(run%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
+    call new_trial_runs(scene, folder, resume, trials, error)
+    if (over .or. allocated(error)) return
+    call move_alloc(model, trials%model)
+    call plan_scene(trials, scene, plan, error)
+    call move_alloc(trials%model, model)
+    plan%begun = trials%begun
+  end subroutine make_plan
+
+  !> Enter a plan into the record of its run.
+  subroutine enter_plan(plan, run)
+    type(plan_t), intent(inout) :: plan     !< what was chosen; gets the solver
+    type(run_t), intent(inout) :: run       !< run of its scene
+    run%clock = plan%begun
+    call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(run%scene%symmetry)// &
       ': found from load and state, step by step')
-    run%record%planned_tolerance = scene%planned_tolerance
+    run%record%planned_tolerance = run%scene%planned_tolerance
     run%record%estimate = plan%estimate
     run%record%to_limit = plan%to_limit
     run%record%shift = plan%shift
@@ -332,48 +333,10 @@ contains
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: the estimated error of '// &
-        worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
+        worst(run%scene, merge(plan%estimate, 0._dp, needed), 'is')// &
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
-  end subroutine new_planned_run
-
-  !> Plan a scene and run it.
-  subroutine run_planned(scene, input, folder, force, resume, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    character(len=*), intent(in) :: input             !< name of the input
-    character(len=*), intent(in) :: folder            !< output folder
-    logical, intent(in) :: force                      !< replace earlier results
-    logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
-    type(error_t), allocatable :: trouble
-    type(run_t), allocatable :: run
-    type(trial_runs_t) :: trials
-    type(promise_t) :: promised(promises)
-    character(len=:), allocatable :: text
-    logical :: complete
-    integer :: i
-    promised = promises_of(scene)
-    allocate (run)
-    complete = is_complete(folder)
-    if (resume .and. complete) then
-      call new_trial_runs(scene, folder, resume, trials, error)  ! the same scene, and planned
-      if (.not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
-      return
-    end if
-    call new_planned_run(scene, input, folder, force, resume, run, error)
-    if (allocated(error)) return
-    call solve(run, error)
-    call close_run(run, trouble)
-    if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    if (allocated(error) .or. run%record%level == 0) return
-    call say('done      '//to_text(run%record%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
-      ' s, results in '//folder)
-    do i = 1, promises
-      text = promise_text(promised(i), run%record%limit)
-      if (len(text) > 0) call say(trim('limit     '//text//', known to '//percent(run%record%estimate(i))// &
-        merge(' in the norm', '            ', is_field(promised(i)%first))))
-    end do
-  end subroutine run_planned
+  end subroutine enter_plan
 
   !> A mesh is within the memory allowed.
   logical function fits(scene)
@@ -407,6 +370,7 @@ contains
     linear = small_displacements(s)
     if (.not. allocated(error)) call trials%try(linear, q, error)
     if (.not. allocated(error)) call trials%try(s, q, error)
+    call give_back(trials%model)
     if (allocated(error)) return
     base = [trials%seconds_of(linear), trials%seconds_of(s)]
     facets = [linear%divisions*band_rows(linear), s%divisions*band_rows(s)]
@@ -424,8 +388,8 @@ contains
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
-      if (s%kinematics == 'linear') seconds(2) = merge(2._dp, 0.1_dp, s%support == 'drive')*seconds(1)
-      if (s%kinematics == 'nonlinear' .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
+      if (.not. s%large()) seconds(2) = merge(2._dp, 0.1_dp, s%support%loop)*seconds(1)
+      if (s%large() .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &

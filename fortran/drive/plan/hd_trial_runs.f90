@@ -8,11 +8,13 @@ module hd_trial_runs
   use hd_clock, only: wall_seconds
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
-  use hd_load_step, only: solve_step
+  use hd_load_path, only: path_end
   use hd_log, only: set_log_level, say, quiet, verbose
+  use hd_march, only: march
+  use hd_model, only: model_t
   use hd_pressure_patches, only: patch_pressures
   use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
-  use hd_run, only: run_t, new_run, close_run
+  use hd_run, only: run_t, new_run, close_run, leave_model
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
@@ -20,7 +22,7 @@ module hd_trial_runs
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
-  public :: trial_runs_t, new_trial_runs, solve, growth
+  public :: trial_runs_t, new_trial_runs, growth
 
   real(dp), parameter :: growth = 1.4_dp  !< time of a mesh goes as this power of its facets, small displacements
 
@@ -36,6 +38,7 @@ module hd_trial_runs
     real(dp) :: begun = 0                    !< wall clock [s]
     integer :: before = 0                    !< runs that were known when it began
     type(promise_t) :: promised(promises)    !< what is promised
+    type(model_t), allocatable :: model      !< of the last run, for the next one
     type(string_t), allocatable :: name(:)   !< meshes that are solved
     type(probe_t), allocatable :: known(:)   !< and their results
   contains
@@ -90,18 +93,21 @@ contains
     if (i > 0) return
     s = scene
     if (s%time_limit_s > 0) s%time_limit_s = max(1e-3_dp, s%time_limit_s - (wall_seconds() - self%begun))
+    s%turning_positions = 0
     new%seconds = wall_seconds()
     call set_log_level(quiet, level)  ! one line instead of a run's own
     if (level == verbose) call set_log_level(verbose)
     allocate (run)
+    call move_alloc(self%model, run%model)
     call new_run(s, '', '', .false., run, error)
-    if (scene%support == 'drive') run%tangent_from = huge(1._dp)  ! not promised
-    if (.not. allocated(error)) call solve(run, error)
+    run%asks_tangent = .not. scene%support%loop  ! not promised there
+    if (.not. allocated(error)) call march(run, path_end(run%scene), error)
     if (.not. allocated(error)) then
-      q = promised_values(run%scene, run%sums, run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
-      if (scene%balls > 0 .and. scene%support == 'drive') new%balls = stiffness_of_balls(run)
+      q = promised_values(run%scene, run%sums, run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
+      if (scene%balls > 0 .and. scene%support%struts) new%balls = stiffness_of_balls(run)
     end if
-    if (allocated(run%drive)) call close_run(run, trouble)
+    call close_run(run, trouble)
+    call leave_model(run, self%model)
     call set_log_level(level)
     if (allocated(error)) then
       if (error%code == code_stopped) then
@@ -156,8 +162,8 @@ contains
   !> Radial tangent stiffness of all loaded balls [N/m].
   pure real(dp) function stiffness_of_balls(run) result(stiffness)
     type(run_t), intent(in) :: run  !< solved drive with balls
-    associate (balls => run%drive%problem%struts(:run%drive%balls))
-      stiffness = sum(strut_tangent(balls, run%loop%closing(:run%drive%balls)))
+    associate (balls => run%model%drive%problem%struts(:run%model%drive%balls))
+      stiffness = sum(strut_tangent(balls, run%loop%closing(:run%model%drive%balls)))
     end associate
   end function stiffness_of_balls
 
@@ -171,17 +177,6 @@ contains
       ' facets: about '//to_text(nint(seconds))//' s')
   end subroutine foretell
 
-  !> Solve the load steps of a run.
-  subroutine solve(run, error)
-    type(run_t), intent(inout) :: run                 !< run, then at its end
-    type(error_t), allocatable, intent(out) :: error  !< whatever ended it early
-    logical :: done
-    done = .false.
-    do while (.not. (done .or. allocated(error)))
-      call solve_step(run, done, error)
-    end do
-  end subroutine solve
-
   !> Everything a plan may choose, in one word.
   pure function name_of(s) result(name)
     type(scene_t), intent(in) :: s  !< scene on its mesh
@@ -189,8 +184,8 @@ contains
     name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
       to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
       to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
-    if (s%support == 'drive') name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
-    name = name//'_'//trim(s%support)
+    if (s%support%struts) name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
+    name = name//'_'//trim(s%support%name)
   end function name_of
 
   !> A mesh for the log.
@@ -209,7 +204,7 @@ contains
     character(len=:), allocatable :: line
     promised = promises_of(s)
     line = mesh_text(s)//', steps '//to_text(s%assembly_steps)//' + '//to_text(s%torque_steps)// &
-      merge(', large', ', small', s%kinematics == 'nonlinear')//' displacements: '
+      merge(', large', ', small', s%large())//' displacements: '
     do i = 1, promises
       if (promised(i)%first == promised(i)%last .and. abs(found%q(promised(i)%first)) > 0) line = line// &
         promise_text(promised(i), found%q)//', '

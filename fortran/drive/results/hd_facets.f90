@@ -282,7 +282,7 @@ contains
     integer :: m
     sums%over_rotation = ieee_value(1._dp, ieee_quiet_nan)
     if (abs(torque) > 0 .and. abs(sums%rotation) > 0) sums%over_rotation = torque/sums%rotation
-    if (scene%support == 'teeth') then  ! bonded there: no K_TS of the contact
+    if (.not. scene%support%contact) then  ! bonded there: no K_TS of the contact
       sums%k_ts = ieee_value(1._dp, ieee_quiet_nan)
       sums%k_ts_paper = sums%k_ts
       return

@@ -81,7 +81,7 @@ contains
     associate (problem => drive%problem, flanks => [(drive%balls + i, i=1, drive%flanks)])
       loop%closing = strut_closings(problem, load, state%u)
       force = forces_at(problem, load, loop%closing)
-      if (step%phase /= 'assembly') loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+      if (step%loaded) loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
       loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
@@ -90,7 +90,7 @@ contains
       else
         loop%wave_generator_torque = moment_on_cam(drive, load, state)
       end if
-      if (step%phase == 'assembly') then
+      if (.not. step%loaded) then
         loop%torque = [0._dp]
         loop%angle = [0._dp]
         loop%stored_assembled = loop%stored
@@ -116,7 +116,7 @@ contains
       if (n > 0) loop%ball_force_max = max(loop%ball_force_max, maxval(loop%force(:n)))
       loop%tooth_force_max = max(loop%tooth_force_max, maxval(loop%force(flanks)))
       if (n > 0 .and. step%load_factor > 0) loop%unloaded = loop%unloaded .or. .not. any(loop%force(:n) > 0)
-      if (step%phase == 'assembly') return
+      if (.not. step%loaded) return
       loop%lift = max(loop%lift, lifted(scene, loop%force(flanks), loop%closing(flanks)))
       loop%play = max(loop%play, free_turn(scene, loop%force(flanks), loop%closing(flanks), loop%tooth_force_max))
     end associate
@@ -385,7 +385,7 @@ contains
         call output%balls%end_row(error)
       end do
       place = tooth_angles(scene)
-      if (step%phase == 'assembly') return
+      if (.not. step%loaded) return
       do i = 1, scene%tooth_pairs
         if (allocated(error)) return
         flank = n + 2*i - merge(1, 0, loop%closing(n + 2*i - 1) >= loop%closing(n + 2*i))

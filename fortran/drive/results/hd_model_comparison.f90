@@ -38,7 +38,7 @@ contains
     integer :: i
     offered = len_trim(scene%joint_reason) > 0 .and. len_trim(scene%joint_table) > 0
     k_ts = ieee_value(1._dp, ieee_quiet_nan)
-    if (scene%support == 'teeth') return
+    if (.not. scene%support%contact) return
     do i = 1, size(models)
       if (i > 2 .and. models(i) /= scene%joint_model .and. .not. (offered .and. models(i) == 'boundary_elements')) cycle
       other = scene

@@ -34,11 +34,11 @@ contains
     type(sums_t), intent(in) :: sums    !< of the last step
     type(string_t), allocatable :: list(:)
     allocate (list(0))
-    if (scene%support /= 'teeth') call add_contact(scene, sums, list)
-    if (scene%kinematics /= 'nonlinear' .and. scene%w > 0) call push(list, 'second order of the cam: w^2/r = '// &
+    if (scene%support%contact) call add_contact(scene, sums, list)
+    if (.not. scene%large() .and. scene%w > 0) call push(list, 'second order of the cam: w^2/r = '// &
       to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
       to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
-    if (scene%support == 'drive') then
+    if (scene%support%struts) then
       call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
         scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K2 and K3 of six sizes are 1.4 to 2.0 '// &
         'times the catalogue''s (docs/evidence/comparison.md)')
@@ -59,7 +59,7 @@ contains
     if (sums%k_tangent > 0) call push(list, 'reading of K_TS: Eq. 45 gives '//to_text(sums%k_ts/sums%k_tangent)// &
       ' times the tangent that a test would measure, and '//percent(sums%slip_k_ts)//' of it lies on points that slip')
     if (sums%theory%area > 0) call push(list, theory_text(scene, sums%theory))
-    if (scene%contact_law == 'hard') call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
+    if (scene%hard()) call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
       'and secant K_TS within 5 % of those with contact.law = ''joint''')
     call push(list, 'joint inputs, over seven joints of Hu et al. on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its '// &
       'tangent from 0.38 to 0.47 (docs/evidence/inputs.md)')

@@ -26,7 +26,7 @@ module hd_output
   !> Where a step stands in the run.
   type :: step_t
     integer :: number = 0
-    character(len=8) :: phase = 'assembly'
+    logical :: loaded = .false.      !< in the torque, else in the assembly
     real(dp) :: load_factor = 0      !< share of the phase, 0 to 1
     real(dp) :: torque = 0           !< [N m]
     integer :: iterations = 0
@@ -78,9 +78,9 @@ contains
       'residual,change,open,stick,slip,damping,'// &
       'linear_error,seconds', error)
     if (.not. allocated(error)) call output%steps%open(folder//'/steps.csv', place//','//sum_names//',iterations,seconds', error)
-    if (scene%support == 'teeth' .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
+    if (scene%support%against_teeth .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
       place//',tooth,theta_rad,force_n,share,closing_m', error)
-    if (scene%support == 'drive' .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
+    if (scene%support%loop .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
     if (allocated(error)) call close_output(output)
   end subroutine open_output
 
@@ -148,7 +148,7 @@ contains
     type(table_t), intent(inout) :: table  !< table
     type(step_t), intent(in) :: step       !< step
     call table%add(step%number)
-    call table%add(step%phase)
+    call table%add(trim(merge('torque  ', 'assembly', step%loaded)))
     call table%add(step%load_factor)
     call table%add(step%torque)
   end subroutine add_place
@@ -273,7 +273,7 @@ contains
       fields(5) = vtu_field_t('von_mises_max_of_gauss_points_pa', reshape(von_mises(peak), [1, m]), .true.)
       fields(6) = vtu_field_t('principal_stresses_of_that_point_pa', principal_stresses(peak), .true.)
       ! ParaView's time: the share of the assembly less one, then the share of the torque steps
-      time = step%load_factor - merge(1, 0, step%phase == 'assembly')
+      time = step%load_factor - merge(0, 1, step%loaded)
       of_grid(1) = vtu_field_t('TimeValue', reshape([time], [1, 1]))
       of_grid(2) = vtu_field_t('torque_nm', reshape([step%torque], [1, 1]))
       of_grid(3) = vtu_field_t('step', reshape([real(step%number, dp)], [1, 1]))
@@ -281,8 +281,10 @@ contains
       call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
         fields(:6), of_grid, error)
       if (allocated(error)) return
-      output%grids = [output%grids, name]
-      output%times = [output%times, time]
+      if (.not. any(output%grids == name)) then  ! a run that ends early writes those of its last step once more
+        output%grids = [output%grids, name]
+        output%times = [output%times, time]
+      end if
       allocate (place(problem%n), source=0)
       place(pack(drive%face%nodes(:4, :), .true.)) = 1
       used = pack([(b, b=1, problem%n)], place > 0)

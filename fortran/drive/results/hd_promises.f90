@@ -59,7 +59,7 @@ contains
     type(scene_t), intent(in) :: scene  !< scene
     type(promise_t) :: list(promises)
     list = of_contact
-    if (scene%support == 'drive') list = of_drive
+    if (scene%support%loop) list = of_drive
   end function promises_of
 
   !> Columns of all promises, or their names, parted by commas.
@@ -91,7 +91,7 @@ contains
     real(dp) :: q(values)
     integer, parameter :: first = of_contact(promises - 1)%first, last = of_contact(promises - 1)%last
     q = value
-    if (scene%support == 'drive') return
+    if (scene%support%loop) return
     q(first:last) = 0
     q(first:first + most_steps/2) = value(first:last:2)
   end function every_second
@@ -108,17 +108,17 @@ contains
     real(dp) :: q(values)                          !< in their units
     type(readings_t) :: readings
     q = 0
-    if (scene%support == 'drive') then
+    if (scene%support%loop) then
       readings = read_loop(loop, scene)
       q(:4) = [readings%k, readings%hysteresis]
-    else if (scene%support == 'teeth') then  ! bonded: no contact
+    else if (.not. scene%support%contact) then  ! bonded: no contact
       q(2) = sums%rotation
       q(5) = sums%over_rotation
     else
       q = [sums%k_tangent, sums%rotation, sums%normal_force, sums%pressure_middle, 0._dp, sums%pressure_middle_max, tangents, &
         pressures]
       if (.not. (scene%torque_steps > 0 .and. abs(scene%torque) > 0)) q(2) = 0
-      if (scene%contact_mode == 'bonded') q([4, 6]) = 0
+      if (scene%bonded()) q([4, 6]) = 0
     end if
     where (.not. abs(q) > 0) q = 0  ! not a number
   end function promised_values

@@ -16,6 +16,7 @@ module hd_summary
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
+  use hd_output, only: step_t
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
@@ -24,24 +25,28 @@ module hd_summary
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private
-  public :: timers_t, record_t, write_summary, add_scene
+  public :: timers_t, tally_t, record_t, write_summary, add_scene
 
   type :: timers_t
     real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, turning = 0, total = 0   !< wall clock [s]
   end type timers_t
 
+  !> What a run counts from its first load step on, also where it was stopped in between.
+  type :: tally_t
+    integer :: iterations = 0, cuts = 0
+    integer :: cycles = 0                !< attempts in which the contact states ran in a cycle and friction was softened
+    character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
+    character(len=32) :: start = ''      !< mesh that gave the first guesses
+  end type tally_t
+
   !> What a run has to say of itself.
   type :: record_t
     character(len=25) :: started = ''
     character(len=:), allocatable :: input
-    integer :: steps = 0, iterations = 0, cuts = 0
-    integer :: cycles = 0              !< attempts in which the contact states ran in a cycle and friction was softened
     logical :: interrupted = .false.   !< by a signal
     logical :: resumed = .false.       !< went on from a checkpoint; times are those since then
     logical :: kept = .false.          !< mesh and factors are those of an earlier run of the process
     type(forecast_t) :: choice         !< of the matrix solver, with what was predicted then
-    character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
-    character(len=:), allocatable :: start  !< mesh that gave the first guesses
     type(timers_t) :: timers
     type(string_t), allocatable :: warnings(:)
     real(dp) :: planned_tolerance = 0            !< tolerance that was planned for, 0: none
@@ -58,14 +63,16 @@ module hd_summary
 contains
 
   !> Write the summary; `failure` is what ended the run early, if anything did.
-  subroutine write_summary(folder, scene, drive, joint, solver, sums, record, loop, failure, error)
+  subroutine write_summary(folder, scene, drive, joint, solver, step, sums, tally, record, loop, failure, error)
     character(len=*), intent(in) :: folder                    !< folder of the run
     type(scene_t), intent(in) :: scene                        !< scene
     type(drive_t), intent(in) :: drive                        !< drive
     type(joint_t), intent(in) :: joint                        !< joint
     class(linear_solver_t), intent(in) :: solver              !< linear solver
-    type(sums_t), intent(in) :: sums                          !< of the last converged step
-    type(record_t), intent(in) :: record                      !< counts and times
+    type(step_t), intent(in) :: step                          !< last converged step
+    type(sums_t), intent(in) :: sums                          !< its sums
+    type(tally_t), intent(in) :: tally                        !< counts
+    type(record_t), intent(in) :: record                      !< times, plan, warnings
     type(loop_t), intent(in) :: loop                          !< of the whole drive
     type(error_t), allocatable, intent(in) :: failure         !< why the run ended early
     type(error_t), allocatable, intent(out) :: error          !< cannot be written
@@ -75,12 +82,16 @@ contains
     call json%add('kind', 'drive')
     call json%add('title', scene%title)
     call json%begin('results')
-    call add_results(json, sums, record, scene%support == 'drive')
-    if (scene%support == 'drive') call add_loop(json, scene, loop)
+    call json%add('steps', step%number)
+    call json%add('iterations', tally%iterations)
+    call json%add('cut_backs', tally%cuts)
+    call json%add('cycles', tally%cycles)
+    call add_results(json, sums, record, scene%support%loop)
+    if (scene%support%loop) call add_loop(json, scene, loop)
     call json%finish()
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
-    call add_model(json, drive, solver, record)
+    call add_model(json, drive, solver, tally, record)
     call add_predictions(json, record%choice)
     call add_timers(json, record%timers)
     call json%add('peak_memory_mb', peak_memory_mb())
@@ -117,10 +128,11 @@ contains
   end subroutine add_outcome
 
   !> Sizes, solver, symmetry.
-  subroutine add_model(json, drive, solver, record)
+  subroutine add_model(json, drive, solver, tally, record)
     type(json_t), intent(inout) :: json                       !< document
     type(drive_t), intent(in) :: drive                        !< drive
     class(linear_solver_t), intent(in) :: solver              !< linear solver
+    type(tally_t), intent(in) :: tally                        !< symmetry, first guesses
     type(record_t), intent(in) :: record                      !< what was kept
     call json%begin('model')
     call json%add('dof', 3*drive%problem%n)
@@ -132,9 +144,9 @@ contains
     call json%add('solver', trim(solver%name))
     call json%add('resumed', record%resumed)
     call json%add('mesh_and_factors', trim(merge('kept', 'new ', record%kept)))
-    if (allocated(record%start)) call json%add('first_guesses', record%start)
-    call json%add('symmetry_assembly', trim(record%symmetry(1)))
-    call json%add('symmetry_torque', trim(record%symmetry(2)))
+    if (len_trim(tally%start) > 0) call json%add('first_guesses', trim(tally%start))
+    call json%add('symmetry_assembly', trim(tally%symmetry(1)))
+    call json%add('symmetry_torque', trim(tally%symmetry(2)))
     call json%add('inner_iterations', solver%inner)
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
@@ -212,15 +224,11 @@ contains
   subroutine add_results(json, sums, record, whole)
     type(json_t), intent(inout) :: json      !< document
     type(sums_t), intent(in) :: sums         !< sums
-    type(record_t), intent(in) :: record     !< counts
+    type(record_t), intent(in) :: record     !< slip torque
     logical, intent(in) :: whole             !< the whole drive in a loop
     type(string_t), allocatable :: names(:)
     real(dp), allocatable :: values(:)
     integer :: i
-    call json%add('steps', record%steps)
-    call json%add('iterations', record%iterations)
-    call json%add('cut_backs', record%cuts)
-    call json%add('cycles', record%cycles)
     names = split(sum_names)
     values = sum_values(sums)
     do i = 1, size(values)

@@ -6,12 +6,15 @@ module hd_checkpoint
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_input, only: read_scene
+  use hd_load_path, only: place_t
   use hd_loop, only: loop_t, store_loop, recall_loop
+  use hd_output, only: step_t
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_promises, only: most_steps
   use hd_rub, only: memories
   use hd_scene, only: scene_t
+  use hd_summary, only: tally_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file
   use hd_text, only: string_t
   use hd_version, only: version
@@ -29,22 +32,23 @@ module hd_checkpoint
     real(dp) :: tangent(0:most_steps) = 0   !< tangent K_TS after the assembly and in each torque step, 0: none [N m/rad]
   end type flexibility_t
 
-  !> Where a run stands after its last converged load step.
+  !> The part of a run that it goes on from, beside its last two states and its loop: written and read whole.
   type :: mark_t
-    real(dp) :: position = 0, position_before = 0  !< of the last two converged states
-    real(dp) :: stride = 0                         !< longest part of a load step that is tried
-    real(dp) :: rotation_assembled = 0             !< [rad]
-    logical :: easy = .true.                       !< the last part took few iterations
-    type(flexibility_t) :: flexibility             !< of the coupled joint so far
-    integer :: steps = 0, iterations = 0, cuts = 0, cycles = 0 !< so far
-    character(len=8) :: symmetry(2) = ''           !< used in assembly and torque
-    integer(int64) :: sizes(6) = 0                 !< of the tables [bytes]
-    integer(int64) :: sums(6) = 0                  !< their checksums
+    type(place_t) :: place, place_before    !< of the last two converged states
+    real(dp) :: stride = 1                  !< longest share of a load step that is tried
+    logical :: easy = .true.                !< the last part took few iterations
+    type(step_t) :: step                    !< last converged step
+    real(dp) :: rotation_assembled = 0      !< rotation at the end of the assembly [rad]
+    type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
+    logical :: certain = .true.             !< the last step's tangent is
+    type(tally_t) :: tally                  !< counts
+    integer(int64) :: table_sizes(6) = 0    !< of the tables that are written [bytes]
+    integer(int64) :: table_sums(6) = 0     !< their checksums
   end type mark_t
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint 9'
+    character(len=21) :: magic = 'hdengine checkpoint A'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change
@@ -94,7 +98,7 @@ contains
     if (status == 0) write (unit, iostat=status) head, mark
     if (status == 0) call write_state(unit, before, status)
     if (status == 0) call write_state(unit, state, status)
-    if (status == 0 .and. scene%support == 'drive') call store_loop(loop, unit, status)
+    if (status == 0 .and. scene%support%loop) call store_loop(loop, unit, status)
     if (status == 0) then
       inquire (unit=unit, pos=head%bytes)
       head%bytes = head%bytes - 1 + storage_size(sum)/8
@@ -153,7 +157,7 @@ contains
       if (status == 0) read (unit, pos=place, iostat=status) mark
       if (status == 0) call read_state(unit, before, status)
       if (status == 0) call read_state(unit, state, status)
-      if (status == 0 .and. scene%support == 'drive') call recall_loop(loop, unit, state, status)
+      if (status == 0 .and. scene%support%loop) call recall_loop(loop, unit, state, status)
       close (unit)
     end if
     if (status /= 0) call raise(error, code_file, "'"//file_of(folder)//"' is "//cause//new_line('a')// &

@@ -4,24 +4,16 @@
 module hd_coarse_start
   use hd_kinds, only: dp
   use hd_drive, only: drive_t
-  use hd_model_cache, only: assembly_t
+  use hd_model, only: model_t
   use hd_problem, only: state_t, new_state
   use hd_revolution, only: strip_t, strip_node
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   implicit none
   private
-  public :: coarser_t, has_coarser, coarser_scene
+  public :: has_coarser, coarser_scene, guess_from
 
   integer, parameter :: worthwhile = 1000  !< facets from which a coarser mesh saves time
-
-  !> States of a run on a coarser mesh.
-  type :: coarser_t
-    type(drive_t), allocatable :: drive  !< its model; absent where there is none
-    type(assembly_t) :: states           !< converged states of all its load steps
-  contains
-    procedure :: guess
-  end type coarser_t
 
   !> Linear interpolation: (1 - part) of entry `low`, part of the next.
   type :: between_t
@@ -35,10 +27,10 @@ contains
   !> slip almost everywhere: there the coarser solution is no better a guess than rest (two to ten times the iterations).
   pure logical function has_coarser(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    has_coarser = scene%start /= 'rest' .and. scene%contact_mode /= 'bonded' .and. &
+    has_coarser = scene%start /= 'rest' .and. .not. scene%bonded() .and. &
       scene%element /= 'hex20r' .and. &
       scene%divisions >= 48 .and. band_rows(scene) >= 8  ! 16 x 3 facets mislead
-    if (scene%start == 'auto') has_coarser = has_coarser .and. scene%shape == 'pressed' .and. &
+    if (scene%start == 'auto') has_coarser = has_coarser .and. .not. scene%formed() .and. &
       scene%divisions*band_rows(scene) >= worthwhile
   end function has_coarser
 
@@ -57,33 +49,33 @@ contains
     s%method = 'auto'
     s%factors = 'auto'
     s%symmetry = 'auto'
+    s%turning_positions = 0
   end function coarser_scene
 
   !> Guess of a load step: the state before it and the change that the coarser mesh saw, if that was solved.
-  subroutine guess(self, drive, before, position, torque, state)
-    class(coarser_t), intent(in) :: self       !< coarser run
+  subroutine guess_from(coarse, drive, before, assembly, torque, state)
+    type(model_t), intent(in) :: coarse        !< of the coarser run, with its states
     type(drive_t), intent(in) :: drive         !< model of the finer mesh
     type(state_t), intent(in) :: before        !< its state at the beginning of the step
-    real(dp), intent(in) :: position(2)        !< beginning and end: 0 to 1 assembly, 1 to 2 torque
+    real(dp), intent(in) :: assembly(2)        !< fractions of the assembly at beginning and end
     real(dp), intent(in) :: torque(2)          !< torques there [N m]
     type(state_t), intent(inout) :: state      !< guess, left as it is where the coarser run knows nothing
     type(state_t) :: pair(2)
     real(dp), allocatable :: nodal(:, :)
     logical :: found
     integer :: i
-    if (.not. allocated(self%drive)) return
     do i = 1, 2
-      call new_state(self%drive%problem, pair(i))
-      if (.not. position(i) > 0) cycle
-      call self%states%recall(min(position(i), 1._dp), torque(i), pair(i), found)
+      call new_state(coarse%drive%problem, pair(i))
+      if (.not. assembly(i) > 0) cycle
+      call coarse%assembly%recall(assembly(i), torque(i), pair(i), found)
       if (.not. found) return
     end do
-    state%u = before%u + prolonged(self%drive, drive, pair(2)%u - pair(1)%u)
-    allocate (nodal(3, self%drive%problem%n), source=0._dp)
-    nodal(:, self%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
-    nodal = prolonged(self%drive, drive, nodal)
+    state%u = before%u + prolonged(coarse%drive, drive, pair(2)%u - pair(1)%u)
+    allocate (nodal(3, coarse%drive%problem%n), source=0._dp)
+    nodal(:, coarse%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
+    nodal = prolonged(coarse%drive, drive, nodal)
     state%traction = before%traction + nodal(:, drive%problem%mortar%node)
-  end subroutine guess
+  end subroutine guess_from
 
   !> A nodal field in cylindrical components, interpolated linearly along the section, through its layers and round the axis.
   pure function prolonged(coarse, fine, u) result(v)

@@ -1,20 +1,123 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The way of a run: position 0 to 1 is the assembly, 1 to 2 the torque, a ramp or one torque after the other.
+!> The way of a run: the load steps of the assembly, then those of the torque, a ramp or one torque after the other. Where a run
+!> stands on it is a count of steps and a share of the next one.
 module hd_load_path
   use hd_kinds, only: dp
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: torque_at, torque_load_steps, turns_back, largest_torque
+  public :: place_t, operator(<), assembled, path_end, step_end, ahead, place_at, begins, under_torque, assembly_at, torque_at, &
+    load_factor_at, stretch, largest_torque
+
+  real(dp), parameter :: whole = 1 - 1e-12_dp  !< share of a load step that is taken for all of it: shares are cut to 2^-max_cuts
+
+  !> A place on the way.
+  type :: place_t
+    integer :: step = 0       !< load steps behind it, the assembly's first
+    real(dp) :: share = 0     !< of the next one, 0 to below 1
+  end type place_t
+
+  interface operator(<)
+    module procedure before
+  end interface operator(<)
 
 contains
+
+  !> A place lies before another one.
+  elemental logical function before(a, b)
+    type(place_t), intent(in) :: a, b  !< places
+    before = a%step < b%step .or. (a%step == b%step .and. a%share < b%share)
+  end function before
+
+  !> End of the assembly.
+  pure type(place_t) function assembled(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    assembled = place_t(scene%assembly_steps, 0)
+  end function assembled
+
+  !> End of the way.
+  pure type(place_t) function path_end(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    path_end = place_t(scene%assembly_steps + torque_load_steps(scene), 0)
+  end function path_end
+
+  !> End of the load step that is begun at a place.
+  pure type(place_t) function step_end(place)
+    type(place_t), intent(in) :: place  !< place
+    step_end = place_t(place%step + 1, 0)
+  end function step_end
+
+  !> A place further on in the same load step, at its end at most.
+  pure type(place_t) function ahead(place, part)
+    type(place_t), intent(in) :: place  !< place
+    real(dp), intent(in) :: part        !< of the load step
+    ahead = place_t(place%step, place%share + part)
+    if (ahead%share > whole) ahead = step_end(place)
+  end function ahead
+
+  !> Place of a torque on its one ramp.
+  pure type(place_t) function place_at(scene, torque) result(place)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: torque      !< amount [N m]
+    real(dp) :: steps
+    steps = scene%torque_steps*torque/abs(scene%torque)
+    place = ahead(place_t(scene%assembly_steps + floor(steps), 0), steps - floor(steps))
+  end function place_at
+
+  !> The assembly or the torque begins here: there are no steps to extrapolate.
+  pure logical function begins(scene, place)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< place
+    begins = (place%step == 0 .or. place%step == scene%assembly_steps) .and. .not. place%share > 0
+  end function begins
+
+  !> A place lies beyond the assembly.
+  pure logical function under_torque(scene, place)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< place
+    under_torque = assembled(scene) < place
+  end function under_torque
+
+  !> Length of the way so far: 0 to 1 assembly, 1 to 2 torque.
+  pure real(dp) function length(scene, place)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< place
+    integer :: n, k
+    real(dp) :: low, high
+    n = scene%assembly_steps
+    k = place%step
+    low = 0
+    if (k >= n) then
+      low = 1
+      k = k - n
+      n = max(1, torque_load_steps(scene))
+    end if
+    high = low + real(k + 1, dp)/n
+    low = low + real(k, dp)/n
+    length = low + place%share*(high - low)
+  end function length
+
+  !> Fraction of the assembly at a place, 0 to 1.
+  pure real(dp) function assembly_at(scene, place) result(fraction)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< place
+    fraction = min(length(scene, place), 1._dp)
+  end function assembly_at
+
+  !> Share of the assembly or of the torque's load steps at a place, 0 to 1.
+  pure real(dp) function load_factor_at(scene, place) result(factor)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< place
+    factor = length(scene, place)
+    if (under_torque(scene, place)) factor = factor - 1
+  end function load_factor_at
 
   !> Torques at which the ramps end; the first begins at 0 [N m].
   pure function ends_of(scene) result(ends)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), allocatable :: ends(:)
     ends = [scene%torque]
-    if (scene%support /= 'drive') return
+    if (.not. scene%support%loop) return
     ends = scene%torques(:scene%torque_count)
     if (size(ends) == 1 .and. .not. abs(ends(1)) > 0) ends = [scene%torque, 0._dp, -scene%torque, 0._dp]
   end function ends_of
@@ -25,30 +128,38 @@ contains
     n = scene%torque_steps*size(ends_of(scene))
   end function torque_load_steps
 
-  !> Torque at a position [N m].
-  pure real(dp) function torque_at(scene, position) result(torque)
+  !> Torque at a place [N m].
+  pure real(dp) function torque_at(scene, place) result(torque)
     type(scene_t), intent(in) :: scene      !< scene
-    real(dp), intent(in) :: position        !< 0 to 2
+    type(place_t), intent(in) :: place      !< place
     real(dp), allocatable :: ends(:)
-    real(dp) :: place
+    real(dp) :: way
     integer :: leg
     torque = 0
-    if (.not. position > 1) return
+    if (.not. under_torque(scene, place)) return
     ends = [0._dp, ends_of(scene)]
-    place = (position - 1)*(size(ends) - 1)
-    leg = min(floor(place + 1e-9_dp), size(ends) - 2)
-    place = place - leg
-    torque = (1 - place)*ends(leg + 1) + place*ends(leg + 2)
-    if (abs(place) < 1e-9_dp) torque = ends(leg + 1)
-    if (abs(place - 1) < 1e-9_dp) torque = ends(leg + 2)
+    way = load_factor_at(scene, place)*(size(ends) - 1)
+    leg = min(floor(way + 1e-9_dp), size(ends) - 2)
+    way = way - leg
+    torque = (1 - way)*ends(leg + 1) + way*ends(leg + 2)
+    if (abs(way) < 1e-9_dp) torque = ends(leg + 1)
+    if (abs(way - 1) < 1e-9_dp) torque = ends(leg + 2)
   end function torque_at
 
-  !> Between two positions the torque does not go on as it came: the steps before are no guide.
-  pure logical function turns_back(scene, before, now, next)
-    type(scene_t), intent(in) :: scene               !< scene
-    real(dp), intent(in) :: before, now, next        !< positions
-    turns_back = .not. (torque_at(scene, now) - torque_at(scene, before))*(torque_at(scene, next) - torque_at(scene, now)) > 0
-  end function turns_back
+  !> Length of the next part of the way over that of the last one, by which the last change of a state goes on; 0 where that is no
+  !> guide: at the beginning, where the torque begins, and where it does not go on as it came.
+  pure real(dp) function stretch(scene, last, now, next) result(ratio)
+    type(scene_t), intent(in) :: scene            !< scene
+    type(place_t), intent(in) :: last, now, next  !< ends of both parts
+    ratio = 0
+    if (.not. last < now) return
+    if (last < assembled(scene)) then
+      if (under_torque(scene, next)) return
+    else
+      if (.not. (torque_at(scene, now) - torque_at(scene, last))*(torque_at(scene, next) - torque_at(scene, now)) > 0) return
+    end if
+    ratio = (length(scene, next) - length(scene, now))/(length(scene, now) - length(scene, last))
+  end function stretch
 
   !> Largest amount of the torque [N m].
   pure real(dp) function largest_torque(scene) result(torque)

@@ -3,20 +3,20 @@
 module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
-  use hd_coarse_start, only: has_coarser, coarser_scene
+  use hd_coarse_start, only: guess_from
   use hd_contact_law, only: open_state
-  use hd_drive, only: drive_load, frictionless, step_friction, touch_teeth
+  use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
-  use hd_flanks, only: remember
   use hd_friction_path, only: raise_friction
-  use hd_load_path, only: torque_at, torque_load_steps, turns_back, largest_torque
-  use hd_log, only: say, detail, set_log_level, quiet
+  use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
+    stretch, torque_at
+  use hd_log, only: detail
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
-  use hd_run, only: run_t, new_run, accept, place_step, final_position
-  use hd_section, only: band_rows
+  use hd_run, only: run_t, accept, place_step
+  use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
@@ -35,25 +35,22 @@ module hd_load_step
 contains
 
   !> Solve the next load step, in parts where it must be cut.
-  recursive subroutine solve_step(run, done, error)
-    type(run_t), intent(inout) :: run                 !< run
-    logical, intent(out) :: done                      !< the last step is solved
+  subroutine solve_step(run, error)
+    type(run_t), intent(inout) :: run                 !< run, not at its end
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
-    real(dp) :: target, part, slip_torque
+    type(place_t) :: target, part
+    real(dp) :: slip_torque
     integer :: cuts, attempt
     logical :: solved, sliding
-    done = run%position >= final_position(run) - 1e-12_dp  ! a run killed between its last checkpoint and its summary
-    if (done) return
-    if (.not. allocated(run%coarser) .and. (begins(run%position) .or. begins(run%position - 1))) call solve_coarser(run)
-    target = next_position(run)
-    if (begins(run%position - 1)) run%stride = 2
-    part = min(target, run%position + run%stride)
+    target = step_end(run%place)
+    if (begins(run%scene, run%place)) run%stride = 1
+    part = ahead(run%place, run%stride)
     cuts = 0
     attempt = 0
     slip_torque = 0
     run%step%iterations = 0
     run%step_clock = wall_seconds()
-    do while (run%position < target - 1e-12_dp)
+    do while (run%place < target)
       if (stop_requested()) then
         call interrupt(run, error)
       else if (out_of_time(run)) then
@@ -67,16 +64,17 @@ contains
       attempt = attempt + 1
       if (solved) then
         cuts = 0
-        if (run%easy) run%stride = 2*run%stride
-        part = min(target, run%position + run%stride)
+        if (run%easy) run%stride = min(1._dp, 2*run%stride)
+        part = ahead(run%place, run%stride)
         if (slip_torque > 0) then
-          part = min(target, cautious(run, slip_torque))
+          part = cautious(run, slip_torque)
+          if (target < part) part = target
           if (slip_torque <= abs(run%step%torque)*1.003_dp) call let_go(run, part, slip_torque, error)
         end if
       else
         cuts = cuts + 1
-        run%record%cuts = run%record%cuts + 1
-        if (sliding .and. slip_torque > 0 .and. cautious(run, slip_torque) >= part) then
+        run%tally%cuts = run%tally%cuts + 1
+        if (sliding .and. slip_torque > 0 .and. .not. cautious(run, slip_torque) < part) then
           sliding = .false.  ! friction carried more than was asked: no gross slip
           slip_torque = 0
         end if
@@ -86,21 +84,19 @@ contains
           part = cautious(run, slip_torque)
           if (cuts > run%scene%max_cuts) call let_go(run, part, slip_torque, error)
         else
-          run%stride = 0.5_dp*(part - run%position)
+          run%stride = 0.5_dp*(part%step - run%place%step + part%share - run%place%share)
           if (cuts > run%scene%max_cuts .and. all_friction(run)) then
             call slipped(run, abs(run%step%torque), error)
           else if (cuts > run%scene%max_cuts .or. proportional(run)) then
             call not_converged(run, error)
           end if
-          part = run%position + run%stride
+          part = ahead(run%place, run%stride)
         end if
       end if
       if (allocated(error)) exit
     end do
     if (.not. allocated(error)) call accept(run, error)
     if (.not. allocated(error)) call check_slip(run, error)
-    done = run%position >= final_position(run) - 1e-12_dp
-    if (allocated(error)) run%failure = error
   end subroutine solve_step
 
   !> Next comes the first step from rest of a problem whose solution is in proportion to the load: half of it is no easier, so it
@@ -108,20 +104,21 @@ contains
   !> without pressure, as two shapes that fit.
   pure logical function proportional(run)
     type(run_t), intent(in) :: run  !< run
-    proportional = begins(run%position)
-    if (begins(run%position - 1)) proportional = all(run%state%contact /= open_state) .and. .not. any(abs(run%state%traction) > 0)
-    proportional = proportional .and. run%scene%kinematics /= 'nonlinear' .and. run%scene%contact_law == 'hard'
+    proportional = begins(run%scene, run%place)
+    if (.not. run%place < assembled(run%scene)) proportional = proportional .and. all(run%state%contact /= open_state) .and. &
+      .not. any(abs(run%state%traction) > 0)
+    proportional = proportional .and. .not. run%scene%large() .and. run%scene%hard()
   end function proportional
 
   !> The contact slides: gross slip, or nothing holds where the torque itself pressed the faces and there is no friction worth the
   !> name.
-  subroutine let_go(run, position, slip_torque, error)
+  subroutine let_go(run, place, slip_torque, error)
     type(run_t), intent(inout) :: run                 !< run
-    real(dp), intent(in) :: position                  !< where it was tried to go
+    type(place_t), intent(in) :: place                !< where it was tried to go
     real(dp), intent(in) :: slip_torque               !< carried while they slid [N m]
     type(error_t), allocatable, intent(out) :: error  !< the message
     if (run%sums%friction_capacity < some_friction*slip_torque) then
-      call not_held(run, position, error)
+      call not_held(run, place, error)
     else
       call slipped(run, slip_torque, error)
     end if
@@ -130,62 +127,26 @@ contains
   !> Friction alone holds the torque, and is used up: under large displacements pairs then move on without end.
   pure logical function all_friction(run)
     type(run_t), intent(in) :: run  !< run
-    all_friction = run%scene%support == 'bearing' .and. run%scene%kinematics == 'nonlinear' .and. &
+    all_friction = run%scene%support%friction_alone .and. run%scene%large() .and. &
       run%sums%friction_capacity > 0 .and. abs(run%step%torque) >= nearly*run%sums%friction_capacity
   end function all_friction
-
-  !> The assembly or the torque begins here: there are no steps to extrapolate.
-  pure logical function begins(position)
-    real(dp), intent(in) :: position  !< in that phase
-    begins = abs(position) < 1e-12_dp
-  end function begins
-
-  !> Solve the same run as far as the first torque on a mesh of half as many facets either way; what ends that early ends only that.
-  recursive subroutine solve_coarser(run)
-    type(run_t), intent(inout) :: run                 !< gets the coarser states
-    type(run_t), allocatable :: coarse
-    type(error_t), allocatable :: error
-    logical :: done
-    real(dp) :: start
-    integer :: level
-    allocate (run%coarser)
-    if (.not. has_coarser(run%scene)) return
-    start = wall_seconds()
-    call set_log_level(quiet, level)
-    allocate (coarse)
-    call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
-    coarse%clock = run%clock
-    coarse%keeps_all = .true.
-    coarse%tangent_from = huge(1._dp)
-    done = .false.
-    do while (.not. (done .or. allocated(error) .or. coarse%position > 1 + 1e-12_dp))
-      call solve_step(coarse, done, error)
-    end do
-    call set_log_level(level)
-    run%record%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
-    call say('start     first guess from a mesh of '//run%record%start//', '//to_text(coarse%record%iterations)//' iterations')
-    if (allocated(coarse%solver)) call coarse%solver%release()
-    if (allocated(coarse%drive)) call move_alloc(coarse%drive, run%coarser%drive)
-    run%coarser%states = coarse%assembly
-    run%record%timers%coarser = wall_seconds() - start
-  end subroutine solve_coarser
 
   !> A signal ends the run in order; what the present load step had reached is lost.
   subroutine interrupt(run, error)
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< says so
     run%record%interrupted = .true.
-    call raise(error, code_stopped, 'interrupted after '//to_text(run%record%steps)//' load steps; '// &
-      trim(merge('their results are kept, --resume goes on', '--resume begins with the first one      ', run%record%steps > 0)))
+    call raise(error, code_stopped, 'interrupted after '//to_text(run%step%number)//' load steps; '// &
+      trim(merge('their results are kept, --resume goes on', '--resume begins with the first one      ', run%step%number > 0)))
   end subroutine interrupt
 
   !> What a time limit leaves; one that is too short for a load step would stop every resumed run too.
   function stopped_text(run) result(text)
     type(run_t), intent(in) :: run  !< run
     character(len=:), allocatable :: text
-    text = 'stopped at a limit after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on'
-    if (run%record%steps == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
-      ' s before a load step was done ('//to_text(run%record%steps)//' before; setting up took '// &
+    text = 'stopped at a limit after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on'
+    if (run%step%number == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
+      ' s before a load step was done ('//to_text(run%step%number)//' before; setting up took '// &
       rounded(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
   end function stopped_text
 
@@ -197,32 +158,19 @@ contains
     out_of_time = run%scene%time_limit_s > 0 .and. elapsed > run%scene%time_limit_s
   end function out_of_time
 
-  !> Position of the next load step: assembly ends at 1, torque at 2.
-  pure real(dp) function next_position(run) result(p)
-    type(run_t), intent(in) :: run  !< run
-    integer :: n
-    if (run%position < 1 - 1e-12_dp) then
-      n = run%scene%assembly_steps
-      p = real(floor(run%position*n + 1e-9_dp) + 1, dp)/n
-    else
-      n = torque_load_steps(run%scene)
-      p = 1 + real(floor((run%position - 1)*n + 1e-9_dp) + 1, dp)/n
-    end if
-  end function next_position
-
-  !> Position four fifths of the way to the torque at which the contact slips.
-  pure real(dp) function cautious(run, slip_torque) result(p)
+  !> Four fifths of the way to the torque at which the contact slips.
+  pure type(place_t) function cautious(run, slip_torque) result(place)
     type(run_t), intent(in) :: run            !< run
     real(dp), intent(in) :: slip_torque       !< estimate of the slip torque [N m]
     real(dp) :: now
-    now = max(0._dp, run%position - 1)*abs(run%scene%torque)
-    p = 1 + (now + 0.8_dp*max(0._dp, slip_torque - now))/abs(run%scene%torque)
+    now = abs(run%step%torque)
+    place = place_at(run%scene, now + 0.8_dp*max(0._dp, slip_torque - now))
   end function cautious
 
-  !> Try to reach a position; the state changes only if that succeeds.
-  subroutine solve_part(run, position, attempt, solved, sliding, slip_torque, error)
+  !> Try to reach a place; the state changes only if that succeeds.
+  subroutine solve_part(run, place, attempt, solved, sliding, slip_torque, error)
     type(run_t), intent(inout) :: run                 !< run
-    real(dp), intent(in) :: position                  !< aim
+    type(place_t), intent(in) :: place                !< aim
     integer, intent(in) :: attempt                    !< attempts of this load step before
     logical, intent(out) :: solved                    !< reached
     logical, intent(out) :: sliding                   !< the contact slips as a whole
@@ -233,92 +181,90 @@ contains
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    real(dp) :: start, torque
+    real(dp) :: start
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
-    options%runaway = 0.05_dp*run%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + abs(run%scene%interference))
-    torque = torque_at(run%scene, position)
-    if (position > 1) options%torque = largest_torque(run%scene)
-    call drive_load(run%drive, min(position, 1._dp), torque, step_friction(run%scene, position), load, run%state)
-    run%drive%problem%turning = run%scene%support == 'drive' .and. position > 1 + 1e-12_dp
+    options%runaway = 0.05_dp*run%model%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + &
+      abs(run%scene%interference))
+    step = run%step
+    step%number = run%step%number + 1
+    call place_step(run%scene, place, step)
+    if (step%loaded) options%torque = largest_torque(run%scene)
+    call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
+      run%state)
+    run%model%drive%problem%turning = run%scene%support%turns_bottom .and. step%loaded
     start = wall_seconds()
-    call first_guess(run, position, torque, trial)
-    if (run%solver%own_threads) threads = blas_threads(1)
-    if (run%scene%support == 'teeth' .and. position > 1) then
-      call turn_against_teeth(run, torque, trial, history, error)
+    call first_guess(run, place, step, trial)
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    if (run%scene%support%against_teeth .and. step%loaded) then
+      call turn_against_teeth(run, step%torque, trial, history, error)
       solved = .true.
       sliding = .false.
     else
-      call iterate(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
-      if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, position)) then
-        call raise_friction(run%drive%problem, run%solver, options, load, run%state, trial, history, solved, sliding, error)
+      call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
+      if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
+        call raise_friction(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, &
+          error)
       end if
-      sliding = sliding .and. run%scene%support == 'bearing'  ! elsewhere hub or teeth take the torque: a part of the step is easier
+      sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
     end if
-    if (run%solver%own_threads) threads = blas_threads(threads)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
     if (allocated(error)) return
     taken = history(size(history))%iteration
-    run%record%iterations = run%record%iterations + taken
-    step = run%step
-    step%number = run%record%steps + 1
-    call place_step(run, position, step)
+    run%tally%iterations = run%tally%iterations + taken
     if (run%writes) call write_history(run%output, step, attempt, history, error)
     if (allocated(error)) return
     call note_iterations(run, history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
     if (solved) then
-      if (run%scene%support == 'drive' .and. abs(position - 1) < 1e-12_dp) then
-        call touch_teeth(run%scene, run%drive, trial%u, trial)
+      if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
+        call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
-        call remember(run%drive%problem, load, trial)
+        call remember(run%model%drive%problem, load, trial)
       end if
       run%before = run%state
       run%state = trial
-      run%position_before = run%position
-      run%position = position
-      if (position < 1 + 1e-12_dp .or. run%keeps_all) call run%assembly%add(min(position, 1._dp), torque, trial)
-      run%record%symmetry(merge(2, 1, position > 1 + 1e-12_dp)) = run%solver%symmetry_used
-      call place_step(run, position, run%step)
+      run%place_before = run%place
+      run%place = place
+      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
+      run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
+      call place_step(run%scene, place, run%step)
     else if (sliding) then
-      slip_torque = abs(contact_torque(run%drive, trial))
+      slip_torque = abs(contact_torque(run%model%drive, trial))
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
         slip_torque = 0
       end if  ! rounding: friction holds nothing
     end if
-    if (.not. solved) call pair_bodies(run%drive%problem, run%state%u)
+    if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
-  subroutine first_guess(run, position, torque, trial)
+  subroutine first_guess(run, place, step, trial)
     type(run_t), intent(inout) :: run          !< run
-    real(dp), intent(in) :: position, torque   !< aim, and its torque [N m]
+    type(place_t), intent(in) :: place         !< aim
+    type(step_t), intent(in) :: step           !< and what stands there
     type(state_t), intent(out) :: trial        !< guess
-    real(dp) :: ratio
+    real(dp) :: ratio, part
     trial = run%state
-    ratio = 0
-    if (run%position > run%position_before) ratio = (position - run%position)/(run%position - run%position_before)
-    if (run%position_before < 1 .and. position > 1) ratio = 0
-    if (run%position_before >= 1) then
-      if (turns_back(run%scene, run%position_before, run%position, position)) ratio = 0
-    end if
+    part = assembly_at(run%scene, place)
+    ratio = stretch(run%scene, run%place_before, run%place, place)
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
-    if (run%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
-    if (allocated(run%coarser) .and. .not. ratio > 0) then
-      call run%coarser%guess(run%drive, run%state, [run%position, position], [torque_at(run%scene, run%position), torque], trial)
-    end if
-    if (run%scene%support /= 'drive' .or. position < 1 + 1e-12_dp) call run%assembly%recall(min(position, 1._dp), torque, trial)
+    if (run%model%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
+    if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
+      [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
+    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
   end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.
-  logical function bears_less_friction(run, load, position)
+  logical function bears_less_friction(run, load, step)
     type(run_t), intent(in) :: run        !< run
     type(load_t), intent(in) :: load      !< load of the step
-    real(dp), intent(in) :: position      !< its end
-    bears_less_friction = load%friction > 0 .and. .not. (position > 1 .and. run%scene%support == 'bearing') .and. &
+    type(step_t), intent(in) :: step      !< its end
+    bears_less_friction = load%friction > 0 .and. .not. (step%loaded .and. run%scene%support%friction_alone) .and. &
       .not. out_of_time(run)
   end function bears_less_friction
 
@@ -332,10 +278,10 @@ contains
     integer :: i
     if (.not. allocated(run%teeth)) then
       allocate (run%teeth)
-      call new_teeth(run%scene, run%drive, run%solver, run%state, run%teeth, error)
+      call new_teeth(run%scene, run%model%drive, run%model%solver, run%state, run%teeth, error)
       if (allocated(error)) return
     end if
-    call turn_hub(run%teeth, run%drive, torque, trial, error)
+    call turn_hub(run%teeth, run%model%drive, torque, trial, error)
     history = [(iteration_t(iteration=i, stick=size(trial%contact)), i=0, run%teeth%iterations)]
   end subroutine turn_against_teeth
 
@@ -351,7 +297,7 @@ contains
       call detail(trim(line))
     end do
     run%period = maxval(history%period)
-    if (run%period > 0) run%record%cycles = run%record%cycles + 1
+    if (run%period > 0) run%tally%cycles = run%tally%cycles + 1
     associate (last => history(size(history)))
       run%loose_points = merge(last%slip, 0, last%stick == 0)
     end associate
@@ -371,12 +317,12 @@ contains
   end subroutine slipped
 
   !> The flexspline slides away though no friction was overcome.
-  subroutine not_held(run, position, error)
+  subroutine not_held(run, place, error)
     type(run_t), intent(in) :: run                    !< run
-    real(dp), intent(in) :: position                  !< where it was tried to go
+    type(place_t), intent(in) :: place                !< where it was tried to go
     type(error_t), allocatable, intent(out) :: error  !< the message
     call raise(error, code_not_converged, 'the flexspline is not held: beyond torque '//to_text(abs(run%step%torque))// &
-      ' N m (tried '//to_text(torque_at(run%scene, position))//' N m) no contact point carries it and only the '// &
+      ' N m (tried '//to_text(torque_at(run%scene, place))//' N m) no contact point carries it and only the '// &
       "soft springs of the support are left. Raise interference, w or friction, or use support = 'hub'; the last "// &
       'converged state is kept')
   end subroutine not_held
@@ -385,8 +331,8 @@ contains
   subroutine check_slip(run, error)
     type(run_t), intent(in) :: run                    !< run after a load step
     type(error_t), allocatable, intent(out) :: error  !< the message
-    if (.not. allocated(run%drive%problem%lagrangian) .or. run%step%phase /= 'torque') return
-    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%drive%radius) return
+    if (.not. allocated(run%model%drive%problem%lagrangian) .or. .not. run%step%loaded) return
+    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%model%drive%radius) return
     call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
       to_text(run%step%torque)//' N m '//to_text(run%sums%torque%balance)//' N m are out of balance (friction carries '// &
       'mu int p r dA = '//to_text(run%sums%friction_capacity)//' N m). Lower the torque or use solver.kinematics = '// &
@@ -403,14 +349,15 @@ contains
     tries = to_text(run%scene%max_cuts)//' halvings'
     if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
-    if (run%scene%support == 'drive' .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
+    if (run%scene%support%struts .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
       ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
       'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
-    if (run%scene%support == 'drive' .and. run%scene%kinematics == 'nonlinear' .and. frictionless(run%scene)) advice = '. '// &
+    if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
       "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
-    call raise(error, code_not_converged, cause//' in the '//trim(merge('torque  ', 'assembly', run%position >= 1))// &
-      ' step beyond load factor '//to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
+    call raise(error, code_not_converged, cause//' in the '// &
+      trim(merge('assembly', 'torque  ', run%place < assembled(run%scene)))//' step beyond load factor '// &
+      to_text(run%step%load_factor)//' (torque '//to_text(run%step%torque)//' N m) after '// &
       tries//'; history.csv shows the residuals, the last converged state is kept'//advice)
   end subroutine not_converged
 end module hd_load_step

@@ -3,11 +3,10 @@
 module hd_run
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
-  use hd_checkpoint, only: mark_t, flexibility_t, save_checkpoint, load_checkpoint, drop_checkpoint
+  use hd_checkpoint, only: mark_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
-  use hd_coarse_start, only: coarser_t
   use hd_coupled_tangent, only: coupled_flexibility, glued_flexibility
-  use hd_drive, only: drive_t, drive_load, step_friction
+  use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
@@ -15,13 +14,12 @@ module hd_run
   use hd_joint_range, only: check_stiffness, range_warnings
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
-  use hd_linear_solver, only: linear_solver_t
-  use hd_load_path, only: torque_at
+  use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
   use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
   use hd_loop_warnings, only: drive_warnings
-  use hd_model_cache, only: assembly_t, take_model, keep_model
+  use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
     write_grids, close_output
   use hd_lapack, only: blas_threads
@@ -36,32 +34,24 @@ module hd_run
   use hd_theory_error, only: theory_on, move_tangent
   implicit none
   private
-  public :: run_t, new_run, restore_run, accept, place_step, final_position, close_run
+  public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
 
-  type :: run_t
+  type, extends(mark_t) :: run_t
     type(scene_t) :: scene
-    type(drive_t), allocatable :: drive
+    type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
     type(joint_t) :: joint
-    class(linear_solver_t), allocatable :: solver
     type(state_t) :: before, state          !< last two converged states
-    real(dp) :: position = 0, position_before = 0   !< 0 to 1: assembly, 1 to 2: torque
-    type(assembly_t) :: assembly            !< states of the assembly, also of an earlier run
-    type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
-    logical :: keeps_all = .false.          !< `assembly` gets the states under torque too
-    logical :: easy = .true.                !< the last part took few iterations
-    real(dp) :: tangent_from = 1            !< position from which on steps get a tangent K_TS
-    type(flexibility_t) :: flexibility      !< for tangent and secant K_TS
-    logical :: certain = .true.             !< the last step's tangent is
+    type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
+    logical :: keeps_all = .false.          !< `model` gets the states under torque too
+    logical :: asks_tangent = .true.        !< steps from the end of the assembly on get a tangent K_TS
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
-    real(dp) :: stride = 2                  !< longest part of a load step that is tried
-    type(step_t) :: step                    !< last converged step
-    type(facets_t) :: facets                !< its facets
-    type(sums_t) :: sums                    !< its sums
+    type(facets_t) :: facets                !< of the last converged step
+    type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
     type(output_t) :: output
@@ -69,7 +59,6 @@ module hd_run
     logical :: writes = .false.             !< has an output folder
     type(record_t) :: record
     type(error_t), allocatable :: failure   !< what ended the run early
-    real(dp) :: rotation_assembled = 0      !< rotation at the end of the assembly [rad]
     real(dp) :: clock = 0, step_clock = 0   !< when the run and the present load step began [s]
   end type run_t
 
@@ -103,32 +92,19 @@ contains
     character(len=*), intent(in) :: folder            !< output folder with a checkpoint
     type(run_t), intent(inout) :: run                 !< run where it stopped
     type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
-    type(mark_t) :: mark
     call prepare(scene, input, run, error)
     if (.not. allocated(error)) call build(run, error)
-    if (.not. allocated(error)) call load_checkpoint(folder, scene, mark, run%before, run%state, run%loop, error)
-    if (.not. allocated(error)) call reopen_output(folder, scene, mark%sizes, mark%sums, mark%steps, run%output, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, run%mark_t, run%before, run%state, run%loop, error)
+    if (.not. allocated(error)) call reopen_output(folder, scene, run%table_sizes, run%table_sums, run%step%number, run%output, &
+      error)
     if (allocated(error)) return
     run%writes = .true.
-    run%position = mark%position
-    run%position_before = mark%position_before
-    run%stride = mark%stride
-    run%easy = mark%easy
-    run%rotation_assembled = mark%rotation_assembled
-    run%flexibility = mark%flexibility
     run%record%resumed = .true.
-    run%record%steps = mark%steps
-    run%first_step = mark%steps
-    run%record%iterations = mark%iterations
-    run%record%cuts = mark%cuts
-    run%record%cycles = mark%cycles
-    run%record%symmetry = mark%symmetry
-    run%step%number = mark%steps
-    call place_step(run, run%position, run%step)
-    call pair_bodies(run%drive%problem, run%state%u)
+    run%first_step = run%step%number
+    call pair_bodies(run%model%drive%problem, run%state%u)
     call measure(run, again=.true.)
     call enter_stiffness(run)
-    call say('resumed   after load step '//to_text(mark%steps)//', torque '//to_text(run%step%torque)//' N m')
+    call say('resumed   after load step '//to_text(run%step%number)//', torque '//to_text(run%step%torque)//' N m')
   end subroutine restore_run
 
   !> Checks and record of a run, before any file is touched.
@@ -149,44 +125,56 @@ contains
     run%record%input = input
     call implausible(scene, run%record%warnings)
     call scene_joint(scene, run%joint, error)
-    if (.not. allocated(error) .and. scene%support /= 'teeth') call check_stiffness(run%joint, error)
+    if (.not. allocated(error) .and. scene%support%contact) call check_stiffness(run%joint, error)
   end subroutine prepare
 
   !> Mesh and factors of the scene, the run at rest.
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call take_model(run%scene, run%drive, run%solver, run%assembly, run%record%kept, run%record%choice, error)
-    if (.not. allocated(error)) then
-      if (allocated(run%drive%problem%law%joint)) deallocate (run%drive%problem%law%joint)
-      if (run%scene%contact_law /= 'hard') then
-        allocate (run%drive%problem%law%joint)
-        call tabulate_joint(run%scene, run%joint, run%drive%problem%law%joint, error)
-      end if
-    end if
+    call fit_run(run, error)
     if (allocated(error)) return
-    call new_state(run%drive%problem, run%state)
+    run%record%kept = run%model%kept
+    run%record%choice = run%model%choice
+    call new_state(run%model%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
-    call say('mesh      '//to_text(3*run%drive%problem%n)//' dof, '//to_text(size(run%drive%face%nodes, 2))// &
-      ' contact facets, '//to_text(run%solver%unknowns)//' unknowns')
-    call say(trim('solver    '//trim(run%solver%name)//merge(', taken over from the last run', repeat(' ', 30), run%record%kept)))
+    call say('mesh      '//to_text(3*run%model%drive%problem%n)//' dof, '//to_text(size(run%model%drive%face%nodes, 2))// &
+      ' contact facets, '//to_text(run%model%solver%unknowns)//' unknowns')
+    call say(trim('solver    '//trim(run%model%solver%name)//merge(', taken over from the last run', repeat(' ', 30), &
+      run%record%kept)))
   end subroutine build
 
-  !> Position at the end of the run.
-  pure real(dp) function final_position(run) result(p)
-    type(run_t), intent(in) :: run  !< run
-    p = merge(2._dp, 1._dp, run%scene%torque_steps > 0)
-  end function final_position
+  !> Fit the model that the run has to its scene and joint, or make one.
+  subroutine fit_run(run, error)
+    type(run_t), intent(inout) :: run                 !< gets model
+    type(error_t), allocatable, intent(out) :: error  !< mesh, memory
+    call fit_model(run%scene, run%model, error)
+    if (allocated(error)) return
+    associate (law => run%model%drive%problem%law)
+      if (allocated(law%joint)) deallocate (law%joint)
+      if (run%scene%hard()) return
+      allocate (law%joint)
+      call tabulate_joint(run%scene, run%joint, law%joint, error)
+    end associate
+  end subroutine fit_run
 
-  !> Phase, load factor and torque of a position.
-  pure subroutine place_step(run, position, step)
-    type(run_t), intent(in) :: run        !< run
-    real(dp), intent(in) :: position      !< 0 to 2
+  !> Leave the model to the next run; after an iteration that was left in the middle mesh and factors are of no more use.
+  subroutine leave_model(run, to)
+    type(run_t), intent(inout) :: run                     !< run that is over
+    type(model_t), allocatable, intent(inout) :: to       !< place of the next run's
+    if (run%unsettled) call give_back(run%model)
+    call hand_on(run%model, to)
+  end subroutine leave_model
+
+  !> Phase, load factor and torque of a place.
+  pure subroutine place_step(scene, place, step)
+    type(scene_t), intent(in) :: scene    !< scene
+    type(place_t), intent(in) :: place    !< place
     type(step_t), intent(inout) :: step   !< step
-    step%phase = merge('torque  ', 'assembly', position > 1)
-    step%load_factor = merge(position - 1, position, position > 1)
-    step%torque = torque_at(run%scene, position)
+    step%loaded = under_torque(scene, place)
+    step%load_factor = load_factor_at(scene, place)
+    step%torque = torque_at(scene, place)
   end subroutine place_step
 
   !> Book a finished load step.
@@ -196,11 +184,10 @@ contains
     character(len=100) :: line
     real(dp) :: start
     start = wall_seconds()
-    run%record%steps = run%record%steps + 1
-    run%step%number = run%record%steps
+    run%step%number = run%step%number + 1
     run%step%seconds = start - run%step_clock
     call measure(run, again=.false.)
-    if (run%position <= 1 + 1e-12_dp) then
+    if (.not. run%step%loaded) then
       run%rotation_assembled = run%sums%rotation
       run%sums%rotation = 0
     end if
@@ -208,23 +195,29 @@ contains
     if (allocated(error)) return
     call enter_stiffness(run)
     associate (c => run%state%contact)
-      write (line, '(i4,1x,a8,f7.3,f10.4,i4,8x,3i6,f10.2,f10.3)') run%step%number, run%step%phase, run%step%load_factor, &
+      write (line, '(i4,1x,a8,f7.3,f10.4,i4,8x,3i6,f10.2,f10.3)') run%step%number, &
+        merge('torque  ', 'assembly', run%step%loaded), run%step%load_factor, &
         run%step%torque, run%step%iterations, count(c == 0), count(c == 1), count(c == 2), run%sums%normal_force, &
         run%sums%pressure_max*1e-6_dp
     end associate
     call say(trim(line))
     if (run%writes) then
-      call write_step(run%output, run%step, run%drive, run%facets, run%sums, error)
+      call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
-      if (run%scene%support == 'drive' .and. .not. allocated(error)) then
-        call book_stress(run%loop, run%scene, run%drive, run%state, run%step, error)
-        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%drive, run%loop, run%sums%k_ts, error)
+      if (run%scene%support%loop .and. .not. allocated(error)) then
+        call book_stress(run%loop, run%scene, run%model%drive, run%state, run%step, error)
+        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%model%drive, run%loop, run%sums%k_ts, &
+          error)
       end if
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
-        run%position >= final_position(run) - 1e-12_dp))) then
-        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+        .not. run%place < path_end(run%scene)))) then
+        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
-      if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
+      if (.not. (allocated(error) .or. allocated(run%teeth))) then
+        run%table_sizes = table_sizes(run%output)
+        run%table_sums = table_sums(run%output)
+        call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%loop, error)
+      end if
     end if
     run%record%timers%output = run%record%timers%output + wall_seconds() - start
   end subroutine accept
@@ -234,21 +227,22 @@ contains
     type(run_t), intent(inout) :: run  !< gets facets and sums
     logical, intent(in) :: again       !< its step is booked already
     type(load_t) :: load
-    call drive_load(run%drive, min(run%position, 1._dp), merge(0._dp, run%step%torque, run%scene%support == 'teeth'), &
-      step_friction(run%scene, run%position), load, run%state, run%before)
+    call drive_load(run%model%drive, assembly_at(run%scene, run%place), &
+      merge(0._dp, run%step%torque, run%scene%support%against_teeth), &
+      step_friction(run%scene, run%step%loaded), load, run%state, run%before)
     if (allocated(run%teeth)) call add_tooth_forces(run%teeth, load%force)
-    call evaluate_facets(run%drive, at_friction(run%joint, load%friction), run%state, run%facets)
-    call sum_up(run%drive, load, run%state, run%facets, run%sums)
-    run%sums%theory = theory_on(run%joint, run%drive, run%state)
+    call evaluate_facets(run%model%drive, at_friction(run%joint, load%friction), run%state, run%facets)
+    call sum_up(run%model%drive, load, run%state, run%facets, run%sums)
+    run%sums%theory = theory_on(run%joint, run%model%drive, run%state)
     run%sums%rotation = run%sums%rotation - run%rotation_assembled
     if (allocated(run%teeth)) run%sums%rotation = run%teeth%rotation
-    if (run%scene%support == 'drive') then
-      if (.not. again) call book(run%loop, run%scene, run%drive, load, run%state, run%step)
-      run%sums%rotation = bottom_turn(run%drive, run%state)
+    if (run%scene%support%loop) then
+      if (.not. again) call book(run%loop, run%scene, run%model%drive, load, run%state, run%step)
+      run%sums%rotation = bottom_turn(run%model%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
-      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%drive, run%state, run%loop%force)
+      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%model%drive, run%state, run%loop%force)
     end if
-    call sum_stiffness(run%scene, run%drive, run%step%torque, run%state, run%facets, run%sums)
+    call sum_stiffness(run%scene, run%model%drive, run%step%torque, run%state, run%facets, run%sums)
   end subroutine measure
 
   !> Flexibility of the drive with its joint for a further torque, from the end of the assembly on. None where the faces are bonded
@@ -260,27 +254,27 @@ contains
     real(dp) :: sense, now, start
     logical :: settled, glued
     integer :: threads
-    if (run%joint%paper .or. run%scene%support == 'teeth' .or. run%scene%contact_mode == 'bonded') return
-    if (run%position < run%tangent_from - 1e-12_dp) return
+    if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
+    if (run%place < assembled(run%scene) .or. .not. run%asks_tangent) return
     start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
-    call drive_load(run%drive, 1._dp, run%step%torque, step_friction(run%scene, run%position), load, run%state, run%before)
-    call update_tangent(run%drive%problem, run%state%u)
-    if (run%scene%support == 'drive') then  ! balls and teeth that push change from step to step, and with them the glued drive
+    call drive_load(run%model%drive, 1._dp, run%step%torque, step_friction(run%scene, run%step%loaded), load, run%state, run%before)
+    call update_tangent(run%model%drive%problem, run%state%u)
+    if (run%scene%support%struts) then  ! balls and teeth that push change from step to step, and with them the glued drive
       run%flexibility%known = .false.
-      if (run%position < 1 + 1e-12_dp) return
+      if (.not. run%step%loaded) return
       sense = sign(1._dp, run%step%torque)
-      load%displacement(2, run%drive%hub) = run%state%u(2, run%drive%hub)
-      call update_struts(run%drive%problem, load, run%state%u)
+      load%displacement(2, run%model%drive%hub) = run%state%u(2, run%model%drive%hub)
+      call update_struts(run%model%drive%problem, load, run%state%u)
     end if
     threads = 0
     glued = .true.
-    if (run%solver%own_threads) threads = blas_threads(1)
-    if (.not. run%flexibility%known) call glued_flexibility(run%drive, run%solver, load, sense, run%state, &
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    if (.not. run%flexibility%known) call glued_flexibility(run%model%drive, run%model%solver, load, sense, run%state, &
       run%flexibility%glued, glued, error)
-    if (.not. allocated(error)) call coupled_flexibility(run%drive, run%solver, at_friction(run%joint, &
-      step_friction(run%scene, 2._dp)), load, sense, run%state, now, settled, error)
-    if (run%solver%own_threads) threads = blas_threads(threads)
+    if (.not. allocated(error)) call coupled_flexibility(run%model%drive, run%model%solver, at_friction(run%joint, &
+      step_friction(run%scene, .true.)), load, sense, run%state, now, settled, error)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
     run%certain = settled .and. glued
     associate (f => run%flexibility)
@@ -303,36 +297,15 @@ contains
     associate (f => run%flexibility)
       if (.not. f%known) return
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
-      if (run%scene%support == 'drive') return  ! a loop has no secant
-      station = nint((run%position - 1)*run%scene%torque_steps)
+      if (run%scene%support%loop) return  ! a loop has no secant
+      station = run%place%step - run%scene%assembly_steps + nint(run%place%share)
       if (run%scene%torque_steps <= most_steps) f%tangent(station) = run%sums%k_tangent
       run%sums%k_secant = run%sums%k_tangent
       if (.not. abs(f%torque) > 0) return
-      turn = merge(f%turned, run%sums%rotation, run%scene%contact_law == 'hard')/f%torque
+      turn = merge(f%turned, run%sums%rotation, run%scene%hard())/f%torque
       if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
     end associate
   end subroutine enter_stiffness
-
-  !> Write the checkpoint of the present state.
-  subroutine save(run, error)
-    type(run_t), intent(in) :: run                    !< run after a load step
-    type(error_t), allocatable, intent(out) :: error  !< disk full
-    type(mark_t) :: mark
-    mark%position = run%position
-    mark%position_before = run%position_before
-    mark%stride = run%stride
-    mark%easy = run%easy
-    mark%rotation_assembled = run%rotation_assembled
-    mark%flexibility = run%flexibility
-    mark%steps = run%record%steps
-    mark%iterations = run%record%iterations
-    mark%cuts = run%record%cuts
-    mark%cycles = run%record%cycles
-    mark%symmetry = run%record%symmetry
-    mark%sizes = table_sizes(run%output)
-    mark%sums = table_sums(run%output)
-    call save_checkpoint(run%output%folder, run%scene, mark, run%before, run%state, run%loop, error)
-  end subroutine save
 
   !> Close the run: warnings, last grids of a run that ended early, summary.
   subroutine close_run(run, error, interrupted)
@@ -340,32 +313,27 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
-    if (run%record%steps > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
-      run%flexibility%tangent, patch_pressures(run%drive, run%facets), run%loop)
-    if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%drive, run%solver, run%joint, &
+    if (run%step%number > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
+      run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
+    if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%model%drive, run%model%solver, run%joint, &
       run%flexibility, run%before, run%state, run%sums%theory)
     call judge_results(run)
-    if (.not. allocated(run%failure) .and. run%position < final_position(run) - 1e-12_dp) call raise(run%failure, &
-      code_stopped, 'closed after '//to_text(run%record%steps)//' load steps; their results are kept, --resume goes on')
+    if (.not. allocated(run%failure) .and. run%place < path_end(run%scene)) call raise(run%failure, &
+      code_stopped, 'closed after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on')
     run%record%timers%total = wall_seconds() - run%clock
     if (run%writes) then
-      if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%record%steps > 0) then
-        call write_grids(run%output, run%step, run%drive, run%facets, run%state, error)
+      if (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. run%step%number > 0) then
+        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       call close_output(run%output)
-      if (run%record%steps > 0) run%record%k_ts_by_model = compare_models(run%scene, run%drive, run%state, &
+      if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &
         run%step%torque, run%sums)
-      if (.not. allocated(error)) call write_fatigue(run%output%folder, run%drive%problem%bodies(run%drive%b_cup), &
+      if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
-      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%drive, run%joint, run%solver, &
-        run%sums, run%record, run%loop, run%failure, error)
+      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
+        run%step, run%sums, run%tally, run%record, run%loop, run%failure, error)
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
-    end if
-    if (.not. run%unsettled) then
-      call keep_model(run%scene, run%drive, run%solver, run%assembly, run%record%choice)
-    else if (allocated(run%solver)) then
-      call run%solver%release()
     end if
     call run%lock%give()
   end subroutine close_run
@@ -375,12 +343,12 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     type(string_t), allocatable :: lines(:)
     integer :: i
-    if (run%record%steps == 0 .or. run%scene%support == 'teeth') return  ! bonded there: no joint
+    if (run%step%number == 0 .or. .not. run%scene%support%contact) return  ! bonded there: no joint
     call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
     do i = 1, size(lines)
       call push(run%record%warnings, lines(i)%s)
     end do
-    if (run%scene%support == 'drive') then
+    if (run%scene%support%loop) then
       call drive_warnings(run%loop, run%scene, lines)
       do i = 1, size(lines)
         call push(run%record%warnings, lines(i)%s)
@@ -397,7 +365,7 @@ contains
       end if
       call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
-      if (run%scene%support == 'drive') call say('drive     '//loop_text(run%loop, run%scene))
+      if (run%scene%support%loop) call say('drive     '//loop_text(run%loop, run%scene))
     end associate
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)
@@ -409,7 +377,7 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     logical :: hard                    !< the hardness is exceeded
     associate (s => run%sums, scene => run%scene)
-      if (.not. s%normal_force > 0 .and. scene%contact_mode /= 'bonded') call push(run%record%warnings, &
+      if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
         'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
       if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
         'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_tangent_nm_per_rad')
@@ -421,7 +389,7 @@ contains
         to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa: '// &
         'bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
         'edge_line_load_n_per_m, '//rounded(s%edge_line_load)//' N/m on the last tenth of the band, which converges')
-      if (run%record%planned_tolerance > 0 .and. scene%support /= 'drive' .and. .not. s%pressure_middle > 0) call push( &
+      if (run%record%planned_tolerance > 0 .and. .not. scene%support%loop .and. .not. s%pressure_middle > 0) call push( &
         run%record%warnings, 'the middle of the band is open: nothing is promised of its pressure. Read the normal force')
     end associate
   end subroutine push_stiffness_warnings
@@ -432,11 +400,11 @@ contains
     real(dp), parameter :: allowed = 2  !< times the torque over the ratio: losses of a real drive
     character(len=:), allocatable :: line
     real(dp) :: real_one
-    if (run%record%steps == 0 .or. .not. abs(run%step%torque) > 0) return
+    if (run%step%number == 0 .or. .not. abs(run%step%torque) > 0) return
     associate (t => run%sums%torque)
       call say('torque    carried by the hub '//rounded(t%hub, run%step%torque)//', the wave generator '// &
         rounded(t%wave_generator, run%step%torque)//', springs of the ring '//rounded(t%ring_springs, run%step%torque)//' N m')
-      if (run%scene%support == 'drive') return  ! drive_warnings judges the whole loop
+      if (run%scene%support%loop) return  ! drive_warnings judges the whole loop
       real_one = abs(run%step%torque)*2/run%scene%teeth
       if (.not. abs(t%wave_generator) > allowed*real_one) return
       line = 'the wave generator carries '//rounded(t%wave_generator)//' of '//to_text(run%step%torque)// &

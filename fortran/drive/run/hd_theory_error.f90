@@ -47,8 +47,8 @@ contains
     real(dp) :: now
     logical :: settled
     integer :: threads
-    if (.not. (found%area > 0 .and. flexibility%known .and. scene%support /= 'drive')) return
-    call drive_load(drive, 1._dp, flexibility%torque, step_friction(scene, 2._dp), load, state, before)
+    if (.not. (found%area > 0 .and. flexibility%known .and. .not. scene%support%loop)) return
+    call drive_load(drive, 1._dp, flexibility%torque, step_friction(scene, .true.), load, state, before)
     call update_tangent(drive%problem, state%u)
     threads = 0
     if (solver%own_threads) threads = blas_threads(1)

@@ -20,7 +20,7 @@ contains
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
     call check_shape(s, faults)
     call check_methods(s, faults)
-    if (s%support == 'drive') call check_drive(s, faults)
+    if (s%support%struts) call check_drive(s, faults)
   end subroutine check_scene
 
   !> Conditions between the keys of geometry and wave generator.
@@ -50,7 +50,7 @@ contains
       "'table' together with wave_generator.cam_file, the file of the table; other cams without that file")
     call need(faults, (s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', &
       s%perimeter_length, "a length together with perimeter = 'given', else", 0._dp)
-    associate (circle => 2*pi*(s%bore_radius - merge(s%ring_thickness, 0._dp, s%shape == 'pressed')))
+    associate (circle => 2*pi*(s%bore_radius - merge(s%ring_thickness, 0._dp, .not. s%formed())))
       call need(faults, s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < 0.02_dp, &
         'wave_generator.perimeter_length', s%perimeter_length, 'within 2 % of the length of the circle', circle)
     end associate
@@ -78,34 +78,34 @@ contains
       'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
     call need(faults, s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
       'below sample_length', s%sample_length)
-    call ask(faults, s%support /= 'teeth' .or. s%contact_mode == 'bonded', 'contact.mode', s%contact_mode, &
+    call ask(faults, s%support%contact .or. s%bonded(), 'contact.mode', s%contact_mode, &
       "'bonded' with load.support = 'teeth'; support 'drive' has teeth and friction")
-    call need(faults, s%support == 'drive' .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
+    call need(faults, s%support%struts .or. .not. s%spline_thickness > 0, 'load.spline_thickness', s%spline_thickness, &
       "0: the circular spline is rigid, but with load.support = 'drive'")
-    call need(faults, s%support == 'drive' .or. .not. s%tooth_friction > 0, 'load.tooth_friction', s%tooth_friction, &
+    call need(faults, s%support%struts .or. .not. s%tooth_friction > 0, 'load.tooth_friction', s%tooth_friction, &
       "0: the flanks have no friction, but with load.support = 'drive'")
-    call need(faults, (s%support == 'drive' .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
+    call need(faults, (s%support%struts .and. s%balls > 0) .or. .not. s%groove_depth > 0, 'bearing.groove_depth', &
       s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
-    call ask(faults, s%support /= 'bearing' .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
+    call ask(faults, .not. s%support%friction_alone .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
       "'frictional' with load.support = 'bearing', where all torque goes through friction")
-    call ask(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. s%support /= 'teeth'), &
+    call ask(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. .not. s%support%against_teeth), &
       'wave_generator.ring_contact', s%ring_contact, "'tied' with mesh.element = 'hex20r' or load.support = 'teeth'")
     call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
       'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i")
     call ask(faults, &
-      s%support /= 'bearing' .or. s%ring_tangent /= 'free' .or. s%shape == 'as_formed' .or. .not. abs(s%torque) > 0, &
+      .not. s%support%friction_alone .or. s%ring_tangent /= 'free' .or. s%formed() .or. .not. abs(s%torque) > 0, &
       'wave_generator.ring_tangent', s%ring_tangent, "'follow' or 'auto' with load.support = 'bearing': nothing takes the " // &
       'torque where the ring slides on the cam')
     call ask(faults, &
-      s%kinematics /= 'nonlinear' .or. ((s%method == 'auto' .or. s%method == 'newton') .and. s%support /= 'teeth'), &
+      .not. s%large() .or. ((s%method == 'auto' .or. s%method == 'newton') .and. .not. s%support%against_teeth), &
       'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
-    call ask(faults, s%support /= 'teeth' .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
-      "'auto' or 'exact' with load.support = 'teeth'")
-    call need(faults, s%turning_positions == 0 .or. s%support == 'drive', 'turning.positions', real(s%turning_positions, dp), &
+    call ask(faults, .not. s%support%against_teeth .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', &
+      s%factors, "'auto' or 'exact' with load.support = 'teeth'")
+    call need(faults, s%turning_positions == 0 .or. s%support%struts, 'turning.positions', real(s%turning_positions, dp), &
       "0, but with load.support = 'drive'")
-    call ask(faults, s%contact_law == 'hard' .or. s%contact_mode /= 'bonded', 'contact.law', s%contact_law, &
+    call ask(faults, s%hard() .or. .not. s%bonded(), 'contact.law', s%contact_law, &
       "'hard' with contact.mode = 'bonded': a joint does not pull")
-    call ask(faults, s%contact_law == 'hard' .or. s%closure == 'nominal', 'joint.closure', s%closure, &
+    call ask(faults, s%hard() .or. s%closure == 'nominal', 'joint.closure', s%closure, &
       "'nominal' with a contact.law other than 'hard'")
   end subroutine check_methods
 
@@ -114,7 +114,7 @@ contains
     type(scene_t), intent(in) :: s                            !< scene with support 'drive'
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
     call check_groove(s, faults)
-    call ask(faults, s%shape == 'pressed', 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
+    call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, s%ring_contact == 'tied', 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
     call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &

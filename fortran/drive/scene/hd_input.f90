@@ -9,6 +9,7 @@ module hd_input
   use hd_scene, only: scene_t
   use hd_specimen_fit, only: place_files
   use hd_surface_scene, only: surface_scene_t
+  use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
   use hd_text, only: string_t, push, to_text, lower, suggestion
   use hd_text_file, only: write_text
@@ -45,6 +46,7 @@ contains
       call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
       if (allocated(error)) return
     end if
+    if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)

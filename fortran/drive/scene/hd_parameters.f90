@@ -7,6 +7,7 @@ module hd_parameters
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
+  use hd_support, only: support_names, support_words
   use hd_surface_keys, only: add_surface_keys, add_fit_keys
   implicit none
   private
@@ -144,10 +145,7 @@ contains
       "pressure at which the gap counts as 0 with the law 'joint'")
     call add_choice(t, 'contact', 'slave', 'model', s%slave, 'ring cup', &
       'side that carries the multipliers and the facets of the results')
-    call add_choice(t, 'load', 'support', 'model', s%support, 'hub bearing teeth drive', &
-      'hub: the bottom of the cup is held, the torque leaves there; bearing: the bottom turns freely, all torque goes '// &
-      'through the contact; teeth: the cup is turned against the teeth of the circular spline (bonded ring); drive: the '// &
-      'whole drive of balls, ring, friction and teeth, the torque at the bottom')
+    call add_choice(t, 'load', 'support', 'model', s%support%name, support_names, support_words)
     call add_choice(t, 'load', 'torque_load', 'model', s%torque_load, 'uniform teeth', &
       'where the torque enters. uniform: as even shear on the outside of the rim; teeth: by forces of the tooth pairs around '// &
       'the long axis')

@@ -108,7 +108,7 @@ contains
     most = 1e7_dp*s%bore_radius**3
     torque = s%torque
     key = 'load.torque'
-    if (s%support == 'drive' .and. any(abs(s%torques) > 0)) then
+    if (s%support%loop .and. any(abs(s%torques) > 0)) then
       torque = s%torques(maxloc(abs(s%torques), 1))
       key = 'loop.torques'
     end if

@@ -3,6 +3,7 @@
 module hd_scene
   use hd_kinds, only: dp
   use hd_surface_scene, only: surface_t, surface_fit_t
+  use hd_support, only: support_t
   implicit none
   private
   public :: scene_t
@@ -48,7 +49,8 @@ module hd_scene
     character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
     real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp
     ! load
-    character(len=name_length) :: support = 'hub', torque_load = 'uniform'
+    type(support_t) :: support
+    character(len=name_length) :: torque_load = 'uniform'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 25
     integer :: teeth = 200, tooth_pairs = 40
     real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_thickness = 0
@@ -88,6 +90,43 @@ module hd_scene
     ! output
     character(len=name_length) :: vtu = 'last'
     real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]
+  contains
+    procedure :: bonded
+    procedure :: frictionless
+    procedure :: hard
+    procedure :: formed
+    procedure :: large
   end type scene_t
 
+contains
+
+  !> The faces do not part and do not slip.
+  pure logical function bonded(self)
+    class(scene_t), intent(in) :: self  !< scene
+    bonded = self%contact_mode == 'bonded'
+  end function bonded
+
+  !> The contact takes no shear.
+  pure logical function frictionless(self)
+    class(scene_t), intent(in) :: self  !< scene
+    frictionless = self%contact_mode == 'frictionless' .or. .not. (self%bonded() .or. max(self%friction, self%torque_friction) > 0)
+  end function frictionless
+
+  !> The faces meet without a joint that gives way.
+  pure logical function hard(self)
+    class(scene_t), intent(in) :: self  !< scene
+    hard = self%contact_law == 'hard'
+  end function hard
+
+  !> Cup and ring have the shape of the wave generator without stress; else the round ones are pressed onto it.
+  pure logical function formed(self)
+    class(scene_t), intent(in) :: self  !< scene
+    formed = self%shape == 'as_formed'
+  end function formed
+
+  !> Displacements are large: the elements turn with them and the faces are paired anew.
+  pure logical function large(self)
+    class(scene_t), intent(in) :: self  !< scene
+    large = self%kinematics == 'nonlinear'
+  end function large
 end module hd_scene

@@ -8,16 +8,16 @@
 module hd_ball_patch
   use hd_kinds, only: dp, pi
   use hd_face, only: face_t, shape_facet
-  use hd_strut, only: strut_t
+  use hd_strut, only: placing_t, strut_t
   implicit none
   private
-  public :: ball_patch_t, place_ball, material_angle
+  public :: ball_patch_t
 
   integer, parameter :: samples = 12   !< of a patch along either side
   integer, parameter :: searches = 4   !< for a point; each leaves a strain's share of what was left
 
   !> Patches of all balls, in the middle of the ring.
-  type :: ball_patch_t
+  type, extends(placing_t) :: ball_patch_t
     type(face_t) :: face                    !< inner face of the ring, axial facets first, then round the axis
     integer :: sectors = 0                  !< of the ring
     integer :: first = 0                    !< nodes before the ring's
@@ -25,38 +25,41 @@ module hd_ball_patch
     real(dp) :: z = 0                       !< of the middle [m]
     real(dp) :: angle = 0, width = 0        !< extent [rad], [m]
     real(dp), allocatable :: theta(:)       !< places of the balls [rad]
+  contains
+    procedure :: place => place_ball
+    procedure :: foot => material_angle
   end type ball_patch_t
 
 contains
 
   !> Nodes and weights of a ball's strut, and what its closing has beside the displacements so weighted.
-  pure subroutine place_ball(patch, ball, strut, shift, u)
-    type(ball_patch_t), intent(in) :: patch        !< patches
-    integer, intent(in) :: ball                    !< which
+  pure subroutine place_ball(self, i, strut, shift, u)
+    class(ball_patch_t), intent(in) :: self        !< patches
+    integer, intent(in) :: i                       !< which ball
     type(strut_t), intent(inout) :: strut          !< gets node, weight
     real(dp), intent(out) :: shift                 !< [m]
     real(dp), intent(in), optional :: u(:, :)      !< displacements (3, nodes of all bodies), if they may be large [m]
-    real(dp) :: theta, z, xi(2), g(2), v(2), n(size(patch%face%nodes, 1))
-    integer :: i, j, k, a, f
+    real(dp) :: theta, z, xi(2), g(2), v(2), n(size(self%face%nodes, 1))
+    integer :: j, k, l, a, f
     shift = 0
     strut%node = [integer ::]
     strut%weight = reshape([real(dp) ::], [3, 0])
-    do i = 1, samples
-      theta = patch%theta(ball) + patch%angle*((i - 0.5_dp)/samples - 0.5_dp)
+    do l = 1, samples
+      theta = self%theta(i) + self%angle*((l - 0.5_dp)/samples - 0.5_dp)
       do j = 1, samples
-        z = patch%z + patch%width*((j - 0.5_dp)/samples - 0.5_dp)
+        z = self%z + self%width*((j - 0.5_dp)/samples - 0.5_dp)
         g = [1, 0]
         if (present(u)) then
-          call follow_face(patch, u, theta, z, v, g, f, xi)
-          shift = shift + (dot_product(g, v) - (hypot(patch%radius + v(1), v(2)) - patch%radius))/samples**2
+          call follow_face(self, u, theta, z, v, g, f, xi)
+          shift = shift + (dot_product(g, v) - (hypot(self%radius + v(1), v(2)) - self%radius))/samples**2
         else
-          call find_facet(patch, theta, z, f, xi)
+          call find_facet(self, theta, z, f, xi)
         end if
         n = shape_facet(size(n), xi)/samples**2
         do k = 1, size(n)
-          a = findloc(strut%node, patch%first + patch%face%nodes(k, f), 1)
+          a = findloc(strut%node, self%first + self%face%nodes(k, f), 1)
           if (a == 0) then
-            strut%node = [strut%node, patch%first + patch%face%nodes(k, f)]
+            strut%node = [strut%node, self%first + self%face%nodes(k, f)]
             a = size(strut%node)
             strut%weight = reshape([strut%weight, 0._dp, 0._dp, 0._dp], [3, a])
           end if
@@ -67,13 +70,13 @@ contains
   end subroutine place_ball
 
   !> Angle at rest of the point that has come to the middle of a ball's patch [rad].
-  pure real(dp) function material_angle(patch, ball, u) result(theta)
-    type(ball_patch_t), intent(in) :: patch   !< patches
-    integer, intent(in) :: ball               !< which
+  pure real(dp) function material_angle(self, i, u) result(theta)
+    class(ball_patch_t), intent(in) :: self   !< patches
+    integer, intent(in) :: i                  !< which ball
     real(dp), intent(in) :: u(:, :)           !< displacements (3, nodes of all bodies) [m]
     real(dp) :: v(2), g(2), xi(2)
     integer :: f
-    call follow_face(patch, u, patch%theta(ball), patch%z, v, g, f, xi, theta)
+    call follow_face(self, u, self%theta(i), self%z, v, g, f, xi, theta)
   end function material_angle
 
   !> The point of the deformed face at an angle in space: its displacement, how its distance from the axis follows displacements,

@@ -1,19 +1,19 @@
+#!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bias, spread and coverage of the fit told nothing, and error rates of its verdict, on maps made by numpy alone.
+"""The fit told nothing, on maps made by numpy alone: bias, scatter and coverage, verdicts, and what wrong points and seams do to D.
 
-python bench/blind_fit.py [maps|kinds|sizes|bias|crossovers [seeds]]: maps and lines of known D on 128 points a side, kinds that are
-not fractal, larger maps at D = 2.5, more maps of the rows whose bias lies above 0.02, more crossovers. Each writes its record
-(results/blind_fit.json, blind_fit_{kinds,sizes,bias,crossovers}.json) row by row, and its table of docs/evidence/{fit,surfaces}.md at
-the end. One thread: minutes. `--tables` only writes the tables of the records again.
+Usage: bench/blind_fit.py [maps] [sizes] [kinds] [faults]: maps and lines of known D on 128 points a side; larger maps at D = 2.5; maps that are not
+fractal; maps of known D with faults. Each writes its part of bench/results/blind_fit.json. One thread: minutes.
 """
 import sys
+import warnings
 import zlib
 
 import numpy as np
-from blind_generators import LN_G, NOT_FRACTAL, field, line
+from blind_generators import LN_G, NOT_FRACTAL, clumps, field, line
 
-from common import put, read_record, table, write_record
-from hdengine.surfaces import roughness
+from common import write_part
+from hdengine.surfaces import roughness, specimen
 
 DX = 1e-6
 SEED = 48000     # with name, size and number the seed of a map: no two kinds share a map, none was looked at while the fit was built
@@ -33,148 +33,119 @@ def generators(name, seeds):
     return (np.random.default_rng([SEED, zlib.crc32(name.encode()), s]) for s in range(seeds))
 
 
-def row(name, n, d, seeds, error=np.inf):
-    """Statistics of one kind of map: of so many maps, or of more until the standard error of the bias is small enough."""
-    make = maker(name, n, d)
-    fits = []
-    for rng in generators(f"{name}, {n}, {d}", seeds if error == np.inf else 600):
-        fits.append(roughness.fit(*make(rng)))
-        if len(fits) >= seeds and np.std([f.fractal_dimension for f in fits], ddof=1) < error * len(fits)**0.5:
-            break
-    e = np.array([f.fractal_dimension for f in fits]) - d
-    inside = [f.interval[0][0] <= d <= f.interval[0][1] for f in fits]
-    g = [f.interval[1][0] <= np.exp(LN_G) <= f.interval[1][1] for f in fits]
-    return {"bias": float(e.mean()), "median": float(np.median(e)), "std": float(e.std(ddof=1)), "cover_d": float(np.mean(inside)),
-            "cover_g": float(np.mean(g)),
-            "width": float(np.median([np.ptp(f.interval[0]) for f in fits])), "fractal": float(np.mean([f.verdict == "fractal" for f in fits])),
-            "left": int(sum(not f.interval[0][0] <= f.fractal_dimension <= f.interval[0][1] for f in fits)), "maps": len(fits)}
+def short(values):
+    """Numbers of a record, without those that are none."""
+    return {k: float(f"{v:.3g}") if np.isfinite(v) else None for k, v in values.items()}
 
 
-def spoiled(name, z, rng):
-    """Holes or spikes of a map."""
+def make(name, n, d, rng):
+    """One map of a kind, or a line of 4096 points."""
+    if name in LINES:
+        return line(4096, DX, d, rng, **LINES[name]), DX
+    z, spacing = field(n, DX, d, rng, **MAPS[name])
     if "holes" in name:
         z.flat[rng.choice(z.size, z.size // 20, replace=False)] = np.nan
     if "spikes" in name:
         z.flat[rng.choice(z.size, 7, replace=False)] += 5 * z.std()
-    return z
+    return z, spacing
 
 
-def put_maps(found):
-    """The twelve kinds of maps of known D with the largest bias."""
-    kinds, rows = {}, []
-    for name, values in found["maps"].items():
-        kind, d = name.split(", D = ")
-        kinds.setdefault(kind, {})[float(d)] = values
-    for kind, at in kinds.items():
-        every = [at[d] for d in sorted(at)]
-        rows.append((max(abs(v["bias"]) for v in every), (
-            kind, *(f"{v['bias']:+.3f}" for v in every), f"{min(v['std'] for v in every):.2f} to {max(v['std'] for v in every):.2f}",
-            " / ".join(f"{100 * v['cover_d']:.0f}" for v in every), " / ".join(f"{100 * v['cover_g']:.0f}" for v in every),
-            f"{found['seeds'] * sum(1 - v['fractal'] for v in every):.0f} of {3 * found['seeds']}")))
-    put("blind", table(("kind of map", "bias, D = 2.1", "2.5", "2.9", "std of D", "D inside, %", "G inside, %", "refused"),
-                       [row for _, row in sorted(rows, key=lambda r: -r[0])[:12]]), "evidence/fit")
+def row(name, n, d, seeds=10):
+    """Statistics of one kind of map."""
+    fits = [roughness.fit(*make(name, n, d, rng)) for rng in generators(f"{name}, {n}, {d}", seeds)]
+    e = np.array([f.fractal_dimension for f in fits]) - d
+    return short({"bias": e.mean(), "std": e.std(ddof=1), "cover_d": np.mean([f.interval[0][0] <= d <= f.interval[0][1] for f in fits]),
+                  "cover_g": np.mean([f.interval[1][0] <= np.exp(LN_G) <= f.interval[1][1] for f in fits]),
+                  "fractal": np.mean([f.verdict == "fractal" for f in fits])}) | {"maps": len(fits)}
 
 
-def put_kinds(found):
-    """Kinds that are not fractal."""
-    put("kinds", table(("kind", "called fractal", "named"), [
-        (name, f"{v['called_fractal']} of {v['of']}", ", ".join(f"{kind} {n}" for kind, n in sorted(v["kinds"].items(), key=lambda i: -i[1])))
-        for name, v in found["maps"].items()]), "evidence/surfaces")
+def maps():
+    """Maps of 128 points a side and lines of 4096 of known D."""
+    return {f"{name}, D = {d}": row(name, 128, d) for d in (2.5, 2.1, 2.9) for name in (*MAPS, *LINES)}
 
 
-def put_bias(found):
-    """Rows of many maps."""
-    put("bias", table(("row", "maps", "bias of ten maps", "bias of all", "median", "std of D", "D inside, %", "not called fractal"), [
-        (name, v["maps"], f"{v['ten']:+.3f}", f"{v['bias']:+.4f} ± {v['std'] / v['maps']**0.5:.4f}", f"{v['median']:+.3f}",
-         f"{v['std']:.2f}", f"{100 * v['cover_d']:.0f}", f"{v['maps'] * (1 - v['fractal']):.0f}")
-        for name, v in found["maps"].items()]), "evidence/fit_bound")
+def sizes():
+    """Maps of 256 to 1024 points a side."""
+    return {f"{name}, {n}": row(name, n, 2.5) for n in (1024, 512, 256) for name in LARGE}
 
 
-def maker(name, n, d):
-    """A function that makes one map of a kind, or a line of 4096 points."""
-    def make(rng):
-        if name in LINES:
-            return line(4096, DX, d, rng, **LINES[name]), DX
-        z, spacing = field(n, DX, d, rng, **MAPS[name])
-        return spoiled(name, z, rng), spacing
-    return make
+def kinds(seeds=20):
+    """Maps of 128 points a side that are not fractal."""
+    return {name: {"called_fractal": sum(roughness.fit(NOT_FRACTAL[name](128, rng), DX).verdict == "fractal" for rng in generators(name, seeds)),
+                   "of": seeds} for name in NOT_FRACTAL}
 
 
-def put_sizes(found):
-    """Bias, spread and coverage over the number of points, one row for each kind."""
-    sizes = sorted({int(key.split(", ")[1]) for key in found["maps"]})
-    rows = []
-    for name in LARGE:
-        at = [found["maps"].get(f"{name}, {n}") for n in sizes]
-        rows.append((name, *(f"{v['bias']:+.4f} ± {v['std']:.3f}" if v else "-" for v in at),
-                     " / ".join(f"{found['seeds'] * v['cover_d']:.0f}" if v else "-" for v in at),
-                     " / ".join(f"{found['seeds'] * v['cover_g']:.0f}" if v else "-" for v in at),
-                     " / ".join(f"{found['seeds'] * (1 - v['fractal']):.0f}" if v else "-" for v in at)))
-    put("sizes", table(("kind of map", *(f"{n}²" for n in sizes), "D inside", "G inside", "refused"), rows), "evidence/fit")
+# --- faults: each changes a map in place and says which points are wrong by themselves
+
+def spikes(z, rng):
+    wrong = np.zeros(z.shape, dtype=bool)
+    wrong.flat[rng.choice(z.size, 7, replace=False)] = True
+    z[wrong] += 5 * z.std()
+    return wrong
 
 
-def maps(seeds=10):
-    """Maps of 128 points a side and lines of 4096 of known D: a row each."""
-    for d in (2.5, 2.1, 2.9):
-        for name in (*MAPS, *LINES):
-            yield f"{name}, D = {d}", row(name, 128, d, seeds)
+def many_spikes(z, rng):
+    wrong = np.zeros(z.shape, dtype=bool)
+    wrong.flat[rng.choice(z.size, z.size // 200, replace=False)] = True
+    z[wrong] += z.std() * rng.uniform(1, 5, wrong.sum()) * rng.choice([-1, 1], wrong.sum())
+    return wrong
 
 
-def kinds(seeds=20, names=tuple(NOT_FRACTAL)):
-    """Maps of 128 points a side that are not fractal: a row each."""
-    for name in names:
-        fits = [roughness.fit(NOT_FRACTAL[name](128, rng), DX) for rng in generators(name, seeds)]
-        yield name, {"cannot_tell": sum("cannot tell" in f.reason for f in fits),
-                     "called_fractal": sum(f.verdict == "fractal" for f in fits), "of": len(fits),
-                     "kinds": {k: sum(f.kind == k for f in fits) for k in sorted({f.kind for f in fits})}}
+def jitter(z, rng):
+    z += 0.2 * z.std() * rng.standard_normal((z.shape[0], 1))
+    return np.zeros(z.shape, dtype=bool)
 
 
-def sizes(seeds=10):
-    """Maps of 256 to 1024 points a side: a row each."""
-    for n in (1024, 512, 256):
-        for name in LARGE:
-            yield f"{name}, {n}", row(name, n, 2.5, seeds)
+def seam(z, rng, step=1.0):
+    z[:, rng.integers(20, z.shape[1] - 20):] += step * z.std()
+    return np.zeros(z.shape, dtype=bool)
 
 
-def bias(seeds=60):
-    """Fresh maps of the rows of results/blind_fit.json whose bias lies above 0.02, until its standard error is below 0.007."""
-    global SEED
-    SEED += 3000
-    for key, old in sorted(read_record("blind_fit")["maps"].items(), key=lambda i: -abs(i[1]["bias"])):
-        if abs(old["bias"]) > 0.02:
-            name, d = key.split(", D = ")
-            yield key, {**row(name, 128, float(d), seeds, 0.007), "ten": old["bias"]}
+def small_seam(z, rng):
+    return seam(z, rng, 0.2)
 
 
-def crossovers(seeds=100):
-    """Fresh maps of both crossovers: a row each."""
-    global SEED
-    SEED += 4000
-    yield from kinds(seeds, ("crossover up", "crossover down"))
+def tiles(z, rng):
+    i, j = rng.integers(50, min(z.shape) - 50, 2)
+    z[i:, :j] += 0.7 * z.std()
+    z[:i, j:] -= 1.2 * z.std()
+    return np.zeros(z.shape, dtype=bool)
 
 
-PARTS = {"maps": ("blind_fit", maps, put_maps), "kinds": ("blind_fit_kinds", kinds, put_kinds),
-         "sizes": ("blind_fit_sizes", sizes, put_sizes), "bias": ("blind_fit_bias", bias, put_bias),
-         "crossovers": ("blind_fit_crossovers", crossovers, print)}
+def all_of_them(z, rng):
+    return spikes(z, rng) | clumps(z, rng) | jitter(z, rng) | tiles(z, rng)
 
 
-def main(part, *seeds):
-    """One part: its record grows by each row."""
-    record, rows, put_table = PARTS[part]
-    out = {"seeds": seeds[0] if seeds else rows.__defaults__[0], "maps": {}}
-    for name, values in rows(*seeds):
-        out["maps"][name] = {k: round(v, 5) if isinstance(v, float) else v for k, v in values.items()}
-        print(name, out["maps"][name], flush=True)
-        write_record(record, out, seed=SEED)
-    put_table(out)
+FAULTS = {"7 spikes of 5 Sq": spikes, "0.5 % spikes of 1 to 5 Sq": many_spikes, "20 clumps of 2 x 2 at 3 Sq": clumps, "row jitter of 0.2 Sq": jitter,
+          "seam of 1 Sq": seam, "seam of 0.2 Sq": small_seam, "four tiles apart by 0.7 to 1.9 Sq": tiles, "spikes, clumps, jitter, tiles": all_of_them}
 
+
+def faulty(fault, d, seeds=12):
+    """How far a fault moves D, how often the interval holds it, and which wrong points are found."""
+    moved, inside, found, lost = [], [], [], 0
+    for seed in range(seeds):
+        z, spacing = field(128, DX, d, np.random.default_rng(3000 + seed), finer=2)
+        clean = roughness.fit(z, spacing).fractal_dimension
+        wrong = fault(z, np.random.default_rng(seed))
+        fit = roughness.fit(z, spacing)
+        masked = np.isnan(specimen.clean(specimen.Specimen(z, spacing), seams=True)[0].heights)
+        moved.append(abs(fit.fractal_dimension - clean))
+        inside.append(fit.interval[0][0] <= d <= fit.interval[0][1])
+        found.append(np.mean(masked[wrong]) if wrong.any() else np.nan)
+        lost += np.sum(masked & ~wrong)
+    return short({"moved": np.median(moved), "moved_most": np.max(moved), "inside": np.mean(inside), "found": np.mean(found), "lost": lost})
+
+
+def faults():
+    """A row for each fault."""
+    return [{"fault": name, **{str(d): faulty(fault, d) for d in (2.1, 2.5, 2.9)}} for name, fault in FAULTS.items()]
+
+
+PARTS = {f.__name__: f for f in (maps, sizes, kinds, faults)}
 
 if __name__ == "__main__":
-    if "--tables" in sys.argv:
-        for record, _, put_table in PARTS.values():
-            put_table(read_record(record))
-    elif len(sys.argv) > 1:
-        main(sys.argv[1], *map(int, sys.argv[2:]))
-    else:
-        for each in PARTS:
-            main(each)
+    warnings.simplefilter("ignore")
+    for part in sys.argv[1:] or PARTS:
+        found = PARTS[part]()
+        print(part, found, flush=True)
+        write_part("blind_fit", part, found, seed=SEED)

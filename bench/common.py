@@ -36,9 +36,9 @@ def machine():
 
 
 def commit():
-    """Commit of the sources, with '+' behind it where files differ from it; '' outside of a repository."""
+    """Commit of the sources, with '+' behind it where files differ from it; '' outside of a repository and without git."""
     def git(*words):
-        return subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True).stdout.strip()
+        return subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which("git") else ""
     return git("rev-parse", "--short=12", "HEAD") + ("+" if git("status", "--porcelain", "--untracked-files=no", "--", "fortran", "python") else "")
 
 
@@ -86,6 +86,13 @@ def write_record(name, facts, **origin):
     part.write_text(json.dumps(whole, indent=1) + "\n")
     part.replace(path)
     return path
+
+
+def write_part(name, part, facts, **origin):
+    """Write one part of results/NAME.json anew; "commits" says which engine made each part."""
+    record = read_record(name) if (RESULTS / f"{name}.json").exists() else {}
+    commits = {**record.get("commits", {}), part: commit()}
+    return write_record(name, {**record, "commits": commits, part: facts}, **origin)
 
 
 def read_record(name):

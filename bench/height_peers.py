@@ -11,37 +11,25 @@ Needs the Python package finufft. Every method gets the same list of waves. The 
 A method takes part with its cheapest setting whose root mean square error over 64 x 64 points, one in each part of the map, lies
 below the tolerance. The error is relative to the root mean square of the waves; the truth has its phases in extended precision.
 
-Calls take turns. With one thread the processor time of the thread counts, so that a shared machine does not decide; with two it is
-the wall clock. Peers that took more than 1.5 times the best at first are not repeated. All fill arrays that are kept, but
-`generate`, which makes the waves and new memory too. The ratio is that of the least times of `sum_waves` and of the best peer, with
-heights of the peer's kind: what else runs on the machine only adds to a time.
+Calls take turns, and the processor time of the one thread counts, so that a shared machine does not decide. Peers that took more than 1.5
+times the best at first are not repeated. All fill arrays that are kept. The ratio is that of the least times of `sum_waves` and of the best
+peer, with heights of the peer's kind: what else runs on the machine only adds to a time.
 
-Records by `--output`: height_peers, height_peers_large (4096 points a side), height_peers_threads (`--threads 2`) and height_peers_avx2: by a
-build with CFLAGS=-DHD_WIDEST=32, which leaves out registers of 64 bytes, and OPENBLAS_CORETYPE=Haswell. FINUFFT stays as its wheel is.
-Usage: bench/height_peers.py [--sizes N ...] [--waves J ...] [--tolerances T ...] [--limit 0.7] [--threads 1] [--output NAME]
-`--more` adds to the cells of a record; `--tables` writes the tables and the figure alone.
+Usage: bench/height_peers.py [--quick]: 256 points a side, without a record
 """
-import argparse
-import os
 import sys
 import time
 
-if __name__ == "__main__":
-    THREADS = int(sys.argv[sys.argv.index("--threads") + 1]) if "--threads" in sys.argv else 1
-    for key in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[key] = str(THREADS)
-else:
-    THREADS = 1
-
 import numpy as np
 
-from common import RESULTS, new_axes, put, read_record, save_figure, styled, table, write_record
+from common import write_record
 from hdengine import surface
 
-clock = time.thread_time if THREADS == 1 else time.perf_counter
 LENGTH = 0.5e-3
 WAVES = {16: (4, 4), 160: (10, 16), 1600: (100, 16), 20000: (1000, 20)}  # ridges, n_max + 1
 SAMPLE = 64
+TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
+LIMIT = 0.7  # seconds of repeating a cell
 
 
 def spectrum(n, count):
@@ -70,7 +58,7 @@ class Finufft:
         self.w, self.n, self.packed = w, n, packed
         self.kind, self.real = (np.complex128, np.float64) if kind == "double" else (np.complex64, np.float32)
         shape = (n, n // 2) if packed else (n, n)
-        self.plan = finufft.Plan(1, shape, eps=tolerance, isign=1, dtype=self.kind, upsampfac=factor, nthreads=THREADS)
+        self.plan = finufft.Plan(1, shape, eps=tolerance, isign=1, dtype=self.kind, upsampfac=factor, nthreads=1)
         self.out = np.empty(shape, self.kind)
 
     def __call__(self):
@@ -133,28 +121,28 @@ def fitting(makers, error, tolerance):
     return None, None
 
 
-def timed(calls, limit):
+def timed(calls):
     """Least time of each call [s], calls in turn; those far behind the best leave early. A short call is one of several in a row: what
-    the others left in the cache is not its fault. With two threads single calls count, and many: few find both cores free."""
-    spent, often = {name: [] for name in calls}, dict.fromkeys(calls, 1)
-    start, alone = clock(), THREADS == 1
-    for turn in range(25 if alone else 2000):
+    the others left in the cache is not its fault."""
+    clock = time.thread_time
+    spent, often, start = {name: [] for name in calls}, dict.fromkeys(calls, 1), clock()
+    for turn in range(25):
         for name in list(calls):
             t = clock()
             for _ in range(often[name]):
                 calls[name]()
             spent[name].append((clock() - t) / often[name])
-        if turn == (0 if alone else 10):
-            often = {name: 1 + int(2e-3 / v[0]) if alone else 1 for name, v in spent.items()}
+        if turn == 0:
+            often = {name: 1 + int(2e-3 / v[0]) for name, v in spent.items()}
             best = min(min(v) for name, v in spent.items() if not name.startswith("hdengine"))
-            calls = {name: c for name, c in calls.items() if name.startswith("hdengine") or min(spent[name]) <= (1.5 if alone else 2) * best}
-        if turn >= 2 and clock() - start > limit:
+            calls = {name: c for name, c in calls.items() if name.startswith("hdengine") or min(spent[name]) <= 1.5 * best}
+        if turn >= 2 and clock() - start > LIMIT:
             break
     return {name: float(np.min(v)) for name, v in spent.items()}
 
 
-def compare(n, count, tolerance, limit):
-    """One cell: times and errors of all, and the ratio to the best peer."""
+def compare(n, count, tolerance):
+    """One cell: the ratio of our time to the best peer's."""
     s = spectrum(n, count)
     w = surface.waves(**s)
     lists = [w[k] for k in ("fx_per_m", "fy_per_m", "amplitude_m", "phase_turns")]
@@ -165,88 +153,33 @@ def compare(n, count, tolerance, limit):
     def error(z):
         return float(np.sqrt(np.mean((z[np.ix_(at, at)] - truth) ** 2)) / scale)
 
-    options = dict(shape=n, spacing=h, tolerance=tolerance, **s)
     double, single = np.empty((n, n)), np.empty((n, n), np.float32)
     calls = {
         "hdengine": lambda: surface.sum_waves(*lists, n, h, tolerance=tolerance, out=double),
         "hdengine float32": lambda: surface.sum_waves(*lists, n, h, tolerance=tolerance, out=single),
-        "hdengine generate": lambda: surface.generate(**options),
-        "hdengine generate float32": lambda: surface.generate(**options, dtype=np.float32),
     }
-    errors = {name: error(call() - (w["offset_m"] if "generate" in name else 0)) for name, call in calls.items()}
     for name, makers in candidates(w, n, tolerance).items():
-        call, reached = fitting(makers, error, tolerance)
+        call, _ = fitting(makers, error, tolerance)
         if call is not None:
-            calls[name], errors[name] = call, reached
-    times = timed(calls, limit)
+            calls[name] = call
+    times = timed(calls)
     peer = min((name for name in times if not name.startswith("hdengine")), key=times.get)
-    cell = {"n": n, "waves": count, "tolerance": tolerance, "method": surface.choose(**options).method, "peer": peer,
-            "ratio": times["hdengine float32" if "single" in peer else "hdengine"] / times[peer], "time_s": times, "error": errors}
-    return cell | {"ratio of " + name: times[name] / times[peer] for name in times if name.startswith("hdengine")}
+    return {"n": n, "waves": count, "tolerance": tolerance, "method": surface.choose(shape=n, spacing=h, tolerance=tolerance, **s).method, "peer": peer,
+            "ratio": float(f"{times['hdengine float32' if 'single' in peer else 'hdengine'] / times[peer]:.3g}"), "seconds": float(f"{times['hdengine']:.3g}")}
 
 
-@styled
-def draw(cells):
-    """Our time over the best peer's against the number of waves, one chart for each tolerance."""
-    tolerances = sorted({c["tolerance"] for c in cells}, reverse=True)
-    figure, axes = new_axes(1, len(tolerances), figsize=(12, 3.6), sharey=True)
-    for axis, tolerance in zip(axes, tolerances):
-        for n in sorted({c["n"] for c in cells}):
-            rows = [c for c in cells if (c["n"], c["tolerance"]) == (n, tolerance)]
-            axis.loglog([c["waves"] for c in rows], [c["ratio"] for c in rows], "o-", label=f"{n} x {n} points")
-        axis.axhline(1, color="k", linewidth=1)
-        axis.set(title=f"tolerance {tolerance:g}", xlabel="waves J")
-    axes[0].set(ylabel="time of hdengine / best peer", yticks=[0.2, 0.5, 1], yticklabels=["0.2", "0.5", "1"], ylim=(0.1, 1.5))
-    axes[0].tick_params(axis="y", which="minor", labelleft=False)
-    axes[0].legend(fontsize=8)
-    save_figure(figure, "surface_generator")
-
-
-RECORDS = {"height_peers": "generator", "height_peers_large": "generator_more", "height_peers_threads": "generator_more", "height_peers_avx2": "generator_more"}
-
-
-def page(name, cells):
-    """A table of a page of docs/evidence."""
-    waves = sorted({c["waves"] for c in cells})
-    found = {(c["tolerance"], c["n"], c["waves"]): f"{c['ratio']:.2f}" for c in cells}
-    rows = [(f"{t:g}", f"{n}²", *(found.get((t, n, j), "-") for j in waves)) for t, n in sorted({k[:2] for k in found})]
-    put(name, table(["tolerance", "points", *(f"J = {j}" for j in waves)], rows), page=f"evidence/{RECORDS[name]}")
-
-
-def tables():
-    """All tables and the figure."""
-    for name in RECORDS:
-        page(name, read_record(name)["cells"])
-    draw(read_record("height_peers")["cells"])
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sizes", type=int, nargs="+", default=[256, 512, 1024, 2048])
-    parser.add_argument("--waves", type=int, nargs="+", default=list(WAVES))
-    parser.add_argument("--tolerances", type=float, nargs="+", default=[1e-3, 1e-6, 1e-9, 1e-12])
-    parser.add_argument("--limit", type=float, default=0.7, help="seconds spent repeating one cell")
-    parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--output", default="height_peers", help="name of the record")
-    parser.add_argument("--more", action="store_true")
-    parser.add_argument("--tables", action="store_true")
-    a = parser.parse_args()
-    if a.tables:
-        return tables()
+def main(quick):
+    """All cells."""
     import finufft
-    cells = read_record(a.output)["cells"] if a.more and (RESULTS / f"{a.output}.json").exists() else []
-    cells = [c for c in cells if not (c["n"] in a.sizes and c["waves"] in a.waves and c["tolerance"] in a.tolerances)]
-    for n in a.sizes:
-        for count in a.waves:
-            for tolerance in a.tolerances:
-                cells.append(cell := compare(n, count, tolerance, a.limit))
-                ours = " ".join(f"{v:5.2f}" for k, v in cell.items() if k.startswith("ratio of"))
-                print(f"{n:5d} {count:6d} {tolerance:7.0e} {cell['method']:8s} {cell['ratio']:5.2f} ({ours}) {cell['peer']:28s} "
-                      f"{1e6 * cell['time_s'][cell['peer']]:9.0f} us, errors {cell['error']['hdengine']:.1e} "
-                      f"{cell['error'][cell['peer']]:.1e}", flush=True)
-                write_record(a.output, {"cells": cells}, seed=1, peers=(finufft,), threads=a.threads)
-    return None
+    cells = []
+    for n in (256,) if quick else (256, 512, 1024, 2048):
+        for count in WAVES:
+            for tolerance in TOLERANCES:
+                cells.append(compare(n, count, tolerance))
+                print(cells[-1], flush=True)
+    if not quick:
+        write_record("height_peers", {"cells": cells}, seed=1, peers=(finufft,), threads=1)
 
 
 if __name__ == "__main__":
-    main()
+    main("--quick" in sys.argv)

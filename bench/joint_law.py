@@ -1,34 +1,33 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The joint by theory beside boundary elements (tamaas): what its two constants were set on, and how it does on other surfaces.
+"""The normal stiffness of the joint by theory beside boundary elements (tamaas), on periodic maps of random phases.
 
-train   periodic maps of random phases, Hurst 0.1 to 0.9, roll-off at 1/32 to 1/2 of the map: k_N by boundary elements, then a and e of
-        W(A) = A (a A^e + (1 - a) A^2) by least squares of ln k_N, every decade of contact with equal weight; then the rms error over true
-        contact times independent waves, `choice.SCATTER`; --refit keeps boundary elements on file
-judge   ten generated surfaces that set nothing (D 2.1 to 2.9, with and without roll-off, other cut-offs and seeds) and measured ones
-Writes bench/results/joint_law_training.json, joint_law.json and docs/figures/joint_law.png.
-bound   the bound of the pressure: tamaas' solver beside this package's
-Usage: bench/joint_law.py judge [--surfaces FOLDER] | train [--refit] | bound
+train   63 maps, Hurst 0.1 to 0.9, roll-off at 1/32 to 1/2 of the map: a and e of W(A) = A (a A^e + (1 - a) A^2) by least squares of ln k_N,
+        every decade of contact with equal weight; then the rms error over true contact times independent waves, `choice.SCATTER`
+judge   ten generated surfaces that set nothing (D 2.1 to 2.9, with and without roll-off, other cut-offs and seeds)
+rule    144 maps of few long waves: where the planner takes the theory, and how far that is off; *cut* are pieces of maps four times as long
+fewer   boundary elements on averaged maps, with and without the theory of the waves that averaging takes
+Writes bench/results/joint_law_training.json, joint_law.json, joint_choice.json and docs/figures/joint_law.png.
+Usage: bench/joint_law.py train | judge | rule | fewer | draw
 """
-import argparse
 import itertools
-import json
 import math
-import time
-from pathlib import Path
+import sys
 
 import numpy as np
 
-from common import new_axes, provenance, read_record, styled, write_record
+from common import new_axes, read_record, save_figure, styled, write_part, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
-from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, tamaas
+from hdengine.prediction.choice import TRUST, scatter_of
+from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
+from hdengine.prediction.patches import _averaged, on_fewer_points
 from hdengine.prediction.spectrum import Spectrum, level, of_map
 
-ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "bench/results"
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
-MEASURED = {"al3d-1.al3d": None, "nanovea_test2.txt": ("mm", "um"), "sflz_test_1.opd": None}
+DX = (1e-6, 1e-6)
 CONTACT = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
+KINDS = [(d, n) for d in (2.1, 2.3, 2.5, 2.7, 2.9) for n in (1, 2, 4)] + [(d, "cut") for d in (2.1, 2.5, 2.9)]
+SEEDS = range(3001, 3009)
 
 
 def rough(n, hurst, roll_off, shortest, seed):
@@ -65,93 +64,96 @@ def pressures(slope, contact=CONTACT):
     return E_STAR * slope * x / math.sqrt(2)
 
 
-def compare(z, spacing, spectrum, tangential=False):
-    """Both at each contact: pressure, k_N by theory and by boundary elements, contact, processor time, ratio k_T/k_N."""
-    p = pressures(spectrum.slope_rms)
-    start = time.process_time()
-    k, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
-    theory_s, space, rows = time.process_time() - start, HalfSpace(z, spacing, E_STAR, RATIO), []
-    for i, x in enumerate(p):
-        start = time.process_time()
-        touching = space.press(x) > 0
-        k_n = space.normal_stiffness(touching)
-        row = {"pressure_pa": x, "k_n_theory": k[i], "k_n_boundary_elements": k_n, "contact": corrected_area(touching),
-               "seconds": time.process_time() - start, "theory_seconds": theory_s / len(p)}
-        if tangential:
-            row["k_t_over_k_n"] = space.tangential_stiffness(touching) / k_n
-        rows.append({name: float(f"{v:.5g}") for name, v in row.items()})
-    return rows
-
-
-def judge(folder):
-    """Ten generated surfaces, two seeds each, and the measured ones."""
-    found = []
-    for d in (2.1, 2.3, 2.5, 2.7, 2.9):
-        for name, roll_off in (("roll-off", 256 / 6), ("no roll-off", 256)):
-            for seed in (901, 902):
-                z = 1e-7 * rough(256, 3 - d, roll_off, 6, seed)
-                found.append({"surface": f"D {d}, {name}", "seed": seed, "facts": of_map(z, (1e-6, 1e-6))[1], "rows": compare(z, (1e-6, 1e-6), scaled(lattice(z)), seed == 901)})
-                print(found[-1]["surface"], [round(r["k_n_theory"] / r["k_n_boundary_elements"], 2) for r in found[-1]["rows"]], flush=True)
-    for name, unit in MEASURED.items() if folder else ():
-        from hdengine.surfaces import specimen
-
-        s = specimen.read(Path(folder) / name, unit)
-        z = level(s.heights)[0][:256, :256]
-        spectrum, facts = of_map(z, s.spacing)
-        found.append({"surface": f"{name} (measured)", "facts": facts, "rows": compare(mirrored(z), s.spacing, spectrum)})
-        print(name, [round(r["k_n_theory"] / r["k_n_boundary_elements"], 2) for r in found[-1]["rows"]], facts, flush=True)
-    if not folder:
-        found += [row for row in read_record("joint_law")["surfaces"] if "(measured)" in row["surface"]]
-    write_record("joint_law", {"e_star_pa": E_STAR, "k_t_over_k_n": RATIO, "surfaces": found}, seed=901, peers=(tamaas(),))
-    draw(found)
-
-
-def bound():
-    """Where the bound of the pressure is not reached, tamaas' KatoSaturated beside its elastic solver and this package's bounded one."""
-    import tamaas as tm
-
-    z, p = rough(128, 0.8, 32, 8, 3).copy(), 0.02
-    rows = []
-    for name, limit in (("PolonskyKeerRey", None), ("KatoSaturated", 10.0), ("KatoSaturated", 0.2), ("HalfSpace", 10.0), ("HalfSpace", 0.2)):
-        start = time.perf_counter()
-        if name == "HalfSpace":
-            traction = HalfSpace(z, (1.0, 1.0), 1.0, RATIO, limit).press(p)
-        else:
-            model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [128.0, 128.0], [128, 128])
-            model.E, model.nu = 1.0, 0.0
-            solver = tm.PolonskyKeerRey(model, z, 1e-6) if limit is None else tm.KatoSaturated(model, z, 1e-6, limit)
-            solver.solve(p)
-            traction = np.array(model.traction)
-        rows.append({"solver": name, "bound_over_e_star": limit, "largest_pressure_over_e_star": float(f"{traction.max():.4g}"),
-                     "contact": float(f"{(traction > 0).mean():.4g}"), "seconds": float(f"{time.perf_counter() - start:.3g}")})
-        print(rows[-1], flush=True)
-    write_record("joint_bound", rows, seed=3, peers=(tm,))
-
-
 def scaled(s):
     """A spectrum in points as one in metres (spacing 1 um)."""
     return Spectrum(s.q * 1e6, s.height_variance, s.modes)
 
 
+def boundary_elements(z, pressure):
+    """k_N [Pa/m] and true contact by boundary elements."""
+    space, rows = HalfSpace(z, DX, E_STAR, RATIO), []
+    for p in pressure:
+        touching = space.press(p) > 0
+        rows.append((space.normal_stiffness(touching), corrected_area(touching)))
+    return np.array(rows).T
+
+
+def short(values, digits=4):
+    """Numbers of a record."""
+    return [float(f"{x:.{digits}g}") for x in values]
+
+
+def judge():
+    """Ten generated surfaces, two seeds each."""
+    found = []
+    for d, (name, roll_off), seed in itertools.product((2.1, 2.3, 2.5, 2.7, 2.9), (("roll-off", 256 / 6), ("no roll-off", 256)), (901, 902)):
+        z = 1e-7 * rough(256, 3 - d, roll_off, 6, seed)
+        spectrum = scaled(lattice(z))
+        p = pressures(spectrum.slope_rms)
+        k_n, contact = boundary_elements(z, p)
+        theory, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
+        found.append({"surface": f"D {d}, {name}", "seed": seed, "ratio": short(theory / k_n), "contact": short(contact, 3)})
+        print(found[-1], flush=True)
+    write_record("joint_law", {"surfaces": found}, seed=901, peers=(tamaas(),))
+    draw(found)
+
+
 @styled
 def draw(found):
-    """Error of the theory over true contact; time of both."""
-    figure, (left, right) = new_axes(1, 2, figsize=(13, 5.5))
+    """Error of the theory over true contact."""
+    figure, axis = new_axes(figsize=(7, 5))
     for s in found:
-        measured, flat = "measured" in s["surface"], "no roll-off" not in s["surface"]
-        style = ("C2", "s") if measured else ("C0", "o") if flat else ("C1", "^")
-        area = [100 * r["contact"] for r in s["rows"]]
-        left.plot(area, [100 * (r["k_n_theory"] / r["k_n_boundary_elements"] - 1) for r in s["rows"]], style[1], color=style[0],
-                  label="measured maps" if measured else "generated, roll-off" if flat else "generated, no roll-off")
-        right.plot(area, [r["seconds"] for r in s["rows"]], style[1], color=style[0])
-        right.plot(area, [r["theory_seconds"] for r in s["rows"]], "k.")
-    handles = dict(zip(*reversed(left.get_legend_handles_labels())))
-    left.legend(handles.values(), handles.keys())
-    left.axhspan(-10, 10, color="k", alpha=0.08, lw=0)
-    left.set(xscale="log", xlabel="true contact / % of the area", ylabel="k_N by theory against boundary elements / %", ylim=(-70, 160))
-    right.set(xscale="log", yscale="log", xlabel="true contact / % of the area", ylabel="processor time per pressure / s",
-              title="boundary elements 256² (coloured), theory (black)")
-    figure.savefig(ROOT / "docs/figures/joint_law.png")
+        flat = "no roll-off" not in s["surface"]
+        axis.plot(100 * np.array(s["contact"]), 100 * (np.array(s["ratio"]) - 1), "o" if flat else "^", color="C0" if flat else "C1",
+                  label="roll-off" if flat else "no roll-off")
+    handles = dict(zip(*reversed(axis.get_legend_handles_labels())))
+    axis.legend(handles.values(), handles.keys())
+    axis.axhspan(-10, 10, color="k", alpha=0.08, lw=0)
+    axis.set(xscale="log", xlabel="true contact / % of the area", ylabel="k_N by theory against boundary elements / %")
+    save_figure(figure, "joint_law")
+
+
+def surface(d, kind, seed):
+    """Map that the planner sees [m], periodic map for boundary elements, spectrum of it."""
+    if kind == "cut":
+        z = level(1e-7 * rough(512, 3 - d, 512, 6, seed)[:128, :128])[0]
+        return z, mirrored(z), of_map(z, DX)[0]
+    z = 1e-7 * rough(256, 3 - d, 256 / kind, 6, seed)
+    return z, z, scaled(lattice(z))
+
+
+def rule():
+    """Error of the theory on every map, and whether the planner takes it there."""
+    rows = []
+    for (d, kind), seed in itertools.product(KINDS, SEEDS):
+        seen, z, spectrum = surface(d, kind, seed)
+        p = pressures(spectrum.slope_rms)
+        k_n, contact = boundary_elements(z, p)
+        theory, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
+        rows.append({"fractal_dimension": d, "kind": kind, "seed": seed, "contact": short(contact, 3), "ln_error": short(np.log(theory / k_n), 3),
+                     "theory": (1.96 * scatter_of(area, of_map(seen, DX)[0].waves) <= TRUST).tolist()})
+        print(rows[-1], flush=True)
+    write_part("joint_choice", "maps", rows, seed=list(SEEDS), peers=(tamaas(),))
+
+
+def fewer():
+    """Errors of k_N on averaged maps against all points: without and with the theory of what averaging takes."""
+    errors = {}
+    for (d, kind), seed in itertools.product(KINDS[:15], SEEDS):
+        z, spectrum = surface(d, kind, seed)[1:]
+        p = pressures(spectrum.slope_rms)
+        whole, contact = boundary_elements(z, p)
+        for points in (64, 128) if seed % 4 in (1, 2) else (64,):
+            k_n = on_fewer_points(z, DX, points, p, E_STAR, RATIO, periodic=True, tangential=False)[0]
+            bare = stiffness_on_map(*_averaged(z, DX, points), p, E_STAR, RATIO, tangential=False)[0]
+            for added, k in ((False, bare), (True, k_n)):
+                for label, use in (("above 1 %", contact >= 0.01), ("below 1 %", contact < 0.01)):
+                    errors.setdefault((points, added, label), []).extend(np.array(k)[use] / whole[use] - 1)
+    rows = [{"points": n, "with_theory": added, "contact": label, "pressures": len(e), "within_10_percent": int((np.abs(e) < 0.1).sum()),
+             "rms_error": float(f"{np.sqrt(np.mean(np.square(e))):.3g}"), "largest_error": float(f"{np.abs(e).max():.3g}")}
+            for (n, added, label), e in errors.items()]
+    print(*rows, sep="\n")
+    write_part("joint_choice", "fewer", rows, seed=list(SEEDS), peers=(tamaas(),))
 
 
 def stiffness(z, p):
@@ -175,13 +177,9 @@ def solved():
     return rows
 
 
-def train(refit):
-    """Boundary elements on the training maps, unless they are on file, the constants, and the error of the engine's law."""
-    if refit:
-        found = json.loads((RESULTS / "joint_law_training.json").read_text())
-        rows, origin = found["rows"], found.get("solved", found["provenance"])
-    else:
-        rows, origin = solved(), provenance(peers=(tamaas(),))
+def train():
+    """Boundary elements on the training maps, the constants, and the error of the engine's law."""
+    rows = solved()
     from scipy.optimize import least_squares
 
     x, w = np.polynomial.legendre.leggauss(3)
@@ -210,25 +208,12 @@ def train(refit):
     part = np.floor(2 * touching).astype(int)
     table = [{"touching_waves": float(f"{10 ** touching[part == n].mean():.2g}"), "rms_ln_error": float(f"{np.sqrt((error[part == n] ** 2).mean()):.2g}"),
               "mean_ln_error": round(float(error[part == n].mean()), 3), "cases": int((part == n).sum())} for n in sorted(set(part))]
-    write_record("joint_law_training", {"fitted_a_e": [round(c, 4) for c in fitted], "used_a_e": [0.40, 0.12], "errors_of_used": table,
-                                      "solved": origin, "rows": rows},
-                 seed=sorted({r["seed"] for r in rows}), peers=(tamaas(),), arguments="train --refit" if refit else "train")
+    write_record("joint_law_training", {"fitted_a_e": [round(c, 4) for c in fitted], "used_a_e": [0.40, 0.12], "errors_of_used": table},
+                 seed=sorted({r["seed"] for r in rows}), peers=(tamaas(),))
     print(fitted, *table, sep="\n")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=("train", "judge", "bound"))
-    parser.add_argument("--refit", action="store_true", help="keep the boundary elements on file")
-    parser.add_argument("--surfaces", help="folder with the measured maps; without it their rows stay as they are on file")
-    args = parser.parse_args()
-    if args.what == "train":
-        train(args.refit)
-    elif args.what == "bound":
-        bound()
-    else:
-        judge(args.surfaces)
-
-
 if __name__ == "__main__":
-    main()
+    parts = {"train": train, "judge": judge, "rule": rule, "fewer": fewer, "draw": lambda: draw(read_record("joint_law")["surfaces"])}
+    for name in sys.argv[1:] or ("judge", "rule", "fewer"):
+        parts[name]()

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speed against accuracy: for each method the error it reaches over the CPU time it takes, peers beside it, on one page.
 
-Usage: bench/pareto.py [--quick | --tables] [CHART ...]; writes bench/results/pareto.json, and from it the list of charts in
-docs/evidence/speed_accuracy.md, the tables of the pages that PAGES names, and a figure for each chart. A chart that is named is measured
-anew, the others keep their record; --tables measures nothing.
+Usage: bench/pareto.py [--quick | --draw] [CHART ...]; writes bench/results/pareto.json, and from it a figure for each chart. A chart
+that is named is measured anew, the others keep their record; --draw measures nothing.
 FINUFFT (PyPI) and CalculiX (Debian package calculix-ccx) are drawn where they are installed.
 """
 import argparse
@@ -17,17 +16,8 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from pareto_charts import CHARTS
 
-from common import FIGURES, RESULTS, new_axes, put, table, write_record
+from common import FIGURES, RESULTS, new_axes, write_record
 from hdengine import _engine, read_scene
-
-PAGES = {  # page of docs/evidence: its charts
-    "speed_surfaces": ("heights", "structure_function", "fit", "joint"),
-    "speed_contact": ("elements", "line_contact", "cattaneo_mindlin", "pin_in_a_hole", "press_fit_matching", "press_fit"),
-    "speed_solvers": ("solvers", "residual", "start", "symmetry", "kinematics"),
-    "speed_runs": ("meshes", "planner", "load_steps", "loop")}
-UNITS = (" cells in a", " divisions", " cells round the pin", " steps a leg", " asked")  # of settings: they stand in the first head of a table
-BELOW = {"heights"}  # charts whose table is too wide to stand beside its figure
-WIDE = {"elements"}  # charts whose table needs a smaller figure beside it
 
 
 def charted():
@@ -69,37 +59,6 @@ def shown(error):
     return f"{100 * error:.0f} %" if error >= 0.095 else f"{100 * error:.1g} %" if error >= 1e-4 else f"{error:.0e}".replace("e-0", "e-")
 
 
-def time_of(seconds):
-    """A time with its unit: milliseconds below 0.1 s."""
-    return f"{seconds:.2g} s" if seconds >= 0.0995 else f"{1000 * seconds:.2g} ms"
-
-
-def chart_table(points):
-    """A line for each method and a column for each setting; a line for each point where methods share no settings."""
-    names, settings = (list(dict.fromkeys(p[key] for p in points)) for key in ("method", "setting"))
-    if len(names) < 2 or len(settings) < 2 or len(names) * len(settings) > 1.9 * len(points):
-        return point_table(points)
-    at = {(p["method"], p["setting"]): p for p in points}
-
-    def cell(p):
-        text = f"{shown(p['error'])}, {time_of(p['seconds'])}" if p else "-"
-        return f"**{text}**" if p and p["default"] else text
-    unit = next((u for u in UNITS if all(s.endswith(u) for s in settings)), "")
-    return table((f"method;{unit}" if unit else "method", *(s.removesuffix(unit) for s in settings)), [(name, *(cell(at.get((name, s))) for s in settings)) for name in names])
-
-
-def point_table(points):
-    """A line for each point; the memory only where it was measured."""
-    measured = any(p["memory_mb"] is not None for p in points)
-    rows = []
-    for p in points:
-        setting = "" if p["setting"] in ("", "-", p["method"]) else f", {p['setting']}"
-        memory = [] if not measured else ["-" if p["memory_mb"] is None else f"{p['memory_mb']:.0f}"]
-        name = f"{p['method']}{setting}"
-        rows.append((f"**{name}**" if p["default"] else name, shown(p["error"]), f"{p['seconds']:.2g}", *memory))
-    return table(("method, setting", "error", "CPU time / s", *(["memory / MB"] if measured else [])), rows)
-
-
 def default_of(points):
     """Error and CPU time of the default, as ranges where it has several points."""
     mine = [p for p in points if p["default"]]
@@ -111,23 +70,10 @@ def default_of(points):
 
 
 def section(chart):
-    """A chart on its page: heading, what it decides, the figure with its table."""
-    shown = f"![Relative error over CPU time](../figures/speed/{chart['name']}.png)\n\n{chart_table(chart['points'])}"
-    if chart["name"] not in BELOW:
-        shown = f":::{{container}} beside{' wide' if chart['name'] in WIDE else ''}\n{shown}\n:::"
-    return f"## {chart['title']}\n\n{chart['decides']}\n\n{shown}"
-
-
-def write_pages(charts):
-    """Figures and tables of every page, and the list of charts."""
-    found, lines = {c["name"]: c for c in charts}, []
-    for page, names in PAGES.items():
-        mine = [found[name] for name in names if name in found]
-        for c in mine:
-            draw(c)
-        put("charts", "\n\n".join(map(section, mine)), f"evidence/{page}")
-        lines += [(f"[{c['title']}]({page}.md)", *default_of(c["points"])) for c in mine]
-    put("charts", table(("chart", "error of the default", "CPU time / s"), lines), "evidence/speed_accuracy")
+    """A chart on its page: heading, what it decides, the figure."""
+    error, seconds = default_of(chart["points"])
+    return (f"## {chart['title']}\n\n{chart['decides']} The default errs by {error} in {seconds} s.\n\n"
+            f"![Relative error over CPU time](../figures/speed/{chart['name']}.png)")
 
 
 def main():
@@ -135,13 +81,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("charts", nargs="*", choices=[c.__name__ for c in CHARTS] + [[]])
     parser.add_argument("--quick", action="store_true", help="smaller sizes")
-    parser.add_argument("--tables", action="store_true", help="write pages and figures from the record")
+    parser.add_argument("--draw", action="store_true", help="figures from the record")
     options = parser.parse_args()
     path = RESULTS / "pareto.json"
     whole = json.loads(path.read_text()) if path.exists() else {"charts": []}
     old = {c["name"]: c for c in whole["charts"]}
-    if options.tables:
-        write_pages([*old.values()])
+    if options.draw:
+        for c in old.values():
+            draw(c)
         return
     charts = []
     for make in CHARTS:
@@ -160,7 +107,8 @@ def main():
     scene = {key: value for key, value in read_scene().items() if key in known}
     kept = {"commit": whole["provenance"]["commit"]} if options.charts and old else {}  # of the charts that were not measured
     write_record("pareto", {"charts": charts, "defaults": scene}, **kept)
-    write_pages(charts)
+    for c in charts:
+        draw(c)
 
 
 if __name__ == "__main__":

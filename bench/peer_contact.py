@@ -11,10 +11,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-import contact_cases as cc
+import closed_solutions as cc
 import numpy as np
-
-from hdengine import solid
 
 METHODS = {"n2s": "NODE TO SURFACE", "s2s": "SURFACE TO SURFACE", "mortar": "MORTAR"}
 ELEMENTS = {"hex8i": "C3D8I", "hex20r": "C3D20R"}
@@ -154,21 +152,3 @@ def press_fit(method, told, inner, outer, element, layers, start, interference=1
     _, inward, outward = cc.lame_exact(interference)
     radial = (found.u[face, :2] * np.c_[np.cos(polar[face, 1]), np.sin(polar[face, 1])]).sum(1)
     return found, float(np.sqrt(np.mean((radial / np.where(face < n0, inward, outward) - 1) ** 2)))
-
-
-def cylinder(method, per_half_width, element, friction=0.0, path=(), **options):
-    """Hertz's line contact, then a tangential path (contact_cases.cylinder): the answer, and the fields of the last step."""
-    bodies, points, slave, master, fixed, u, gap, low = cc.cylinder_problem(per_half_width, element, friction, path)
-    near = np.abs(points[:, 1]) < 2.5e-3
-    parts = [solid.Face(f.facets[near[f.facets].all(1)], f.chart) for f in (slave, master)]
-    shaped = points.copy()
-    lower = (np.arange(len(points)) < len(bodies[0].mesh.points)) & (np.abs(points[:, 0]) < 1e-12)
-    shaped[lower, 0] -= np.minimum(gap, gap[near].max())[lower]
-    found = solve(bodies, *parts, fixed, u, method=method, element=element, points=shaped, friction=friction, **options)
-    if not found.done:
-        return found, None
-    corners = np.zeros(len(points), bool)
-    corners[np.unique(parts[0].facets[:, :4])] = True
-    t = found.traction
-    # the directions of its two shears are its own: their size is compared
-    return found, cc.cylinder_fields(points, corners, t[None, :, 0], np.hypot(t[None, :, 1], t[None, :, 2]), found.reaction[None], low, per_half_width)

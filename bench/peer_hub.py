@@ -3,12 +3,12 @@
 """The scene data/peer_hub.nml in hdengine and in CalculiX, on the same mesh, in one run.
 
 Needs the Debian package calculix-ccx and the Python package meshio. CalculiX solves the mesh that hdengine wrote: C3D8I,
-surface-to-surface contact, the same steps, supports and loads. Usage: bench/peer_hub.py [--divisions 80] [--stick 2e5 ...] [--limit 1500]
+surface-to-surface contact, the same steps, supports and loads. Usage: bench/peer_hub.py [--quick]: on 40 divisions, without a record
 """
-import argparse
 import json
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -19,12 +19,14 @@ from common import ROOT, measured, program, write_record
 
 W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
 BORE, RING, HUB, BAND, RIM = 17.8, 16.8, 8.0, (1.0, 7.0), 7.0
+STICK = 2e5  # slope of CalculiX's stick [N/mm3]
+LIMIT = 1500  # CPU seconds
+FINE = 215  # divisions
 
 
-
-def timed(command, cwd, limit):
+def timed(command, cwd):
     """Wall clock [s], CPU [s], peak memory [MB], output of a command; None if it hits the limit."""
-    done = measured(command, cwd, limit)
+    done = measured(command, cwd, LIMIT)
     return {"wall_s": done.wall_s, "cpu_s": done.cpu_s, "memory_mb": done.memory_mb, "finished": done.code is not None, "text": done.text}
 
 
@@ -34,7 +36,7 @@ def blocks(values, per_line=8):
     return "\n".join(", ".join(values[i:i + per_line]) for i in range(0, len(values), per_line))
 
 
-def write_deck(path, points, cells, body, rim_force, stick, stiffness=2e6):
+def write_deck(path, points, cells, body, rim_force, stiffness=2e6):
     """CalculiX deck [mm, N, MPa] of the scene on a given mesh; steps of 4 increments each."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
     angle = np.arctan2(points[:, 1], points[:, 0])
@@ -62,7 +64,7 @@ def write_deck(path, points, cells, body, rim_force, stick, stiffness=2e6):
     lines += ["*SURFACE, NAME=SRING, TYPE=ELEMENT"] + [f"{e}, S4" for e in ring_cells]
     lines += ["*SURFACE, NAME=SCUP, TYPE=ELEMENT"] + [f"{e}, S6" for e in cup_cells]
     lines += ["*SURFACE INTERACTION, NAME=TOUCH", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness}, 0.1",
-              "*FRICTION", f"{FRICTION}, {stick}",
+              "*FRICTION", f"{FRICTION}, {STICK}",
               "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE, ADJUST=1e-4", "SRING, SCUP"]
     lines += ["*BOUNDARY", "HUB, 1, 3", "MIDDLE, 3, 3", "*STEP, INC=100", "*STATIC", "0.25, 1., 1e-5, 0.25", "*BOUNDARY"]
     for i in inner:
@@ -84,13 +86,13 @@ def rim_weights(points, cells, body):
     return TORQUE * f / np.sum(f * r)
 
 
-def calculix(folder, mesh, limit, stick):
-    """Solve the mesh in CalculiX; times, iterations, rotation. `stick`: its stick slope [N/mm3]."""
+def calculix(folder, mesh):
+    """Solve the mesh in CalculiX; times, iterations, rotation."""
     points, cells = 1e3 * mesh.points, mesh.cells[0].data
     body = np.asarray(mesh.cell_data["body"][0]).ravel().astype(int)
     force = rim_weights(points, cells, body)
-    write_deck(folder / "peer.inp", points, cells, body, force, stick=stick)
-    result = timed(["ccx", "-i", "peer"], folder, limit)
+    write_deck(folder / "peer.inp", points, cells, body, force)
+    result = timed(["ccx", "-i", "peer"], folder)
     history = (folder / "peer.cvg").read_text().split("\n") if (folder / "peer.cvg").exists() else []
     result["iterations"] = sum(1 for line in history if re.match(r"\s*\d+\s+\d+\s+\d+", line))
     steps, current = [], None
@@ -106,42 +108,24 @@ def calculix(folder, mesh, limit, stick):
     return result
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--divisions", type=int, default=215)
-    parser.add_argument("--stick", type=float, nargs="+", default=[2e5], help="stick slopes of CalculiX [N/mm3]")
-    parser.add_argument("--limit", type=float, default=1500, help="seconds for CalculiX")
-    args = parser.parse_args()
-    exe = program("hdengine.x")
+def main(divisions):
+    """Both codes on one mesh."""
     ccx = program("ccx", "apt-get install calculix-ccx")
-    version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        runs = {}
+        folder, runs = Path(name), {}
         for method in ("newton", "condensed"):
-            run = timed([exe, ROOT / "data/peer_hub.nml", f"mesh.divisions={args.divisions}", f"solver.method={method}",
-                         "solver.factors=exact" if method == "newton" else "solver.factors=auto", "--out", folder / method, "-q"], folder, args.limit)
+            run = timed([program("hdengine.x"), ROOT / "data/peer_hub.nml", f"mesh.divisions={divisions}", f"solver.method={method}",
+                         "solver.factors=exact" if method == "newton" else "solver.factors=auto", "--out", folder / method, "-q"], folder)
             summary = json.loads((folder / method / "summary.json").read_text())
-            r = summary["results"]
-            runs[f"hdengine, {method}"] = run | {"iterations": r["iterations"], "rotation_rad": r["rotation_rad"]}
-            if method == "newton":
-                provenance = summary["provenance"]
-        provenance.pop("input")
-        mesh = meshio.read(sorted((folder / "newton").glob("bodies_*.vtu"))[-1])
-        for stick in args.stick:
-            runs[f"CalculiX, s2s, C3D8I, stick slope {stick:.0e} N/mm3"] = calculix(folder, mesh, args.limit, stick)
-    for x in runs.values():
-        x.pop("text")
-    record = {"hdengine": provenance, "calculix": version,
-              "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "runs": runs, "results": r}
-    out = write_record(f"peer_hub_{args.divisions}{'_slopes' if len(args.stick) > 1 else ''}", record)
-    print(f"{record['dof']} dof, {record['facets']} facets; {version}")
-    print("| code | wall s | CPU s | MB | Newton iterations | rotation by 5 Nm / rad |\n|---|---|---|---|---|---|")
+            runs[f"hdengine, {method}"] = run | {k: summary["results"][k] for k in ("iterations", "rotation_rad")}
+        runs["CalculiX, s2s, C3D8I"] = calculix(folder, meshio.read(sorted((folder / "newton").glob("bodies_*.vtu"))[-1]))
     for label, x in runs.items():
-        rotation = f"{x['rotation_rad']:.3e}" if x["rotation_rad"] is not None else "not done"
-        print(f"| {label} | {x['wall_s']:.1f} | {x['cpu_s']:.1f} | {x['memory_mb'] or float('nan'):.0f} | {x['iterations']} | {rotation} |")
-    print(f"written: {out.relative_to(ROOT)}")
+        x.pop("text")
+        print(label, x)
+    if divisions == FINE:
+        write_record("peer_hub", {"calculix": subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip(),
+                                  "dof": summary["model"]["dof"], "facets": summary["model"]["facets"], "runs": runs})
 
 
 if __name__ == "__main__":
-    main()
+    main(40 if "--quick" in sys.argv else FINE)

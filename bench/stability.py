@@ -2,29 +2,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the engine is right, refuses, is slow or is wrong: maps over its hardest parameters, past their breaking points.
 
-Usage: bench/stability.py [--quick] [MAP ...]; writes bench/results/stability.json, the figures and tables of docs/evidence/stability.md and
-stability_peers.md. A map that is named is measured anew, the others keep their record.
+Usage: bench/stability.py [--quick | --draw] [MAP ...]; writes bench/results/stability.json and docs/figures/stability.png. A map that is
+named is measured anew, the others keep their record; --draw measures nothing.
 
 A scene is right when it is complete, its forces balance, and a second solver (matrix of Newton's method with exact factors, no symmetry, no
-first guesses) gives the same force, peak and rotation to 1e-5 (1e-2 where one halved a load step), of a whole drive K1, K3, hysteresis and largest forces.
+first guesses) gives the same force, peak and rotation to 1e-5 (1e-2 where one halved a load step), of a whole drive K1, K3, hysteresis and
+largest forces. Heights are right when they are those of the direct sum, the joint of Hu et al. when it has a stiffness under load, the theory of
+the joint within 25 % of boundary elements (refused: the planner takes those), the fit when two of three intervals hold D (refused: not fractal).
 """
 import argparse
 import json
 import re
 import textwrap
 import time
+import warnings
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
+import joint_law as law
 import numpy as np
+from blind_generators import field
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
-from stability_methods import MAPS as METHOD_MAPS
-from stability_peers import MAPS as PEER_MAPS
-from stability_peers import PATIENCE, REFUSED, RIGHT, SLOW, WRONG
 
-from common import FIGURES, RESULTS, new_axes, put, solve, table, write_record
+from common import FIGURES, RESULTS, new_axes, solve, write_record
+from hdengine import HdengineError, Joint, surface
+from hdengine.elastic import stiffness_from_spectrum
+from hdengine.prediction.choice import TRUST, choose
+from hdengine.prediction.half_space import HalfSpace
+from hdengine.prediction.spectrum import of_map
+from hdengine.surfaces import roughness
 
+RIGHT, REFUSED, SLOW, WRONG = "right", "refused", "slow", "wrong"
+PATIENCE = 20       # CPU seconds
+SEEDS = 3           # maps of a cell of the fit
 COLOURS = {RIGHT: "#2e7d32", REFUSED: "#f2c14e", SLOW: "#4a78b5", WRONG: "#c62828"}
 SMALL = ("mesh.divisions=32", "mesh.band_facets=5", "load.assembly_steps=2", "load.torque_steps=2")
 SECOND = ("solver.method=newton", "solver.factors=exact", "solver.symmetry=full", "solver.start=rest")
@@ -175,21 +186,113 @@ def drive_friction(quick):
         f"contact.friction={mu}", f"load.tooth_friction={teeth}", *([] if mu else ["contact.mode=frictionless"]))
 
 
+# --- surfaces and joints
+
+def heights(quick):
+    """Heights: D and gamma."""
+    x = [2.0001, 2.01, 2.1, 2.5, 2.9, 2.99, 2.9999][:: 2 if quick else 1]
+    y = [1.001, 1.01, 1.1, 1.5, 3, 10][:: 2 if quick else 1]
+
+    def one(d, gamma):
+        given = dict(fractal_dimension=d, roughness=2.4248e-7, gamma=gamma, length=0.5e-3, shortest_wavelength=4e-6, ridges=6, seed=2)
+        start = time.process_time()
+        try:
+            exact = surface.generate(32, 0.5e-3 / 32, **given, method="direct")
+            error = max(np.abs(surface.generate(32, 0.5e-3 / 32, **given, tolerance=tol, method=m) - exact).max() / exact.std()
+                        for m, tol in (("product", None), ("nufft", 1e-9)))
+        except HdengineError as trouble:
+            return REFUSED, str(trouble)[:160]
+        if time.process_time() - start > PATIENCE:
+            return SLOW, ""
+        return (RIGHT, "") if error < 1e-7 else (WRONG, f"error {error:.1e}")
+    return "D", x, "gamma", y, one
+
+
+def joint(quick):
+    """Joint of Hu et al.: D and pressure."""
+    warnings.simplefilter("ignore")
+    x = [2.0001, 2.01, 2.2, 2.5, 2.8, 2.99, 2.9999][:: 2 if quick else 1]
+    y = [1e3, 1e5, 1e7, 1e9][:: 2 if quick else 1]
+
+    def one(d, p):
+        try:
+            found = Joint(fractal_dimension=d)
+            k = np.asarray(found.stiffness([p, p * 1.001], area=1e-6)[0], float)
+        except HdengineError as trouble:
+            return REFUSED, str(trouble)[:160]
+        if not np.isfinite(k).all() or (k < 0).any():
+            return WRONG, f"K_N {k[0]:.3g}"
+        if not k[0] > 0:
+            told = [line for line in found.warnings(p) if "K_N = K_T = 0" in line]
+            return (REFUSED, f"JointWarning: {told[0]}") if told else (WRONG, "no stiffness under load, and no word of it")
+        return RIGHT, f"K_N {k[0]:.3g}"
+    return "D", x, "pressure / Pa", y, one
+
+
+def theory(contact):
+    """A map of the theory of the joint over D (the slope of the spectrum) and roll-off, at a share of true contact."""
+    def make(quick):
+        x, y = [2.01, 2.1, 2.3, 2.5, 2.7, 2.9, 2.99][::3 if quick else 1], [1, 2, 4, 8][::3 if quick else 1]
+
+        def one(d, times):
+            z = 1e-7 * law.rough(256, 3 - d, 256 / times, 6, int(1000 * d) + times)
+            spectrum = law.scaled(law.lattice(z))
+            p = law.pressures(spectrum.slope_rms, (contact,))
+            k, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, law.E_STAR, 1e15)
+            seen, facts = of_map(z, law.DX)
+            model, reason = choose([facts], p, area, seen.waves)
+            if model != "spectrum":
+                return REFUSED, f"boundary elements: {reason}"
+            space = HalfSpace(z, law.DX, law.E_STAR, law.RATIO)
+            off = abs(np.log(k[0] / space.normal_stiffness(space.press(p[0]) > 0)))
+            return (RIGHT if off <= TRUST else WRONG), f"off by {100 * off:.1f} %"
+        return "D", x, "map / longest wave", y, one
+    make.__name__ = f"theory_{1000 * contact:g}"
+    make.__doc__ = f"Theory of the joint at {100 * contact:g} % of contact: D and roll-off."
+    return make
+
+
+def fit(name, values, title):
+    """A map of the fit of D, told nothing, over D and what spoils maps of 128 x 128 points."""
+    def make(quick):
+        x, y = [2.02, 2.1, 2.3, 2.5, 2.7, 2.9, 2.98][::3 if quick else 1], values[::3 if quick else 1]
+
+        def one(d, amount):
+            warnings.simplefilter("ignore")
+            said, inside, start = [], 0, time.process_time()
+            for seed in range(SEEDS):
+                rng = np.random.default_rng([2911, int(1000 * d), seed])
+                found = roughness.fit(*field(128, 1e-6, d, rng, finer=2, **{name: amount}))
+                said += [] if found.verdict == "fractal" else [found.verdict]
+                inside += found.interval[0][0] <= d <= found.interval[0][1]
+            if time.process_time() - start > PATIENCE:
+                return SLOW, ""
+            if 2 * len(said) > SEEDS:
+                return REFUSED, f"not fractal: {said[0]}"
+            return (RIGHT if 2 * inside > SEEDS else WRONG), f"{inside} of {SEEDS} intervals hold D"
+        return "D", x, title, y, one
+    make.__name__, make.__doc__ = f"fit_{name}", f"Fit of D, told nothing: D and {name}."
+    return make
+
+
+METHODS = (heights, joint, theory(0.01), theory(0.1), fit("noise", [0, 0.05, 0.3, 1, 3], "noise / Sq"),
+           fit("probe", [0, 0.5, 2, 5, 15], "probe / spacing"))
 MAPS = (friction_interference, wave_wall, large_displacements, ring_wall, eccentric, torque_steps, supports, shapes_of_cells, units, balls_open,
-        teeth_open, drive_friction, *METHOD_MAPS, *sorted(PEER_MAPS, key=lambda m: "torque" in m.__name__))
+        teeth_open, drive_friction, *METHODS)
 
 
 def measure(make, quick):
     """Record of one map, two cells at a time where each is a process of its own: limits are CPU seconds."""
     xlabel, x, ylabel, y, judge = make(quick)
-    with ThreadPoolExecutor(1 if make in (*METHOD_MAPS, *PEER_MAPS) else 2) as pool:
+    with ThreadPoolExecutor(1 if make in METHODS else 2) as pool:
         found = list(pool.map(lambda c: judge(*c), [(a, b) for b in y for a in x]))
+    said = Counter(words for verdict, words in found if verdict in (REFUSED, WRONG) and words).most_common(1)
     cells = [found[i:i + len(x)] for i in range(0, len(found), len(x))]
     return {"name": make.__name__, "title": make.__doc__.strip().rstrip("."), "xlabel": xlabel, "x": x, "ylabel": ylabel, "y": y,
-            "verdict": [[c[0] for c in row] for row in cells], "words": [[c[1] for c in row] for row in cells]}
+            "verdict": [[c[0] for c in row] for row in cells], "said": said[0][0] if said else ""}
 
 
-def draw(maps, name):
+def draw(maps):
     """Maps in one figure, four colours."""
     order = list(COLOURS)
     columns = 3
@@ -209,32 +312,7 @@ def draw(maps, name):
     for ax in axes.flat[len(maps):]:
         ax.remove()
     figure.legend([Patch(color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
-    figure.savefig(FIGURES / f"{name}.png", dpi=90)
-
-
-def first_words(message):
-    """What a message says until it explains: up to its second colon or first full stop, without the class of a warning."""
-    text = message.replace("|", "/").removeprefix("JointWarning: ").replace("error: ", "")
-    head, *rest = text.split(": ")
-    return ": ".join([head, *rest[:1]] if head.startswith(("code", "*ERROR")) else [head])
-
-
-def summary_table(maps):
-    """How many of each verdict, and what a refusal or an error says."""
-    rows = []
-    for m in maps:
-        count = Counter(v for row in m["verdict"] for v in row)
-        said = Counter(w for vs, ws in zip(m["verdict"], m["words"]) for v, w in zip(vs, ws) if v in (REFUSED, WRONG) and w)
-        rows.append((m["title"], *(count[k] for k in COLOURS), first_words(said.most_common(1)[0][0]) if said else "-"))
-    return table(("map", *COLOURS, "most frequent message"), rows)
-
-
-def show(maps):
-    """Figures and tables of both pages: the engine's maps, and the press fit beside CalculiX."""
-    peers = [m for m in maps if m["name"].startswith("press_fit")]
-    for page, part in (("stability", [m for m in maps if m not in peers]), ("stability_peers", peers)):
-        draw(part, page)
-        put("maps", summary_table(part), f"evidence/{page}")
+    figure.savefig(FIGURES / "stability.png", dpi=90)
 
 
 def main():
@@ -242,7 +320,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", nargs="*")
     parser.add_argument("--quick", action="store_true", help="every second or third value")
-    parser.add_argument("--tables", action="store_true", help="draw and write from the record")
+    parser.add_argument("--draw", action="store_true", help="the figure from the record")
     options = parser.parse_args()
     unknown = set(options.maps) - {m.__name__ for m in MAPS}
     if unknown:
@@ -250,8 +328,8 @@ def main():
     path = RESULTS / "stability.json"
     whole = json.loads(path.read_text()) if path.exists() else {"maps": []}
     old = {m["name"]: m for m in whole["maps"]}
-    if options.tables:
-        show([*old.values()])
+    if options.draw:
+        draw([*old.values()])
         return
     maps = []
     for make in MAPS:
@@ -264,7 +342,7 @@ def main():
         print(make.__name__, dict(Counter(v for row in maps[-1]["verdict"] for v in row)), f"{time.time() - start:.0f} s", flush=True)
     kept = {"commit": whole["provenance"]["commit"]} if options.maps and old else {}  # of the maps that were not measured
     write_record("stability", {"maps": maps}, **kept)
-    show(maps)
+    draw(maps)
 
 
 if __name__ == "__main__":

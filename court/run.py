@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solve every problem of the court, print its table, write bench/results/court.json and the table of docs/evidence/court.md.
+"""Solve every problem of the court, print its table, write bench/results/court.json.
 
-Usage: court/run.py [--tables | PROBLEM ...]; with names, only the table of these is printed; --tables writes the page from the record.
+Usage: court/run.py [PROBLEM ...]; with names, only the table of these is printed.
 """
 import importlib
 import sys
@@ -12,7 +12,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "bench")]
 
-from common import put, read_record, table, write_record  # noqa: E402
+from common import table, write_record  # noqa: E402
 
 PROBLEMS = {
     "roller_on_plane": "NAFEMS 1, roller on a block",
@@ -24,6 +24,7 @@ PROBLEMS = {
     "oblique_load": "oblique load, then shear",
     "variable_load": "loop of shear under a load that varies",
     "punches": "rigid flat punch",
+    "closed_solutions": "closed solutions",
 }
 
 
@@ -57,9 +58,6 @@ def lines_of(records):
 
 def main():
     """Command line."""
-    if sys.argv[1:] == ["--tables"]:
-        put("table", lines_of(read_record("court")), "evidence/court")
-        return
     names = sys.argv[1:] or list(PROBLEMS)
     unknown = [n for n in names if n not in PROBLEMS]
     if unknown:
@@ -68,7 +66,6 @@ def main():
     print(lines_of(records))
     if not sys.argv[1:]:
         write_record("court", records)
-        put("table", lines_of(records), "evidence/court")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hdengine
-from hdengine.elastic.law import ElasticJoint
+from hdengine.elastic import ElasticJoint
 
 data = next(d for d in (Path("data"), Path("../data")) if d.is_dir())  # of a checkout of hdengine
 

@@ -42,8 +42,12 @@ CONF
 export SLURM_CONF=$work/slurm.conf
 slurmctld
 slurmd
-for _ in $(seq 100); do
+for n in $(seq 100); do
   sinfo -h -o %t 2>/dev/null | grep -q idle && break
+  if [ "$n" -eq 100 ]; then
+    cat "$work/ctld.log" "$work/d.log" >&2
+    exit 1
+  fi
   sleep 0.1
 done
 "$@"

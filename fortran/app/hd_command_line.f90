@@ -135,7 +135,7 @@ contains
       call explain(command%key, answer, error)
       if (.not. allocated(error)) call print_text(answer)
     case default
-      if (holds_study(command%input)) call hand_over(command, error)
+      if (holds_study(trim(command%input))) call hand_over(command, error)
       if (allocated(error)) return
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)

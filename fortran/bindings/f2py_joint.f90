@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-! Flat entries for Python: the joint model. `p` holds the parameters in the order of joint_names (hd_named_values).
+! Flat entries for Python: the joint model. `p` holds the parameters in the order of the list 'joint' (hd_named_values).
 
 !> Stiffness of facets; `derivatives` holds dK_N/dP, dK_T/dP, dK_T/dtau.
 subroutine joint_facets(p, np, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
@@ -49,7 +49,7 @@ subroutine joint_of_scene(path, assignments, np, p, status, message)
   use hd_error, only: error_t
   use hd_input, only: read_scene
   use hd_joint, only: joint_t
-  use hd_named_values, only: joint_names, set_value
+  use hd_named_values, only: named_list_t
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint
   use hd_status, only: tell, lines_of
@@ -63,7 +63,9 @@ subroutine joint_of_scene(path, assignments, np, p, status, message)
   type(error_t), allocatable :: error
   type(scene_t), allocatable :: s
   type(joint_t) :: joint
+  type(named_list_t) :: names
   p = 0
+  names%list = 'joint'
   allocate (s)
   call read_scene(path, lines_of(assignments), s, error)
   if (.not. allocated(error)) call scene_joint(s, joint, error)
@@ -83,13 +85,14 @@ subroutine joint_of_scene(path, assignments, np, p, status, message)
     call enter('reference_area', joint%reference_area)
     call enter('paper', merge(1._c_double, 0._c_double, joint%paper))
     call enter('plastic', merge(1._c_double, 0._c_double, joint%plastic))
+    call names%check(error)
   end if
   call tell(error, status, message)
 contains
   subroutine enter(name, x)
     character(len=*), intent(in) :: name
     real(c_double), intent(in) :: x
-    call set_value(joint_names, p, name, x)
+    call names%put(p, name, x)
   end subroutine enter
 end subroutine joint_of_scene
 
@@ -126,23 +129,48 @@ subroutine joint_parts(p, np, s_l, tau, load, k_n, k_t, psi, s_r, status, messag
   call tell(error, status, message)
 end subroutine joint_parts
 
-!> One asperity: properties in the order of asperity_names, by depth (s, f, k; smooth /= 0: blended) and by area
+!> One asperity: properties in the order of the list 'asperity', by depth (s, f, k; smooth /= 0: blended) and by area
 !> (f, k, k_t).
-subroutine asperity(p, np, eps, s, tau, smooth, properties, by_depth, by_area)
+subroutine asperity(p, np, eps, s, tau, smooth, n, properties, by_depth, by_area, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: asperity_t, asperity_by_depth, asperity_by_area
-  use hd_flat_joint, only: flat_asperity, joint_value
+  use hd_error, only: error_t
+  use hd_flat_joint, only: flat_asperity
+  use hd_named_values, only: named_list_t
+  use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: np
   real(c_double), intent(in) :: p(np), eps, s, tau
-  integer(c_int), intent(in) :: smooth
-  real(c_double), intent(out) :: properties(9), by_depth(3), by_area(3)
+  integer(c_int), intent(in) :: smooth, n
+  real(c_double), intent(out) :: properties(n), by_depth(3), by_area(3)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
   type(asperity_t) :: a
-  a = flat_asperity(p)
-  properties = [a%e_star, a%g_prime, a%hardness, a%hardness_factor, a%amplitude, a%radius, a%eps_ec, a%s_ec, a%f_ec]
-  call asperity_by_depth(a, eps, smooth /= 0, by_depth(1), by_depth(2), by_depth(3))
-  call asperity_by_area(a, s, tau, joint_value(p, 'friction'), by_area(1), by_area(2), by_area(3))
+  type(named_list_t) :: given, names
+  type(error_t), allocatable :: error
+  properties = 0
+  by_depth = 0
+  by_area = 0
+  given%list = 'joint'
+  names%list = 'asperity'
+  call flat_asperity(p, a, error)
+  if (.not. allocated(error)) then
+    call names%put(properties, 'e_star_pa', a%e_star)
+    call names%put(properties, 'g_prime_pa', a%g_prime)
+    call names%put(properties, 'hardness_pa', a%hardness)
+    call names%put(properties, 'hardness_factor', a%hardness_factor)
+    call names%put(properties, 'amplitude_m', a%amplitude)
+    call names%put(properties, 'radius_m', a%radius)
+    call names%put(properties, 'eps_ec_m', a%eps_ec)
+    call names%put(properties, 's_ec_m2', a%s_ec)
+    call names%put(properties, 'f_ec_n', a%f_ec)
+    call asperity_by_depth(a, eps, smooth /= 0, by_depth(1), by_depth(2), by_depth(3))
+    call asperity_by_area(a, s, tau, given%take(p, 'friction'), by_area(1), by_area(2), by_area(3))
+  end if
+  call names%check(error)
+  call given%check(error)
+  call tell(error, status, message)
 end subroutine asperity
 
 !> Warnings of the joint model under the largest pressure, one per line.

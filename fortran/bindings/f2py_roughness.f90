@@ -105,58 +105,6 @@ subroutine surface_clean(z, nx, ny, mend, mask, fill, found, step, status, messa
   call tell(error, status, message)
 end subroutine surface_clean
 
-!> Sa, Sq, Sz, Ssk, Sku, Sdq, shortest and longest wavelength, Nayak's parameter.
-subroutine surface_roughness(z, nx, ny, dx, dy, numbers, status, message)
-  use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_error, only: error_t
-  use hd_roughness, only: roughness_t, new_roughness
-  use hd_status, only: tell
-  implicit none
-  integer(c_int), intent(in) :: nx, ny
-  real(c_double), intent(in) :: z(nx, ny)
-  real(c_double), intent(in) :: dx, dy
-  real(c_double), intent(out) :: numbers(9)
-  integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
-  !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
-  !f2py threadsafe
-  type(error_t), allocatable :: error
-  type(roughness_t) :: r
-  call new_roughness(z, dx, dy, r, error)
-  numbers = [r%sa, r%sq, r%sz, r%ssk, r%sku, r%sdq, r%bandwidth, r%nayak]
-  call tell(error, status, message)
-end subroutine surface_roughness
-
-!> Spectrum of the rows (radial = 0) or over rings of frequency.
-subroutine surface_spectrum(z, nx, ny, dx, dy, radial, n, frequency, density, status, message)
-  use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_error, only: error_t
-  use hd_roughness, only: line_spectrum, ring_spectrum
-  use hd_structure_function, only: check_map
-  use hd_status, only: tell
-  implicit none
-  integer(c_int), intent(in) :: nx, ny, radial, n
-  real(c_double), intent(in) :: z(nx, ny)
-  real(c_double), intent(in) :: dx, dy
-  real(c_double), intent(out) :: frequency(n), density(n)
-  integer(c_int), intent(out) :: status
-  character(len=8192), intent(out) :: message
-  !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
-  !f2py threadsafe
-  type(error_t), allocatable :: error
-  frequency = 0
-  density = 0
-  call check_map(z, dx, dy, error)
-  if (.not. allocated(error)) then
-    if (radial > 0) then
-      call ring_spectrum(z, dx, dy, frequency, density, error)
-    else
-      call line_spectrum(z, dx, frequency, density, error)
-    end if
-  end if
-  call tell(error, status, message)
-end subroutine surface_spectrum
-
 !> Fit of one map (`other` of one point) or of the sum of two. Options, numbers, and the columns of curves over the lag and over the
 !> rings of frequency have their names in hd_named_values; what was not found is NaN. `text`: the kind of surface, a line end, the
 !> reason of the verdict.
@@ -188,10 +136,10 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, options, no, n, columns
   text = ''
   call measure_flat(z, other, dx, dy, options, m, error)
   if (.not. allocated(error)) then
-    call fit_numbers(m, columns, numbers)
-    call fit_curves(m, curves)
-    call fit_rings(m, rings)
-    call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
+    call fit_numbers(m, columns, numbers, error)
+    if (.not. allocated(error)) call fit_curves(m, curves, error)
+    if (.not. allocated(error)) call fit_rings(m, rings, error)
+    if (.not. allocated(error)) call hand_over(trim(m%verdict%name)//new_line('a')//m%verdict%reason, text)
   end if
   call tell(error, status, message)
 end subroutine surface_fit
@@ -217,3 +165,16 @@ subroutine structure_expected(model, d, f_lo, f_hi, tau, n, s, status, message)
   if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
   call tell(error, status, message)
 end subroutine structure_expected
+
+!> Low end of the interval of D from which on G is determined.
+subroutine determined_dimension(d, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_verdict, only: determined
+  implicit none
+  real(c_double), intent(out) :: d
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  d = determined
+  status = 0
+  message = ''
+end subroutine determined_dimension

@@ -88,14 +88,16 @@ subroutine run_advance(handle, done, status, message)
   call tell(error, status, message)
 end subroutine run_advance
 
-!> Sums of the last converged step, in the order of step_names (hd_named_values).
+!> Sums of the last converged step, in the order of the list 'step' (hd_named_values).
 subroutine run_sums(handle, n, sums, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_facets, only: sum_values
+  use hd_facets, only: sum_names, sum_values
+  use hd_named_values, only: named_list_t
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
+  use hd_text, only: string_t, split
   implicit none
   integer(c_int), intent(in) :: handle, n
   real(c_double), intent(out) :: sums(n)
@@ -103,13 +105,26 @@ subroutine run_sums(handle, n, sums, status, message)
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
   type(run_t), pointer :: run
+  type(named_list_t) :: names
+  type(string_t), allocatable :: of_facets(:)
+  real(c_double), allocatable :: values(:)
+  integer :: i
   sums = 0
+  names%list = 'step'
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    sums(:4) = [real(run%step%number, c_double), merge(1._c_double, 0._c_double, run%step%loaded), &
-      run%step%load_factor, run%step%torque]
-    sums(5:n - 2) = sum_values(run%sums)
-    sums(n - 1:) = [real(run%step%iterations, c_double), run%step%seconds]
+    call names%put(sums, 'step', real(run%step%number, c_double))
+    call names%put(sums, 'in_torque', merge(1._c_double, 0._c_double, run%step%loaded))
+    call names%put(sums, 'load_factor', run%step%load_factor)
+    call names%put(sums, 'torque_nm', run%step%torque)
+    call names%put(sums, 'iterations', real(run%step%iterations, c_double))
+    call names%put(sums, 'seconds', run%step%seconds)
+    of_facets = split(sum_names)
+    values = sum_values(run%sums)
+    do i = 1, size(values)
+      call names%put(sums, of_facets(i)%s, values(i))
+    end do
+    call names%check(error)
   end if
   call tell(error, status, message)
 end subroutine run_sums

@@ -21,7 +21,7 @@ end subroutine solid_open
 subroutine solid_put(handle, name, values, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_solid_fields, only: solid_t, find_solid
+  use hd_solid_fields, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle, n
@@ -31,9 +31,11 @@ subroutine solid_put(handle, name, values, n, status, message)
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(values) :: n = len(values)
   type(solid_t), pointer :: solid
+  type(field_t), pointer :: field
   type(error_t), allocatable :: error
   call find_solid(handle, solid, error)
-  if (.not. allocated(error)) call solid%put(name, values, error)
+  if (.not. allocated(error)) call solid%field(name, field, error)
+  if (.not. allocated(error)) field%values = values
   call tell(error, status, message)
 end subroutine solid_put
 
@@ -55,11 +57,11 @@ subroutine solid_solve(handle, status, message)
   call tell(error, status, message)
 end subroutine solid_solve
 
-!> How many numbers a field has, 0: none of that name.
+!> How many numbers a field has, 0 before it is entered.
 subroutine solid_size(handle, name, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_solid_fields, only: solid_t, find_solid
+  use hd_solid_fields, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle
@@ -67,10 +69,12 @@ subroutine solid_size(handle, name, n, status, message)
   integer(c_int), intent(out) :: n, status
   character(len=8192), intent(out) :: message
   type(solid_t), pointer :: solid
+  type(field_t), pointer :: field
   type(error_t), allocatable :: error
   n = 0
   call find_solid(handle, solid, error)
-  if (.not. allocated(error)) n = size(solid%field(name))
+  if (.not. allocated(error)) call solid%field(name, field, error)
+  if (.not. allocated(error)) n = field%count()
   call tell(error, status, message)
 end subroutine solid_size
 
@@ -78,7 +82,7 @@ end subroutine solid_size
 subroutine solid_get(handle, name, n, values, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_solid_fields, only: solid_t, find_solid
+  use hd_solid_fields, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle, n
@@ -87,10 +91,14 @@ subroutine solid_get(handle, name, n, values, status, message)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   type(solid_t), pointer :: solid
+  type(field_t), pointer :: field
   type(error_t), allocatable :: error
   values = 0
   call find_solid(handle, solid, error)
-  if (.not. allocated(error)) values = solid%field(name)
+  if (.not. allocated(error)) call solid%field(name, field, error)
+  if (.not. allocated(error)) then
+    if (allocated(field%values)) values = field%values(:n)
+  end if
   call tell(error, status, message)
 end subroutine solid_get
 

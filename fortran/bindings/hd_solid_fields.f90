@@ -1,36 +1,36 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Solid problems that Python holds by an integer handle: fields enter by name, the problem is solved, results are asked for.
+!> Solid problems that Python holds by an integer handle: fields enter by name, the problem is solved, results are asked for. The
+!> names are known to `field` alone; any other is an internal error.
 !> Node numbers start at 1; body b owns nodes node_end(b-1)+1 to node_end(b) and cells cell_end(b-1)+1 to cell_end(b).
 module hd_solid_fields
   use hd_kinds, only: dp
-  use hd_error, only: error_t, raise, code_input
+  use hd_error, only: error_t, raise, code_input, code_internal
   use hd_face, only: face_t
   use hd_problem, only: problem_t
   use hd_solid, only: new_solid, new_interface, solid_steps
   use hd_static, only: solve_static
-  use hd_text, only: string_t, split, to_text
+  use hd_text, only: to_text
   implicit none
   private
-  public :: solid_t, put_solid, find_solid, drop_solid
+  public :: field_t, solid_t, put_solid, find_solid, drop_solid
 
-  !> Of both kinds of problem, then those of contact alone; numbers per node, cell, body, facet, step as in hd_solid.
-  character(len=*), parameter :: common_names = 'node_end,cell_end,cells,fixed,material,x,angle,displacement,force'
-  character(len=*), parameter :: contact_names = 'slave,slave_chart,master,master_chart,gap,period,friction,scale,tolerance,'// &
-    'max_iterations'
-  character(len=*), parameter :: result_names = 'u,reaction,traction,slip,opening,contact,area,history'
   integer, parameter :: capacity = 64       !< problems at the same time
   integer, parameter :: history_columns = 7 !< step, iteration, residual, changes, open, stick, slip
 
+  !> Numbers, first index fastest; none before they are entered.
   type :: field_t
-    character(len=:), allocatable :: name
     real(dp), allocatable :: values(:)
+  contains
+    procedure :: count
   end type field_t
 
+  !> Fields per node, cell, body, facet and step as in hd_solid: of both kinds of problem, of contact alone, results.
   type :: solid_t
     character(len=:), allocatable :: element, mode
-    type(field_t), allocatable :: fields(:)
+    type(field_t) :: node_end, cell_end, cells, fixed, material, x, angle, displacement, force
+    type(field_t) :: slave, slave_chart, master, master_chart, gap, period, friction, scale, tolerance, max_iterations
+    type(field_t) :: u, reaction, traction, slip, opening, contact, area, history
   contains
-    procedure :: put
     procedure :: field
     procedure :: solve => solve_solid
   end type solid_t
@@ -47,20 +47,11 @@ contains
     character(len=*), intent(in) :: element, mode     !< element; bonded, frictionless, frictional or nothing
     integer, intent(out) :: handle                    !< its handle
     type(error_t), allocatable, intent(out) :: error  !< too many
-    type(string_t), allocatable :: names(:)
-    integer :: i
     do handle = 1, capacity
       if (allocated(slots(handle)%solid)) cycle
       allocate (slots(handle)%solid)
-      associate (s => slots(handle)%solid)
-        s%element = element
-        s%mode = mode
-        names = split(common_names//','//contact_names//','//result_names)
-        allocate (s%fields(size(names)))
-        do i = 1, size(names)
-          s%fields(i)%name = names(i)%s
-        end do
-      end associate
+      slots(handle)%solid%element = element
+      slots(handle)%solid%mode = mode
       return
     end do
     call raise(error, code_input, to_text(capacity)//' solid problems are open')
@@ -85,42 +76,52 @@ contains
     if (allocated(slots(handle)%solid)) deallocate (slots(handle)%solid)
   end subroutine drop_solid
 
-  !> Enter a field.
-  subroutine put(self, name, values, error)
-    class(solid_t), intent(inout) :: self             !< gets it
-    character(len=*), intent(in) :: name              !< one of those above
-    real(dp), intent(in) :: values(:)                 !< numbers, first index fastest
+  !> Field of a name.
+  subroutine field(self, name, f, error)
+    class(solid_t), intent(inout), target :: self     !< problem
+    character(len=*), intent(in) :: name              !< wanted
+    type(field_t), pointer, intent(out) :: f          !< its field
     type(error_t), allocatable, intent(out) :: error  !< no such field
-    integer :: i
-    i = index_of(self, name)
-    if (i == 0) then
-      call raise(error, code_input, "a solid problem has no field '"//name//"'; valid: "//common_names//','//contact_names)
-    else
-      self%fields(i)%values = values
-    end if
-  end subroutine put
+    nullify (f)
+    select case (name)
+    case ('node_end'); f => self%node_end
+    case ('cell_end'); f => self%cell_end
+    case ('cells'); f => self%cells
+    case ('fixed'); f => self%fixed
+    case ('material'); f => self%material
+    case ('x'); f => self%x
+    case ('angle'); f => self%angle
+    case ('displacement'); f => self%displacement
+    case ('force'); f => self%force
+    case ('slave'); f => self%slave
+    case ('slave_chart'); f => self%slave_chart
+    case ('master'); f => self%master
+    case ('master_chart'); f => self%master_chart
+    case ('gap'); f => self%gap
+    case ('period'); f => self%period
+    case ('friction'); f => self%friction
+    case ('scale'); f => self%scale
+    case ('tolerance'); f => self%tolerance
+    case ('max_iterations'); f => self%max_iterations
+    case ('u'); f => self%u
+    case ('reaction'); f => self%reaction
+    case ('traction'); f => self%traction
+    case ('slip'); f => self%slip
+    case ('opening'); f => self%opening
+    case ('contact'); f => self%contact
+    case ('area'); f => self%area
+    case ('history'); f => self%history
+    case default
+      call raise(error, code_internal, "a solid problem has no field '"//name//"'")
+    end select
+  end subroutine field
 
-  !> Numbers of a field; none where it was not entered or does not exist.
-  pure function field(self, name) result(values)
-    class(solid_t), intent(in) :: self      !< problem
-    character(len=*), intent(in) :: name    !< field
-    real(dp), allocatable :: values(:)
-    integer :: i
-    i = index_of(self, name)
-    if (i > 0) then
-      if (allocated(self%fields(i)%values)) values = self%fields(i)%values
-    end if
-    if (.not. allocated(values)) allocate (values(0))
-  end function field
-
-  !> Number of a field, 0 if there is none of that name.
-  pure integer function index_of(self, name) result(i)
-    class(solid_t), intent(in) :: self      !< problem
-    character(len=*), intent(in) :: name    !< field
-    do i = size(self%fields), 1, -1
-      if (self%fields(i)%name == name) return
-    end do
-  end function index_of
+  !> Numbers of a field.
+  pure integer function count(self)
+    class(field_t), intent(in) :: self  !< field
+    count = 0
+    if (allocated(self%values)) count = size(self%values)
+  end function count
 
   !> Solve; results become fields.
   subroutine solve_solid(self, error)
@@ -129,23 +130,23 @@ contains
     type(problem_t) :: problem
     real(dp), allocatable :: u(:, :)
     integer :: n
-    n = size(self%field('angle'))
+    n = self%angle%count()
     call check_sizes(self, n, error)
     if (allocated(error)) return
-    associate (node_end => nint(self%field('node_end')), cell_end => nint(self%field('cell_end')), &
-        cells => nint(self%field('cells')))
-      call new_solid(self%element, node_end, cell_end, reshape(self%field('material'), [2, size(node_end)]), &
-        reshape(self%field('x'), [3, n]), self%field('angle'), &
+    associate (node_end => nint(self%node_end%values), cell_end => nint(self%cell_end%values), &
+        cells => nint(self%cells%values))
+      call new_solid(self%element, node_end, cell_end, reshape(self%material%values, [2, size(node_end)]), &
+        reshape(self%x%values, [3, n]), self%angle%values, &
         reshape(cells, [size(cells)/cell_end(size(cell_end)), cell_end(size(cell_end))]), problem, error)
     end associate
     if (allocated(error)) return
-    problem%fixed = nint(reshape(self%field('fixed'), [3, n])) /= 0
+    problem%fixed = nint(reshape(self%fixed%values, [3, n])) /= 0
     if (len(self%mode) > 0) then
       call solve_contact(self, problem, n, error)
     else
       allocate (u(3, n))
-      call solve_static(problem, reshape(self%field('displacement'), [3, n]), reshape(self%field('force'), [3, n]), u, error)
-      if (.not. allocated(error)) call self%put('u', [u], error)
+      call solve_static(problem, reshape(self%displacement%values, [3, n]), reshape(self%force%values, [3, n]), u, error)
+      if (.not. allocated(error)) self%u%values = [u]
     end if
   end subroutine solve_solid
 
@@ -155,32 +156,33 @@ contains
     integer, intent(in) :: n                          !< nodes
     type(error_t), allocatable, intent(out) :: error  !< the first that does not
     integer :: bodies, cells, steps
-    bodies = size(self%field('node_end'))
-    steps = merge(size(self%field('gap'))/max(1, n), 1, len(self%mode) > 0)
+    bodies = self%node_end%count()
+    steps = merge(self%gap%count()/max(1, n), 1, len(self%mode) > 0)
     cells = 0
-    if (size(self%field('cell_end')) == bodies .and. bodies > 0) cells = nint(maxval(self%field('cell_end')))
-    call need('cell_end', [bodies])
-    call need('cells', [8*cells, 20*cells])
-    call need('fixed', [3*n])
-    call need('material', [2*bodies])
-    call need('x', [3*n])
-    call need('displacement', [3*n*steps])
-    call need('force', [3*n*steps])
+    if (self%cell_end%count() == bodies .and. bodies > 0) cells = nint(maxval(self%cell_end%values))
+    call need('cell_end', self%cell_end, [bodies])
+    call need('cells', self%cells, [8*cells, 20*cells])
+    call need('fixed', self%fixed, [3*n])
+    call need('material', self%material, [2*bodies])
+    call need('x', self%x, [3*n])
+    call need('displacement', self%displacement, [3*n*steps])
+    call need('force', self%force, [3*n*steps])
     if (len(self%mode) == 0) return
-    call need('slave_chart', [2*size(self%field('slave')), size(self%field('slave'))])
-    call need('master_chart', [2*size(self%field('master')), size(self%field('master'))])
-    call need('period', [1])
-    call need('friction', [1])
-    call need('scale', [1])
-    call need('tolerance', [1])
-    call need('max_iterations', [1])
+    call need('slave_chart', self%slave_chart, [2*self%slave%count(), self%slave%count()])
+    call need('master_chart', self%master_chart, [2*self%master%count(), self%master%count()])
+    call need('period', self%period, [1])
+    call need('friction', self%friction, [1])
+    call need('scale', self%scale, [1])
+    call need('tolerance', self%tolerance, [1])
+    call need('max_iterations', self%max_iterations, [1])
   contains
-    subroutine need(name, sizes)
+    subroutine need(name, f, sizes)
       character(len=*), intent(in) :: name
+      type(field_t), intent(in) :: f
       integer, intent(in) :: sizes(:)
       if (allocated(error)) return
-      if (size(self%field(name)) == 0 .or. all(size(self%field(name)) /= sizes)) call raise(error, code_input, &
-        "field '"//name//"' of a solid problem has "//to_text(size(self%field(name)))//' numbers, needs '//to_text(sizes(1)))
+      if (f%count() == 0 .or. all(f%count() /= sizes)) call raise(error, code_input, &
+        "field '"//name//"' of a solid problem has "//to_text(f%count())//' numbers, needs '//to_text(sizes(1)))
     end subroutine need
   end subroutine check_sizes
 
@@ -190,39 +192,38 @@ contains
     type(problem_t), intent(inout) :: problem         !< bodies and supports
     integer, intent(in) :: n                          !< nodes
     type(error_t), allocatable, intent(out) :: error  !< unknown mode, no convergence, memory
-    type(error_t), allocatable :: none
     real(dp), allocatable :: u(:, :, :), reaction(:, :, :), traction(:, :, :), slip(:, :, :), opening(:, :), area(:), history(:, :)
     integer, allocatable :: contact(:, :)
     integer :: steps, limit, used, shape3(3)
-    steps = size(self%field('gap'))/n
-    limit = nint(sum(self%field('max_iterations')))
+    steps = self%gap%count()/n
+    limit = nint(sum(self%max_iterations%values))
     shape3 = [3, n, steps]
-    call new_interface(problem, face_of('slave'), face_of('master'), self%mode, [self%field('friction'), self%field('scale')], &
-      error)
+    call new_interface(problem, face_of(self%slave, self%slave_chart), face_of(self%master, self%master_chart), self%mode, &
+      [self%friction%values, self%scale%values], error)
     if (allocated(error)) return
     allocate (u(3, n, steps), reaction(3, n, steps), traction(3, n, steps), slip(2, n, steps), opening(n, steps), area(n), &
       history(history_columns, (limit + 1)*steps), source=0._dp)
     allocate (contact(n, steps), source=0)
     area(problem%mortar%node) = problem%mortar%area
-    call solid_steps(problem, reshape(self%field('displacement'), shape3), reshape(self%field('force'), shape3), &
-      reshape(self%field('gap'), [n, steps]), sum(self%field('tolerance')), limit, u, reaction, traction, slip, opening, contact, &
+    call solid_steps(problem, reshape(self%displacement%values, shape3), reshape(self%force%values, shape3), &
+      reshape(self%gap%values, [n, steps]), sum(self%tolerance%values), limit, u, reaction, traction, slip, opening, contact, &
       history, used, error)
-    call self%put('u', [u], none)
-    call self%put('reaction', [reaction], none)
-    call self%put('traction', [traction], none)
-    call self%put('slip', [slip], none)
-    call self%put('opening', [opening], none)
-    call self%put('contact', real([contact], dp), none)
-    call self%put('area', area, none)
-    call self%put('history', [history(:, :used)], none)
+    self%u%values = [u]
+    self%reaction%values = [reaction]
+    self%traction%values = [traction]
+    self%slip%values = [slip]
+    self%opening%values = [opening]
+    self%contact%values = real([contact], dp)
+    self%area%values = area
+    self%history%values = [history(:, :used)]
   contains
     !> Facets have 4 corners in the chart and 4 or 8 nodes.
-    type(face_t) function face_of(name)
-      character(len=*), intent(in) :: name
+    type(face_t) function face_of(nodes, chart)
+      type(field_t), intent(in) :: nodes, chart
       integer :: facets
-      facets = size(self%field(name//'_chart'))/8
-      face_of = face_t(reshape(nint(self%field(name)), [size(self%field(name))/facets, facets]), &
-        reshape(self%field(name//'_chart'), [2, 4, facets]), sum(self%field('period')))
+      facets = chart%count()/8
+      face_of = face_t(reshape(nint(nodes%values), [nodes%count()/facets, facets]), reshape(chart%values, [2, 4, facets]), &
+        sum(self%period%values))
     end function face_of
   end subroutine solve_contact
 end module hd_solid_fields

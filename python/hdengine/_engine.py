@@ -103,7 +103,7 @@ def _whole(begin):
     return b"".join(parts).decode(errors="replace")
 
 
-def call_with_text(name: Any, *args: Any) -> tuple:
+def call_with_text(name: str, *args: object) -> tuple:
     """Call an entry of the extension whose last result is a text of any length.
 
     Returns
@@ -121,7 +121,7 @@ def call_with_text(name: Any, *args: Any) -> tuple:
         return *results, _whole(begin).strip()
 
 
-def call_text(name: Any, *args: Any) -> str:
+def call_text(name: str, *args: object) -> str:
     """Call an entry of the extension whose one result is a text of any length.
 
     Returns
@@ -137,7 +137,7 @@ def call_text(name: Any, *args: Any) -> str:
         return _whole(call(name, *args)).strip()
 
 
-def call(name: Any, *args: Any) -> Any:
+def call(name: str, *args: object) -> Any:
     """Call an entry of the extension; its last two results are status and message.
 
     Returns
@@ -232,12 +232,6 @@ def _after_fork():
 os.register_at_fork(before=lambda: _lock.acquire(), after_in_parent=lambda: _lock.release(), after_in_child=_after_fork)
 
 
-def asperity(*args: Any) -> Any:
-    """Entry `asperity` of the extension (it cannot fail)."""
-    with _lock:
-        return _hdengine.asperity(*args)
-
-
 def joint_moduli(*args: float) -> tuple[float, float]:
     """Entry `joint_moduli` of the extension (it cannot fail)."""
     return _hdengine.joint_moduli(*args)
@@ -249,12 +243,20 @@ def names(values: str) -> tuple[str, ...]:
     return tuple(call_text("value_names", values).split(","))
 
 
-def named(values: str, **given: Any) -> np.ndarray:
-    """A list of numbers for the engine, from its values by name."""
-    return np.array([float(given.pop(name)) for name in names(values)])
+def named(values: str, **given: float) -> np.ndarray:
+    """A list of numbers for the engine, from its values by name.
+
+    Raises
+    ------
+    InternalError
+        A name is missing, or is none of the list's.
+    """
+    if wrong := set(given) ^ set(names(values)):
+        raise InternalError(f"the list '{values}' and the names given differ by {', '.join(sorted(wrong))}")
+    return np.array([float(given[name]) for name in names(values)])
 
 
-def version() -> Any:
+def version() -> str:
     """Version of the engine."""
     text = _hdengine.engine_version()
     return (text.decode() if isinstance(text, bytes) else str(text)).strip()

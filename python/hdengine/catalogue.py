@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,12 +23,12 @@ class Unit:
     k3_nm_per_rad: float
 
     @property
-    def pitch_radius_m(self) -> Any:
+    def pitch_radius_m(self) -> float:
         """Of the flexspline: 1.27 mm times the size."""
         return 1.27e-3 * self.size
 
     @checked(torque_nm=array())
-    def angle(self, torque_nm: Any) -> Any:
+    def angle(self, torque_nm: ArrayLike) -> np.ndarray:
         """Angle of the three chords at torques [rad]."""
         t = np.abs(np.asarray(torque_nm, float))
         parts = (np.clip(t, 0, self.t1_nm) / self.k1_nm_per_rad, np.clip(t - self.t1_nm, 0, self.t2_nm - self.t1_nm)

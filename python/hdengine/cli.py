@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -121,11 +122,7 @@ def _completion(args):
 def _study(args):
     from .studies.study import Study
 
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always", DeprecationWarning)
-        study = Study.read(args.input)
-    for note in notes:
-        print(f"warning: {note.message}", file=sys.stderr)
+    study = Study.read(args.input)
     if args.check:
         study.check()
         print(f"{args.input} is valid: {study}")
@@ -226,7 +223,7 @@ def _command(commands, name, action, text, example):
     return parser
 
 
-def make_parser() -> Any:
+def make_parser() -> argparse.ArgumentParser:
     """The command with its subcommands."""
     parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
@@ -328,7 +325,7 @@ def _for_the_shell(message):
     return message.replace("leave out spacing=", "leave out --spacing")
 
 
-def main(argv: Any = None) -> Any:
+def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the command; returns the exit code of hdengine.x."""
     args = _arguments(argv)
     try:

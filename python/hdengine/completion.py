@@ -2,7 +2,7 @@
 """Shell completion of the command `hdengine`, by shtab (pip install 'hdengine[completion]')."""
 from __future__ import annotations
 
-from typing import Any
+import argparse
 
 from ._engine import InputError
 from .contact import read_scene
@@ -10,7 +10,7 @@ from .contact import read_scene
 SHELLS = ("bash", "zsh")
 
 
-def script(parser: Any, shell: Any) -> Any:
+def script(parser: argparse.ArgumentParser, shell: str) -> str:
     """Completion script of a parser: commands, options, files, keys of scenes.
 
     Raises

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from . import _engine
 from ._check import checked, flag
 from ._check import path as a_path
+from ._types import PathLike, Value
 from .results import Result, preformatted
 
 _SUMS = _engine.names("step")
@@ -33,12 +34,12 @@ class Step:
     against_teeth: bool = False
 
     @property
-    def k_ts_nm_per_rad(self) -> Any:
+    def k_ts_nm_per_rad(self) -> float:
         """Torsional stiffness of the contact (Eq. 45) [N m/rad]."""
         return self.sums["k_ts_nm_per_rad"]
 
     @property
-    def stiffness(self) -> Any:
+    def stiffness(self) -> str:
         """Text of what the scene is solved for: K_TS, or K_FTS against the teeth."""
         if not self.against_teeth:
             return f"K_TS tangent {self.sums['k_ts_bonded_nm_per_rad']:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad"
@@ -87,8 +88,8 @@ class Run:
     _handle = None
 
     @checked(path=a_path, out=a_path, force=flag, resume=flag)
-    def __init__(self, path: str | os.PathLike | None = "", out: str | os.PathLike | None = "", force: bool = False,
-                 resume: bool = False, **keys: Any) -> None:
+    def __init__(self, path: PathLike | None = "", out: PathLike | None = "", force: bool = False,
+                 resume: bool = False, **keys: Value) -> None:
         self._process = os.getpid()
         lines = "\n".join(_assignments(keys))
         if out:
@@ -101,7 +102,7 @@ class Run:
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
-    def advance(self) -> Any:
+    def advance(self) -> Step:
         """Solve the next load step and return it as a Step.
 
         Raises
@@ -114,7 +115,7 @@ class Run:
         self.done = bool(_engine.call("run_advance", self._handle))
         return self.step()
 
-    def step(self) -> Any:
+    def step(self) -> Step:
         """The last converged step."""
         sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle, len(_SUMS)))))
         fields = _engine.call("run_facets", self._handle, self.facets, len(_FIELDS))
@@ -141,10 +142,10 @@ class Run:
             if self._process == os.getpid():
                 _engine.call("run_close", handle, int(interrupted))
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Run:
         return self
 
-    def __exit__(self, kind: Any = None, *exc: Any) -> None:
+    def __exit__(self, kind: type | None = None, *exc: object) -> None:
         self.close(kind is not None and issubclass(kind, KeyboardInterrupt))
 
     def __del__(self) -> None:
@@ -155,7 +156,7 @@ class Run:
 
 
 @checked(path=a_path)
-def read_scene(path: str | os.PathLike | None = "", **keys: Any) -> dict:
+def read_scene(path: PathLike | None = "", **keys: Value) -> dict:
     """All keys of a scene as the engine reads them, checked, without running it.
 
     Parameters
@@ -179,7 +180,7 @@ def read_scene(path: str | os.PathLike | None = "", **keys: Any) -> dict:
 
 
 @checked(path=a_path)
-def doubts(path: str = "", **keys: Any) -> list:
+def doubts(path: str = "", **keys: Value) -> list:
     """Values of a scene that are valid and hardly meant, as 209 Pa for a modulus; every run's summary has them as warnings.
 
     Parameters
@@ -229,7 +230,7 @@ def in_notebook() -> bool:
     return "ipykernel" in sys.modules
 
 
-def bar(**options: Any) -> Any:
+def bar(**options: object) -> Any:
     """A bar of tqdm, in the form that notebook or terminal want; None without tqdm."""
     try:
         from tqdm.auto import tqdm
@@ -277,8 +278,8 @@ def follow(show: bool | None = None) -> Iterator[None]:
         shown.close()
 
 
-def run(path: str | os.PathLike | None = "", out: str | os.PathLike | None = "run.out", force: bool = False, resume: bool = False,
-        show: bool | None = None, **keys: Any) -> Result:
+def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = False, resume: bool = False,
+        show: bool | None = None, **keys: Value) -> Result:
     """Run a scene to its end and return its Result.
 
     Parameters and errors as for Run. A run that ends early, by Ctrl-C too, leaves its converged steps and a summary in `out`.
@@ -324,7 +325,7 @@ class Cam:
     curve_m: float
 
 
-def cam(theta: ArrayLike, path: str | os.PathLike = "", **keys: Any) -> Cam:
+def cam(theta: ArrayLike, path: PathLike = "", **keys: Value) -> Cam:
     """Wave generator of a scene.
 
     Parameters

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from . import _engine
 from ._engine import FileError
+from ._types import PathLike
 from .results import read_json
 
 # files that say what a folder holds
 _MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json", "joint.json", "gaps.json")
 
 
-def check_folder(folder: Any, names: Any, force: bool = False) -> None:
+def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) -> None:
     """Refuse a folder in which files would be overwritten.
 
     Parameters
@@ -42,7 +43,7 @@ def check_folder(folder: Any, names: Any, force: bool = False) -> None:
             raise FileError(f"'{folder}' holds {name} already: add --force to replace it, or choose another folder with --out")
 
 
-def write_folder(folder: Any, record: str, head: dict, files: dict, force: bool = False) -> list:
+def write_folder(folder: PathLike, record: str, head: dict, files: dict, force: bool = False) -> list:
     """Write files into a folder and last of all the JSON record that lists them: without it they are not whole.
 
     Parameters

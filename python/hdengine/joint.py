@@ -5,8 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from math import pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +14,20 @@ from . import _engine
 from ._check import array, checked, flag, integer, number, together
 from ._check import fields as check_fields
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _warned: set[str] = set()  # beginnings of the warnings that were given
+
+
+def _joint_of(lines):
+    """Values of a joint by name, as the engine makes it of a scene; lines 'group.key=value'."""
+    names = _engine.names("joint")
+    found = dict(zip(names, _engine.call("joint_of_scene", " ", lines, len(names)).tolist()))
+    return found | {flag: found[flag] > 0 for flag in ("paper", "plastic")}
+
+
+_OF_SCENES = _joint_of("joint.model='hu2023'")  # what a scene has unless it says otherwise
 
 
 class JointWarning(UserWarning):
@@ -24,7 +36,7 @@ class JointWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Joint:
-    """Material and surface of a rough joint.
+    """Material and surface of a rough joint; defaults: those of a scene.
 
     Parameters
     ----------
@@ -50,21 +62,21 @@ class Joint:
         Fully plastic spots unload elastically, k = 2 E a; otherwise they have no stiffness, as in the paper.
     """
 
-    e1: float = 209e9
-    nu1: float = 0.295
-    e2: float = 219e9
-    nu2: float = 0.30
-    nu_soft: float = 0.295
-    hardness: float = 2.8 * 835e6
-    fractal_dimension: float = 2.5304
-    roughness: float = 2.4248e-7
-    gamma: float = 1.5
-    asperity_radius: float = 5e-6
-    friction: float = 0.15
-    s_min: float = pi * 0.5e-6**2
-    reference_area: float = 0.25e-6
-    paper: bool = False
-    plastic: bool = False
+    e1: float = _OF_SCENES["e1"]
+    nu1: float = _OF_SCENES["nu1"]
+    e2: float = _OF_SCENES["e2"]
+    nu2: float = _OF_SCENES["nu2"]
+    nu_soft: float = _OF_SCENES["nu_soft"]
+    hardness: float = _OF_SCENES["hardness"]
+    fractal_dimension: float = _OF_SCENES["fractal_dimension"]
+    roughness: float = _OF_SCENES["roughness"]
+    gamma: float = _OF_SCENES["gamma"]
+    asperity_radius: float = _OF_SCENES["asperity_radius"]
+    friction: float = _OF_SCENES["friction"]
+    s_min: float = _OF_SCENES["s_min"]
+    reference_area: float = _OF_SCENES["reference_area"]
+    paper: bool = _OF_SCENES["paper"]
+    plastic: bool = _OF_SCENES["plastic"]
 
     def __post_init__(self) -> None:
         positive, ratio = number(above=0), number(above=-1, most=0.5)
@@ -74,7 +86,7 @@ class Joint:
                      plastic=flag)
 
     @classmethod
-    def of_scene(cls, scene: dict, friction: float | None = None) -> Any:
+    def of_scene(cls, scene: dict, friction: float | None = None) -> Joint:
         """Joint of a scene, as the engine makes it.
 
         Parameters
@@ -94,9 +106,7 @@ class Joint:
         if friction is not None:
             keys["contact.friction"] = friction
         lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
-        names = _engine.names("joint")
-        found = dict(zip(names, _engine.call("joint_of_scene", " ", lines or " ", len(names)).tolist()))
-        return cls(**found | {flag: found[flag] > 0 for flag in ("paper", "plastic")})
+        return cls(**_joint_of(lines))
 
     def __str__(self) -> str:
         p = self.asperity()[0]
@@ -174,13 +184,13 @@ class Joint:
         return p.shape, k_n.reshape(p.shape), k_t.reshape(p.shape), s_l.reshape(p.shape), d, iterations
 
     @checked(pressure=array(empty=True))
-    def largest_spot(self, pressure: Any) -> Any:
+    def largest_spot(self, pressure: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Largest contact spot s_l [m^2] under a pressure [Pa], and the Newton iterations it took."""
         _, _, _, s_l, _, iterations = self._facets(pressure, 0.0, None)
         return s_l, iterations
 
     @checked(pressure=number())
-    def warnings(self, pressure: Any) -> list:
+    def warnings(self, pressure: float) -> list:
         """What does not hold under the largest pressure [Pa].
 
         Returns
@@ -214,7 +224,7 @@ class Joint:
         return self._normal_law(pressure, zero_pressure, 0)
 
     @checked(closure=array(), zero_pressure=number(above=0))
-    def pressure(self, closure: Any, zero_pressure: float = 1e3) -> Any:
+    def pressure(self, closure: ArrayLike, zero_pressure: float = 1e3) -> tuple[np.ndarray, np.ndarray]:
         """Inverse of `closure`: pressure [Pa] and k_N [Pa/m], smooth and positive for every approach [m]."""
         return self._normal_law(closure, zero_pressure, 1)
 
@@ -329,7 +339,7 @@ class Joint:
         quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
         return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
-    def plot(self, pressure: ArrayLike | None = None, axis: Any = None) -> Any:
+    def plot(self, pressure: ArrayLike | None = None, axis: Axes | None = None) -> Axes:
         """K_N and K_T per nominal area over the pressure, the regimes of the largest spot shaded.
 
         Parameters
@@ -343,7 +353,7 @@ class Joint:
         -------
         matplotlib axes
         """
-        from .figures.run import plot_joint
+        from .figures.joint import plot_joint
 
         return plot_joint(self, np.logspace(4, 9, 200) if pressure is None else np.asarray(pressure), axis)
 
@@ -390,5 +400,6 @@ class Joint:
         by_area : ndarray (3,)
             Load [N], normal and tangential stiffness [N/m].
         """
-        properties, by_depth, by_area = _engine.asperity(self._parameters(), depth, area, tau, int(smooth))
-        return dict(zip(_engine.names("asperity"), properties)), by_depth, by_area
+        names = _engine.names("asperity")
+        properties, by_depth, by_area = _engine.call("asperity", self._parameters(), depth, area, tau, int(smooth), len(names))
+        return dict(zip(names, properties)), by_depth, by_area

@@ -2,8 +2,8 @@
 """Hexahedral meshes for `hdengine.solid`: mapped blocks, joined where nodes meet, and their boundary facets."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,7 +53,7 @@ class Mesh:
             raise InputError(f"cell {np.argmax(twice)} names a node twice")
 
     @property
-    def quadratic(self) -> Any:
+    def quadratic(self) -> bool:
         """Whether the cells have mid-side nodes."""
         return self.cells.shape[1] == 20
 
@@ -70,7 +70,10 @@ class Mesh:
         ndarray (k, 4) or (k, 8)
             Nodes, corners in turn, then mid-sides.
         """
-        chosen = np.asarray(chosen)
+        try:
+            chosen = np.asarray(chosen)
+        except ValueError:  # a list of unlike lengths
+            raise InputError("chosen is no array: must be true or false for each node") from None
         if chosen.shape != (len(self.points),) or chosen.dtype.kind != "b":
             raise InputError(f"chosen has shape {chosen.shape}, {chosen.dtype}: must be true or false for each of "
                              f"{len(self.points)} nodes")
@@ -78,7 +81,7 @@ class Mesh:
         every = self.cells[:, sides].reshape(-1, sides.shape[1])
         return every[chosen[every].all(1)]
 
-    def warp(self, function: Any) -> Any:
+    def warp(self, function: Callable[[np.ndarray], ArrayLike]) -> Mesh:
         """The mesh with its points (n, 3) moved by a function."""
         return Mesh(np.asarray(function(self.points), float), self.cells)
 
@@ -122,7 +125,7 @@ def block(x: ArrayLike, y: ArrayLike, z: ArrayLike, quadratic: bool = False) -> 
 
 
 @checked(tolerance=number(above=0, below=1))
-def merge(*meshes: Any, tolerance: float = 1e-9) -> Mesh:
+def merge(*meshes: Mesh, tolerance: float = 1e-9) -> Mesh:
     """Join meshes where their nodes meet.
 
     Parameters
@@ -147,7 +150,7 @@ def merge(*meshes: Any, tolerance: float = 1e-9) -> Mesh:
 
 
 @checked(first=number(), last=number(), size=number(above=0), growth=number(above=0))
-def graded(first: Any, last: Any, size: Any, growth: Any) -> np.ndarray:
+def graded(first: float, last: float, size: float, growth: float) -> np.ndarray:
     """Coordinates from `first` to `last` whose intervals start near `size` and grow by a factor.
 
     Returns

@@ -2,20 +2,23 @@
 """Torque-angle records of a test bench: stiffness by a fit that is differentiated, hysteresis, lost motion, K1 to K3."""
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._check import array, checked, integer, kind, number, word
 from ._engine import InputError
+from ._types import PathLike
 from .catalogue import UNITS, Unit, stages
 from .files import check_folder, csv_text, write_folder
 from .results import read_csv
-from .spline import Spline
+from .smoothing import Spline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ARCSEC = np.pi / 180 / 3600
 
@@ -48,7 +51,7 @@ class Curve:
             lines.append("{:12.4g}   {:13.0f}   {:.0f} to {:.0f}".format(t, *self.at(t)))
         return "\n".join(lines)
 
-    def at(self, torque_nm: Any) -> Any:
+    def at(self, torque_nm: float) -> tuple[float, ...]:
         """Stiffness and its band at a torque [N m/rad]."""
         return tuple(float(np.interp(torque_nm, self.torque_nm, y))
                      for y in (self.stiffness_nm_per_rad, self.low_nm_per_rad, self.high_nm_per_rad))
@@ -89,10 +92,10 @@ class Record:
                       for sense, part in ((1, self.up), (-1, self.down))}
 
     @classmethod
-    def read(cls, path: Any, **errors: Any) -> Any:
+    def read(cls, path: PathLike, **errors: Any) -> Record:
         """Record of a CSV table with columns torque_nm and angle_rad or angle_arcsec."""
         table = read_csv(path)
-        names = table.dtype.names
+        names = table.dtype.names or ()
         if "torque_nm" not in names or not {"angle_rad", "angle_arcsec"} & set(names):
             head = Path(path).read_text(errors="replace").lstrip().split("\n", 1)[0].strip()
             raise InputError(f"'{path}' begins with '{head[:80]}'; needed: a line of names, torque_nm and angle_rad or angle_arcsec"
@@ -180,7 +183,7 @@ class Record:
 
     @checked(unit=kind(Unit, optional=True), rated_torque_nm=number(above=0, optional=True), share=number(above=0, below=1),
              draws=integer(2, 10**5), seed=integer(0, 2**63 - 1))
-    def numbers(self, unit: Any = None, rated_torque_nm: float | None = None, share: float = 0.95, draws: int = 200,
+    def numbers(self, unit: Unit | None = None, rated_torque_nm: float | None = None, share: float = 0.95, draws: int = 200,
                 seed: int = 1) -> dict:
         """Figures of a catalogue with their bands.
 
@@ -214,7 +217,7 @@ class Record:
 
     FILES = ("record.json", "curve.csv", "record.png", "scene.nml")  #: that `write` leaves in a folder
 
-    def write(self, folder: str | os.PathLike, numbers: dict, source: str | os.PathLike, size: int, force: bool = False) -> list:
+    def write(self, folder: PathLike, numbers: dict, source: PathLike, size: int, force: bool = False) -> list:
         """Write what the record gives into a folder.
 
         Parameters
@@ -256,7 +259,7 @@ class Record:
         return (f"Record: {len(self.torque_nm)} readings, {len(self.branches)} branches, {self.torque_nm.min():.3g} to "
                 f"{self.torque_nm.max():.3g} N m, scatter of the angle {self._fits[1].residual / ARCSEC:.2f} arcsec")
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Loop and stiffness with its band (a matplotlib figure)."""
         from .figures.record import plot_record
 

@@ -6,17 +6,18 @@ import html
 import json
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import torsion
+from . import _engine, torsion
 from ._check import checked
 from ._check import path as a_path
 from ._engine import FileError
-from .elastic import joint_of_scene
+from ._types import PathLike
+from .elastic import ElasticJoint, joint_of_scene
 from .joint import Joint, JointWarning
 
 WORD = 24   # characters beyond which a table is left to the slow reader
@@ -43,7 +44,7 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
-def read_csv(path: Any, *needed: Any) -> Any:
+def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
     Raises
@@ -74,7 +75,7 @@ def read_csv(path: Any, *needed: Any) -> Any:
     return table
 
 
-def read_summary(folder: Any, *needed: Any) -> Any:
+def read_summary(folder: PathLike, *needed: str) -> dict:
     """summary.json of a finished run; entries that are needed must be there.
 
     Raises
@@ -88,7 +89,7 @@ def read_summary(folder: Any, *needed: Any) -> Any:
     return read_json(path, *needed)
 
 
-def read_json(path: Any, *needed: Any) -> Any:
+def read_json(path: PathLike, *needed: str) -> dict:
     """A JSON object; entries that are needed must be there.
 
     Raises
@@ -136,13 +137,14 @@ def _known(limit: Any) -> Any:
     return [np.nan if v is None else v for v in limit] if isinstance(limit, list) else limit
 
 
-def row_edges(area: Any, shape: Any, band_length: Any) -> Any:
+def row_edges(area: np.ndarray, shape: tuple[int, int], band_length: float) -> np.ndarray:
     """Ends of the facet rows, from the front edge of the band [m]; rows may be shorter towards its edges (mesh.edge_length)."""
     share = area.reshape(shape).sum(axis=0)
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_stiffness(facets: Any, joint: Any, sheared: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoint,
+                    sheared: bool = True) -> tuple[np.ndarray, np.ndarray]:
     """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
 
     Parameters
@@ -161,7 +163,7 @@ def facet_stiffness(facets: Any, joint: Any, sheared: bool = True) -> tuple[np.n
     return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear * sheared, facets["area_m2"][..., None]))
 
 
-def long_axis(facets: Any, shape: Any, positions: Any, band_length: Any) -> Any:
+def long_axis(facets: Mapping[str, np.ndarray], shape: tuple[int, int], positions: Sequence[float], band_length: float) -> dict:
     """Mean pressure and shear of the two facets beside theta = 0 in the rows next to Positions I-III [Pa]."""
     edges = row_edges(facets["area_m2"], shape, band_length)
     z = 0.5 * (edges[1:] + edges[:-1])
@@ -190,7 +192,7 @@ class Result:
     """
 
     @checked(folder=a_path)
-    def __init__(self, folder: Any) -> None:
+    def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
@@ -200,55 +202,55 @@ class Result:
         if len(table) != facets * len(self.steps):
             raise FileError(f"'{self.folder / 'contact.csv'}' has {len(table)} rows: must be {facets} facets times "
                             f"{len(self.steps)} load steps")
-        self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names}
+        self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
         self.shape = int(table["i_theta"].max()), int(table["i_z"].max())
 
     @property
-    def scene(self) -> Any:
+    def scene(self) -> dict:
         """All keys of the scene, 'group.key'."""
         return self.summary["scene"]
 
     @property
-    def complete(self) -> Any:
+    def complete(self) -> bool:
         """The run reached its last load step."""
         return self.summary["status"] == "complete"
 
     @property
-    def against_teeth(self) -> Any:
+    def against_teeth(self) -> bool:
         """The cup turns against the teeth, ring bonded: K_FTS is asked for, and Eq. 45 says nothing."""
         return self.scene["load.support"] == "teeth"
 
     @property
-    def teeth(self) -> Any:
+    def teeth(self) -> np.ndarray:
         """Force, share and closing of every pair of teeth and torque step (teeth.csv), a structured array."""
         return read_csv(self.folder / "teeth.csv")
 
     @property
-    def loop(self) -> Any:
+    def loop(self) -> np.ndarray:
         """Torque, angle, energies and largest forces of every step of the whole drive (loop.csv), a structured array."""
         return read_csv(self.folder / "loop.csv")
 
     @property
-    def balls(self) -> Any:
+    def balls(self) -> np.ndarray | None:
         """Force, share and closing of every ball and step (balls.csv), a structured array; None without balls."""
         return read_csv(self.folder / "balls.csv") if (self.folder / "balls.csv").exists() else None
 
     @property
-    def fatigue(self) -> Any:
+    def fatigue(self) -> np.ndarray:
         """Mean, amplitude and safety of the points of the flexspline's meridian (fatigue.csv), a structured array."""
         return read_csv(self.folder / "fatigue.csv")
 
     @property
-    def turning(self) -> Any:
+    def turning(self) -> np.ndarray | None:
         """Turn and stiffness at each place of the wave generator (turning.csv), a structured array; None where it stands."""
         return read_csv(self.folder / "turning.csv") if (self.folder / "turning.csv").exists() else None
 
     @property
-    def torque_nm(self) -> Any:
+    def torque_nm(self) -> np.ndarray:
         """Torque of each step [N m]."""
         return self.steps["torque_nm"]
 
-    def vectors(self, *names: Any) -> Any:
+    def vectors(self, *names: str) -> np.ndarray:
         """Columns stacked as (steps, facets, len(names))."""
         return np.stack([self.contact[name] for name in names], axis=-1)
 
@@ -277,13 +279,13 @@ class Result:
             np.tan(np.radians(s["wave_generator.cone_angle_deg"])))
         return k, paper
 
-    def row_edges(self) -> Any:
+    def row_edges(self) -> np.ndarray:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact["area_m2"][0], self.shape, self.scene["geometry.band_length"])
 
-    def rows(self) -> Any:
+    def rows(self) -> list:
         """One dict per load step with the columns of a study's table."""
-        steps = [{name: row[name].item() for name in self.steps.dtype.names} for row in self.steps]
+        steps = [{name: row[name].item() for name in self.steps.dtype.names or ()} for row in self.steps]
         for i, row in enumerate(steps):
             facets = {name: column[i] for name, column in self.contact.items()}
             row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
@@ -318,15 +320,15 @@ class Result:
         return preformatted(self)
 
     @property
-    def joint(self) -> Any:
+    def joint(self) -> Joint | ElasticJoint:
         """The Joint that the run computed the stiffness of its last step with."""
         return self.joint_at(-1)
 
-    def joint_at(self, step: Any) -> Any:
+    def joint_at(self, step: int) -> Joint | ElasticJoint:
         """The Joint of a load step: its shear is capped by the friction of that step (contact.torque_friction under a torque)."""
         return joint_of_scene(self.scene, float(self.steps["friction"][step]))
 
-    def torsional_band(self, *, level: float = 0.95, **errors: Any) -> np.ndarray:
+    def torsional_band(self, *, level: float = 0.95, **errors: float) -> np.ndarray:
         """K_TS of each step (Eq. 45) with a band from the standard errors of D and G.
 
         Parameters
@@ -365,7 +367,7 @@ class Result:
                 yield joint_of_scene({**self.scene, "joint.fractal_dimension": joint.fractal_dimension,
                                       "joint.roughness": joint.roughness}, friction)
 
-    def write_torsion(self) -> Any:
+    def write_torsion(self) -> Path:
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""
         k, paper = self.torsional_stiffness()
         path = self.folder / "torsion.csv"
@@ -391,13 +393,9 @@ class Result:
             was planned.
         """
         plan = self.summary.get("plan", {})
-        names = {"k_ts_bonded_nm_per_rad": "k_ts_tangent", "rotation_rad": "rotation", "normal_force_n": "normal_force",
-                 "pressure_mid_mean_pa": "mid_band_pressure", "k_fe_secant_nm_per_rad": "k_fts",
-                 "pressure_mid_max_pa": "mid_band_peak", "k_ts_tangent_steps_nm_per_rad": "k_ts_tangent_steps",
-                 "pressure_field_pa": "pressure_field",
-                 "k1_nm_per_rad": "k1", "k2_nm_per_rad": "k2", "k3_nm_per_rad": "k3", "hysteresis_rad": "hysteresis"}
+        names = zip(_engine.names("promises"), _engine.names("promise_names"))
         return {key: (_known(plan[key]), plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
-                for key, n in names.items() if key in plan}
+                for key, n in names if key in plan}
 
     def __repr__(self) -> str:
         r = self.summary["results"]
@@ -429,6 +427,6 @@ class Result:
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 
 
-def load(folder: Any) -> Any:
+def load(folder: PathLike) -> Result:
     """Result of a run folder."""
     return Result(folder)

@@ -2,8 +2,8 @@
 """Elastic bodies of your own meshes, alone or in frictional contact, solved by the engine (small displacements)."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -61,7 +61,7 @@ class Face:
         if any(len(set(f)) < len(f) for f in self.facets.tolist()):
             raise _engine.InputError("a facet names a node twice")
 
-    def arrays(self, period: Any) -> Any:
+    def arrays(self, period: float) -> tuple[np.ndarray, np.ndarray]:
         """Node numbers (nodes, k) from 1 and corner coordinates (2, 4, k), counter-clockwise."""
         facets = np.array(self.facets)
         corners = np.asarray(self.chart, float)[facets[:, :4]]
@@ -201,7 +201,7 @@ def _columns(values, n, steps, width):
 
 
 @checked(bodies=_bodies, fixed=_held, displacement=array(optional=True), force=array(optional=True), element=word(*_ELEMENTS))
-def static(bodies: Any, fixed: np.ndarray, displacement: np.ndarray | None = None, force: np.ndarray | None = None,
+def static(bodies: Sequence[Body], fixed: np.ndarray, displacement: np.ndarray | None = None, force: np.ndarray | None = None,
            element: str = "hex8i") -> np.ndarray:
     """Displacements of elastic bodies under forces and supports.
 
@@ -247,7 +247,7 @@ def static(bodies: Any, fixed: np.ndarray, displacement: np.ndarray | None = Non
          mode=word("bonded", "frictionless", "frictional"), element=word(*_ELEMENTS), period=number(least=0),
          scale=number(above=0, optional=True), tolerance=number(above=0, below=1), max_iterations=integer(1, 10000),
          max_slip=number(above=0, finite=False, optional=True))
-def contact(bodies: Any, slave: Any, master: Any, fixed: Any, displacement: np.ndarray | None = None,
+def contact(bodies: Sequence[Body], slave: Face, master: Face, fixed: np.ndarray, displacement: np.ndarray | None = None,
             force: np.ndarray | None = None, gap: np.ndarray | None = None, friction: float = 0.0, mode: str = "frictional",
             element: str = "hex8i", period: float = 0.0, scale: float | None = None, tolerance: float = 1e-10,
             max_iterations: int = 60, max_slip: float | None = None) -> Solution:

@@ -2,18 +2,17 @@
 """Torsional stiffness of the contact (Eq. 45) and of the drive (Eq. 46)."""
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from . import _engine
 from ._check import array, checked, flag, number, together
 from ._engine import InputError
 
 
 @checked(position=array(), normal=array())
-def lever_arms(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Lever of the normal and squared distance from the axis.
+def facet_weights(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of K_N and K_T in Eq. 45: squares of the levers of a facet's normal and of its plane about the z axis.
 
     Parameters
     ----------
@@ -22,14 +21,15 @@ def lever_arms(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, np.n
 
     Returns
     -------
-    lever_m, rho2_m2 : ndarray (...)
-        e_z . (r x n) and x^2 + y^2.
+    w_n, w_t : ndarray (...)
+        (e_z . (r x n))^2, and what it lacks of x^2 + y^2 [m^2].
     """
     shapes = np.shape(position), np.shape(normal)
     if any(shape[-1:] != (3,) for shape in shapes):
         raise InputError(f"position {shapes[0]}, normal {shapes[1]}: their last length must be 3")
     r, n = together(position=position, normal=normal)
-    return r[..., 0] * n[..., 1] - r[..., 1] * n[..., 0], r[..., 0] ** 2 + r[..., 1] ** 2
+    w_n, w_t = _engine.call("torsion_weights", r.reshape(-1, 3).T, n.reshape(-1, 3).T)
+    return w_n.reshape(r.shape[:-1]), w_t.reshape(r.shape[:-1])
 
 
 @checked(theta=array(), r=number(above=0), w=number(), slope=number(), homothetic=flag)
@@ -67,7 +67,7 @@ def ellipse_facet(theta: ArrayLike, r: float, w: float, slope: float = 0.0, homo
 def torsional_stiffness(k_n: ArrayLike, k_t: ArrayLike, position: ArrayLike, normal: ArrayLike) -> np.ndarray:
     """K_TS, [Eq. 45] put right: torque per rotation about the z axis.
 
-    K_TS = sum K_N lever^2 + K_T (rho^2 - lever^2).
+    K_TS = sum w_n K_N + w_t K_T (`facet_weights`).
 
     Parameters
     ----------
@@ -81,9 +81,9 @@ def torsional_stiffness(k_n: ArrayLike, k_t: ArrayLike, position: ArrayLike, nor
     ndarray (...)
         [N m/rad].
     """
-    lever, rho2 = lever_arms(position, normal)
-    k_n, k_t, lever, rho2 = together(k_n=k_n, k_t=k_t, lever=lever, rho2=rho2)
-    return np.sum(k_n * lever**2 + k_t * (rho2 - lever**2), axis=-1)
+    w_n, w_t = facet_weights(position, normal)
+    k_n, k_t, w_n, w_t = together(k_n=k_n, k_t=k_t, w_n=w_n, w_t=w_t)
+    return np.sum(k_n * w_n + k_t * w_t, axis=-1)
 
 
 @checked(k_n=array(empty=True), k_t=array(empty=True), theta=array(), r=number(above=0), w=number(), slope=number())
@@ -112,18 +112,15 @@ def torsional_stiffness_paper(k_n: ArrayLike, k_t: ArrayLike, theta: ArrayLike, 
         [N].
     """
     k_n, k_t, theta = together(k_n=k_n, k_t=k_t, theta=theta)
-    a, b = r + w, r - w
-    alpha = np.arctan(slope)
-    s, c = np.sin(theta), np.cos(theta)
-    cos_beta = np.abs(s) * b / np.hypot(b * s, b * c + a * s)
-    diameter = 2 * np.hypot(a * c, b * s)
-    return np.sum((k_n * np.sin(alpha) + k_t * np.cos(alpha)) * cos_beta * diameter, axis=-1)
+    angles = np.asarray(theta)
+    w_n, w_t = (w.reshape(angles.shape) for w in _engine.call("torsion_weights_printed", angles.ravel(), r, w, slope))
+    return np.sum(k_n * w_n + k_t * w_t, axis=-1)
 
 
 _stiffness = number(least=0)
 
 
-def series(*stiffness: Any) -> Any:
+def series(*stiffness: float) -> float:
     """Springs in series [Eq. 46], in N m/rad; 0 if any of them is 0.
 
     Raises
@@ -138,7 +135,7 @@ def series(*stiffness: Any) -> Any:
 
 
 @checked(k_total=number(), k_part=number())
-def remaining_stiffness(k_total: Any, k_part: Any) -> Any:
+def remaining_stiffness(k_total: float, k_part: float) -> float:
     """Stiffness in series with `k_part` that makes `k_total` ([Eq. 46] inverted), in N m/rad.
 
     Raises

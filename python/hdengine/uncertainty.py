@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,13 @@ import numpy as np
 
 from . import torsion
 from ._engine import InputError
+from ._types import PathLike, Value
 from .contact import read_scene
 from .elastic import joint_of_scene
-from .results import facet_stiffness
-from .studies.study import Study
+from .results import Result, facet_stiffness
+from .studies.study import Study, StudyResult
 
-# key: (low, high, why); docs/evidence/sensitivity.md has the sources
+# key: (low, high, why)
 JOINT = {
     "joint.asperity_radius": (3.74e-6, 6.30e-6, "fits to boundary elements: both cut-offs, the finer one"),
     "joint.s_min": (4.9e-13, 2.4e-12, "fits to boundary elements: the coarser cut-off, both"),
@@ -53,7 +55,7 @@ class ContactField:
         Row of steps.csv; default: the last.
     """
 
-    def __init__(self, result: Any, step: int = -1) -> None:
+    def __init__(self, result: Result, step: int = -1) -> None:
         self.scene = dict(result.scene)
         self._facets = c = {name: column[step] for name, column in result.contact.items()}
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
@@ -63,7 +65,7 @@ class ContactField:
     def __repr__(self) -> str:
         return f"ContactField: {len(self._facets['area_m2'])} facets at {self.torque_nm:g} N m"
 
-    def k_ts(self, **keys: Any) -> Any:
+    def k_ts(self, **keys: Value) -> float:
         """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
         scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
         changed = "contact.friction" in {k.replace("__", ".", 1) for k in keys}
@@ -74,7 +76,7 @@ class ContactField:
             return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field: Any, ranges: Any = JOINT) -> dict:
+def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
     """K_TS at both ends of each range, the others at the scene's values.
 
     Returns
@@ -86,7 +88,7 @@ def joint_tornado(field: Any, ranges: Any = JOINT) -> dict:
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 
-def joint_band(field: Any, ranges: Any = JOINT, draws: int = 500, level: float = 0.95, seed: int = 1) -> tuple:
+def joint_band(field: ContactField, ranges: Mapping = JOINT, draws: int = 500, level: float = 0.95, seed: int = 1) -> tuple:
     """Band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
 
     Returns
@@ -107,7 +109,7 @@ def _point(ranges, unit):
     return point
 
 
-def joint_indices(field: Any, ranges: dict = JOINT, base: int = 128, seed: int = 1) -> dict:
+def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, seed: int = 1) -> dict:
     """First-order and total variance-based indices of K_TS (Sobol; needs SALib: pip install 'hdengine[sensitivity]').
 
     Parameters
@@ -149,7 +151,7 @@ def _same(a, b):
     return a == b if isinstance(a, str) else abs(a - b) <= 1e-9 * max(abs(a), abs(b))
 
 
-def one_at_a_time(scene: str | os.PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Any:
+def one_at_a_time(scene: PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Study:
     """Study with the scene itself and five places of each range: point 0, then those of each key that differ from the scene.
 
     Parameters
@@ -177,7 +179,7 @@ def _solved(result, key, column):
     return value[0], {row[key]: value[point] for point, row in rows.items() if point == 0 or row[key] != rows[0][key]}
 
 
-def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_rad") -> tuple:
+def drive_tornado(result: StudyResult, ranges: Mapping | None = None, column: str = "k_ts_nm_per_rad") -> tuple:
     """Ends of each range from the study of `one_at_a_time`.
 
     Returns
@@ -194,7 +196,7 @@ def drive_tornado(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_ra
     return base, dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
 
 
-def drive_curves(result: Any, ranges: Any = None, column: str = "k_ts_nm_per_rad") -> dict:
+def drive_curves(result: StudyResult, ranges: Mapping | None = None, column: str = "k_ts_nm_per_rad") -> dict:
     """K_TS over each input from the study of `one_at_a_time`, relative to that of the scene.
 
     Parameters
@@ -250,7 +252,7 @@ GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
 }
 
 
-def bands(field: Any, curves: Any = None, draws: int = 500, level: float = 0.95, seed: int = 1,
+def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, level: float = 0.95, seed: int = 1,
           ranges: dict | None = None) -> dict:
     """Bands of K_TS when groups of inputs scatter over their ranges.
 
@@ -281,7 +283,7 @@ def bands(field: Any, curves: Any = None, draws: int = 500, level: float = 0.95,
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
                 low, high = ranges[key][:2]
-                value *= float(_follow(curves[key], low + (high - low) * generator.random()))
+                value *= float(_follow((curves or {})[key], low + (high - low) * generator.random()))
             values.append(value)
         found[name] = tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
     return found
@@ -291,7 +293,7 @@ DRIVE_GROUPS = {"joint": ("joint.",), "friction": ("contact.friction",), "geomet
                 "Young's moduli": ("material.",), "all": ("",)}
 
 
-def table_ranges(scene: dict, folder: str | os.PathLike) -> dict:
+def table_ranges(scene: dict, folder: PathLike) -> dict:
     """Range of a joint's table from its own band: its low and its high columns as two tables in a folder.
 
     Parameters
@@ -373,7 +375,7 @@ def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, 
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
 
 
-def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
+def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
     """Tornado, bands and indices of a finished run, into its folder.
 
     Parameters
@@ -403,7 +405,9 @@ def analyse(folder: str | os.PathLike, drive: bool = False, draws: int = 500, so
     if not field.k_ts() > 0:
         raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "
                          "Take joint.model='spectrum', or a load under which the faces touch")
-    curves, figures, found = None, {}, {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": {}}
+    figures: dict = {}
+    found: dict[str, Any]
+    curves, found = None, {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": {}}
     table = result.scene["joint.model"] in ("table", "boundary_elements")   # no key of the joint moves it
     if not table:
         found["joint"] = joint_tornado(field)

@@ -9,12 +9,14 @@ program hd_tester
   use test_cup_sections, only: run_cup_sections
   use test_element, only: run_element
   use test_fft, only: run_fft
+  use test_gauss, only: run_gauss
   use test_hertz, only: run_hertz
   use test_heights, only: run_heights
   use test_parameters, only: run_parameters
   use test_random, only: run_random
   use test_interface, only: run_interface
   use test_mesh_series, only: run_mesh_series
+  use test_named_values, only: run_named_values
   use test_pairing, only: run_pairing
   use test_registers, only: run_registers
   use test_rotation, only: run_rotation
@@ -35,6 +37,7 @@ program hd_tester
   call run_ball_patch()
   call run_band()
   call run_fft()
+  call run_gauss()
   call run_hertz()
   call run_spectral_model()
   call run_spline_ring()
@@ -49,8 +52,9 @@ program hd_tester
   call run_registers()
   call run_rotation()
   call run_mesh_series()
+  call run_named_values()
   call run_rub()
   call run_section()
   call run_cup_sections()
-  if (.not. report_checks()) stop 1, quiet=.true.
+  if (.not. report_checks()) stop 1
 end program hd_tester

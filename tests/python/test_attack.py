@@ -1,32 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrong arguments end with the package's errors: never with a raw error from inside, never with the end of the process."""
-import importlib.util
-import sys
 import warnings
 
 import numpy as np
 import pytest
+from api_targets import targets
 
 import hdengine
-from conftest import ROOT
 from hdengine import mesh, solid, surface
 
 hypothesis = pytest.importorskip("hypothesis")
 st = hypothesis.strategies
 
 
-def script(name):
-    """A script of bench/ as a module; it imports others of its folder."""
-    if str(ROOT / "bench") not in sys.path:
-        sys.path.append(str(ROOT / "bench"))
-    spec = importlib.util.spec_from_file_location(name, ROOT / f"bench/{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-TARGETS = {name: (function, arguments) for name, function, arguments in script("attack_api").targets()}
+TARGETS = {name: (function, arguments) for name, function, arguments in targets()}
 numbers = st.one_of(st.floats(), st.integers(-(2**70), 2**70), st.booleans(), st.sampled_from([0, 1, -1, 1e-300, 1e300, 1j]))
 words = st.one_of(st.text(max_size=5), st.binary(max_size=3), st.none())
 shaped = st.tuples(st.lists(st.integers(0, 4), max_size=3), st.floats(), st.sampled_from(["f8", "i4", "U1", "O", "?"])).map(
@@ -96,6 +83,7 @@ def test_specimens_hold_what_is_checked():
                        (lambda: hdengine.Joint().stiffness([1e6, np.nan]), r"pressure\[1\] = nan"),
                        (lambda: hdengine.Joint().stiffness([1e6] * 3, [1.0] * 2), r"pressure \(3,\), shear \(2,\)"),
                        (lambda: hdengine.specimen.Specimen(np.ones((3, 3)), "um"), "spacing = 'um'"),
+                       (lambda: mesh.block([0, 1], [0, 1], [0, 1]).facets([[], 1]), "chosen is no array"),
                        (lambda: hdengine.read_scene("", load={"torque": object()}), "a key takes"),
                        (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
         with pytest.raises(hdengine.InputError, match=says):

@@ -7,7 +7,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT
-from hdengine.surfaces import composite, roughness, specimen
+from hdengine.surfaces import composite, specimen
 from hdengine.surfaces.specimen import Specimen
 
 SURFACES = ROOT.parent / "shared/surfaces"
@@ -55,17 +55,6 @@ def test_maps_of_different_spacing_are_brought_to_one():
     assert np.isnan(resampled.heights[0, 0]) and np.isfinite(resampled.heights[5:, 5:]).all()
     y, x = np.mgrid[: resampled.heights.shape[0], : resampled.heights.shape[1]] - np.array([15.0, 24.0])[:, None, None]
     assert np.nanmax(abs(resampled.heights - (x**3 + y**3 - x**2 * y))) < 1e-9 * np.nanmax(abs(fine))
-
-
-def test_spectra_of_even_rows_hold_the_variance():
-    """White noise has a flat one-sided spectrum; at Nyquist's frequency of even rows it is half of that, for that bin is its own
-    mirror image."""
-    z = np.random.default_rng(4).standard_normal((4000, 16))
-    f, density = roughness.psd(z, 1.0)
-    assert density[-1] == pytest.approx(density[2:-1].mean() / 2, rel=0.1)
-    assert np.sum(density[2:-2]) / len(density[2:-2]) == pytest.approx(2.0, rel=0.05)
-    f, density = roughness.psd(z[:, :15], 1.0)
-    assert density[-1] == pytest.approx(density[2:-1].mean(), rel=0.1)
 
 
 XML = """<?xml version='1.0'?>

@@ -231,7 +231,7 @@ def test_a_groove_for_the_balls(exe, tmp_path):
 
 
 def test_points_that_all_slip_are_said(exe, tmp_path):
-    """Scene 239 of bench/random_drives.py: a ring with clearance touches the cup at a few points, none of which sticks, and the
+    """Drive 239 of bench/random_runs.py: a ring with clearance touches the cup at a few points, none of which sticks, and the
     iteration runs in a cycle. The run ends with code 4 and says so, with the keys that help; a little less eccentricity converges."""
     def run(eccentricity):
         return call(exe, ROOT / "data/drive14_hat.nml", *LOOSE, f"wave_generator.eccentricity={eccentricity}", "--out", tmp_path / "r",

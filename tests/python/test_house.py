@@ -3,6 +3,7 @@
 import ast
 import re
 import sys
+import warnings
 
 import pytest
 
@@ -17,9 +18,9 @@ ROOMS = {"common": [["base"], ["io", "lib"]], "surface": [["generate", "fit"], [
          "contact": [["elements"], ["interface"], ["problem"], ["solvers"], ["solid"]],
          "drive": [["joint", "scene"], ["model"], ["results"], ["run"], ["plan"]]}
 FLOOR = {(wing, room): floor for wing, floors in ROOMS.items() for floor, rooms in enumerate(floors) for room in rooms}
-MOST_FILES = 15
+MOST_FILES, MOST_LINES = 15, 450
 PACKAGE = ROOT / "python/hdengine"
-PYTHON_FLOORS = [["_engine"], ["_check"], ["torsion", "catalogue", "spline", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
+PYTHON_FLOORS = [["_engine", "_types"], ["_check"], ["torsion", "catalogue", "smoothing", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
                  ["elastic"], ["results"], ["files"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction"],
                  ["uncertainty", "completion"], ["report"], ["cli"], ["__main__"],
                  ["__init__"]]
@@ -78,9 +79,27 @@ def test_python_looks_down(path):
                 assert PYTHON_FLOOR[target] < PYTHON_FLOOR[room], f"{path.name} ({room}) imports {target}"
 
 
+def imported(path):
+    """Modules of its own folder that a module imports, inside of functions too."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            names |= {node.module.split(".")[0]} if node.module else {alias.name for alias in node.names}
+    return {name for name in names if (path.parent / f"{name}.py").exists()}
+
+
+@pytest.mark.parametrize("folder", [p for p in PACKAGE.rglob("*") if (p / "__init__.py").exists()], ids=lambda p: p.name)
+def test_no_circle_inside_a_folder(folder):
+    """Modules of one folder import each other one way."""
+    below = {p.stem: imported(p) for p in folder.glob("*.py")}
+    while free := {name for name, needs in below.items() if not needs & set(below)}:
+        below = {name: needs for name, needs in below.items() if name not in free}
+    assert not below, f"a circle through {', '.join(sorted(below))}"
+
+
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: "/".join(p.relative_to(PACKAGE).parts))
 def test_public_functions_say_their_types(path):
-    """Every public function and method of the package annotates its arguments and what it gives."""
+    """Every public function and method of the package annotates its arguments and what it gives; `Any` only what is passed on."""
     if path.stem.startswith("_") and path.stem != "_engine":
         return
     tree = ast.parse(path.read_text())
@@ -91,19 +110,29 @@ def test_public_functions_say_their_types(path):
                 given = [*f.args.posonlyargs, *f.args.args, *f.args.kwonlyargs, f.args.vararg, f.args.kwarg]
                 bare = [a.arg for a in given if a and a.annotation is None and a.arg not in ("self", "cls")]
                 assert f.returns is not None and not bare, (f.name, bare)
+                vague = [a.arg for a in given if a and a is not f.args.kwarg and a.annotation is not None
+                         and ast.unparse(a.annotation) == "Any"]
+                assert not vague, f"{f.name} says nothing about {', '.join(vague)}"
 
 
-def test_python_rooms_are_small():
-    """No folder of the package holds more than fifteen modules beside `__init__` and `__main__`."""
-    for folder in (PACKAGE, *(p for p in PACKAGE.iterdir() if p.is_dir() and p.name != "__pycache__")):
-        assert len([p for p in folder.glob("*.py") if p.stem not in ("__init__", "__main__")]) <= MOST_FILES
+def test_sizes_are_told():
+    """A room of more than fifteen modules and a module of more than 450 lines are worth a look: warnings, no failures, for a module
+    is one noun, whatever its length."""
+    rooms = [PACKAGE, *(p for p in PACKAGE.iterdir() if (p / "__init__.py").exists()), *(p.parent for p in SOURCES)]
+    for room in sorted(set(rooms)):
+        count = len([p for p in room.iterdir() if p.suffix in (".py", ".f90", ".c", ".inc")])
+        if count > MOST_FILES + 2 * (room == PACKAGE):  # __init__ and __main__
+            warnings.warn(f"{room.relative_to(ROOT)} holds {count} modules", stacklevel=1)
+    for path in ALL:
+        if (count := len(path.read_text().splitlines())) > MOST_LINES:
+            warnings.warn(f"{path.relative_to(ROOT)} has {count} lines", stacklevel=1)
+    assert len(set(rooms)) > 10 and len(ALL) > 200
 
 
 @pytest.mark.parametrize("path", ALL, ids=lambda p: p.stem)
-def test_files_are_short_and_licensed(path):
-    """No file above 450 lines, each names its licence, none has a line above 132 characters."""
+def test_files_are_licensed(path):
+    """Each file names its licence, none has a line above 132 characters."""
     lines = path.read_text().splitlines()
-    assert len(lines) <= 450
     assert "SPDX-License-Identifier: GPL-3.0-or-later" in lines[0]
     assert max(map(len, lines)) <= 132
 

@@ -11,8 +11,9 @@ import hdengine
 from hdengine import cli
 from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space, patches
+from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.choice import SCATTER, choose
-from hdengine.prediction.law import Bodies, predict
+from hdengine.prediction.law import predict
 from hdengine.prediction.spectrum import Spectrum, bands, of_map
 
 DX = (1e-6, 1e-6)

@@ -14,7 +14,6 @@ mpmath = pytest.importorskip("mpmath")
 from oracle import Oracle, mpf  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("ignore::hdengine.JointWarning")
-FAST, ALL = 150, 2000
 
 
 def random_joint(rng):
@@ -24,12 +23,11 @@ def random_joint(rng):
                  friction=rng.uniform(0.05, 0.5), hardness=10 ** rng.uniform(9, 10), nu_soft=rng.uniform(0.2, 0.45))
 
 
-@pytest.mark.parametrize("count, seed", [(FAST, 1), pytest.param(ALL, 2, marks=pytest.mark.full)])
-def test_random_cases(count, seed):
+def test_random_cases():
     """Load 1e-13, K_N 1e-12 and K_T 1e-11 relative over D, nine decades of pressure, s_min, no shear to past full slip."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     worst = np.zeros(3)
-    for _ in range(count):
+    for _ in range(600):
         joint = random_joint(rng)
         oracle = Oracle(joint)
         pressure = 10 ** rng.uniform(0, 9)

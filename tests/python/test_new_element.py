@@ -2,15 +2,10 @@
 """The worked example of docs/explain/new_element.md: its changes fit the sources, and the element that they add does what the page says."""
 import re
 import shutil
-import sys
 
 import numpy as np
 import pytest
-
-from conftest import ROOT
-
-sys.path.insert(0, str(ROOT / "bench"))
-from new_element import PAGE, changed_stiffness, tube_error  # noqa: E402
+from new_element import PAGE, changed_stiffness, tube_error
 
 pytestmark = pytest.mark.skipif(not shutil.which("git"), reason="git applies the changes")
 

@@ -30,7 +30,7 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN = {"docs/start/install.md": "conda-forge is not reachable from the machine that runs the tests"}
 PROVED = "tools/prove_install.sh"
 BUILT = ROOT / ".venv/stamp-package"
-LONG_ROWS = {"paper_figures.md": 160}  # figures of the paper and ours, as their record has them
+LONG_ROWS = {"comparison.md": 160}  # figures of the paper and ours, as their record has them
 
 
 def blocks(page):

@@ -48,15 +48,6 @@ def test_arithmetic_of_the_paper():
     assert verdict["K_WTS above K_TS (Eq. 46)"] == verdict["step of the bench against its angle error"] == "cannot agree"
 
 
-def test_docs_hold_what_was_computed():
-    """The table of docs/evidence/paper_figures.md is that of bench/results/paper_comparison.json, row by row."""
-    import json
-
-    rows = json.loads((ROOT / "bench/results/paper_comparison.json").read_text())["rows"]
-    table = paper.markdown([paper.Row(*(r[name] for name in paper.Row.HEAD)) for r in rows])
-    assert table in (ROOT / "docs/evidence/paper_figures.md").read_text()
-
-
 def test_series_of_a_study(tmp_path):
     """The study of Fig. 10 puts K_TS and K_FTS of each torque in series, softer than both; its figure and rows are made."""
     from hdengine.figures.study import plot_study

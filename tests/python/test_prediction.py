@@ -11,7 +11,8 @@ from conftest import ROOT, call
 from hdengine import cli
 from hdengine.elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space
-from hdengine.prediction.law import Bodies, predict
+from hdengine.prediction.bodies import Bodies
+from hdengine.prediction.law import predict
 from hdengine.prediction.spectrum import of_map
 
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)

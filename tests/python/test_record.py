@@ -11,14 +11,14 @@ import hdengine
 from conftest import ROOT
 from hdengine.cli import main
 from hdengine.record import ARCSEC, Record
-from hdengine.spline import Spline, basis
+from hdengine.smoothing import Spline, basis
 
-sys.path.insert(0, str(ROOT / "bench"))
-import torque_record as bench  # noqa: E402
+sys.path.insert(0, str(ROOT / "data"))
+import make_torque_record as bench  # noqa: E402
 
 
 def test_committed_record_is_that_of_the_script():
-    """data/torque_record.csv is what bench/torque_record.py writes."""
+    """data/torque_record.csv is what data/make_torque_record.py writes."""
     torque, turn = bench.record()
     r = Record.read(ROOT / "data/torque_record.csv")
     np.testing.assert_allclose(r.torque_nm, torque, atol=1e-9)

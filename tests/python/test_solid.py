@@ -93,16 +93,32 @@ def test_blocks_join_and_show_their_sides():
 
 
 def test_a_solid_problem_knows_its_fields():
-    """A field that does not exist, one of the wrong size and a problem that is closed are errors that name what is valid."""
-    from hdengine import _engine
+    """A field that does not exist is an internal error, put or asked for; one of the wrong size and a problem that is closed are
+    errors of the input."""
     from hdengine.solid import _Problem
 
     with _Problem("hex8", angle=[0.0] * 8) as problem:
-        with pytest.raises(hdengine.InputError, match="no field 'angel'; valid: node_end"):
+        with pytest.raises(hdengine.InternalError, match="no field 'angel'"):
             problem.put("angel", [0.0])
+        with pytest.raises(hdengine.InternalError, match="no field 'openning'"):
+            problem.get("openning")
         with pytest.raises(hdengine.InputError, match="'cell_end' of a solid problem has 0 numbers"):
             problem.solve()
     with pytest.raises(hdengine.InputError, match="closed"):
         problem.solve()
+
+
+def test_names_of_numbers_fail_loudly():
+    """A list of numbers for the engine takes exactly the names of the list: a misspelt, a missing and an unknown one are internal
+    errors."""
+    from hdengine import _engine
+
+    given = dict.fromkeys(_engine.names("joint"), 1.0)
+    assert _engine.named("joint", **given).tolist() == [1.0] * len(given)
+    with pytest.raises(hdengine.InternalError, match="differ by palstic"):
+        _engine.named("joint", **given, palstic=1.0)
+    del given["plastic"]
+    with pytest.raises(hdengine.InternalError, match="differ by plastic"):
+        _engine.named("joint", **given)
     with pytest.raises(hdengine.InternalError, match="no list of names 'wrong'"):
         _engine.names("wrong")

@@ -33,13 +33,11 @@ def assert_same(a, b, within=1e-9):
 @pytest.mark.parametrize("keys", [[], ["wave_generator.eccentricity=5e-6", "contact.friction=0.5"], ["mesh.ring_divisions=20"],
                                   ["contact.mode=bonded"], LARGE, FORMED], ids=str)
 def test_factors_change_nothing(exe, tmp_path, keys):
-    """GMRES around symmetric factors, in double and single precision, or around the round bodies, gives what exact factors give; with
-    large displacements as far as pairs may be left from their places, 1e-5 of the radius."""
-    exact = solve(exe, tmp_path / "exact", *keys, "solver.method=newton", "solver.factors=exact")
-    for factors in ("symmetric", "single", "harmonic"):
-        r = solve(exe, tmp_path / factors, *keys, "solver.method=newton", f"solver.factors={factors}")
-        assert_same(r, exact, 1e-6 if keys == LARGE else 1e-9)
-        assert r.summary["model"]["inner_iterations"] > 0 and "GMRES" in r.summary["model"]["solver"]
+    """GMRES around the round bodies gives what exact factors give; with large displacements as far as pairs may be left from their
+    places, 1e-5 of the radius."""
+    exact, r = (solve(exe, tmp_path / factors, *keys, "solver.method=newton", f"solver.factors={factors}") for factors in ("exact", "harmonic"))
+    assert_same(r, exact, 1e-6 if keys == LARGE else 1e-9)
+    assert r.summary["model"]["inner_iterations"] > 0 and "GMRES" in r.summary["model"]["solver"]
 
 
 def test_round_bodies_take_few_steps(exe, tmp_path):
@@ -64,35 +62,34 @@ def test_slip_at_short_cells_takes_few_steps(exe, tmp_path):
     assert 0 < summary["model"]["inner_iterations"] < 60 * summary["results"]["iterations"]
 
 
-@pytest.mark.parametrize("keys", [["solver.factors=single"], ["solver.factors=harmonic", *LARGE], ["solver.factors=harmonic", *FORMED]],
-                         ids=lambda k: k[0] + k[-1])
+@pytest.mark.parametrize("keys", [[], LARGE, FORMED], ids=str)
 def test_newton_uses_symmetry(exe, tmp_path, keys):
     """Quarter, half and full give the same tractions with the Newton matrix too, round, turned or formed."""
-    results = {s: solve(exe, tmp_path / s, *keys, "solver.method=newton", f"solver.symmetry={s}") for s in ("full", "half", "quarter")}
+    results = {s: solve(exe, tmp_path / s, *keys, "solver.method=newton", "solver.factors=harmonic", f"solver.symmetry={s}") for s in ("full", "half", "quarter")}
     for s in ("half", "quarter"):
         assert results[s].summary["model"]["symmetry_assembly"] == s
         assert_same(results[s], results["full"], 1e-6 if LARGE[0] in keys else 1e-9)  # pairs: see above
 
 
 @pytest.mark.parametrize("keys, name", [([], "condensed by harmonics"), (LARGE, "GMRES"), (FORMED, "GMRES"),
-                                        (["solver.method=newton", "solver.factors=symmetric"], "symmetric factors")], ids=str)
+                                        (["solver.method=newton", "solver.factors=exact"], "MUMPS")], ids=str)
 def test_choice_is_told(exe, tmp_path, keys, name):
-    """Summary and log name the solver chosen, the fastest by prediction, with all predictions behind it."""
+    """Summary and log name the solver chosen, the fastest and smallest by prediction, with all predictions behind it."""
     done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "r")
     assert done.returncode == 0, done.stderr
     s = json.loads((tmp_path / "r/summary.json").read_text())
     predicted = s["predicted"]
     assert name in s["model"]["solver"]
-    assert predicted[predicted["solver"] + "_s"] == min(v for k, v in predicted.items() if k.endswith("_s"))
+    for unit, limit in (("_s", None), ("_mb", "memory_allowed_mb")):
+        assert predicted[predicted["solver"] + unit] == min(v for k, v in predicted.items() if k.endswith(unit) and k != limit)
     assert ("predicted: " in done.stdout) == (len(predicted) > 4)
 
 
-NAMES = {"condensed": "condensed by harmonics", "schur": "condensed by Schur complement", "harmonic": "GMRES, condensed by harmonics",
-         "single": "GMRES, symmetric factors in single precision", "symmetric": "GMRES, symmetric factors", "exact": "Newton matrix, MUMPS"}
+NAMES = {"condensed": "condensed by harmonics", "harmonic": "GMRES, condensed by harmonics", "exact": "Newton matrix, MUMPS"}
 
 
-@pytest.mark.parametrize("keys", [["wave_generator.ring_contact=unilateral", "contact.slave=cup"], ["solver.method=schur"], ["solver.factors=exact"],
-                                  ["solver.factors=single"], ["solver.method=newton"]], ids=str)
+@pytest.mark.parametrize("keys", [["wave_generator.ring_contact=unilateral", "contact.slave=cup"], ["solver.factors=exact"], ["solver.factors=harmonic"],
+                                  ["solver.method=newton"]], ids=str)
 def test_the_solver_predicted_is_the_one_that_ran(exe, tmp_path, keys):
     """`predicted.solver` names the solver that ran, and MUMPS says which ordering it used: the one handed in."""
     done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "r")
@@ -118,7 +115,8 @@ def test_predicted_order_is_the_measured_one():
     """Of every two solvers whose measured time or memory differs by more than a factor of two, the prediction names the cheaper one."""
     scenes = {}
     for row in json.loads((ROOT / "bench/results/solver_choice.json").read_text())["rows"]:
-        scenes.setdefault(row["scene"], []).append(row)
+        if row["solver"] in NAMES:
+            scenes.setdefault(row["scene"], []).append(row)
     assert len(scenes) >= 6
     pairs = wrong = 0
     for rows in scenes.values():
@@ -129,11 +127,10 @@ def test_predicted_order_is_the_measured_one():
                 pairs += 1
                 p = [r["predicted"][r["solver"] + predicted] for r in (a, b)]
                 wrong += (p[0] > p[1]) != (a[measured] > b[measured])
-    assert pairs > 40 and wrong == 0
+    assert pairs > 15 and wrong == 0
 
 
-@pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.method=schur"],
-                                  *(["solver.method=newton", f"solver.factors={f}"] for f in ("single", "symmetric", "exact")),
+@pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.method=newton", "solver.factors=exact"],
                                   ["solver.method=newton", "solver.factors=harmonic", *LARGE]], ids=lambda k: k[-1])
 def test_memory_is_refused_for_every_solver(exe, tmp_path, keys):
     """A mesh beyond the limit: code 6 with the need, the limit, and what to reduce, before anything is allocated."""
@@ -160,21 +157,11 @@ def test_a_limit_of_the_shell_counts_as_the_machines(exe, tmp_path):
     assert hdengine.load(tmp_path / "m").summary["predicted"]["memory_allowed_mb"] == pytest.approx(0.8 * (500000 / 1024 - 300))
 
 
-def test_short_memory_takes_a_smaller_solver(exe, tmp_path):
-    """Where the fastest solver does not fit, the next that does is taken, with the same tractions; one that nothing fits is refused."""
-    keys = [*FORMED, "mesh.divisions=8", "mesh.band_facets=220", "solver.method=newton", "load.assembly_steps=1", "load.torque_steps=0",
-            "solver.tolerance=1e-10", "output.vtu=none"]
-
-    def run(name, *more):
-        done = call(exe, CD14, *keys, *more, "--out", tmp_path / name)
-        return done, hdengine.load(tmp_path / name) if done.returncode == 0 else None
-
-    _, free = run("free")
-    predicted = free.summary["predicted"]
-    need = {name: predicted[name + "_mb"] for name in ("harmonic", "single")}
-    assert predicted["solver"] == "harmonic" and predicted["harmonic_s"] < predicted["single_s"] and need["single"] < need["harmonic"]
-    _, short = run("short", f"mesh.memory_limit_mb={sum(need.values()) / 2}")
-    assert short.summary["predicted"]["solver"] == "single" and "single precision" in short.summary["model"]["solver"]
-    assert_same(short, free)
-    done, _ = run("none", f"mesh.memory_limit_mb={need['single'] - 1}")
-    assert done.returncode == 6 and "mesh.memory_limit_mb" in done.stderr
+@pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.factors=harmonic"]], ids=str)
+def test_harmonics_need_round_bodies(exe, tmp_path, keys):
+    """A cup on a ring that may lift off has no harmonics: asked for, they are refused with what is valid; by default exact factors run."""
+    scene = [CD14, *SMALL, "wave_generator.ring_contact=unilateral", "contact.slave=cup", "load.torque_steps=0"]
+    done = call(exe, *scene, *keys, "--out", tmp_path / "r", "-q")
+    assert done.returncode == 2 and "two bodies of revolution; valid: auto" in done.stderr
+    assert call(exe, *scene, "--out", tmp_path / "a", "-q").returncode == 0
+    assert hdengine.load(tmp_path / "a").summary["predicted"]["solver"] == "exact"

@@ -17,8 +17,8 @@ from hdengine import _engine
 from hdengine.cli import main
 from hdengine.figures.study import axes_of, draw, plot_study
 from hdengine.figures.style import new_axes
-from hdengine.studies import namelist, workers
 from hdengine.studies import study as study_module
+from hdengine.studies import workers
 from hdengine.studies.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
@@ -205,25 +205,6 @@ def test_axes():
         Study(together={"a.b": [1], "c.d": [1, 2]})
 
 
-def test_namelist_values_and_faults(tmp_path):
-    """Numbers, repeats, texts with quotes and comments are read; mistakes name file and line."""
-    path = tmp_path / "s.nml"  # the earlier form
-    path.write_text("&grid\n a.b = 1, 2.5d-3, 2*7 ! note\n c.d = 'it''s ! here', x\n/\n&study title = 'none' /\n")
-    assert namelist.read(path) == {"grid": {"a.b": [1, 2.5e-3, 7, 7], "c.d": ["it's ! here", "x"]}, "study": {"title": ["none"]}}
-    for text, what in (("&grid\n a = 1\n a = 2 /", "s.nml:3"), ("a = 1", "outside"), ("&grid a = 1", "missing"),
-                       ("&grid a = 1 / &grid /", "twice")):
-        path.write_text(text)
-        with pytest.raises(hdengine.InputError, match=what):
-            namelist.read(path)
-    path.write_text("&study scen = 'a' /")
-    with pytest.warns(DeprecationWarning, match="TOML"), pytest.raises(hdengine.InputError, match="valid: rows, scene, title"):
-        Study.read(path)
-    path.write_text("&grid load.torque = 1, 2*3 / &fixed mesh.divisions = 16 /")
-    with pytest.warns(DeprecationWarning, match="TOML"):
-        study = Study.read(path)
-    assert study.grid == {"load.torque": [1, 3, 3]} and study.fixed == {"mesh.divisions": 16}
-
-
 @pytest.mark.parametrize("text, what", [
     ("[grid]\nload.torque = [1, 2\n", "s.toml:2"), ("[grids]\n", "unknown group grids.*s.toml:1"), ("[study]\n\nscen = 'a'\n", "s.toml:3"),
     ("title = 'a'\n", "outside of a table.*s.toml:1"), ("[grid]\nload.torque = true\n", "holds True.*s.toml:2"),
@@ -235,6 +216,8 @@ def test_faults_of_study_files(tmp_path, text, what):
     (tmp_path / "s.toml").write_text(text)
     with pytest.raises(hdengine.InputError, match=f"(?s){what}"):
         Study.read(tmp_path / "s.toml")
+    with pytest.raises(hdengine.InputError, match="is no study, which ends in .toml"):
+        Study.read(ROOT / "data/cd14.nml")
 
 
 def test_study_files(tmp_path):
@@ -261,17 +244,14 @@ def test_command(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "s.out/study.png").exists() and "2 of 2 points" in capsys.readouterr().out
     (tmp_path / "t.toml").write_text("[grid]\nwave_generator.interferenz = [0, 5e-6]\n")
     assert main(["study", "t.toml"]) == 2 and "did you mean 'interference'" in capsys.readouterr().err
-    (tmp_path / "t.nml").write_text("&grid wave_generator.interference = 0, 5e-6 /\n")
-    assert main(["study", "t.nml", "--check"]) == 0 and capsys.readouterr().err.startswith("warning: 't.nml' is a study in the form")
     assert main(["plot", str(tmp_path)]) == 3
 
 
 def test_the_program_hands_a_study_to_the_command(exe, tmp_path):
     """`hdengine.x` runs a study by the command beside it; options pass, assignments are refused, and so is a lone program."""
-    path, old = tmp_path / "two.toml", tmp_path / "two.nml"
+    path = tmp_path / "two.toml"
     path.write_text("[fixed]\nmesh = {divisions = 16, band_facets = 3}\nload.torque_steps = 1\n[grid]\nload.torque = [1.0, 2.0]\n")
-    old.write_text("&grid load.torque = 1.0, 2.0 /\n")
-    assert "2 points" in call(exe, path, "--check").stdout and "2 points" in call(exe, old, "--check").stdout
+    assert "2 points" in call(exe, path, "--check").stdout
     done = call(exe, path, "-q", "--out", tmp_path / "o")
     assert done.returncode == 0 and len(StudyResult(tmp_path / "o").rows) > 1 and not done.stderr
     done = call(exe, path, "load.torque=3", "--out", tmp_path / "p")

@@ -10,7 +10,7 @@ from conftest import ROOT
 from hdengine.cli import main
 from hdengine.results import read_csv
 from hdengine.surfaces import form, gaussian, texture
-from hdengine.surfaces.specimen import Specimen, clean, read
+from hdengine.surfaces.specimen import Specimen, clean, read, save
 
 SURFACES = ROOT.parent / "shared/surfaces"
 STEP = (1.5e-6, 1e-6)
@@ -182,12 +182,14 @@ def test_measured_maps_beside_surface_topography(path):
 def test_the_command_takes_forms_and_filters(tmp_path, capsys):
     """`hdengine surface --form cylinder --l-filter` writes areal numbers and the material ratio curve; a bad form or filter is one error
     and code 2."""
-    file, out = str(ROOT / "data/specimen_bearing.sdf"), tmp_path / "o"
+    file, out = str(tmp_path / "specimen_bearing.sdf"), tmp_path / "o"
+    whole = read(ROOT / "data/specimen_bearing.sdf")
+    save(file, Specimen(whole.heights[:150, :180], whole.spacing))
     options = ["--form", "cylinder", "--s-filter", "2.5e-6", "--l-filter", "8e-5", "--outliers", "--fill"]
     assert main(["surface", file, *options, "--out", str(out)]) == 0
     assert "form      cylinder" in capsys.readouterr().out
     areal = json.loads((out / "surface.json").read_text())["surfaces"]["specimen_bearing"]["areal"]
-    want = read(file).texture(form="cylinder", s_filter=2.5e-6, l_filter=8e-5, outliers=True, fill=True)
+    want = texture.texture(read(file), form="cylinder", s_filter=2.5e-6, l_filter=8e-5, outliers=True, fill=True)
     assert areal["form"] == "cylinder" and areal["form_radius_m"] == pytest.approx(want.form.radius_m)
     assert {k: areal[k] for k in ("sq_m", "sdr", "sk_m")} == pytest.approx({k: want.numbers[k] for k in ("sq_m", "sdr", "sk_m")})
     rows = read_csv(out / "material_ratio.csv")

@@ -15,7 +15,7 @@ from hdengine.teeth.gap import flank_gap
 from hdengine.teeth.pairs import tooth_gaps
 from hdengine.teeth.profile import DoubleArc, Involute, involute_angle
 from hdengine.teeth.rim import Rim
-from hdengine.teeth.solved import RimShape, read_grid
+from hdengine.teeth.rim_shape import RimShape, read_grid
 
 M, SCENE = 0.1778e-3, ROOT / "data/drive14.nml"
 ROUND = {"wave_generator.w": 0.0}

@@ -11,6 +11,7 @@ from hdengine import InputError
 from hdengine.cli import main
 from hdengine.surfaces import roughness
 from hdengine.surfaces.specimen import Specimen, clean
+from hdengine.surfaces.texture import texture
 
 sys.path.insert(0, str(ROOT / "bench"))
 from blind_generators import NOT_FRACTAL, clumps, field, grooves, jitter, straight, stretched  # noqa: E402
@@ -105,12 +106,12 @@ def test_a_blurred_map_does_not_jitter():
 
 
 def test_told_models_mask_too():
-    """Seven points off by 5 Sq and a seam move D of a told band by less than its standard error, and by more where they are kept."""
+    """Seven points off by 5 Sq and a seam move D of the paper's line by less than its standard error, and by more where they are kept."""
     z, spacing = rough(6)
     bad = z.copy()
     bad.flat[np.random.default_rng(7).choice(z.size, 7, replace=False)] += 5 * z.std()
     bad[:, 60:] += z.std()
-    told = {"model": "isotropic", "band": (1e-6, 128e-6)}
+    told = {"model": "paper"}
     right, masked, kept = (roughness.fit(m, spacing, outliers=o, **told) for m, o in ((z, True), (bad, True), (bad, False)))
     assert masked.spikes == 7 and masked.seams == (1, 0) and kept.spikes == 0
     assert abs(masked.fractal_dimension - right.fractal_dimension) < right.fractal_dimension_error
@@ -148,7 +149,7 @@ def test_the_command_levels_seams(tmp_path, capsys):
     bad = z.copy()
     bad[:, 60:] += 3 * z.std()
     np.save(tmp_path / "map.npy", bad)
-    want = Specimen(z, spacing).texture().numbers["sq_m"]
+    want = texture(Specimen(z, spacing)).numbers["sq_m"]
     found = []
     for more in ([], ["--seams"]):
         assert main(["surface", str(tmp_path / "map.npy"), "--spacing", "1e-6", *more, "--out", str(tmp_path / "o"), "--force"]) == 0

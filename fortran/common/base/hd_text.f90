@@ -17,6 +17,9 @@ module hd_text
     module procedure :: integer_text, long_text, real_text
   end interface to_text
 
+  real(dp), parameter :: nothing = 1e-4_dp            !< beside its neighbours' size: none of their four digits
+  integer, parameter :: smallest = -3, largest = 5    !< powers of ten from and below which a number has no exponent
+
 contains
 
   !> Decimal text of an integer.
@@ -49,7 +52,7 @@ contains
     character(len=:), allocatable :: s
     s = shorten(x, 4)
     if (.not. present(scale)) return
-    if (abs(x) < 1e-4_dp*abs(scale)) s = '0.0'
+    if (abs(x) < nothing*abs(scale)) s = '0.0'
   end function rounded
 
   !> The shortest text that reads back as the same number.
@@ -89,7 +92,7 @@ contains
     if (s(len(s):) == '.') s = s//'0'
     read (buffer(e + 1:), *) e
     if (e == 0) return
-    if (e >= -3 .and. e < 5) then
+    if (e >= smallest .and. e < largest) then
       write (form, '(a,i0,a)') '(f0.', max(1, digits - 1 - e), ')'
       write (buffer, form) x
       s = trim(buffer)
@@ -232,7 +235,8 @@ contains
   pure function percent(x) result(text)
     real(dp), intent(in) :: x     !< share
     character(len=:), allocatable :: text
-    if (x < 0.0995_dp) then
+    real(dp), parameter :: tenth = 0.0995_dp  !< from here on it rounds to 10 %, which has two digits without a decimal
+    if (x < tenth) then
       text = to_text(0.1_dp * nint(1000 * x))//' %'
     else
       text = to_text(nint(100 * x))//' %'

@@ -16,6 +16,7 @@ module hd_sdf
     real(dp) :: dx = 0, dy = 0, dz = 0            !< spacing, height of a step [m]
   end type header_t
 
+  real(dp), parameter :: infinite = 1e30_dp     !< scale that is none [m]
   integer, parameter :: binary_header = 81        !< bytes
 
 contains
@@ -65,7 +66,7 @@ contains
     why = ''
     if (h%nx < 1 .or. h%ny < 1) then
       why = 'it has '//to_text(h%nx)//' x '//to_text(h%ny)//' points'
-    else if (.not. (h%dx > 0 .and. h%dz > 0 .and. (h%dy > 0 .or. h%ny == 1) .and. max(h%dx, h%dy, h%dz) < 1e30_dp)) then
+    else if (.not. (h%dx > 0 .and. h%dz > 0 .and. (h%dy > 0 .or. h%ny == 1) .and. max(h%dx, h%dy, h%dz) < infinite)) then
       why = 'its scales are '//to_text(h%dx)//', '//to_text(h%dy)//', '//to_text(h%dz)//' m'
     end if
   end function fault_of

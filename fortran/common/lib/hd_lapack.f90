@@ -8,6 +8,7 @@ module hd_lapack
   implicit none
   private
   public :: dgemm, sgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
+  public :: inverse_factor, solve_definite
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -42,6 +43,20 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotrf
+    subroutine dtrtri(uplo, diag, n, a, lda, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo, diag
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dtrtri
+    subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
+      import :: dp
+      character(len=1), intent(in) :: uplo
+      integer, intent(in) :: n, nrhs, lda, ldb
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(out) :: info
+    end subroutine dposv
     subroutine dpotri(uplo, n, a, lda, info)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -108,6 +123,26 @@ contains
       end do
     end do
   end subroutine invert_symmetric
+
+  !> Inverse of the Cholesky factor of a symmetric matrix of which the lower triangle is given: W A W^T = 1.
+  subroutine inverse_factor(a, definite)
+    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix, then W in its lower triangle (n, n)
+    logical, intent(out) :: definite                  !< the matrix is positive definite, to rounding
+    integer :: info
+    call dpotrf('L', size(a, 1), a, size(a, 1), info)
+    definite = info == 0
+    if (definite) call dtrtri('L', 'N', size(a, 1), a, size(a, 1), info)
+  end subroutine inverse_factor
+
+  !> Solve A x = b for a symmetric positive definite matrix, which is overwritten.
+  subroutine solve_definite(a, b, definite)
+    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n)
+    real(dp), intent(inout), contiguous :: b(:)       !< right-hand side, then solution (n)
+    logical, intent(out) :: definite                  !< it is positive definite, to rounding
+    integer :: info
+    call dposv('L', size(a, 1), 1, a, size(a, 1), b, size(b), info)
+    definite = info == 0
+  end subroutine solve_definite
 
   !> Solve A x = b by LU; A is overwritten.
   subroutine solve_dense(a, b, error)

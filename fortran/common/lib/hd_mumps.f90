@@ -4,80 +4,75 @@
 !> The pattern is analysed once, with an ordering of the caller's; values are factorised as often as they change.
 module hd_mumps
   use hd_kinds, only: dp, i8
-  use hd_mumps_struc, only: struc_t => dmumps_struc, run_mumps => dmumps
+  use hd_mumps_struc, only: dmumps_struc, dmumps
   use hd_system, only: check_stop
   use hd_error, only: error_t, raise, code_linear_solver, code_memory, code_internal
   use hd_text, only: to_text
   implicit none
   private
-  public :: mumps_t, unsymmetric, positive_definite, symmetric, check_mumps, count_entries, ordering_name, ordering_given
+  public :: mumps_t, unsymmetric, positive_definite, check_mumps, ordering_given
 
   integer, parameter :: unsymmetric = 0        !< MUMPS SYM
   integer, parameter :: positive_definite = 1  !< MUMPS SYM
-  integer, parameter :: symmetric = 2          !< MUMPS SYM
 
   character(len=15), parameter :: ordering_given = 'METIS (PERM_IN)'  !< what callers hand in
 
   type :: mumps_t
     private
-    type(struc_t), pointer :: id => null()
+    type(dmumps_struc), pointer :: id => null()
     character(len=:), allocatable, public :: ordering_used   !< MUMPS's own answer
     integer(i8), public :: factor_entries = 0  !< entries of the factors
     real(dp), public :: flops = 0              !< operations of a factorisation
-    real(dp), public :: memory_mb = 0          !< memory of the factorisation, MUMPS's own count [MB]
     character(len=16), public :: version = ''  !< of the library
   contains
     procedure :: analyse
     procedure :: factorise
     procedure :: solve
-    procedure :: condense
-    procedure :: expand
     procedure :: release
   end type mumps_t
 
 contains
 
   !> Analyse a pattern; keep `row`, `col` and `value` alive: MUMPS reads the values at every factorisation.
-  subroutine analyse(self, symmetry, n, row, col, value, position, error, schur)
+  subroutine analyse(self, symmetry, n, row, col, value, position, error)
     class(mumps_t), intent(inout) :: self             !< solver
-    integer, intent(in) :: symmetry                   !< unsymmetric, positive_definite or symmetric (one triangle given)
+    integer, intent(in) :: symmetry                   !< unsymmetric, or positive_definite (one triangle given)
     integer, intent(in) :: n                          !< unknowns
     integer, intent(in), target :: row(:), col(:)     !< coordinates from 1
     real(dp), intent(in), target :: value(:)          !< values
     integer, intent(in) :: position(:)                !< place of each unknown in the elimination order
     type(error_t), allocatable, intent(out) :: error  !< out of memory, wrong pattern
-    integer, intent(in), optional :: schur(:)         !< unknowns that are not eliminated; they stand last in the order
     call self%release()
     allocate (self%id)
     call open_mumps(self%id, symmetry, n, row, col, position)
     associate (id => self%id)
       self%version = id%version_number(:16)
       id%a => value
-      if (present(schur)) then
-        id%icntl(19) = 1
-        id%size_schur = size(schur)
-        allocate (id%listvar_schur(size(schur)))
-        id%listvar_schur = schur
-      end if
       id%job = 1
-      call run_mumps(id)
+      call dmumps(id)
       call check_mumps(id%infog(:16), id%n, error)
       if (allocated(error)) return
       self%ordering_used = ordering_name(id%infog(7), id%infog(32))
     end associate
   end subroutine analyse
 
-  !> Factorise the present values.
-  subroutine factorise(self, error, schur)
+  !> Factorise the present values; the working space grows and the step is repeated where MUMPS asks for it.
+  subroutine factorise(self, error)
     class(mumps_t), intent(inout) :: self             !< analysed solver
     type(error_t), allocatable, intent(out) :: error  !< singular (a body is not held), out of memory
-    real(dp), intent(inout), target, contiguous, optional :: schur(:, :)  !< gets the upper triangle of the Schur complement
-    if (present(schur)) self%id%schur(1:size(schur)) => schur
-    call factorise_mumps(self%id, error)
+    integer :: attempt
+    call check_stop(error)
+    if (allocated(error)) return
+    do attempt = 1, 5
+      self%id%job = 2
+      call dmumps(self%id)
+      if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
+      self%id%icntl(14) = 2*self%id%icntl(14)
+    end do
+    call check_mumps(self%id%infog(:16), self%id%n, error)
     if (allocated(error)) return
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = self%id%rinfog(3)
-    self%memory_mb = self%id%infog(22)
   end subroutine factorise
 
   !> The ordering that MUMPS says it used.
@@ -112,44 +107,23 @@ contains
     self%id%lrhs = size(b, 1)
     self%id%rhs(1:size(b)) => b
     self%id%job = 3
-    call run_mumps(self%id)
+    call dmumps(self%id)
     nullify (self%id%rhs)
     call check_mumps(self%id%infog(:16), self%id%n, error)
   end subroutine solve
 
-  !> Right-hand side that is left for the unknowns of the Schur complement.
-  subroutine condense(self, b, reduced, error)
-    class(mumps_t), intent(inout) :: self                     !< factorised solver
-    real(dp), intent(inout), target, contiguous :: b(:, :)    !< right-hand side (n, 1); changed
-    real(dp), intent(out), target, contiguous :: reduced(:)   !< (Schur unknowns)
-    type(error_t), allocatable, intent(out) :: error          !< MUMPS failure
-    self%id%icntl(26) = 1
-    self%id%lredrhs = size(reduced)
-    self%id%redrhs => reduced
-    call self%solve(b, error)
-    nullify (self%id%redrhs)
-  end subroutine condense
-
-  !> Whole solution from that of the Schur complement, right behind condense.
-  subroutine expand(self, reduced, b, error)
-    class(mumps_t), intent(inout) :: self                     !< factorised solver
-    real(dp), intent(in) :: reduced(:)                        !< solution (Schur unknowns)
-    real(dp), intent(inout), target, contiguous :: b(:, :)    !< solution (n, 1)
-    type(error_t), allocatable, intent(out) :: error          !< MUMPS failure
-    real(dp), target :: copy(size(reduced))
-    copy = reduced
-    self%id%icntl(26) = 2
-    self%id%lredrhs = size(reduced)
-    self%id%redrhs => copy
-    call self%solve(b, error)
-    nullify (self%id%redrhs)
-    self%id%icntl(26) = 0
-  end subroutine expand
-
-  !> Give back all memory.
+  !> Give back all memory but the caller's.
   subroutine release(self)
     class(mumps_t), intent(inout) :: self  !< solver
-    call close_mumps(self%id)
+    if (.not. associated(self%id)) return
+    associate (id => self%id)
+      nullify (id%irn, id%jcn, id%a)
+      if (associated(id%perm_in)) deallocate (id%perm_in)
+      nullify (id%perm_in)
+      id%job = -2
+      call dmumps(id)
+    end associate
+    deallocate (self%id)
   end subroutine release
 
   !> Sentence for a MUMPS status.
@@ -173,5 +147,28 @@ contains
     end select
   end subroutine check_mumps
 
-  include 'hd_mumps.inc'
+  !> Begin, and enter the pattern; jobs follow by dmumps.
+  subroutine open_mumps(id, symmetry, n, row, col, position)
+    type(dmumps_struc), intent(inout) :: id        !< new structure
+    integer, intent(in) :: symmetry                !< MUMPS SYM
+    integer, intent(in) :: n                       !< unknowns
+    integer, intent(in), target :: row(:), col(:)  !< coordinates from 1; kept
+    integer, intent(in) :: position(:)             !< place of each unknown in the elimination order
+    id%comm = 0
+    id%sym = symmetry
+    id%par = 1
+    id%job = -1
+    call dmumps(id)
+    id%icntl(1:3) = -1
+    id%icntl(4) = 0
+    id%icntl(6) = 0
+    id%icntl(7) = 1
+    id%icntl(14) = 30
+    id%n = n
+    id%nnz = size(row, kind=i8)
+    id%irn => row
+    id%jcn => col
+    allocate (id%perm_in(n))
+    id%perm_in = position
+  end subroutine open_mumps
 end module hd_mumps

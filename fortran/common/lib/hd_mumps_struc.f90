@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> MUMPS's own structures and entries, both precisions.
+!> MUMPS's own structure and entry, double precision.
 module hd_mumps_struc
   implicit none
   private
-  public :: dmumps_struc, smumps_struc, dmumps, smumps
+  public :: dmumps_struc, dmumps
 
   include 'dmumps_struc.h'
-  include 'smumps_struc.h'
 
   interface
     !> Do the job that the structure names, in double precision.
@@ -14,11 +13,5 @@ module hd_mumps_struc
       import :: dmumps_struc
       type(dmumps_struc), intent(inout) :: id  !< job, matrix and factors
     end subroutine dmumps
-
-    !> The same in single precision.
-    subroutine smumps(id)
-      import :: smumps_struc
-      type(smumps_struc), intent(inout) :: id  !< job, matrix and factors
-    end subroutine smumps
   end interface
 end module hd_mumps_struc

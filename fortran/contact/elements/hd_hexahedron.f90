@@ -5,6 +5,7 @@
 !> displacement modes per direction, Wilson 1973 with the correction of Taylor, Beresford and Wilson 1976, condensed) and
 !> `hex20r` (serendipity, 2 x 2 x 2 points). Node order is that of VTK types 12 and 25.
 module hd_hexahedron
+  use hd_gauss, only: gauss_2
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_lapack, only: multiply_dense, multiply_transposed
@@ -27,7 +28,6 @@ module hd_hexahedron
     0._dp, -1._dp, 1._dp, 1._dp, 0._dp, 1._dp, 0._dp, 1._dp, 1._dp, -1._dp, 0._dp, 1._dp, &
     -1._dp, -1._dp, 0._dp, 1._dp, -1._dp, 0._dp, 1._dp, 1._dp, 0._dp, -1._dp, 1._dp, 0._dp], [3, 20])
   real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
-  real(dp), parameter :: gauss = 0.57735026918962576450914878050196_dp
 
 contains
 
@@ -146,7 +146,7 @@ contains
     call invert3(jac, inv0, det0)
     kmm = 0
     do p = 1, points
-      xi = gauss*[(merge(1, -1, btest(p - 1, i)), i=0, 2)]
+      xi = [(merge(gauss_2(2), gauss_2(1), btest(p - 1, i)), i=0, 2)]
       call shape_hexahedron(kind, xi, n, dn)
       jac = matmul(dn(:, :nn), transpose(x(:, :nn)))
       call invert3(jac, inv, weight(p))
@@ -232,7 +232,8 @@ contains
     inv = inv/det
   end subroutine invert3
 
-  !> Cholesky factor of a small symmetric positive definite matrix, in its lower triangle.
+  !> Cholesky factor of a small symmetric positive definite matrix, in its lower triangle. LAPACK differs from it in the last bits,
+  !> and so would every result.
   pure subroutine factor_spd(a)
     real(dp), intent(inout) :: a(:, :)  !< matrix, overwritten by its factor
     integer :: i, j

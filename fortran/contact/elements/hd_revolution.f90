@@ -182,13 +182,15 @@ contains
     real(dp), intent(in) :: shortest  !< 0: none [m]
     real(dp), allocatable :: x(:)
     integer, parameter :: stretched = 3
+    real(dp), parameter :: whole = 1e-6_dp   !< what rounding adds to a number of cells makes no further one
+    real(dp), parameter :: fits = 1.2_dp     !< lengths over the room that stretching them still makes fit
     real(dp) :: filled
     integer :: i, k
     x = [real(dp) ::]
-    if (.not. (shortest > 0 .and. shortest < equal*(1 - 1e-6_dp))) return
-    do k = max(1, ceiling(log(equal/shortest)/log(growth) - 1e-6_dp)), 1, -1
+    if (.not. (shortest > 0 .and. shortest < equal*(1 - whole))) return
+    do k = max(1, ceiling(log(equal/shortest)/log(growth) - whole)), 1, -1
       x = [(shortest*growth**i, i=0, k - 1)]
-      if (sum(x) <= 1.2_dp*room*equal) exit
+      if (sum(x) <= fits*room*equal) exit
     end do
     if (k == 1) x = [shortest, growth*shortest]
     filled = equal*min(room, real(max(1, nint(sum(x)/equal)), dp))

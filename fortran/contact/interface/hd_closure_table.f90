@@ -22,6 +22,9 @@ module hd_closure_table
     real(dp) :: start = 0                 !< closure at which the pressure vanishes [m]
   end type closure_table_t
 
+  real(dp), parameter :: rounding = 1e-15_dp   !< of a sum of a few terms, relative
+  real(dp), parameter :: closed = 1e-16_dp     !< width of a bracket, relative, that holds no further number
+
 contains
 
   !> Table from samples of a law.
@@ -151,7 +154,7 @@ contains
       r = pressure + c*x - trial
       if (r > 0) high = x
       if (r <= 0) low = x
-      if (abs(r) <= 1e-15_dp*(pressure + abs(c*x) + abs(trial)) .or. high - low <= 1e-16_dp*abs(high)) exit
+      if (abs(r) <= rounding*(pressure + abs(c*x) + abs(trial)) .or. high - low <= closed*abs(high)) exit
       x = x - r/(normal + c)
       if (x <= low .or. x >= high) x = 0.5_dp*(low + high)
     end do

@@ -11,6 +11,8 @@ module hd_micro_slip
   private
   public :: micro_slip_t, new_micro_slip, sampled_shares, return_shear
 
+  real(dp), parameter :: rounding = 1e-15_dp   !< of a sum of a few terms of the order 1
+  real(dp), parameter :: closed = 1e-16_dp     !< width of a bracket that holds no further number
   integer, parameter :: panels = 12            !< of z
   real(dp), parameter :: softest = 1e-3_dp     !< smallest k_t(p, q) / k_t(p, 0)
 
@@ -107,7 +109,7 @@ contains
       slope = 3*(1 - z)**2 + h*gz
       if (r > 0) high = z
       if (r <= 0) low = z
-      if (abs(r) <= 1e-15_dp .or. high - low <= 1e-16_dp) exit
+      if (abs(r) <= rounding .or. high - low <= closed) exit
       z = z - r/slope
       if (.not. (z > low .and. z < high)) z = 0.5_dp*(low + high)
     end do

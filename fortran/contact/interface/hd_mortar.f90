@@ -242,10 +242,11 @@ contains
     type(mortar_t), intent(inout) :: mortar  !< coupling
     integer, intent(in) :: j                 !< row
     integer, intent(inout) :: n              !< last entry of the row
+    real(dp), parameter :: rounding = 1e-12_dp   !< of entries of the order 1, after cutting and integrating
     integer :: i, keep
     keep = mortar%ptr(j) - 1
     do i = mortar%ptr(j), n
-      if (abs(mortar%val(i)) < 1e-12_dp) cycle
+      if (abs(mortar%val(i)) < rounding) cycle
       keep = keep + 1
       mortar%col(keep) = mortar%col(i)
       mortar%val(keep) = mortar%val(i)

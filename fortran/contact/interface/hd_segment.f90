@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Segments: the overlaps of the facets of two faces on their chart, with integration points.
 module hd_segment
-  use hd_kinds, only: dp
+  use hd_gauss, only: gauss_8, weight_8
+  use hd_kinds, only: dp, hair
   use hd_face, only: face_t, shape_facet, shape_corner
   implicit none
   private
@@ -24,18 +25,14 @@ module hd_segment
     real(dp), allocatable :: sum(:)                 !< of the first coordinates of its corners [m]
   end type bins_t
 
+  real(dp), parameter :: sliver = 1e-14_dp    !< area over the square of a facet's diagonal that rounding alone makes
+  real(dp), parameter :: settled = 1e-14_dp   !< change of natural coordinates that is rounding
   !> Degree-5 rule of seven points on the unit triangle, weights sum to 1.
   real(dp), parameter :: ra = 0.10128650732345633_dp, rb = 0.47014206410511509_dp
   real(dp), parameter :: rule(2, 7) = reshape([1/3._dp, 1/3._dp, ra, ra, 1 - 2*ra, ra, ra, 1 - 2*ra, &
     rb, rb, 1 - 2*rb, rb, rb, 1 - 2*rb], [2, 7])
   real(dp), parameter :: wa = 0.12593918054482715_dp, wb = 0.13239415278850618_dp
   real(dp), parameter :: weight(7) = [0.225_dp, wa, wa, wa, wb, wb, wb]
-
-  !> Gauss's rule of eight points on (-1, 1): for facets that are no parallelograms, whose shape functions are no polynomials of x.
-  real(dp), parameter :: gauss(8) = [-0.9602898564975363_dp, -0.7966664774136267_dp, -0.5255324099163290_dp, &
-    -0.1834346424956498_dp, 0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, 0.9602898564975363_dp]
-  real(dp), parameter :: gauss_weight(8) = [0.1012285362903763_dp, 0.2223810344533745_dp, 0.3137066458778873_dp, &
-    0.3626837833783620_dp, 0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
 
 contains
 
@@ -72,7 +69,7 @@ contains
   elemental integer function bin_of(bins, s) result(b)
     type(bins_t), intent(in) :: bins  !< bins
     real(dp), intent(in) :: s         !< first chart coordinate [m]
-    b = floor((s - bins%start)/bins%width + 1e-9_dp)
+    b = floor((s - bins%start)/bins%width + hair)
     if (bins%periodic) then
       b = modulo(b, bins%n)
     else
@@ -148,7 +145,7 @@ contains
           polygon(:, n) = old(:, i) + dp1/(dp1 - dp2)*(old(:, modulo(i, m) + 1) - old(:, i))
         end if
       end do
-      if (n < 3) return
+      if (n < 3) return  ! no area
     end do
   end subroutine clip
 
@@ -164,7 +161,7 @@ contains
     integer :: t, p, q, n
     logical :: even
     n = 0
-    if (size(polygon, 2) < 3) return
+    if (size(polygon, 2) < 3) return  ! no area
     even = is_parallelogram(a) .and. is_parallelogram(b)
     allocate (new(merge(7, 64, even)*size(polygon, 2)))
     middle = sum(polygon, 2)/size(polygon, 2)
@@ -172,16 +169,16 @@ contains
       u = polygon(:, t) - middle
       v = polygon(:, modulo(t, size(polygon, 2)) + 1) - middle
       area = 0.5_dp*abs(u(1)*v(2) - u(2)*v(1))
-      if (area <= 1e-14_dp*maxval(abs(a(:, 3) - a(:, 1)))**2) cycle
+      if (area <= sliver*maxval(abs(a(:, 3) - a(:, 1)))**2) cycle
       if (even) then
         do p = 1, 7
           call add(middle + rule(1, p)*u + rule(2, p)*v, weight(p)*area)
         end do
-      else
+      else  ! facets that are no parallelograms have shape functions that are no polynomials of x
         do p = 1, 8
           do q = 1, 8
-            call add(middle + (1 + gauss(p))/4*((1 - gauss(q))*u + (1 + gauss(q))*v), &
-              (1 + gauss(p))/4*gauss_weight(p)*gauss_weight(q)*area)
+            call add(middle + (1 + gauss_8(p))/4*((1 - gauss_8(q))*u + (1 + gauss_8(q))*v), &
+              (1 + gauss_8(p))/4*weight_8(p)*weight_8(q)*area)
           end do
         end do
       end if
@@ -205,7 +202,8 @@ contains
   !> Are opposite sides of a quadrilateral so nearly equal that the rule for polynomials errs by less than 1e-10?
   pure logical function is_parallelogram(c)
     real(dp), intent(in) :: c(2, 4)  !< corners [m]
-    is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= 0.02_dp*maxval(abs(c(:, 3) - c(:, 1)))
+    real(dp), parameter :: nearly = 0.02_dp  !< difference of the sides over the diagonal
+    is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= nearly*maxval(abs(c(:, 3) - c(:, 1)))
   end function is_parallelogram
 
   !> Natural coordinates of a point in a bilinear quadrilateral, by Newton's method (one step for a rectangle).
@@ -222,7 +220,7 @@ contains
       det = du(1)*dv(2) - du(2)*dv(1)
       step = [r(1)*dv(2) - r(2)*dv(1), du(1)*r(2) - du(2)*r(1)]/det
       xi = xi + step
-      if (maxval(abs(step)) < 1e-14_dp) exit
+      if (maxval(abs(step)) < settled) exit
     end do
   end function locate
 end module hd_segment

@@ -71,11 +71,24 @@ module hd_newton
     logical :: damped = .false.            !< the line search is on from here on
   end type globalisation_t
 
+  real(dp), parameter :: roughest = 1e-3_dp      !< accuracy of a correction that any residual leads to
+  !> what an outer step stiffens by, gains and asks of the next; and Armijo's share of the fall that a Newton step promises
+  real(dp), parameter :: tenth = 0.1_dp
+  integer, parameter :: halvings = 7            !< of a step in a line search: down to a hundredth of it
+  real(dp), parameter :: least_share = 0.1_dp   !< of the pairs' way that Aitken's rule may leave: less is no step
+  real(dp), parameter :: clear = 1e-3_dp   !< residual at which what a body does is seen: where all is open, that it flies away,
+  !> and where points touch, that they do not hold it; Newton's method passes through the former
+  real(dp), parameter :: small = 1e-6_dp
+  real(dp), parameter :: exact = 1e-9_dp        !< accuracy of a correction that is taken whole,
+  real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
+  real(dp), parameter :: forcing = 1e-2_dp   !< accuracy over the residual while pairs still move (Dembo, Eisenstat, Steihaug 1982)
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
-  integer, parameter :: patience = 8            !< iterations without a new lowest residual before the law is softened
-  real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law
-  real(dp), parameter :: stiff = 1.5_dp         !< compliance times that scale below which outer steps stiffen only after easy ones
+  integer, parameter :: patience = 8           !< iterations without a new lowest residual before the law is softened, by judgement
+  real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law: two tenths from 1
+  !> compliance times that scale below which outer steps stiffen only after easy ones: above the last of the tenths from
+  !> `softest` on, 1, at which scenes with short edge cells crept
+  real(dp), parameter :: stiff = 1.5_dp
   integer, parameter :: easy = 2                !< iterations of an easy outer step
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
@@ -126,7 +139,7 @@ contains
       if (allocated(before)) share = share*sum(before*(before - moved))/max(sum((before - moved)**2), tiny(1._dp))  ! Aitken's
       sliding = share > 2  ! pairs move on by more than half of their last way
       if (sliding) exit
-      share = min(1._dp, max(0.1_dp, share))
+      share = min(1._dp, max(least_share, share))
       paired = paired + share*moved
       before = moved
     end do
@@ -201,7 +214,7 @@ contains
       call check_stop(error)
       if (allocated(error)) return
       state%contact = here%contact
-      sliding = here%merit < merge(1e-3_dp, 1e-6_dp, row%open == problem%mortar%n) .and. &
+      sliding = here%merit < merge(clear, small, row%open == problem%mortar%n) .and. &
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
       converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
@@ -212,10 +225,11 @@ contains
       call update_struts(problem, load, state%u)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
-      solver%accuracy = merge(1e-9_dp, 1e-5_dp, search)  ! a line search fails on less
+      solver%accuracy = merge(exact, searched, search)
       if (allocated(problem%pairing) .and. .not. search) then
         ! pairs still move, or little is left to do
-        solver%accuracy = max(solver%accuracy, min(1e-3_dp, 1e-2_dp*here%merit), min(0.1_dp, 0.1_dp*options%tolerance/here%merit))
+        solver%accuracy = max(solver%accuracy, min(roughest, forcing*here%merit), &
+          min(tenth, tenth*options%tolerance/here%merit))
       end if
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
@@ -283,16 +297,16 @@ contains
       return
     end if
     if (here%law%softness > 0) then
-      if (here%merit > min(inner_tolerance, 0.1_dp*global%hard)) return
+      if (here%merit > min(inner_tolerance, tenth*global%hard)) return
       global%outer = global%outer + 1
-      if (global%softness*here%law%scale > stiff .or. iteration - global%begun <= easy) global%softness = 0.1_dp*global%softness
+      if (global%softness*here%law%scale > stiff .or. iteration - global%begun <= easy) global%softness = tenth*global%softness
       global%begun = iteration
       here%anchor = state%traction
       here%law%softness = 0
       call linearise(problem, load, previous, state, here)
       global%hard = here%merit
       if (here%merit < global%harden) then
-        global%harden = 0.1_dp*global%harden
+        global%harden = tenth*global%harden
         global%saved = state
         call forget(iteration, global)
       else
@@ -361,7 +375,7 @@ contains
     best = huge(best)
     best_damping = 1
     damping = 1
-    do k = 0, merge(7, 0, search)
+    do k = 0, merge(halvings, 0, search)
       damping = 0.5_dp**k
       state%u = old%u + damping*du
       state%traction = old%traction + damping*dt
@@ -370,7 +384,7 @@ contains
         best = here%distance
         best_damping = damping
       end if
-      if (here%distance < (1 - 0.1_dp*damping)*merit) return
+      if (here%distance < (1 - tenth*damping)*merit) return
     end do
     if (allocated(problem%struts) .and. .not. best < merit) best_damping = 1  ! struts that come and go lie behind a ridge
     if (damping == best_damping) return

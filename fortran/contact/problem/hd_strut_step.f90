@@ -29,20 +29,22 @@ contains
     logical, intent(in) :: sticks              !< some contact points stick
     type(ahead_t), intent(inout) :: ahead      !< what was counted in this load step
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
-    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< [m]
+    real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
+    real(dp), parameter :: straight = 1.25_dp  !< between the powers of flanks, 1, and of balls, 3/2
+    real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:)
     logical :: torque
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%turning)) return
     closing = strut_closings(problem, load, u)
-    linear = problem%struts%power < 1.25_dp .and. closing > -1
+    linear = problem%struts%power < straight .and. closing > -1
     if (allocated(problem%rub)) linear(size(linear) - size(problem%rub%partner) + 1:) = .false.
     if (.not. any(linear)) return
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
     if (ahead%held .or. any(linear .and. problem%strut_rate > 0)) return
-    torque = abs(sum(load%force(2, problem%wheel))) > 1e-6_dp*just_off*maxval(problem%struts%rate, mask=linear)
+    torque = abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
     do i = 1, size(closing)
       linear(i) = linear(i) .and. ((.not. torque .and. closing(i) > -just_off) .or. &
         sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0)

@@ -8,9 +8,11 @@ module hd_symmetry
   use hd_problem, only: problem_t, load_t, state_t
   implicit none
   private
-  public :: symmetry_t, sharing_t, use_symmetry, symmetrise, choose_agents, share_law, same_shape, symmetry_name, image_sector, &
+  public :: symmetry_t, sharing_t, use_symmetry, symmetrise, share_law, same_shape, symmetry_name, image_sector, &
     node_images
 
+  real(dp), parameter :: given = 1e-11_dp   !< relative difference of loads and places that are images: they differ by rounding,
+  real(dp), parameter :: solved = 1e-7_dp   !< of displacements and tractions by what Newton's method leaves, above its tolerance
   !> Signs of (u_r, u_theta, u_z) and of tractions behind a mirror that contains the axis.
   real(dp), parameter, public :: mirror_sign(3) = [1._dp, -1._dp, 1._dp]
 
@@ -80,16 +82,15 @@ contains
   end function image_sector
 
   !> Symmetry to be used in a load step: what it has, at most so many images.
-  subroutine use_symmetry(problem, load, state, usable, most, demanded, symmetry, error)
+  subroutine use_symmetry(problem, load, state, most, demanded, symmetry, error)
     type(problem_t), intent(in) :: problem            !< problem
     type(load_t), intent(in) :: load                  !< load at the end of the step
     type(state_t), intent(in) :: state                !< state at its beginning
-    logical, intent(in) :: usable                     !< by the solver
     integer, intent(in) :: most                       !< images: 1, 2 or 4
     logical, intent(inout) :: demanded                !< fewer are an error; asked for in the first step only
     type(symmetry_t), intent(out) :: symmetry         !< to be used
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there
-    if (usable .and. most > 1) symmetry = limit_symmetry(find_symmetry(problem, load, state), most)
+    if (most > 1) symmetry = limit_symmetry(find_symmetry(problem, load, state), most)
     if (demanded .and. symmetry%order() < most) call raise(error, code_input, 'solver.symmetry asks for more than the '// &
       'scene has in its assembly: '//trim(symmetry_name(symmetry))//"; valid: 'auto'")
     demanded = .false.
@@ -125,11 +126,11 @@ contains
     number(problem%mortar%node) = [(j, j=1, problem%mortar%n)]
     partner = number(image(problem%mortar%node))
     if (any(partner == 0)) return
-    yes = same(load%displacement, image, sign, 1e-11_dp)
-    if (yes) yes = same(load%force, image, sign, 1e-11_dp)
-    if (yes) yes = all(abs(load%gap - load%gap(partner)) <= 1e-11_dp*maxval(abs(load%gap)))
-    if (yes) yes = same(state%u, image, sign, 1e-7_dp)
-    if (yes) yes = same(state%traction, partner, sign, 1e-7_dp)
+    yes = same(load%displacement, image, sign, given)
+    if (yes) yes = same(load%force, image, sign, given)
+    if (yes) yes = all(abs(load%gap - load%gap(partner)) <= given*maxval(abs(load%gap)))
+    if (yes) yes = same(state%u, image, sign, solved)
+    if (yes) yes = same(state%traction, partner, sign, solved)
   end function holds
 
   !> Image of every node.
@@ -166,8 +167,8 @@ contains
       end associate
     end do
     yes = .true.
-    if (symmetry%half_turn) yes = same(x, node_images(round, 0), mirror_sign, 1e-11_dp)
-    if (yes .and. symmetry%mirror > 0) yes = same(x, node_images(round, symmetry%mirror), mirror_sign, 1e-11_dp)
+    if (symmetry%half_turn) yes = same(x, node_images(round, 0), mirror_sign, given)
+    if (yes .and. symmetry%mirror > 0) yes = same(x, node_images(round, symmetry%mirror), mirror_sign, given)
   end function same_shape
 
   !> A nodal field without what rounding has left of its other parts.

@@ -13,7 +13,7 @@
 !> Motions are scaled to unknowns in newtons.
 module hd_border
   use hd_kinds, only: dp
-  use hd_compliance, only: compliance_t
+  use hd_circulant, only: circulant_t
   use hd_error, only: error_t
   use hd_lapack, only: invert_symmetric
   use hd_mortar, only: relative_displacement
@@ -59,7 +59,7 @@ contains
   !> Answers of the bodies to unit forces of the struts, and motions.
   subroutine new_border(problem, compliance, symmetry, border, error)
     type(problem_t), intent(in) :: problem                !< problem with struts or loose bodies
-    class(compliance_t), intent(inout) :: compliance      !< prepared
+    type(circulant_t), intent(inout) :: compliance        !< prepared
     type(symmetry_t), intent(in) :: symmetry              !< of the load step; with struts there is none
     type(border_t), intent(out) :: border                 !< complete but for what pushes
     type(error_t), allocatable, intent(out) :: error      !< memory

@@ -7,7 +7,6 @@ module hd_circulant
   use hd_kinds, only: dp, pi, sp
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
     side_block, release_side, line_up, fade_out
-  use hd_compliance, only: compliance_t
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: execute_backward_real_single, execute_forward_real_single, fft_plan_t, free_plan, plan_rows_single
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
@@ -36,7 +35,10 @@ module hd_circulant
     type(fft_plan_t) :: forward, backward
   end type inverse_t
 
-  type, extends(compliance_t) :: circulant_t
+  type :: circulant_t
+    real(dp) :: apply_flops = 0                     !< operations of one apply
+    real(dp) :: products = 1                        !< of weights behind a block of F, where add_column forms it
+    integer(int64) :: factor_entries = 0            !< entries of the factors
     type(harmonics_t), allocatable :: bodies(:)     !< factors of both bodies
     type(circulant_side_t), allocatable :: sides(:)           !< one for each body; the third: both merged
     integer :: part(2) = [1, 0]                     !< first and last side that are applied: both bodies', or the merged one
@@ -53,7 +55,6 @@ module hd_circulant
     procedure :: prepare => prepare_circulant
     procedure :: solve => solve_circulant
     procedure :: apply => apply_circulant
-    procedure :: apply_single => apply_circulant_single
     procedure :: precondition => precondition_circulant
     procedure :: prepare_columns => prepare_circulant_columns
     procedure :: add_column => add_circulant_column
@@ -79,11 +80,10 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< not revolved, inverted element
     integer :: b, first, m
     if (.not. has_circulant(problem)) then
-      call raise(error, code_input, "solver.method = 'condensed' needs two bodies of revolution; valid: auto, schur, newton")
+      call raise(error, code_input, "solver.method = 'condensed' and solver.factors = "// &
+        "'harmonic' need two bodies of revolution; valid: auto")
       return
     end if
-    circulant%name = 'condensed by harmonics'
-    circulant%fast = .true.
     allocate (circulant%bodies(2), circulant%sides(3))
     do b = 1, 2
       m = problem%bodies(b)%nodes_per_sector
@@ -271,24 +271,8 @@ contains
     end do
   end subroutine solve_circulant
 
-  !> w = F f.
-  subroutine apply_circulant(self, f, w)
-    class(circulant_t), intent(inout) :: self    !< prepared
-    real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
-    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
-    call respond(self, .false., f, w)
-  end subroutine apply_circulant
-
-  !> The same, most of it in single precision.
-  subroutine apply_circulant_single(self, f, w)
-    class(circulant_t), intent(inout) :: self    !< prepared
-    real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
-    real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
-    call respond(self, .true., f, w)
-  end subroutine apply_circulant_single
-
-  !> Relative displacements by forces, of both sides.
-  subroutine respond(self, single, f, w)
+  !> w = F f, most of it in single precision where that is enough.
+  subroutine apply_circulant(self, single, f, w)
     class(circulant_t), intent(inout) :: self    !< prepared
     logical, intent(in) :: single                !< single precision is enough
     real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
@@ -298,7 +282,7 @@ contains
     do p = self%part(1), self%part(2)
       call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, single, f, w)
     end do
-  end subroutine respond
+  end subroutine apply_circulant
 
   !> Inverse of F where it is circulant, else of its mean over the sectors of the ring, a little softer.
   subroutine precondition_circulant(self, w, f, error)
@@ -323,12 +307,12 @@ contains
     end associate
   end subroutine precondition_circulant
 
-  !> Open points around the closed ones.
+  !> Open points around the closed ones, layer by layer: entry e adds weight(e) times the value at from(e) to point at(e).
   subroutine surround_closed(self, closed, at, from, weight)
     class(circulant_t), intent(in) :: self            !< prepared
     logical, intent(in) :: closed(:)                  !< (multipliers)
     integer, allocatable, intent(out) :: at(:), from(:)
-    real(dp), allocatable, intent(out) :: weight(:)   !< as in compliance_t
+    real(dp), allocatable, intent(out) :: weight(:)
     call fade_out(self%row, self%sector, self%beside, self%sides(1)%sectors/self%stride, closed, at, from, weight)
   end subroutine surround_closed
 

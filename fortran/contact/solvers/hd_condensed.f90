@@ -7,8 +7,7 @@
 module hd_condensed
   use hd_kinds, only: dp
   use hd_border, only: border_t, new_border
-  use hd_circulant, only: circulant_t, new_circulant
-  use hd_compliance, only: compliance_t
+  use hd_circulant, only: circulant_t
   use hd_error, only: error_t
   use hd_face_system, only: face_system_t, new_face_system
   use hd_linear_solver, only: linear_solver_t
@@ -21,6 +20,7 @@ module hd_condensed
   private
   public :: condensed_t, new_condensed, first_guess
 
+  real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
@@ -33,8 +33,8 @@ module hd_condensed
   real(dp), parameter :: apply_rate = 4e9_dp         !< operations per second of F
 
   type, extends(linear_solver_t) :: condensed_t
-    class(compliance_t), pointer :: compliance => null()  !< of the bodies at the face
-    integer :: sectors = 0                          !< of the ring, 0 if it is not revolved
+    type(circulant_t), pointer :: compliance => null()  !< of the bodies at the face
+    integer :: sectors = 0                          !< of the ring
     integer, allocatable :: sector(:), row(:), at(:, :)  !< place of each multiplier, multiplier at (row, sector)
     type(sharing_t) :: sharing                      !< points whose law counts for others
     integer, allocatable :: image(:)                !< of every node behind the mirror plane
@@ -50,20 +50,17 @@ module hd_condensed
 
 contains
 
-  !> Take over a compliance. Revolved bodies may use symmetry, others may not.
+  !> Take over a compliance.
   subroutine new_condensed(problem, compliance, condensed)
-    type(problem_t), intent(in) :: problem                  !< problem
-    class(compliance_t), pointer, intent(in) :: compliance  !< allocated; the solver frees it
-    type(condensed_t), intent(out) :: condensed             !< solver
+    type(problem_t), intent(in) :: problem                !< problem
+    type(circulant_t), pointer, intent(in) :: compliance  !< allocated; the solver frees it
+    type(condensed_t), intent(out) :: condensed           !< solver
     integer :: j, m, rows
     integer, allocatable :: number(:)
     condensed%compliance => compliance
-    condensed%name = condensed%compliance%name
+    condensed%name = 'condensed by harmonics'
     condensed%unknowns = 3*problem%mortar%n
-    allocate (condensed%sector(problem%mortar%n), source=0)
-    allocate (condensed%row(problem%mortar%n), source=0)
-    condensed%own_threads = condensed%compliance%fast
-    if (.not. condensed%compliance%fast) return
+    condensed%own_threads = .true.
     m = problem%bodies(1)%nodes_per_sector
     condensed%sectors = problem%bodies(1)%sectors
     allocate (number(m), source=0)
@@ -88,8 +85,7 @@ contains
     type(load_t), intent(in) :: load                  !< load at the end of the step
     type(state_t), intent(in) :: state                !< state at its beginning
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, body not held
-    call use_symmetry(problem, load, state, self%compliance%fast, self%most_images, self%demanded, self%symmetry, &
-      error)
+    call use_symmetry(problem, load, state, self%most_images, self%demanded, self%symmetry, error)
     if (allocated(error)) return
     self%steps = first_guess  ! no memory of earlier load steps: a resumed run repeats every bit
     if (self%symmetry%mirror > 0) self%image = node_images(problem, self%symmetry%mirror)
@@ -97,10 +93,7 @@ contains
     self%symmetry_used = symmetry_name(self%symmetry)
     call self%compliance%prepare(problem, self%symmetry, error)
     self%factor_entries = self%compliance%factor_entries
-    self%ordering_asked = self%compliance%ordering_asked
-    self%ordering_used = self%compliance%ordering_used
-    self%library = self%compliance%library
-    if (allocated(error) .or. .not. (allocated(problem%struts) .or. (allocated(problem%loose) .and. self%compliance%fast))) return
+    if (allocated(error) .or. .not. (allocated(problem%struts) .or. allocated(problem%loose))) return
     if (allocated(self%border)) then
       if (self%border%symmetry == self%symmetry .and. self%border%serial == problem%mortar%serial) return
       deallocate (self%border)
@@ -195,7 +188,7 @@ contains
     end if
     if (easy) easy = norm2(merge(0._dp, v, problem%fixed)) <= balanced*scale
     if (easy) then
-      call self%compliance%apply(pressed, w)
+      call self%compliance%apply(.false., pressed, w)
       if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
     else
       call add_nodal_forces(problem%mortar, system%q, f)
@@ -270,8 +263,7 @@ contains
     logical :: krylov
     part = pack(list, list <= mirrored)
     n = sum(system%rank(part))
-    krylov = .false.
-    if (self%compliance%fast) krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
+    krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
       2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
     if (krylov) then
       reduced = system
@@ -282,7 +274,7 @@ contains
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
       call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
-      krylov = residual <= max(1e-3_dp, self%accuracy) .or. n > largest_dense
+      krylov = residual <= max(useful, self%accuracy) .or. n > largest_dense
     end if
     if (.not. krylov) then
       call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)
@@ -312,7 +304,7 @@ contains
     integer, intent(in) :: mirror           !< 0 half a turn; else the plane
     integer :: image(size(list)), i, s
     image = list
-    if (self%sectors == 0 .or. (mirror == 0 .and. .not. self%symmetry%half_turn)) return
+    if (mirror == 0 .and. .not. self%symmetry%half_turn) return
     do i = 1, size(list)
       s = image_sector(self%sectors, self%sector(list(i)), 0, mirror)
       if (mirror > 0 .and. self%symmetry%half_turn) s = modulo(s, self%sectors/2)

@@ -8,7 +8,7 @@
 !> three times the steps, and without their hold the right-hand side is not one of forces in balance.
 module hd_face_system
   use hd_kinds, only: dp
-  use hd_compliance, only: compliance_t
+  use hd_circulant, only: circulant_t
   use hd_error, only: error_t
   use hd_krylov, only: operator_t, solve_gmres
   use hd_lapack, only: solve_dense
@@ -19,10 +19,12 @@ module hd_face_system
   private
   public :: face_system_t, new_face_system
 
+  !> length of a row of the law, relative, that rounding leaves of one without displacements
+  real(dp), parameter :: unseen = 1e-11_dp
   real(dp), parameter :: single_above = 1e-6_dp  !< residual to which GMRES gets along with F in single precision
 
   type, extends(operator_t) :: face_system_t
-    class(compliance_t), pointer :: compliance => null()  !< F
+    type(circulant_t), pointer :: compliance => null()  !< F
     integer, allocatable :: rank(:)              !< unknowns of each multiplier (multipliers)
     real(dp), allocatable :: r(:, :, :)          !< rows that see displacements (3, 3, multipliers); rank rows count
     real(dp), allocatable :: p(:, :, :)          !< tractions per unknown (3, 3, multipliers); rank columns count
@@ -100,7 +102,7 @@ contains
     do k = 1, 3
       i = k - 1 + maxloc(sum(r(k:, :)**2, 2), 1)
       length = norm2(r(i, :))
-      if (length <= 1e-11_dp*size) exit
+      if (length <= unseen*size) exit
       row = r(i, :); r(i, :) = r(k, :); r(k, :) = row/length
       row = t(i, :); t(i, :) = t(k, :); t(k, :) = row/length
       factor = s(i); s(i) = s(k); s(k) = factor/length
@@ -392,11 +394,7 @@ contains
     do l = 1, n
       self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
     end do
-    if (self%single) then
-      call self%compliance%apply_single(self%f, self%w)
-    else
-      call self%compliance%apply(self%f, self%w)
-    end if
+    call self%compliance%apply(self%single, self%f, self%w)
     do l = 1, n
       y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
       do k = self%first(l), min(self%first(l) + 2, n)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Newton's equations by GMRES around a solver that is cheap but not exact: symmetric factors in double or single precision,
-!> or the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES stalls, the exact factors of
-!> hd_newton_matrix take over for the rest of the run. Round bodies keep struts where they stood at rest.
+!> Newton's equations by GMRES around the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES
+!> stalls, the exact factors of hd_newton_matrix take over for the rest of the run. Round bodies keep struts where they stood
+!> at rest.
 module hd_newton_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t, code_linear_solver
@@ -23,7 +23,7 @@ module hd_newton_krylov
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   type, extends(linear_solver_t) :: newton_krylov_t
-    class(linear_solver_t), allocatable :: near        !< the preconditioner
+    class(linear_solver_t), allocatable :: near        !< the preconditioner: condensed bodies
     type(problem_t), allocatable :: round              !< round bodies with the same nodes, where `near` needs them
     type(newton_matrix_t), allocatable :: exact        !< takes over where GMRES stalls
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)  !< derivatives of the law, as symmetric as the load step
@@ -49,7 +49,7 @@ contains
   !> Put GMRES around a solver.
   subroutine new_newton_krylov(near, solver)
     class(linear_solver_t), allocatable, intent(inout) :: near  !< moved away
-    type(newton_krylov_t), intent(inout) :: solver               !< new; `round` may be set
+    type(newton_krylov_t), intent(inout) :: solver              !< new; `round` may be set
     call move_alloc(near, solver%near)
     solver%name = 'GMRES, '//trim(solver%near%name)
     solver%unknowns = solver%near%unknowns
@@ -74,9 +74,6 @@ contains
     end if
     self%demanded = self%near%demanded
     self%symmetry_used = self%near%symmetry_used
-    self%ordering_asked = self%near%ordering_asked
-    self%ordering_used = self%near%ordering_used
-    self%library = self%near%library
     if (allocated(self%round)) then
       call share_law(self%round, self%near%symmetry, self%sharing)
       if (same_shape(self%round, problem, self%near%symmetry)) return

@@ -15,7 +15,7 @@ module hd_newton_matrix
   use hd_mumps, only: mumps_t, unsymmetric, ordering_given
   implicit none
   private
-  public :: newton_matrix_t, new_newton_matrix, lay_out_newton_matrix, coupled_graph
+  public :: newton_matrix_t, new_newton_matrix, lay_out_newton_matrix
 
   type, extends(linear_solver_t) :: newton_matrix_t
     integer :: dofs = 0                          !< free displacement dofs

@@ -10,8 +10,10 @@ module hd_asperity
   implicit none
   private
   public :: asperity_t, new_asperity, asperity_by_area, asperity_by_depth
+  public :: fully_plastic
   public :: load, load_power, stiff, stiff_power, edge
 
+  integer, parameter :: fully_plastic = 4   !< last regime of a spot: 1 is elastic, 2 and 3 are elastoplastic
   real(dp), parameter :: load_power(4) = [1.5_dp, 1.425_dp/1.136_dp, 1.263_dp/1.146_dp, 1._dp]
   real(dp), parameter :: stiff_power(4) = [0.5_dp, 0.425_dp/1.136_dp, 0.263_dp/1.146_dp, 0._dp]
   !> Upper edges of the first three regimes in units of s_ec (Eq. 13, 14).
@@ -76,11 +78,11 @@ contains
     real(dp) :: stuck
     i = regime_of_area(a, s)
     f = a%hardness*s
-    if (i < 4) f = a%f_ec*load(i)*(s/a%s_ec)**load_power(i)
+    if (i < fully_plastic) f = a%f_ec*load(i)*(s/a%s_ec)**load_power(i)
     k = a%f_ec/a%eps_ec*stiff(i)*(s/a%s_ec)**stiff_power(i)
     stuck = mu*f - tau*s
     kt = 0
-    if (i < 4 .and. stuck > 0) kt = 8*a%g_prime*sqrt(s/pi)*(stuck/(mu*f))**(1/3._dp)
+    if (i < fully_plastic .and. stuck > 0) kt = 8*a%g_prime*sqrt(s/pi)*(stuck/(mu*f))**(1/3._dp)
   end subroutine asperity_by_area
 
   !> Area, load and stiffness at a depth eps; branches are closed on the left at eps / eps_ec = 1, 6, 110 and jump.
@@ -113,7 +115,7 @@ contains
     real(dp), intent(in) :: x
     real(dp), intent(out) :: s, f, slope
     slope = depth_power(i)
-    if (i < 4) then
+    if (i < fully_plastic) then
       s = area_factor(i)*a%s_ec*x**area_power(i)
       f = load_factor(i)*a%f_ec*x**depth_power(i)
     else

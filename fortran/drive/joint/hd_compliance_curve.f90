@@ -4,6 +4,7 @@
 !> Below the table k goes on as a power of P, with an exponent between 0 and 1; above it k stays. The closure int dP/k counts from
 !> the first entry.
 module hd_compliance_curve
+  use hd_gauss, only: gauss_4, weight_4
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
@@ -11,10 +12,10 @@ module hd_compliance_curve
   private
   public :: compliance_curve_t, new_curve, stiffness_of, closure_of, pressure_of
 
-  real(dp), parameter :: x(4) = 0.5_dp + 0.5_dp*[-0.861136311594052575224_dp, -0.339981043584856264803_dp, &
-    0.339981043584856264803_dp, 0.861136311594052575224_dp]                          !< Gauss rule on [0, 1]
-  real(dp), parameter :: w(4) = 0.5_dp*[0.347854845137453857373_dp, 0.652145154862546142627_dp, 0.652145154862546142627_dp, &
-    0.347854845137453857373_dp]
+  real(dp), parameter :: flat = 1e-6_dp   !< 1 - power below which P^e - 1 loses more to rounding than its logarithm to the power
+  real(dp), parameter :: settled = 1e-14_dp   !< step of ln P that is rounding
+  real(dp), parameter :: closed = 1e-15_dp    !< width of a bracket of ln P that holds hardly a further number
+  real(dp), parameter :: x(4) = 0.5_dp + 0.5_dp*gauss_4, w(4) = 0.5_dp*weight_4   !< Gauss rule on [0, 1]
   integer, parameter :: panels = 4   !< of the closure between two entries
 
   type :: compliance_curve_t
@@ -145,13 +146,13 @@ contains
     e = 1 - curve%power
     if (.not. pressure > 0) then
       d = -huge(1._dp)
-      if (e > 1e-6_dp) d = -first/e
+      if (e > flat) d = -first/e
       return
     end if
     l = log(pressure)
     if (l < curve%log_p(1)) then
       d = first*(l - curve%log_p(1))
-      if (e > 1e-6_dp) d = first*(exp(e*(l - curve%log_p(1))) - 1)/e
+      if (e > flat) d = first*(exp(e*(l - curve%log_p(1))) - 1)/e
     else if (l >= curve%log_p(n)) then
       d = curve%closure(n) + (pressure - exp(curve%log_p(n)))*exp(-curve%log_k(n))
     else
@@ -171,7 +172,7 @@ contains
     e = 1 - curve%power
     if (closure <= 0) then
       p = exp(curve%log_p(1) + closure/first)
-      if (e > 1e-6_dp) p = exp(curve%log_p(1) + log(max(1 + e*closure/first, tiny(1._dp)))/e)
+      if (e > flat) p = exp(curve%log_p(1) + log(max(1 + e*closure/first, tiny(1._dp)))/e)
       return
     else if (closure >= curve%closure(n)) then
       p = exp(curve%log_p(n)) + (closure - curve%closure(n))*exp(curve%log_k(n))
@@ -187,7 +188,7 @@ contains
       if (r > 0) high = l
       if (r <= 0) low = l
       step = -r*exp(y - l)
-      if (abs(step) < 1e-14_dp .or. high - low < 1e-15_dp) exit
+      if (abs(step) < settled .or. high - low < closed) exit
       l = l + step
       if (.not. (l >= low .and. l <= high)) l = 0.5_dp*(low + high)
     end do

@@ -8,15 +8,19 @@
 !> Tangential: u(q) = int dq / k_T(P, q) at constant P up to the friction limit mu P, then slip. Reversals follow Masing's rule,
 !> u - u_r = 2 u((q - q_r) / 2).
 module hd_interface_law
+  use hd_gauss, only: gauss_rule
   use hd_kinds, only: dp
+  use hd_asperity, only: fully_plastic
   use hd_error, only: error_t, raise, code_input
   use hd_joint, only: joint_t, spots_t, spots_at, find_largest_spot, tangential_stiffness, spot_shear
-  use hd_partial_slip, only: gauss_rule
   use hd_text, only: to_text
   implicit none
   private
   public :: interface_law_t, new_interface_law, closure_at, pressure_at, shear_at
 
+  real(dp), parameter :: settled = 1e-8_dp     !< step of t after which Newton's next would be rounding, for it squares
+  real(dp), parameter :: close = 1e-12_dp      !< step of the shear over its limit that no reading sees
+  integer, parameter :: halvings = 40          !< of the way to the friction limit: the rest, 1e-12 of it, counts as slip
   integer, parameter :: points = 10
   real(dp), parameter :: panel = 0.5_dp, first_t = -9  !< length of a panel in t, start of the first
 
@@ -42,7 +46,7 @@ contains
     integer :: i
     if (joint%paper) then
       call raise(error, code_input, 'the interface law needs the nominal closure; Eq. 28 (paper) has no pressure per area')
-    else if (joint%first == 4) then
+    else if (joint%first == fully_plastic) then
       call raise(error, code_input, 's_min is plastic already: the joint has no stiffness')
     else if (.not. (zero_pressure > 0 .and. zero_pressure < joint%asperity%hardness)) then
       call raise(error, code_input, 'zero_pressure is '//to_text(zero_pressure)//' Pa; valid: > 0 and below the hardness')
@@ -72,7 +76,7 @@ contains
     reached = first_t
     do i = joint%first, 4
       s_edge = huge(1._dp)
-      if (i < 4) s_edge = edge_excess(joint, i)
+      if (i < fully_plastic) s_edge = edge_excess(joint, i)
       s_edge = min(last, log(max(s_edge, tiny(1._dp))))
       if (s_edge <= reached) cycle
       n = ceiling((s_edge - reached)/panel)
@@ -169,7 +173,7 @@ contains
         slope = s%load_slope*s%excess/(1 + s%excess)/s%stiff*law%joint%asperity%eps_ec
         step = min(max(-r/slope, low - t), high - t)
         t = t + step
-        if (abs(step) < 1e-8_dp) exit
+        if (abs(step) < settled) exit
       end do
       call per_area(law, spots_at(law%joint, exp(t)), pressure, k)
     end if
@@ -194,7 +198,7 @@ contains
     if (.not. s%excess > 0 .or. .not. limit > 0) return
     u = 0
     q = 0
-    do i = 1, 40  ! panels that halve the distance to the limit
+    do i = 1, halvings  ! panels that halve the distance to the limit
       low = q
       high = limit*(1 - 0.5_dp**i)
       du = displacement_of(law, s, low, high)
@@ -202,14 +206,14 @@ contains
       u = u + du
       q = high
     end do
-    slipping = i > 40
+    slipping = i > halvings
     shear = limit
     if (slipping) return
     do j = 1, 60
       k = stiffness_of(law, s, q)
       step = (displacement - u - displacement_of(law, s, low, q))*k
       q = min(max(q + step, low), high)
-      if (abs(step) < 1e-12_dp*limit) exit
+      if (abs(step) < close*limit) exit
     end do
     shear = q
     k = stiffness_of(law, s, q)

@@ -6,11 +6,11 @@
 !> s_min is an input. Areas are handled as sigma = s / s_ec, the largest one as excess = s_l / s_min - 1, which keeps its
 !> digits where s_l is close to s_min. Integrals over whole regimes are computed once.
 module hd_joint
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, hair
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   use hd_elastic_law, only: elastic_law_t, elastic_stiffness
-  use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge
+  use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge, fully_plastic
   use hd_partial_slip, only: slip_series_t, new_slip_series, slip_integral
   use hd_theory_trust, only: theory_surface_t
   use hd_powers, only: expm1, log1p, power_integral, power_partial
@@ -60,6 +60,14 @@ module hd_joint
     real(dp) :: dk_t_dtau = 0                    !< by the nominal shear [N/(m Pa)]
     integer :: iterations = 0                    !< of the inversion
   end type response_t
+
+  !> pressure over the hardness up to which Eq. 28 as printed has a root that rounding leaves
+  real(dp), parameter :: highest = 0.99_dp
+  real(dp), parameter :: settled = 1e-8_dp     !< step of t after which Newton's next would be rounding, for it squares
+  real(dp), parameter :: exact = 2e-15_dp      !< residual of a logarithm that is rounding
+  real(dp), parameter :: rounding = 1e-16_dp   !< step of ln psi that changes nothing
+  real(dp), parameter :: lowest = -745, largest = 700   !< t whose exp is the smallest number, and is not beyond the largest
+  real(dp), parameter :: stride = 20           !< step of t where no bracket is known: 36 of them pass through all numbers
 
 contains
 
@@ -145,7 +153,7 @@ contains
       step = -r/slope
       if (x + step <= a .or. x + step >= b) step = 0.5_dp*(a + b) - x
       x = x + step
-      if (abs(step) < 1e-16_dp) exit
+      if (abs(step) < rounding) exit
     end do
     psi = exp(x)
   end function spot_ratio
@@ -238,7 +246,7 @@ contains
       call slip_integral(joint%slip(i), joint%lo(i), length, tau*h_of_tau(i), k(i), df)
       by_tau = by_tau + df*h_of_tau(i)
     end do
-    if (s%regime == 4 .and. joint%plastic) then  ! x is the same for every plastic spot, tau / (mu H)
+    if (s%regime == fully_plastic .and. joint%plastic) then  ! x is the same for every plastic spot, tau / (mu H)
       x = tau/(joint%mu*joint%asperity%hardness)
       if (x < 1) then
         df = joint%lo(4)**(1 - joint%d/2)*power_partial(s%length, 1 - joint%d/2)
@@ -246,7 +254,7 @@ contains
         by_tau = by_tau - df*(1 - x)**(-2/3._dp)/(3*joint%mu*joint%asperity%hardness)
         by_spot = s%sigma**(1 - joint%d/2)*(1 - x)**(1/3._dp)
       end if
-    else if (s%regime < 4) then
+    else if (s%regime < fully_plastic) then
       x = tau*h_of_tau(s%regime)*s%sigma**(1 - load_power(s%regime))
       if (x < 1) by_spot = s%sigma**(1 - joint%d/2)*(1 - x)**(1/3._dp)
     end if
@@ -274,13 +282,13 @@ contains
     area = 0
     goal = pressure*joint%reference_area/joint%asperity%f_ec
     if (joint%paper) then
-      if (pressure >= 0.99_dp*joint%asperity%hardness) return
+      if (pressure >= highest*joint%asperity%hardness) return
       area = 1
       goal = pressure*joint%area_factor*joint%s_min/joint%asperity%f_ec
     end if
     t = first_guess(joint, goal, area)
-    low = -745
-    high = 700
+    low = lowest
+    high = largest
     do i = 1, 200
       s = spots_at(joint, exp(t))
       share = s%excess/(1 + s%excess)
@@ -290,12 +298,12 @@ contains
       if (r <= 0) low = t
       step = -r/slope
       iterations = i
-      if (abs(step) < 1e-8_dp .or. abs(r) < 2e-15_dp) exit
-      if (.not. (t + step > low .and. t + step < high)) step = merge(0.5_dp*(low + high) - t, sign(20._dp, -r), &
-        low > -745 .and. high < 700)
+      if (abs(step) < settled .or. abs(r) < exact) exit
+      if (.not. (t + step > low .and. t + step < high)) step = merge(0.5_dp*(low + high) - t, sign(stride, -r), &
+        low > lowest .and. high < largest)
       t = t + step
     end do
-    if (abs(step) < 1e-8_dp) s = spots_at(joint, exp(t + step))
+    if (abs(step) < settled) s = spots_at(joint, exp(t + step))
   end subroutine find_largest_spot
 
   !> Start of the inversion: a chord of ln F over t through the ends of the regime that holds the root.
@@ -312,7 +320,7 @@ contains
     t1 = t0
     r1 = r0
     do i = joint%first, 3
-      if (edge(i)*joint%asperity%s_ec <= joint%s_min*(1 + 1e-12_dp)) cycle
+      if (edge(i)*joint%asperity%s_ec <= joint%s_min*(1 + hair)) cycle
       t1 = log(edge(i)*joint%asperity%s_ec/joint%s_min - 1)
       s = spots_at(joint, exp(t1))
       r1 = log(s%load/goal) - area*log1p(s%excess)

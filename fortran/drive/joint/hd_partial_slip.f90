@@ -6,12 +6,14 @@
 !> vanishes at the slip edge. Both fall as 2^-n, their coefficients are computed once. Intervals too narrow for differences
 !> use a Gauss rule, above x = 1/2 in v = (1 - x)^(1/3), where the cusp at the slip edge is smooth.
 module hd_partial_slip
-  use hd_kinds, only: dp, pi
+  use hd_gauss, only: gauss_rule
+  use hd_kinds, only: dp
   use hd_powers, only: power_partial, expm1
   implicit none
   private
-  public :: slip_series_t, new_slip_series, slip_integral, gauss_rule
+  public :: slip_series_t, new_slip_series, slip_integral
 
+  real(dp), parameter :: fast = 0.1_dp, faster = 0.003_dp   !< x whose 17th, 7th power is below rounding: the first term left out
   integer, parameter :: terms = 50, points = 12
   real(dp), parameter :: third = 1/3._dp, narrow = 0.05_dp
 
@@ -118,8 +120,8 @@ contains
   pure integer function length_of(x) result(n)
     real(dp), intent(in) :: x
     n = terms
-    if (x < 0.1_dp) n = 16
-    if (x < 0.003_dp) n = 6
+    if (x < fast) n = 16
+    if (x < faster) n = 6
   end function length_of
 
   !> Adds the part with x >= 1/2; h dI/dh = -a I + [sigma^e v] / p.
@@ -180,38 +182,4 @@ contains
       df = df - third*g*x/(h*v**2)
     end do
   end subroutine narrow_integral
-
-  !> Gauss-Legendre rule on [0, 1].
-  pure subroutine gauss_rule(x, w)
-    real(dp), intent(out) :: x(:), w(:)  !< points and weights
-    real(dp) :: z, p0, p1, slope
-    integer :: i, j, n
-    n = size(x)
-    do i = 1, n
-      z = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
-      do j = 1, 10
-        call legendre(n, z, p1, p0)
-        slope = n*(z*p1 - p0)/(z*z - 1)
-        z = z - p1/slope
-      end do
-      x(i) = (1 - z)/2
-      w(i) = 1/((1 - z*z)*slope**2)
-    end do
-  end subroutine gauss_rule
-
-  !> Legendre polynomials of degree n and n - 1.
-  pure subroutine legendre(n, z, p, previous)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: z
-    real(dp), intent(out) :: p, previous
-    real(dp) :: next
-    integer :: k
-    p = 1
-    previous = 0
-    do k = 1, n
-      next = ((2*k - 1)*z*p - (k - 1)*previous)/k
-      previous = p
-      p = next
-    end do
-  end subroutine legendre
 end module hd_partial_slip

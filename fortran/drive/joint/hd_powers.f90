@@ -33,6 +33,6 @@ contains
   pure real(dp) function power_partial(l, e) result(f)
     real(dp), intent(in) :: l, e
     f = l
-    if (abs(e*l) > 1e-300_dp) f = expm1(e*l)/e
+    if (abs(e*l) > tiny(e)) f = expm1(e*l)/e
   end function power_partial
 end module hd_powers

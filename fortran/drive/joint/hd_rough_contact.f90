@@ -9,18 +9,19 @@
 !> with a and e set once on generated surfaces and judged on others (bench/joint_law.py, docs/explain/joint.md).
 !> Yield at the pressure H absorbs: A counts what is still elastic at q, so what has yielded stores no energy (Persson 2001).
 module hd_rough_contact
+  use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi
   use hd_spectrum, only: power_spectrum_t
   implicit none
   private
   public :: contact_at
 
+  real(dp), parameter :: rounding = 1e-18_dp !< what further terms of the series add is below rounding
   real(dp), parameter :: share_at_no_contact = 0.40_dp   !< a
   real(dp), parameter :: share_power = 0.12_dp           !< e
   real(dp), parameter :: stiffest = 1e-6_dp !< full contact: k_N <= P / (stiffest h_rms)
   real(dp), parameter :: narrow = 0.04_dp   !< V/H^2 below which the two boundaries do not see each other
-  real(dp), parameter :: x(3) = 0.5_dp + sqrt(0.15_dp)*[-1, 0, 1]            !< Gauss rule on [0, 1]
-  real(dp), parameter :: weight(3) = [5, 8, 5]/18._dp
+  real(dp), parameter :: x(3) = 0.5_dp + 0.5_dp*gauss_3, weight(3) = weight_3/2   !< Gauss rule on [0, 1]
   integer, parameter :: most = 10           !< panels of the first band
   integer, parameter :: terms = 25          !< of the series above that: exp(-terms^2 pi^2 narrow/2) vanishes
 
@@ -90,7 +91,7 @@ contains
     yielding = p/h
     do n = 1, terms
       fall = exp(-(n*pi/h)**2*v/2)
-      if (fall < 1e-18_dp) exit
+      if (fall < rounding) exit
       sine = 2/(n*pi)*sin(n*pi*p/h)*fall
       if (mod(n, 2) == 1) then
         elastic = elastic + 2*sine

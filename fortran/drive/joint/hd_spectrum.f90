@@ -4,7 +4,7 @@
 !> With C(q) the two-dimensional spectrum, h_rms^2 = 2 pi int q C dq. Eq. 1 in the continuum has
 !> C(q) = G^(2(D-2)) f^(-a-2) / (16 pi^3), q = 2 pi f, a = 2(3-D), 1/L <= f <= 1/L_s.
 module hd_spectrum
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   implicit none
@@ -54,7 +54,7 @@ contains
     pure function moment(e) result(m)
       real(dp), intent(in) :: e  !< exponent
       real(dp) :: m(n)
-      if (abs(e) < 1e-9_dp) then
+      if (abs(e) < hair) then
         m = log(f(2:)/f(:n))
       else
         m = (f(2:)**e - f(:n)**e)/e

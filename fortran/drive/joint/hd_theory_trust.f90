@@ -3,7 +3,7 @@
 !>
 !> Few long waves may hold most of the height. Until a few of their crests touch, their phases decide k_N, which no spectrum tells.
 !> So the error follows from the touching waves: true contact as a share, times the independent waves N = (sum h)^2/sum(h^2/m), h
-!> the height variance of a band of the spectrum and m its waves (docs/evidence/joint_choice.md). The waves of an area grow with it,
+!> the height variance of a band of the spectrum and m its waves (docs/evidence/joint.md). The waves of an area grow with it,
 !> so touching waves of the parts of a contact add up.
 module hd_theory_trust
   use hd_kinds, only: dp

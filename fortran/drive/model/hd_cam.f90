@@ -6,7 +6,8 @@
 !> that are even on the circle are even by arc length on a curve parallel to the profile. The distance h of that curve sets its
 !> length, which grows by 2 pi h.
 module hd_cam
-  use hd_kinds, only: dp, pi
+  use hd_gauss, only: gauss_8, weight_8
+  use hd_kinds, only: dp, pi, hair
   use hd_cam_table, only: cam_table_t, read_cam_table, radius_deviation
   use hd_error, only: error_t, raise, code_input
   use hd_scene, only: scene_t
@@ -15,11 +16,9 @@ module hd_cam
   private
   public :: cam_t, new_cam, curve_t, new_curve
 
+  real(dp), parameter :: settled = 1e-15_dp         !< change of an angle that is below its rounding [rad]
   integer, parameter :: panels = 128              !< of a smooth profile
   real(dp), parameter :: largest_misfit = 0.02_dp  !< of the radius of a measured curve and the ring's, relative
-  real(dp), parameter :: gauss(4) = [0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, 0.9602898564975363_dp]
-  real(dp), parameter :: weight(4) = [0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
-  real(dp), parameter :: place(8) = [-gauss(4:1:-1), gauss], share(8) = [weight(4:1:-1), weight]/2
 
   !> A profile and the circle that goes on it.
   type :: cam_t
@@ -75,7 +74,7 @@ contains
     call read_cam_table(trim(scene%cam_file), cam%table, error)
     if (allocated(error)) return
     cam%w = cam%table%amplitude
-    if (.not. cam%w > 1e-9_dp*radius) then
+    if (.not. cam%w > hair*radius) then
       call raise(error, code_input, trim(scene%cam_file)//': the radii are all alike; a round wave generator is w = 0')
     else if (cam%perimeter == 'curve' .and. abs(cam%table%mean - radius) > largest_misfit*radius) then
       call raise(error, code_input, "wave_generator.perimeter = 'curve': the mean radius of "//trim(scene%cam_file)//' is '// &
@@ -254,12 +253,12 @@ contains
     real(dp), intent(in) :: low, high              !< [rad]
     real(dp), intent(inout), optional :: moment    !< int phi ds [m rad]
     real(dp), dimension(8) :: phi, r, dr, ddr, speed
-    phi = (low + high)/2 + (high - low)/2*place
+    phi = (low + high)/2 + (high - low)/2*gauss_8
     call self%cam%polar(self%w, phi, r, dr, ddr)
     speed = hypot(r, dr)
     speed = speed + self%parallel*(r**2 + 2*dr**2 - r*ddr)/speed**2  ! parallel curves: the turn of the normal times the distance
-    s = (high - low)*sum(share*speed)
-    if (present(moment)) moment = moment + (high - low)*sum(share*speed*phi)
+    s = (high - low)*sum(weight_8/2*speed)
+    if (present(moment)) moment = moment + (high - low)*sum(weight_8/2*speed*phi)
   end function step
 
   !> Put a point of the circle on the curve.
@@ -289,7 +288,7 @@ contains
       speed = speed + self%parallel*(r**2 + 2*dr**2 - r*ddr)/speed**2
       change = (s - self%arc(low) - self%step(self%phi(low), phi))/speed
       phi = phi + change
-      if (abs(change) < 1e-15_dp) exit
+      if (abs(change) < settled) exit
     end do
     call self%cam%polar(self%w, phi, r, dr, ddr)
     n = [r*cos(phi) + dr*sin(phi), r*sin(phi) - dr*cos(phi)]/hypot(r, dr)

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A measured cam: radii over angles from a CSV file, joined by a periodic cubic spline.
 module hd_cam_table
-  use hd_kinds, only: dp, pi
+  use hd_gauss, only: gauss_3, weight_3
+  use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_system, only: path_kind, path_file
   use hd_text, only: to_text
@@ -65,7 +66,7 @@ contains
       if (.not. point(2) > 0) fault = 'radius '//to_text(point(2))//' m; valid: above 0'
       if (size(points, 2) > 1) then
         if (points(1, size(points, 2)) <= points(1, size(points, 2) - 1)) fault = 'the angle does not rise'
-        if (points(1, size(points, 2)) >= points(1, 1) + 2*pi*(1 - 1e-9_dp)) fault = 'the angle leaves the first turn'// &
+        if (points(1, size(points, 2)) >= points(1, 1) + 2*pi*(1 - hair)) fault = 'the angle leaves the first turn'// &
           ' (the first point does not stand again at the end)'
       end if
     end do
@@ -84,7 +85,6 @@ contains
     real(dp), intent(in) :: theta(:)           !< rising, within one turn [rad]
     real(dp), intent(in) :: radius(:)          !< [m]
     type(cam_table_t), intent(out) :: table    !< spline
-    real(dp), parameter :: gauss(3) = [-1, 0, 1]*sqrt(0.6_dp), weight(3) = [5, 8, 5]/18._dp
     real(dp) :: h, moment, t, u
     integer :: i, k, n
     n = size(theta)
@@ -105,9 +105,9 @@ contains
     do i = 1, n
       h = table%theta(i + 1) - table%theta(i)
       do k = 1, 3
-        t = table%theta(i) + h*(1 + gauss(k))/2
+        t = table%theta(i) + h*(1 + gauss_3(k))/2
         call radius_deviation(table, t, u)
-        moment = moment + weight(k)*h*(t - table%theta(1))*u
+        moment = moment + weight_3(k)/2*h*(t - table%theta(1))*u
       end do
     end do
     table%offset = moment/(2*pi)

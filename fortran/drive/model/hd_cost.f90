@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Time and memory that each matrix solver will take for a scene, predicted from its mesh, and the choice between them.
+!> The matrix solver of a scene, and the time and memory that it and the others will take, predicted from the mesh. Condensed
+!> bodies are faster and smaller than GMRES around them, and this than exact factors, on every mesh: the first that applies is
+!> taken.
 !>
 !> Factors of the sparse matrix have E entries and take F operations, both powers of the number of dof (MUMPS in a METIS order,
-!> meshes one cell thick; solid ones grow faster). Coefficients: one core, measured on the scenes of bench/solver_choice.py.
+!> meshes one cell thick; solid ones grow faster). Coefficients: one core, measured on scenes of 20 000 to 80 000 dof.
 module hd_cost
   use hd_error, only: error_t, raise, code_memory
   use hd_kinds, only: dp, i8
@@ -25,7 +27,7 @@ module hd_cost
 
   !> All solvers at the time of the choice, and the choice.
   type :: forecast_t
-    type(cost_t) :: costs(6)
+    type(cost_t) :: costs(3)
     real(dp) :: memory_allowed_mb = 0 !< then; not above 0: unknown
     integer :: chosen = 0             !< one of `costs`
   end type forecast_t
@@ -34,68 +36,55 @@ module hd_cost
   real(dp), parameter :: entries_1 = 7.1e6_dp, flops_1 = 2.0e9_dp, dof_1 = 19680   !< E and F of LU at this size
   real(dp), parameter :: entry_time = 22e-9_dp  !< per entry of the factors, handling
   real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
-  real(dp), parameter :: solve_time = 4e-9_dp   !< per entry of symmetric factors and solve
   real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
   real(dp), parameter :: pairs_time = 1.7_dp    !< times as long where pairs follow: more iterations, more steps of GMRES
   real(dp), parameter :: tangent_time = 3e-6_dp !< per dof and iteration, large displacements
-  real(dp), parameter :: face_time = 2.3e-10_dp !< per cube of the face dofs of both bodies, inversion
 
 contains
 
-  !> What every solver will cost, and the one to take: the fastest that fits.
+  !> What every solver will cost, and the one to take.
   type(forecast_t) function forecast(s, round)
     type(scene_t), intent(in) :: s    !< scene
     logical, intent(in) :: round      !< its bodies have harmonics; where not, only a scene that asks for them gets them
     forecast%costs = predict_costs(s)
-    if (s%method == 'auto' .and. .not. round) forecast%costs([1, 3])%applies = .false.
+    if (s%method == 'auto' .and. s%factors == 'auto' .and. .not. round) forecast%costs(:2)%applies = .false.
     forecast%memory_allowed_mb = allowed_memory_mb(s)
-    forecast%chosen = cheapest(forecast%costs, forecast%memory_allowed_mb)
+    forecast%chosen = findloc(forecast%costs%applies, .true., 1)
   end function forecast
 
   !> All solvers, those that do not apply too.
   function predict_costs(s) result(list)
     type(scene_t), intent(in) :: s  !< scene
-    type(cost_t) :: list(6)
-    real(dp) :: nodes, section, rows, thick, dof, part, images, extra, tangent, harmonic
+    type(cost_t) :: list(3)
+    real(dp) :: nodes, section, rows, thick, dof, images, extra, tangent, harmonic
     logical :: round, small, newton
     call count_nodes(s, nodes, section, rows, thick)
     dof = 3*nodes
     images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%symmetry /= 'full' .and. &
       .not. abs(s%eccentricity) > 0 .and. .not. s%formed())
     extra = min(thick - 1, 2._dp)
-    part = dof/images
     small = .not. s%large()
     tangent = merge(0._dp, tangent_time*dof, small)
     harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
     list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
-    list(2) = cost_t('schur', seconds=factor_time(dof, 0.5_dp, 1._dp) + face_time*(rows*s%divisions)**3 + &
-      iterations*5*harmonic, &
-      memory_mb=30 + 2.5e-3_dp*nodes + 6e-6_dp*entries(dof) + 32e-6_dp*(rows*s%divisions)**2)
-    list(3) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
+    list(2) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
       memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, .not. s%formed())*nodes + 4e-6_dp*s%divisions*rows**2)
-    list(4) = cost_t('single', seconds=iterations*(factor_time(part, 0.5_dp, 0.7_dp) + krylov_time(part, 0.6_dp) + tangent), &
-      memory_mb=30 + 2.7e-3_dp*nodes + 2.6e-6_dp*entries(part))
-    list(5) = cost_t('symmetric', seconds=iterations*(factor_time(part, 0.5_dp, 1._dp) + krylov_time(part, 1._dp) + tangent), &
-      memory_mb=30 + 2.7e-3_dp*nodes + 5.2e-6_dp*entries(part))
-    list(6) = cost_t('exact', seconds=iterations*(factor_time(dof, 1._dp, 1._dp) + tangent), &
+    list(3) = cost_t('exact', seconds=iterations*(factor_time(dof) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
     round = .not. s%support%against_teeth .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
     newton = s%method == 'auto' .or. s%method == 'newton'
     list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. .not. s%formed())
-    list(2)%applies = s%method == 'schur'  ! pays only where it is kept for many runs
-    list(3:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(3:)%name)
+    list(2:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(2:)%name)
     if (s%factors == 'auto') then
-      list(3)%applies = newton .and. round
-      list(4:5)%applies = newton .and. .not. s%support%against_teeth
+      list(2)%applies = newton .and. round
     else if (s%method == 'auto') then
       list(1)%applies = .false.
     end if
-    if (s%support%struts) then  ! struts and rigid motions are known to three solvers
+    if (s%support%struts) then
       list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
-      list(2:5)%applies = .false.
-      list(3)%applies = s%factors == 'auto' .and. .not. small
-      list(6)%applies = .not. any(list(1:3)%applies)
+      list(2)%applies = s%factors == 'auto' .and. .not. small
+      list(3)%applies = .not. any(list(:2)%applies)
     end if
   contains
     !> Entries of LU of so many dof.
@@ -104,17 +93,11 @@ contains
       entries = entries_1*(n/dof_1)**(1.18_dp + 0.1_dp*extra)*1.5_dp**extra
     end function entries
 
-    !> Seconds of a factorisation; `half` for symmetric ones, `precision` below 1 for single.
-    pure real(dp) function factor_time(n, half, precision)
-      real(dp), intent(in) :: n, half, precision
-      factor_time = half*precision*(entry_time*entries(n) + flop_time*flops_1*(n/dof_1)**(1.53_dp + 0.2_dp*extra)*2**extra)
+    !> Seconds of a factorisation.
+    pure real(dp) function factor_time(n)
+      real(dp), intent(in) :: n
+      factor_time = entry_time*entries(n) + flop_time*flops_1*(n/dof_1)**(1.53_dp + 0.2_dp*extra)*2**extra
     end function factor_time
-
-    !> Seconds of GMRES around symmetric factors.
-    pure real(dp) function krylov_time(n, precision)
-      real(dp), intent(in) :: n, precision
-      krylov_time = 6*(precision*solve_time*entries(n)/2 + apply_time*dof)
-    end function krylov_time
   end function predict_costs
 
   !> Nodes of both bodies and of a sector, dofs of the contact face along the band, cells through the thickness.
@@ -149,19 +132,6 @@ contains
     mb = 1.1_dp*(14 + 530e-6_dp*nodes + 90e-6_dp*rows**2 + &
       s%divisions*(1.1e-3_dp*rows + 8e-6_dp*band + (2.8e-6_dp*rows**2 + 59e-6_dp*band)/images))
   end function harmonic_mb
-
-  !> The fastest solver that fits, the smallest where none does.
-  integer function cheapest(list, limit) result(best)
-    type(cost_t), intent(in) :: list(:)   !< predictions
-    real(dp), intent(in) :: limit         !< memory [MB], 0: unknown
-    logical :: fits(size(list))
-    fits = list%applies .and. (list%memory_mb <= limit .or. limit <= 0)
-    if (any(fits)) then
-      best = minloc(list%seconds, 1, fits)
-    else
-      best = minloc(list%memory_mb, 1, list%applies)
-    end if
-  end function cheapest
 
   !> What was predicted, for the log.
   function cost_text(list) result(text)

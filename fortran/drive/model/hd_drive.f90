@@ -4,7 +4,7 @@
 !> The z axis is the drive's axis, z = 0 the opening of the cup. Body 1 carries the multipliers (slave): the ring, or the cup
 !> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_ball_bearing, only: ball_angles, ball_patches, ball_struts
   use hd_ball_patch, only: ball_patch_t
   use hd_cam, only: cam_t, new_cam
@@ -87,7 +87,7 @@ contains
       call strip_face(drive%ring, ring, drive%ring%layers + 1, 1, size(drive%ring%inner, 2), drive%radius, drive%face)
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       call strip_face(drive%cup, cup, 1, first, last, drive%radius, master)
-      call strip_face(drive%cup, cup, 1, 1, count(abs(drive%cup%inner(1, :) - drive%radius) <= 1e-9_dp*drive%radius), &
+      call strip_face(drive%cup, cup, 1, 1, count(abs(drive%cup%inner(1, :) - drive%radius) <= hair*drive%radius), &
         drive%radius, bore)
       call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
     end associate

@@ -3,7 +3,7 @@
 !>   approach = d* S/2 (3 F / (2 S E'))^(2/3),   semi-axes = a*, b* (3 F / (2 S E'))^(1/3)
 !> S sum of the principal curvatures, E' reduced modulus, kappa = a/b from the difference of the curvatures.
 module hd_hertz
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   implicit none
   private
   public :: point_contact_t, ball_on_race, contact_rate, semi_axes, in_series, elliptic_integrals
@@ -75,7 +75,7 @@ contains
     real(dp) :: first, second
     call elliptic_integrals(1 - 1/ratio**2, first, second)
     f = 0
-    if (ratio**2 - 1 > 1e-9_dp) f = ((ratio**2 + 1)*second - 2*first)/((ratio**2 - 1)*second)
+    if (ratio**2 - 1 > hair) f = ((ratio**2 + 1)*second - 2*first)/((ratio**2 - 1)*second)
   end function curvature_difference
 
   !> Force over approach to the power 3/2 [N/m^1.5].

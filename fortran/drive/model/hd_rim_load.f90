@@ -9,6 +9,8 @@ module hd_rim_load
   private
   public :: even_shear, tooth_forces, add_tooth
 
+  !> gauss_2 of hd_gauss but for its last bit, which is correctly rounded there and on which every torque's result hangs: equal bits
+  !> of earlier runs count for more than one line.
   real(dp), parameter :: gauss(2) = [-1, 1]/sqrt(3._dp)
 
 contains

@@ -20,6 +20,7 @@ module hd_scene_joint
   private
   public :: scene_joint, tabulate_joint
 
+  real(dp), parameter :: tabor = 2.8_dp     !< hardness over yield strength (Tabor 1951)
   real(dp), parameter :: step = 0.2_dp      !< of ln p between samples
   real(dp), parameter :: fine_step = 0.1_dp !< of ln p in the elastic law
   real(dp), parameter :: lowest = 1e-3_dp   !< first sample, share of zero_pressure
@@ -33,7 +34,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< parameters out of range
     type(asperity_t) :: asperity
     real(dp) :: hardness, s_min
-    hardness = merge(scene%hardness, 2.8_dp*scene%yield_strength, scene%hardness > 0)
+    hardness = merge(scene%hardness, tabor*scene%yield_strength, scene%hardness > 0)
     s_min = merge(scene%s_min, pi*(scene%shortest_wavelength/2)**2, scene%s_min > 0)
     asperity = new_asperity(scene%flexspline_e, scene%flexspline_nu, scene%ring_e, scene%ring_nu, scene%flexspline_nu, &
       hardness, scene%fractal_dimension, scene%roughness, scene%gamma, scene%asperity_radius)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Meridian sections of the drive: the ring, and the cup from its opening over rim, wall and bottom to the hub.
 module hd_section
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_cup_sections, only: has_sections, meridian_of, straight_end, thickness_on_wall
   use hd_meridian, only: meridian_t
   use hd_race, only: groove_depths
@@ -10,6 +10,8 @@ module hd_section
   implicit none
   private
   public :: ring_strip, cup_strip, rim_end, band_rows
+
+  real(dp), parameter :: whole = 1e-6_dp        !< a quarter turn of four cells that rounding lengthens has no fifth
 
 contains
 
@@ -74,7 +76,7 @@ contains
   pure integer function rim_end(scene, cup)
     type(scene_t), intent(in) :: scene  !< scene
     type(strip_t), intent(in) :: cup    !< section
-    rim_end = 1 + count(cup%outer(2, :) < scene%rim_length*(1 - 1e-9_dp) .and. cup%outer(1, :) >= scene%bore_radius)
+    rim_end = 1 + count(cup%outer(2, :) < scene%rim_length*(1 - hair) .and. cup%outer(1, :) >= scene%bore_radius)
   end function rim_end
 
   !> Meridian section of the ring.
@@ -163,7 +165,7 @@ contains
       associate (from => meridian%piece(k)%from, to => meridian%piece(k)%to, done => z(size(z)))
         part = [0._dp]
         if (to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the straight bore: what the rim has left
-          if (to(2) <= done*(1 + 1e-9_dp)) cycle
+          if (to(2) <= done*(1 + hair)) cycle
           part = [max(0._dp, (done - from(2))/(to(2) - from(2)))]
                   end if
         call append_intervals(part, 1._dp, cells_of(scene, meridian, k, part(1)), merge(row_length(scene, done), 0._dp, &
@@ -208,7 +210,7 @@ contains
       end associate
     end do
     n = max(1, nint((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0)))
-    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/8) - 1e-6_dp))
+    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/8) - whole))
   end function cells_of
 
   !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].
@@ -217,7 +219,7 @@ contains
     real(dp), intent(in) :: z           !< distance from the opening [m]
     real(dp) :: f
     f = min(max((z - scene%rim_length)/scene%rim_taper, 0._dp), 1._dp)
-    if (f < 1e-9_dp) f = 0
+    if (f < hair) f = 0
     thickness = (1 - f)*scene%rim_thickness + f*scene%wall_thickness
   end function thickness
 end module hd_section

@@ -2,7 +2,6 @@
 !> The linear solver of a scene: the cheapest by prediction among those that apply and are allowed.
 module hd_solver_choice
   use hd_circulant, only: circulant_t, new_circulant, has_circulant
-  use hd_compliance, only: compliance_t
   use hd_condensed, only: condensed_t, new_condensed
   use hd_cost, only: forecast_t, forecast, cost_text
   use hd_drive, only: drive_t, new_drive
@@ -12,9 +11,7 @@ module hd_solver_choice
   use hd_newton_krylov, only: newton_krylov_t, new_newton_krylov
   use hd_newton_matrix, only: newton_matrix_t, new_newton_matrix
   use hd_problem, only: problem_t, assemble_stiffness
-  use hd_schur, only: schur_t, new_schur
   use hd_scene, only: scene_t
-  use hd_symmetric_matrix, only: symmetric_matrix_t, new_symmetric_matrix
   implicit none
   private
   public :: choose_solver, renew_solver, forgets_struts
@@ -30,41 +27,29 @@ contains
     type(error_t), allocatable, intent(out) :: error              !< does not apply, body not held, memory
     choice = forecast(scene, scene%formed() .or. has_circulant(drive%problem))
     if (count(choice%costs%applies) > 1) call say('solver    predicted: '//cost_text(choice%costs))
-    associate (name => choice%costs(choice%chosen)%name)
-      select case (name)
-      case ('condensed', 'schur')
-        call make_condensed(drive%problem, name == 'condensed', solver, error)
-      case ('exact')
-        call make_exact(drive%problem, solver, error)
-      case default
-        call make_krylov(scene, name, drive, solver, error)
-      end select
-    end associate
+    select case (choice%costs(choice%chosen)%name)
+    case ('condensed')
+      call make_condensed(drive%problem, solver, error)
+    case ('exact')
+      call make_exact(drive%problem, solver, error)
+    case default
+      call make_krylov(scene, drive, solver, error)
+    end select
     if (.not. allocated(error)) call renew_solver(scene, solver)
   end subroutine choose_solver
 
-  !> Condensation to the face, by harmonics or by Schur complement.
-  subroutine make_condensed(problem, harmonics, solver, error)
-    type(problem_t), intent(inout) :: problem                     !< problem; gets its sparse stiffness for the Schur complement
-    logical, intent(in) :: harmonics                              !< of round bodies
+  !> Condensation to the face, bodies by harmonics.
+  subroutine make_condensed(problem, solver, error)
+    type(problem_t), intent(in) :: problem                        !< problem
     class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
     type(error_t), allocatable, intent(out) :: error              !< bodies are not round, inverted element
-    class(compliance_t), pointer :: compliance
     type(circulant_t), pointer :: circulant
-    type(schur_t), pointer :: schur
     type(condensed_t), allocatable :: condensed
-    if (harmonics) then
-      allocate (circulant)
-      call new_circulant(problem, circulant, error)
-      compliance => circulant
-    else
-      allocate (schur)
-      call new_schur(problem, schur, error)
-      compliance => schur
-    end if
+    allocate (circulant)
+    call new_circulant(problem, circulant, error)
     if (allocated(error)) return
     allocate (condensed)
-    call new_condensed(problem, compliance, condensed)
+    call new_condensed(problem, circulant, condensed)
     call move_alloc(condensed, solver)
   end subroutine make_condensed
 
@@ -79,33 +64,27 @@ contains
     call move_alloc(matrix, solver)
   end subroutine make_exact
 
-  !> GMRES around factors of the symmetric part, or around condensation of the round bodies.
-  subroutine make_krylov(scene, factors, drive, solver, error)
+  !> GMRES around condensation of the round bodies.
+  subroutine make_krylov(scene, drive, solver, error)
     type(scene_t), intent(in) :: scene                            !< scene
-    character(len=*), intent(in) :: factors                       !< harmonic, single or symmetric
     type(drive_t), intent(inout) :: drive                         !< its problem; gets its sparse stiffness
     class(linear_solver_t), allocatable, intent(out) :: solver    !< solver
     type(error_t), allocatable, intent(out) :: error              !< bodies are not round, inverted element
     class(linear_solver_t), allocatable :: near
-    type(symmetric_matrix_t), allocatable :: part
     type(newton_krylov_t), allocatable :: krylov
     type(scene_t) :: pressed
     type(drive_t) :: round
     allocate (krylov)
-    if (factors /= 'harmonic') then
-      allocate (part)
-      call new_symmetric_matrix(drive%problem, factors == 'single', part, error)
-      call move_alloc(part, near)
-    else if (scene%formed()) then
+    if (scene%formed()) then
       pressed = scene
       pressed%shape = 'pressed'
       call new_drive(pressed, round, error)
-      if (.not. allocated(error)) call make_condensed(round%problem, .true., near, error)
+      if (.not. allocated(error)) call make_condensed(round%problem, near, error)
       if (allocated(round%problem%pairing)) deallocate (round%problem%pairing)
       krylov%round = round%problem
     else
       call assemble_stiffness(drive%problem, error)
-      if (.not. allocated(error)) call make_condensed(drive%problem, .true., near, error)
+      if (.not. allocated(error)) call make_condensed(drive%problem, near, error)
       if (allocated(drive%problem%pairing)) then
         krylov%round = drive%problem
         deallocate (krylov%round%lagrangian, krylov%round%pairing, krylov%round%stiffness%val)

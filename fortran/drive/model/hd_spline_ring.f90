@@ -92,8 +92,7 @@ contains
     integer :: i, j, k, l, n
     radius = scene%bore_radius + scene%rim_thickness
     thickness = merge(scene%spline_diameter/2, usual*scene%bore_radius, scene%spline_diameter > 0) - radius
-    ring = new_spline_ring(radius, thickness, &
-      merge(scene%spline_width, scene%rim_length, scene%spline_width > 0), scene%flexspline_e, scene%flexspline_nu)
+    ring = new_spline_ring(radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs

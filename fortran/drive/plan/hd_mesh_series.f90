@@ -5,7 +5,7 @@
 module hd_mesh_series
   use hd_kinds, only: dp, pi
   use hd_fft, only: smooth_size
-  use hd_promises, only: promises, values
+  use hd_promises, only: promise_t, promises, values, promises_of
   use hd_scene, only: scene_t
   implicit none
   private
@@ -22,12 +22,7 @@ module hd_mesh_series
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows
   real(dp), parameter :: power = 1.5_dp         !< of h
   real(dp), parameter :: fine = 0.03_dp         !< tolerance below which four layers are needed, not two
-  !> Errors of the limits that two layers leave, in the order of hd_promises: root mean squares of 22 scenes, of ten scenes from
-  !> K_FTS on; four layers leave a third of that.
-  real(dp), parameter :: left(promises) = [0.014_dp, 0.005_dp, 0.002_dp, 0.005_dp, 0.002_dp, 0.005_dp, 0.014_dp, 0.003_dp]
-  real(dp), parameter :: share = 0.35_dp
-  !> The same of K1, K2, K3 and hysteresis: of seven whole drives.
-  real(dp), parameter :: left_drive(promises) = [0.004_dp, 0.004_dp, 0.002_dp, 0.016_dp, 0._dp, 0._dp, 0._dp, 0._dp]
+  real(dp), parameter :: share = 0.35_dp        !< of the error that two layers leave, left by four
   real(dp), parameter :: least_tolerance = 5.5e-3_dp  !< what four layers leave, rounded up
   !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
   real(dp), parameter :: typical = 1.4_dp, typical_drive = 5
@@ -52,9 +47,10 @@ contains
   !> Errors of the limits that the layers leave however well the meshes agree.
   pure function least_error(scene) result(e)
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
+    type(promise_t) :: promised(promises)
     real(dp) :: e(promises)
-    e = left
-    if (scene%support%loop) e = left_drive
+    promised = promises_of(scene)
+    e = promised%left
     if (scene%planned_tolerance < fine) e = share*e
   end function least_error
 

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The one door to a run, for the command line and for Python: planned if the scene states a tolerance, resumed, or new.
 module hd_open_run
+  use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_cost, only: check_memory
   use hd_error, only: error_t, raise, code_input
   use hd_joint_choice, only: choose_joint
@@ -9,12 +10,13 @@ module hd_open_run
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_model, only: give_back
-  use hd_planner, only: new_planned_run
+  use hd_output, only: check_folder
+  use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
-  use hd_resume, only: resume_run
-  use hd_run, only: run_t, new_run, close_run
+  use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
+  use hd_system, only: path_kind, path_absent
   use hd_text, only: percent, rounded, to_text
   implicit none
   private
@@ -48,22 +50,51 @@ contains
     type(run_t), intent(inout) :: run                 !< opened; its model may be that of an earlier run
     logical, intent(out) :: complete                  !< there is nothing to resume: the run is not opened
     type(error_t), allocatable, intent(out) :: error  !< memory, files, another scene
+    type(scene_t) :: chosen
+    type(plan_t) :: plan
+    logical :: planned, begun
     complete = .false.
     call check_run(scene, error)
     if (.not. allocated(error)) call run%lock%take(folder, error)
     if (allocated(error)) return
-    call choose_joint(scene, error)
-    if (.not. allocated(error)) then
-      if (scene%planned_tolerance > 0) then
-        call new_planned_run(scene, input, folder, force, resume, run, complete, error)
-      else if (resume) then
-        call resume_run(scene, input, folder, run, complete, error)
+    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
+    if (.not. allocated(error)) call choose_joint(scene, error)
+    planned = scene%planned_tolerance > 0
+    begun = resume .and. path_kind(folder//'/echo.nml') /= path_absent
+    if (begun) complete = is_complete(folder)
+    if (planned .and. .not. allocated(error)) call make_plan(scene, folder, resume, complete, run%model, plan, error)
+    chosen = scene
+    if (planned .and. .not. complete) chosen = plan%scene
+    if (begun .and. .not. ((planned .and. complete) .or. allocated(error))) call check_same_scene(folder, 'echo.nml', chosen, error)
+    if (.not. (complete .or. allocated(error))) then
+      if (begun .and. has_checkpoint(folder)) then
+        call restore_run(chosen, input, folder, run, error)
       else
-        call new_run(scene, input, folder, force, run, error)
+        call new_run(chosen, input, folder, force .or. begun, run, error)
+      end if
+      if (.not. allocated(error)) then
+        if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")
+        if (planned) call enter_plan(plan, run)
       end if
     end if
+    complete = complete .and. .not. allocated(error)
     if (complete .or. allocated(error)) call run%lock%give()
   end subroutine open_run
+
+  !> The summary of a folder says that its run is complete.
+  logical function is_complete(folder)
+    character(len=*), intent(in) :: folder  !< of a run
+    character(len=200) :: line
+    integer :: unit, status
+    is_complete = .false.
+    open (newunit=unit, file=folder//'/summary.json', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    do while (status == 0 .and. .not. is_complete)
+      read (unit, '(a)', iostat=status) line
+      if (status == 0) is_complete = index(line, '"status": "complete"') > 0
+    end do
+    close (unit)
+  end function is_complete
 
   !> Open a run, march to its end, close it.
   subroutine run_to_end(scene, input, folder, force, resume, error)
@@ -78,7 +109,7 @@ contains
     logical :: complete
     allocate (run)
     call open_run(scene, input, folder, force, resume, run, complete, error)
-    if (complete .and. .not. allocated(error)) call say("the run in '"//folder//"' is complete: nothing to do")
+    if (complete) call say("the run in '"//folder//"' is complete: nothing to do")
     if (complete .or. allocated(error)) return
     call march(run, path_end(run%scene), error)
     call close_run(run, trouble)

@@ -12,18 +12,16 @@ module hd_planner
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
     small_displacements
-  use hd_model, only: give_back
-  use hd_output, only: check_folder
+  use hd_model, only: model_t, give_back
   use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
-  use hd_resume, only: resume_run, is_complete
-  use hd_run, only: run_t, new_run
+  use hd_run, only: run_t
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_text, only: string_t, push, rounded, to_text, percent
   implicit none
   private
-  public :: new_planned_run, plan_text
+  public :: plan_t, make_plan, enter_plan, plan_text
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
@@ -32,6 +30,7 @@ module hd_planner
 
   type :: plan_t
     type(scene_t) :: scene                      !< what is to be run
+    real(dp) :: begun = 0                       !< wall clock when planning began [s]
     type(string_t), allocatable :: reasons(:)   !< what was chosen, and why
     type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
@@ -297,38 +296,32 @@ contains
     end do
   end subroutine leave_out
 
-  !> Plan a scene and set up its run, or take up both.
-  subroutine new_planned_run(scene, input, folder, force, resume, run, complete, error)
-    type(scene_t), intent(in) :: scene                !< scene with a tolerance
-    character(len=*), intent(in) :: input             !< name of the input, for the record
-    character(len=*), intent(in) :: folder            !< output folder or ''
-    logical, intent(in) :: force                      !< replace earlier results
-    logical, intent(in) :: resume                     !< go on where plan or run were stopped
-    type(run_t), intent(inout) :: run                 !< run at rest, or where it stopped, unless complete
-    logical, intent(out) :: complete                  !< the run in the folder is: nothing is left to do
-    type(error_t), allocatable, intent(out) :: error  !< folder, mesh, files, memory, whatever ended a run early
+  !> Plan a scene, or take up a plan that was stopped.
+  subroutine make_plan(scene, folder, resume, over, model, plan, error)
+    type(scene_t), intent(in) :: scene                          !< scene with a tolerance
+    character(len=*), intent(in) :: folder                      !< output folder or ''
+    logical, intent(in) :: resume                               !< go on with the plan in the folder
+    logical, intent(in) :: over                                 !< its run is complete: only see that it is that of this scene
+    type(model_t), allocatable, intent(inout) :: model          !< of the run before, then of the last trial
+    type(plan_t), intent(out) :: plan                           !< what to run
+    type(error_t), allocatable, intent(out) :: error            !< another scene, files, whatever ended a trial early
     type(trial_runs_t) :: trials
-    type(plan_t) :: plan
-    complete = .false.
-    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
-    if (.not. allocated(error)) call new_trial_runs(scene, folder, resume, trials, error)
-    if (allocated(error)) return
-    if (resume) complete = is_complete(folder)
-    if (complete) return
-    call move_alloc(run%model, trials%model)
+    call new_trial_runs(scene, folder, resume, trials, error)
+    if (over .or. allocated(error)) return
+    call move_alloc(model, trials%model)
     call plan_scene(trials, scene, plan, error)
-    call move_alloc(trials%model, run%model)
-    if (allocated(error)) return
-    if (resume) then
-      call resume_run(plan%scene, input, folder, run, complete, error)
-    else
-      call new_run(plan%scene, input, folder, force, run, error)
-    end if
-    if (allocated(error)) return
-    run%clock = trials%begun
-    call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(scene%symmetry)// &
+    call move_alloc(trials%model, model)
+    plan%begun = trials%begun
+  end subroutine make_plan
+
+  !> Enter a plan into the record of its run.
+  subroutine enter_plan(plan, run)
+    type(plan_t), intent(inout) :: plan     !< what was chosen; gets the solver
+    type(run_t), intent(inout) :: run       !< run of its scene
+    run%clock = plan%begun
+    call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(run%scene%symmetry)// &
       ': found from load and state, step by step')
-    run%record%planned_tolerance = scene%planned_tolerance
+    run%record%planned_tolerance = run%scene%planned_tolerance
     run%record%estimate = plan%estimate
     run%record%to_limit = plan%to_limit
     run%record%shift = plan%shift
@@ -340,10 +333,10 @@ contains
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: the estimated error of '// &
-        worst(scene, merge(plan%estimate, 0._dp, needed), 'is')// &
+        worst(run%scene, merge(plan%estimate, 0._dp, needed), 'is')// &
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
-  end subroutine new_planned_run
+  end subroutine enter_plan
 
   !> A mesh is within the memory allowed.
   logical function fits(scene)

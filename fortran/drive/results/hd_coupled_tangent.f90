@@ -28,6 +28,9 @@ module hd_coupled_tangent
     type(rate_point_t), allocatable :: points(:)         !< in the states found
   end type answer_t
 
+  !> share by which shear lies below slip, and of the unsheared stiffness that a point keeps there
+  real(dp), parameter :: just = 1e-6_dp
+
 contains
 
   !> Rotation of the rim per torque, for a torque that grows, with the faces on their joint.
@@ -59,14 +62,14 @@ contains
           answer%points(j)%state = rate_rigid
           cycle
         end if
-        call evaluate_joint(joint, p, min(shear, (1 - 1e-6_dp)*joint%mu*p), 1._dp, sheared)
+        call evaluate_joint(joint, p, min(shear, (1 - just)*joint%mu*p), 1._dp, sheared)
         answer%points(j)%k_0 = free%k_t
         answer%points(j)%k_t = sheared%k_t
-        answer%points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - 1e-6_dp)*joint%mu  ! mu may grow
+        answer%points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - just)*joint%mu  ! mu may grow
         answer%points(j)%state = merge(rate_slip, rate_stick, answer%points(j)%at_bound)
         answer%points(j)%grows = .not. answer%points(j)%at_bound
         if (shear > 0) answer%points(j)%direction = q/shear
-        if (.not. answer%points(j)%k_t > 0) answer%points(j)%k_t = 1e-6_dp*answer%points(j)%k_0
+        if (.not. answer%points(j)%k_t > 0) answer%points(j)%k_t = just*answer%points(j)%k_0
       end associate
     end do
     call turn(drive, solver, load, sense, state, joint%mu, answer, error)

@@ -81,6 +81,7 @@ module hd_facets
     'k_ts_contact_nm_per_rad,k_ts_secant_nm_per_rad,'// &
     'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
+  real(dp), parameter :: just_below = 1e-6_dp !< share by which shear stays below slip, where K_T has no slope
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
 
 contains
@@ -190,7 +191,7 @@ contains
   elemental real(dp) function below_slip(limit, shear) result(q)
     real(dp), intent(in) :: limit  !< mu p [Pa]
     real(dp), intent(in) :: shear  !< of the point [Pa]
-    q = min(shear, (1 - 1e-6_dp)*limit)
+    q = min(shear, (1 - just_below)*limit)
   end function below_slip
 
   !> Mean pressure of the middle fifth of the band, a region that does not change with the mesh, and the largest at one angle:

@@ -62,6 +62,8 @@ module hd_loop
     logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
 
+  real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
+
 contains
 
   !> Book a converged step. A point that slips works with its shear: the mean of both ends of the step, or where it stuck at the
@@ -273,7 +275,7 @@ contains
     end do
     r%has_hysteresis = passes(loop, top, 0._dp)
     if (r%has_hysteresis) r%hysteresis = abs(branch(loop, top, 0._dp, -1) - branch(loop, top, 0._dp, 1))
-    associate (small => 0.04_dp*scene%rated_torque)
+    associate (small => lost_at*scene%rated_torque)
       r%has_lost_motion = passes(loop, 1, small) .and. passes(loop, 1, -small)
       if (r%has_lost_motion) r%lost_motion = middle(loop, small) - middle(loop, -small)
     end associate

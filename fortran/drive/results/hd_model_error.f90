@@ -41,7 +41,7 @@ contains
     if (scene%support%struts) then
       call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
         scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K2 and K3 of six sizes are 1.4 to 2.0 '// &
-        'times the catalogue''s (docs/evidence/drive.md)')
+        'times the catalogue''s (docs/evidence/comparison.md)')
     else
       if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')
@@ -62,7 +62,7 @@ contains
     if (scene%hard()) call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
       'and secant K_TS within 5 % of those with contact.law = ''joint''')
     call push(list, 'joint inputs, over seven joints of Hu et al. on CD-14-100: K_TS by Eq. 45 from 0.8 to 15 MN m/rad, its '// &
-      'tangent from 0.38 to 0.47 (docs/evidence/readings.md)')
+      'tangent from 0.38 to 0.47 (docs/evidence/inputs.md)')
     if (abs(scene%torque) > 0 .and. abs(sums%friction_torque) > 0) call push(list, 'load path: the contact passes '// &
       percent(abs(sums%friction_torque/scene%torque))//' of the torque on to the ring; that of a real drive, which turns on '// &
       'balls, takes about the torque over the ratio')

@@ -11,16 +11,9 @@ module hd_coarse_start
   use hd_section, only: band_rows
   implicit none
   private
-  public :: coarser_t, has_coarser, coarser_scene
+  public :: has_coarser, coarser_scene, guess_from
 
   integer, parameter :: worthwhile = 1000  !< facets from which a coarser mesh saves time
-
-  !> States of a run on a coarser mesh.
-  type :: coarser_t
-    type(model_t), allocatable :: model  !< with converged states of all its load steps; absent where there is none
-  contains
-    procedure :: guess
-  end type coarser_t
 
   !> Linear interpolation: (1 - part) of entry `low`, part of the next.
   type :: between_t
@@ -60,8 +53,8 @@ contains
   end function coarser_scene
 
   !> Guess of a load step: the state before it and the change that the coarser mesh saw, if that was solved.
-  subroutine guess(self, drive, before, assembly, torque, state)
-    class(coarser_t), intent(in) :: self       !< coarser run
+  subroutine guess_from(coarse, drive, before, assembly, torque, state)
+    type(model_t), intent(in) :: coarse        !< of the coarser run, with its states
     type(drive_t), intent(in) :: drive         !< model of the finer mesh
     type(state_t), intent(in) :: before        !< its state at the beginning of the step
     real(dp), intent(in) :: assembly(2)        !< fractions of the assembly at beginning and end
@@ -71,19 +64,18 @@ contains
     real(dp), allocatable :: nodal(:, :)
     logical :: found
     integer :: i
-    if (.not. allocated(self%model)) return
     do i = 1, 2
-      call new_state(self%model%drive%problem, pair(i))
+      call new_state(coarse%drive%problem, pair(i))
       if (.not. assembly(i) > 0) cycle
-      call self%model%assembly%recall(assembly(i), torque(i), pair(i), found)
+      call coarse%assembly%recall(assembly(i), torque(i), pair(i), found)
       if (.not. found) return
     end do
-    state%u = before%u + prolonged(self%model%drive, drive, pair(2)%u - pair(1)%u)
-    allocate (nodal(3, self%model%drive%problem%n), source=0._dp)
-    nodal(:, self%model%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
-    nodal = prolonged(self%model%drive, drive, nodal)
+    state%u = before%u + prolonged(coarse%drive, drive, pair(2)%u - pair(1)%u)
+    allocate (nodal(3, coarse%drive%problem%n), source=0._dp)
+    nodal(:, coarse%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
+    nodal = prolonged(coarse%drive, drive, nodal)
     state%traction = before%traction + nodal(:, drive%problem%mortar%node)
-  end subroutine guess
+  end subroutine guess_from
 
   !> A nodal field in cylindrical components, interpolated linearly along the section, through its layers and round the axis.
   pure function prolonged(coarse, fine, u) result(v)

@@ -3,6 +3,7 @@
 module hd_load_step
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
+  use hd_coarse_start, only: guess_from
   use hd_contact_law, only: open_state
   use hd_drive, only: drive_load, step_friction, touch_teeth
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
@@ -207,7 +208,7 @@ contains
         call raise_friction(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, &
           error)
       end if
-      sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere hub or teeth take the torque: a part of the step is easier
+      sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
     end if
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
@@ -256,7 +257,7 @@ contains
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
     if (run%model%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
-    if (allocated(run%coarser) .and. .not. ratio > 0) call run%coarser%guess(run%model%drive, run%state, &
+    if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
     if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
   end subroutine first_guess

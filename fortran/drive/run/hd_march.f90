@@ -28,7 +28,7 @@ contains
     type(place_t), intent(in) :: to                   !< end of a load step; beyond the last one: that one
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver, files
     do while (run%place < to .and. run%place < path_end(run%scene) .and. .not. allocated(error))
-      if (.not. allocated(run%coarser) .and. begins(run%scene, run%place)) call solve_coarser(run)
+      if (begins(run%scene, run%place) .and. has_coarser(run%scene) .and. .not. allocated(run%coarser)) call solve_coarser(run)
       call solve_step(run, error)
     end do
     if (.not. (allocated(error) .or. allocated(run%loop%turned_angle) .or. run%scene%turning_positions == 0 .or. &
@@ -43,8 +43,6 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: start
     integer :: level
-    allocate (run%coarser)
-    if (.not. has_coarser(run%scene)) return
     start = wall_seconds()
     call set_log_level(quiet, level)
     allocate (coarse)
@@ -57,7 +55,7 @@ contains
     run%tally%start = to_text(coarse%scene%divisions)//' x '//to_text(band_rows(coarse%scene))//' facets'
     call say('start     first guess from a mesh of '//trim(run%tally%start)//', '//to_text(coarse%tally%iterations)//' iterations')
     if (allocated(coarse%model)) call coarse%model%solver%release()
-    call move_alloc(coarse%model, run%coarser%model)
+    call move_alloc(coarse%model, run%coarser)
     run%record%timers%coarser = wall_seconds() - start
   end subroutine solve_coarser
 
@@ -71,7 +69,6 @@ contains
     real(dp), allocatable :: mean(:, :)
     real(dp) :: start
     integer :: i, level, inner
-    logical :: kept
     start = wall_seconds()
     inner = run%model%solver%inner
     allocate (places(run%scene%turning_positions))
@@ -100,7 +97,7 @@ contains
     end do
     call set_log_level(level)
     call rows%close()
-    call fit_run(run, kept, trouble)
+    call fit_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(run%model)) run%model%solver%inner = inner
     run%record%timers%turning = wall_seconds() - start
@@ -113,8 +110,7 @@ contains
     type(run_t), intent(inout) :: place               !< assembled run
     real(dp), intent(in) :: mean(:, :)                !< displacements (3, n) [m]
     type(error_t), allocatable, intent(out) :: error  !< not converged, stopped
-    logical :: kept
-    call fit_run(place, kept, error)
+    call fit_run(place, error)
     if (allocated(error)) return
     call touch_teeth(place%scene, place%model%drive, mean, place%state)
     call march(place, path_end(place%scene), error)

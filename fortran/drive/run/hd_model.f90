@@ -27,6 +27,7 @@ module hd_model
 
   type :: model_t
     type(scene_t) :: scene                              !< that it was fitted to last
+    logical :: kept = .false.                           !< mesh and factors are those of an earlier run
     type(drive_t) :: drive                              !< its problem and loads
     class(linear_solver_t), allocatable :: solver       !< its linear solver
     type(assembly_t) :: assembly                        !< states of the assembly, also of an earlier run
@@ -36,11 +37,11 @@ module hd_model
 contains
 
   !> Fit the model of an earlier run to a scene, or make a new one.
-  subroutine fit_model(scene, model, kept, error)
+  subroutine fit_model(scene, model, error)
     type(scene_t), intent(in) :: scene                    !< scene
     type(model_t), allocatable, intent(inout) :: model    !< of an earlier run or none; none after an error
-    logical, intent(out) :: kept                          !< mesh and factors are those of an earlier run
     type(error_t), allocatable, intent(out) :: error      !< mesh, memory
+    logical :: kept
     kept = .false.
     if (allocated(model)) kept = same_model(scene, model%scene, .false., .false.)
     if (kept) kept = scene%frictionless() .eqv. model%scene%frictionless()  ! soft springs hold a ring that no friction does
@@ -59,6 +60,7 @@ contains
       if (.not. allocated(error)) call choose_solver(scene, model%drive, model%solver, model%choice, error)
     end if
     model%scene = scene
+    model%kept = kept
     if (allocated(error)) call give_back(model)
   end subroutine fit_model
 

@@ -5,7 +5,6 @@ module hd_run
   use hd_kinds, only: dp
   use hd_checkpoint, only: mark_t, reference_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
-  use hd_coarse_start, only: coarser_t
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, contact_alone
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
@@ -46,7 +45,7 @@ module hd_run
     type(joint_t) :: joint
     type(state_t) :: before, state          !< last two converged states
     type(state_t) :: top                    !< that of the reference step of a loop
-    type(coarser_t), allocatable :: coarser !< the same run on a coarser mesh, for first guesses
+    type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
     logical :: keeps_all = .false.          !< `model` gets the states under torque too
     logical :: asks_tangent = .true.        !< steps from the end of the assembly on get a tangent K_TS
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
@@ -135,8 +134,10 @@ contains
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call fit_run(run, run%record%kept, error)
+    call fit_run(run, error)
     if (allocated(error)) return
+    run%record%kept = run%model%kept
+    run%record%choice = run%model%choice
     call new_state(run%model%drive%problem, run%state)
     run%before = run%state
     run%record%timers%setup = wall_seconds() - run%clock
@@ -147,13 +148,11 @@ contains
   end subroutine build
 
   !> Fit the model that the run has to its scene and joint, or make one.
-  subroutine fit_run(run, kept, error)
+  subroutine fit_run(run, error)
     type(run_t), intent(inout) :: run                 !< gets model
-    logical, intent(out) :: kept                      !< mesh and factors are those of an earlier run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
-    call fit_model(run%scene, run%model, kept, error)
+    call fit_model(run%scene, run%model, error)
     if (allocated(error)) return
-    run%record%choice = run%model%choice
     associate (law => run%model%drive%problem%law)
       if (allocated(law%joint)) deallocate (law%joint)
       if (run%scene%hard()) return
@@ -217,7 +216,11 @@ contains
         .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
-      if (.not. (allocated(error) .or. allocated(run%teeth))) call save(run, error)
+      if (.not. (allocated(error) .or. allocated(run%teeth))) then
+        run%table_sizes = table_sizes(run%output)
+        run%table_sums = table_sums(run%output)
+        call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%top, run%loop, error)
+      end if
     end if
     run%record%timers%output = run%record%timers%output + wall_seconds() - start
   end subroutine accept
@@ -314,15 +317,6 @@ contains
       if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
     end associate
   end subroutine enter_stiffness
-
-  !> Write the checkpoint of the present state.
-  subroutine save(run, error)
-    type(run_t), intent(inout) :: run                 !< run after a load step
-    type(error_t), allocatable, intent(out) :: error  !< disk full
-    run%table_sizes = table_sizes(run%output)
-    run%table_sums = table_sums(run%output)
-    call save_checkpoint(run%output%folder, run%scene, run%mark_t, run%before, run%state, run%top, run%loop, error)
-  end subroutine save
 
   !> Keep a step of a loop whose torque is the largest so far, in the sense of its first rise; of equals the last.
   subroutine note_reference(run)

@@ -117,8 +117,6 @@ contains
     call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, s%ring_contact == 'tied', 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
-    call ask(faults, s%method /= 'schur', 'solver.method', s%method, &
-      "'auto', 'condensed' or 'newton' with load.support = 'drive'")
     call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
       "'auto' or 'exact' with load.support = 'drive'")
     call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)

@@ -6,25 +6,18 @@ module hd_default_charts
   public :: chart_of
 
   !> Keys that choose a method or a fineness, and their charts.
-  character(len=*), parameter :: charts(2, 18) = reshape([character(len=80) :: &
+  character(len=*), parameter :: charts(2, 11) = reshape([character(len=80) :: &
     'mesh.element', 'Ring of 0.3 mm under cos 2θ, one cell through the wall', &
     'mesh.divisions', 'Mesh of the band: worst of force and K_TS (Eq. 45)', &
     'mesh.band_facets', 'Mesh of the band: worst of force and K_TS (Eq. 45)', &
     'mesh.edge_length', 'Mesh of the band: worst of force and K_TS (Eq. 45)', &
     'run.tolerance', 'Planned runs: error of the promised limits', &
-    'load.assembly_steps', 'Load steps (assembly + torque)', &
-    'load.torque_steps', 'Load steps (assembly + torque)', &
     'solver.method', 'Linear solvers, 64 x 10 facets of CD-14-100, same residual', &
     'solver.factors', 'Linear solvers, 64 x 10 facets of CD-14-100, same residual', &
-    'solver.kinematics', 'Kinematics at w = 0.2 mm', &
-    'solver.start', 'Start of a step, 96 x 16 facets with edge cells', &
-    'solver.symmetry', 'Symmetry, 96 x 16 facets', &
-    'solver.tolerance', 'Residual of Newton, 64 x 10 facets', &
     'joint.model', 'Normal stiffness of a rough joint, 3 % of contact', &
     'surface.method', 'Heights of Eq. 1, 512 x 512 points, 160 waves', &
     'surface.tolerance', 'Heights of Eq. 1, 512 x 512 points, 160 waves', &
-    'fit.model', 'Fit of D, optics of half a spacing, generator not ours', &
-    'fit.last_lag', 'Structure function, 512 x 512 points, 255 lags'], [2, 18])
+    'fit.model', 'Fit of D, optics of half a spacing, generator not ours'], [2, 11])
 
 contains
 

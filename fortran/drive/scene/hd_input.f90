@@ -31,7 +31,7 @@ contains
     type(parameter_table_t) :: table
     allocate (list%faults(0))
     call new_table(scene, table)
-    if (is_toml(trim(path))) then
+    if (holds_study(trim(path))) then
       call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
         'the Python package')
       return
@@ -57,36 +57,12 @@ contains
     if (.not. scene%planned_tolerance > 0 .and. scene%kinematics == 'auto') scene%kinematics = 'linear'
   end subroutine read_scene
 
-  !> Does a file describe a study, many scenes, and not one scene? By its ending (TOML), or by its groups, the earlier form. A
-  !> file that cannot be read does not.
-  logical function holds_study(path)
+  !> A file describes a study, many scenes, if it ends in .toml.
+  pure logical function holds_study(path)
     character(len=*), intent(in) :: path  !< input file
-    type(namelist_t) :: list
-    type(error_t), allocatable :: error
     holds_study = .false.
-    if (path_kind(path) /= path_file) return
-    holds_study = is_toml(path)
-    if (holds_study) return
-    call read_namelist(path, list, error)
-    holds_study = .not. allocated(error)
-    if (holds_study) holds_study = study_group(list) > 0
+    if (len(path) > 5) holds_study = lower(path(len(path) - 4:)) == '.toml'
   end function holds_study
-
-  !> The file of a study by its ending.
-  pure logical function is_toml(path)
-    character(len=*), intent(in) :: path  !< input file
-    is_toml = .false.
-    if (len(path) > 5) is_toml = lower(path(len(path) - 4:)) == '.toml'
-  end function is_toml
-
-  !> First group that only a study has, or 0.
-  pure integer function study_group(list)
-    type(namelist_t), intent(in) :: list  !< scanned file
-    do study_group = 1, size(list%groups)
-      if (any(list%groups(study_group)%group == [character(len=8) :: 'study', 'grid', 'together'])) return
-    end do
-    study_group = 0
-  end function study_group
 
   !> Is only a surface asked for?
   pure logical function surface_alone(table)
@@ -116,14 +92,6 @@ contains
     type(string_t), allocatable :: names(:)
     logical, allocatable :: seen(:)
     integer :: i, row
-    row = study_group(list)
-    if (row > 0) then
-      associate (g => list%groups(row))
-        call report(list, g%line, g%column, len(g%group) + 1, 'a study of many scenes, not a scene', &
-          "run it by 'hdengine study', of the Python package")
-      end associate
-      return
-    end if
     names = groups_of(table)
     allocate (seen(size(names)), source=.false.)
     do i = 1, size(list%groups)

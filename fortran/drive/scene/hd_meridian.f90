@@ -5,12 +5,13 @@
 !> The outside lies on the right of the way from the opening to the hub. At a sharp corner it is mitred. A point that stands twice
 !> has one thickness before it and one behind it.
 module hd_meridian
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_text, only: to_text
   implicit none
   private
   public :: meridian_t, new_meridian
 
+  real(dp), parameter :: jump = 1e-6_dp        !< of the thickness, relative, that is none: keys have fewer digits
   real(dp), parameter :: same = 1e-9_dp        !< points closer than this are one, over the length of the meridian
   real(dp), parameter :: straight = 15*pi/180  !< corners below are none: the thickness must not jump there [rad]
   real(dp), parameter :: sharpest = 150*pi/180 !< corner [rad]
@@ -75,7 +76,7 @@ contains
     reach = 0
     do i = 2, n - 1
       turn(i) = atan2(d(1, i - 1)*d(2, i) - d(2, i - 1)*d(1, i), dot_product(d(:, i - 1), d(:, i)))
-      if (abs(turn(i)) > 1e-9_dp) reach(i) = rho(i)*tan(abs(turn(i))/2)
+      if (abs(turn(i)) > hair) reach(i) = rho(i)*tan(abs(turn(i))/2)
       call check_corner(point(:, i), t(:, i), rho(i), turn(i), fault)
       if (len(fault) > 0) return
     end do
@@ -107,10 +108,10 @@ contains
     character(len=:), allocatable, intent(inout) :: fault  !< gets it
     if (abs(turn) > sharpest) then
       fault = 'the wall turns back at '//at_point(point)
-    else if (abs(turn) < straight .and. abs(t(1) - t(2)) > 1e-6_dp*maxval(t)) then
+    else if (abs(turn) < straight .and. abs(t(1) - t(2)) > jump*maxval(t)) then
       fault = 'the thickness jumps from '//to_text(t(1))//' to '//to_text(t(2))//' m at '//at_point(point)// &
         ', where the wall runs straight on: give it in two points apart'
-    else if (turn < 0 .and. rho > 0 .and. rho <= maxval(t)*(1 + 1e-9_dp)) then
+    else if (turn < 0 .and. rho > 0 .and. rho <= maxval(t)*(1 + hair)) then
       fault = 'the fillet of '//to_text(rho)//' m at '//at_point(point)//' is not above the thickness '//to_text(maxval(t))// &
         ' m, where the wall bends outwards: its outside would have no radius left'
     end if

@@ -174,8 +174,6 @@ contains
       'teeth, which no housing holds round its outside; rigid: as a housing without play would hold it. A real one lies between')
     call add_real(t, 'load', 'spline_diameter', 'model', s%spline_diameter, 'm', 0._dp, big, &
       'outer diameter of the circular spline; 0: 1.4 times that of the bore, as catalogues have it (1.35 to 1.43)', closed=.true.)
-    call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
-      'axial width of the circular spline; 0: geometry.rim_length', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the tooth pairs round the axis, in pitches; 0: they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
@@ -191,13 +189,12 @@ contains
     type(scene_t), intent(inout), target :: s  !< scene
     type(parameter_table_t), intent(inout) :: t          !< table
     real(dp), parameter :: big = huge(1._dp)
-    call add_choice(t, 'solver', 'method', 'model', s%method, 'auto condensed schur newton', &
-      'how the equations are solved. condensed: on the contact face, bodies by harmonics; schur: on the contact face, bodies '// &
-      'of any mesh; newton: all unknowns, with solver.factors; auto: the cheapest by prediction')
-    call add_choice(t, 'solver', 'factors', 'model', s%factors, 'auto exact symmetric single harmonic', &
-      'what is factored for Newton. exact: the matrix itself (LU); symmetric, single: its symmetric part in double or single '// &
-      'precision, in half or a quarter of the memory; harmonic: the round undeformed bodies. All but exact precondition '// &
-      'GMRES. auto: the cheapest by prediction')
+    call add_choice(t, 'solver', 'method', 'model', s%method, 'auto condensed newton', &
+      'how the equations are solved. condensed: on the contact face, bodies by harmonics; newton: all unknowns, '// &
+      'with solver.factors; auto: the cheapest by prediction')
+    call add_choice(t, 'solver', 'factors', 'model', s%factors, 'auto exact harmonic', &
+      'what is factored for Newton. exact: the matrix itself (LU); harmonic: the round undeformed bodies, which '// &
+      'precondition GMRES; auto: the cheapest by prediction')
     call add_choice(t, 'solver', 'kinematics', 'model', s%kinematics, 'linear nonlinear auto', &
       'linear: small displacements; nonlinear: large ones (total Lagrangian, method newton); auto: what run.tolerance needs, '// &
       'linear without it')
@@ -206,7 +203,7 @@ contains
       'is solved before (hex8, hex8i); auto: coarser where it saves time')
     call add_choice(t, 'solver', 'symmetry', 'assembly', s%symmetry, 'auto full half quarter', &
       'part of the contact face that is solved. auto: what the scene allows in each load step; full: all; half, quarter: so '// &
-      'much in the assembly (not with schur or exact)')
+      'much in the assembly (not with exact)')
     call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.1_dp, &
       'relative residual of forces and contact law; with run.tolerance a thousandth of that, if it is more', closed=.true.)
     call add_integer(t, 'solver', 'max_iterations', 'assembly limit', s%max_iterations, 1, 10000, &

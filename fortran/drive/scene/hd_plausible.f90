@@ -35,7 +35,7 @@ module hd_plausible
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
     usual_t('load.tooth_stiffness', 1e6_dp, 1e11_dp), &
     usual_t('load.tooth_clearance', 1e-8_dp, 1e-4_dp), usual_t('load.spline_diameter', 0.02_dp, 0.5_dp), &
-    usual_t('load.spline_width', 1e-3_dp, 0.1_dp), usual_t('joint.roughness', 1e-16_dp, 1e-6_dp), &
+    usual_t('joint.roughness', 1e-16_dp, 1e-6_dp), &
     usual_t('joint.asperity_radius', 1e-7_dp, 1e-3_dp), usual_t('joint.hardness', 1e8_dp, 2e10_dp), &
     usual_t('joint.sample_length', 1e-5_dp, 2e-2_dp), usual_t('joint.shortest_wavelength', 1e-9_dp, 1e-4_dp), &
     usual_t('joint.s_min', 1e-18_dp, 1e-8_dp), usual_t('surface.roughness', 1e-16_dp, 1e-6_dp), &
@@ -44,6 +44,11 @@ module hd_plausible
   type(slip_t), parameter :: slips(*) = [slip_t('Pa', 'GPa', 1e9_dp), slip_t('Pa', 'MPa', 1e6_dp), slip_t('m', 'mm', 1e-3_dp), &
     slip_t('m', 'um', 1e-6_dp), slip_t('m', 'nm', 1e-9_dp), slip_t('m^2', 'um^2', 1e-12_dp), &
     slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]
+
+  ! What scenes of drives keep within, by the messages that are written beyond.
+  real(dp), parameter :: least_w = 0.1_dp, most_w = 2                  !< deformation over the wall
+  real(dp), parameter :: overload = 5   !< torque over the momentary peak of catalogues, which a slip of units exceeds by far
+  real(dp), parameter :: shortest_cup = 0.3_dp, longest_cup = 6        !< length over the bore radius
 
 contains
 
@@ -99,7 +104,7 @@ contains
     character(len=:), allocatable :: hint, key
     if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
       ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
-    if (abs(s%w) > 2*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < 0.1_dp*s%wall_thickness)) call push(lines, &
+    if (abs(s%w) > most_w*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < least_w*s%wall_thickness)) call push(lines, &
       'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 2 times')
     most = 1e7_dp*s%bore_radius**3
     torque = s%torque
@@ -108,13 +113,15 @@ contains
       torque = s%torques(maxloc(abs(s%torques), 1))
       key = 'loop.torques'
     end if
-    if (abs(torque) > 5*most) then
+    if (abs(torque) > overload*most) then
       hint = ''
-      if (abs(torque) < 5e3_dp*most) hint = '; did you mean '//to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
+      if (abs(torque) < 1e3_dp*overload*most) hint = '; did you mean '//to_text(1e-3_dp*torque)//' N m ('// &
+        to_text(torque)//' N mm)?'
       call push(lines, key//' = '//to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
         ' N m for a moment'//hint)
     end if
-    if (s%cup_length < 0.3_dp*s%bore_radius .or. s%cup_length > 6*s%bore_radius) call push(lines, 'geometry.cup_length = '// &
+    if (s%cup_length < shortest_cup*s%bore_radius .or. s%cup_length > longest_cup*s%bore_radius) call push(lines, &
+      'geometry.cup_length = '// &
       to_text(s%cup_length)//' m is '//to_text(s%cup_length/s%bore_radius)//' times the bore radius: usual are 0.3 to 6 times')
   end subroutine compare
 end module hd_plausible

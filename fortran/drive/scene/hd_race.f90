@@ -7,6 +7,8 @@ module hd_race
   private
   public :: race_radius, groove_width, deepest_groove, groove_depths
 
+  real(dp), parameter :: deepest = 0.75_dp   !< depth of a groove over the ring's thickness, see deepest_groove
+
 contains
 
   !> Radius of the circle at the ground of the groove, on which the balls run [m].
@@ -35,7 +37,7 @@ contains
   pure real(dp) function deepest_groove(scene) result(depth)
     type(scene_t), intent(in) :: scene  !< scene
     associate (r => section_radius(scene))
-      depth = min(r - sqrt(max(0._dp, r**2 - scene%band_length**2/4)), 0.75_dp*scene%ring_thickness)
+      depth = min(r - sqrt(max(0._dp, r**2 - scene%band_length**2/4)), deepest*scene%ring_thickness)
     end associate
   end function deepest_groove
 

@@ -4,6 +4,7 @@
 !> (Eq. 2). With u = 2 pi f tau it is (2 pi tau)^a [F(u_hi) - F(u_lo)]; F comes from its series, from Gauss-Legendre panels, or
 !> from its asymptotic tail, each where it holds 1e-12. Regular at D_s = D - 1 = 1.5, where the literature's constant is inf*0.
 module hd_band_integral
+  use hd_gauss, only: gauss_8, weight_8
   use hd_kinds, only: dp, pi
   implicit none
   private
@@ -11,11 +12,9 @@ module hd_band_integral
 
   integer, parameter :: kind_isotropic = 1   !< 1 - J0: mean over all directions of a surface (Eq. 1)
   integer, parameter :: kind_profile = 2     !< 1 - cos: one profile (Eq. 2)
-  real(dp), parameter :: near = 8._dp, far = 40._dp
-  real(dp), parameter :: node(8) = [0.1834346424956498_dp, 0.5255324099163290_dp, 0.7966664774136267_dp, &
-    0.9602898564975363_dp, -0.1834346424956498_dp, -0.5255324099163290_dp, -0.7966664774136267_dp, -0.9602898564975363_dp]
-  real(dp), parameter :: weight(8) = [0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, &
-    0.1012285362903763_dp, 0.3626837833783620_dp, 0.3137066458778873_dp, 0.2223810344533745_dp, 0.1012285362903763_dp]
+  real(dp), parameter :: near = 8, far = 40   !< where the series still and the tail already holds 1e-12
+  real(dp), parameter :: panel = 1.5_dp       !< longest panel of eight points in between: a quarter of a wave
+  real(dp), parameter :: nothing = 1e-18_dp   !< term of the series over its sum that is below rounding
 
 contains
 
@@ -49,13 +48,13 @@ contains
     if (x <= near) then
       f = series(kind, a, x)
     else if (x <= far) then
-      panels = ceiling((x - near) / 1.5_dp)
+      panels = ceiling((x - near) / panel)
       h = (x - near) / panels
       f = series(kind, a, near)
       do i = 1, panels
         b = near + (i - 0.5_dp) * h
         do j = 1, 8
-          f = f + 0.5_dp * h * weight(j) * integrand(kind, a, b + 0.5_dp * h * node(j))
+          f = f + 0.5_dp * h * weight_8(j) * integrand(kind, a, b + 0.5_dp * h * gauss_8(j))
         end do
       end do
     else
@@ -96,7 +95,7 @@ contains
         term = -term * x * x / (2._dp * k * (2 * k - 1))
       end if
       f = f + term / (2 * k - a)
-      if (abs(term) < 1e-18_dp * abs(f)) exit
+      if (abs(term) < nothing * abs(f)) exit
     end do
     f = f * x**(-a)
   end function series

@@ -16,14 +16,21 @@ module hd_blind_fit
   use hd_spectral_fit, only: spectral_fit_t, fit_spectrum, quantile
   use hd_spectral_model, only: shares
   use hd_surface_fit, only: fit_t
-  use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated
+  use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated, noisy, noisy_estimate, smooth_end, smooth_estimate, &
+    determined, bent
   implicit none
   private
   public :: blind_t, fit_blind, judge_blind, name_lay
 
+  integer, parameter :: more_rings = 8        !< above a window, and a factor of frequency,
+  real(dp), parameter :: more_band = 1.8_dp   !< that a second power law is looked for in
+  real(dp), parameter :: wide = 4             !< highest over lowest frequency of a window from which on the interval says it all
+  real(dp), parameter :: least_reach = 2      !< factor of frequency over which a power law must stand out of the noise
+  real(dp), parameter :: inside = 0.1_dp      !< distance of a slope from those of D = 2 and D = 3, where filling has no like
+  integer, parameter :: patches = 8           !< of the longest step, that a kurtosis is taken over
+  integer, parameter :: sure = 5              !< standard errors of a kurtosis that no Gaussian map of this many steps reaches
   real(dp), parameter :: lines = 3            !< scatter of modes about their ring from which on the spectrum is one of lines
   real(dp), parameter :: many_spikes = 0.02_dp !< share of masked points of a map that is called spikes
-
   real(dp), parameter :: offsets = 3          !< power of an axis over that of its rings from which on rows or columns are offset
 
   !> What was found besides D and G.
@@ -77,7 +84,7 @@ contains
       if (allocated(error)) return
       b%of_lines = b%fit%scatter > lines
       last = size(b%rings%f)
-      if (b%fit%accepted .and. last - b%fit%last > 8 .and. b%rings%f(last) > 1.8_dp * b%fit%f_hi) then
+      if (b%fit%accepted .and. last - b%fit%last > more_rings .and. b%rings%f(last) > more_band * b%fit%f_hi) then
         call fit_spectrum(b%rings, noise, b%above, error, b%fit%f_hi, b%rings%f(last))
         if (allocated(error)) deallocate (error)
       end if
@@ -141,7 +148,7 @@ contains
     if (size(t%f) < k .or. any(t%p <= 0)) return
     slope = -log(t%p(k) / t%p(1)) / log(t%f(k) / t%f(1))
     allocate (mock, mold=flat)
-    call synthetic(mock, dx, dy, min(max(slope, t%dim + 0.1_dp), t%dim + 1.9_dp), error)
+    call synthetic(mock, dx, dy, min(max(slope, t%dim + inside), t%dim + 2 - inside), error)
     if (allocated(error)) return
     call new_ring_table(mock, dx, dy, full, error)
     if (allocated(error)) return
@@ -162,7 +169,7 @@ contains
     do k = 0, 4
       m = 2**k
       do way = 1, 2
-        if (size(z, way) < 8 * m) cycle
+        if (size(z, way) < patches * m) cycle
         if (way == 1) d = z(1 + 2 * m:, :) - 2 * z(1 + m:size(z, 1) - m, :) + z(:size(z, 1) - 2 * m, :)
         if (way == 2) d = z(:, 1 + 2 * m:) - 2 * z(:, 1 + m:size(z, 2) - m) + z(:, :size(z, 2) - 2 * m)
         if (size(z, 2) > 1) d = d - spread(sum(d, 3 - way) / size(d, 3 - way), 3 - way, size(d, 3 - way))   ! straight steps
@@ -170,8 +177,8 @@ contains
         if (.not. two > 0) cycle
         excess = sum(d**4) / size(d, kind=i8) / two**2 - 3
         error = sqrt(24 * real(2 * m, dp) * merge(1, 2 * m, size(z, 2) == 1) / size(d, kind=i8))
-        if (excess / (5 * error) <= b%tail) cycle
-        b%tail = excess / (5 * error)
+        if (excess / (sure * error) <= b%tail) cycle
+        b%tail = excess / (sure * error)
         b%excess = excess
         b%tail_lag = m
       end do
@@ -208,20 +215,21 @@ contains
         v%reason = percent(b%spike_share)//' of the points stand more than six standard deviations off their neighbours'
       else if (b%lay > 0) then
         call name_lay(b, v)
-      else if (r%interval(1, 1) > 2.97_dp .or. (r%d > 2.99_dp .and. f%f_hi < 4 * f%f_lo) &
-        .or. (reach < 2 .and. clear < f%f_hi .and. f%noise_variance > 0)) then
+      else if (r%interval(1, 1) > noisy .or. (r%d > noisy_estimate .and. f%f_hi < wide * f%f_lo) &
+        .or. (reach < least_reach .and. clear < f%f_hi .and. f%noise_variance > 0)) then
         v%kind = noise_dominated
         v%name = 'noise'
         v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
           ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
-      else if (r%interval(2, 1) < 2.03_dp .or. (r%d < 2.01_dp .and. f%misfit > 0.1_dp)) then
+      else if (r%interval(2, 1) < smooth_end .or. (r%d < smooth_estimate .and. f%misfit > bent)) then
         v%name = 'smooth'
         v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
       else if (b%tail > 1 .and. b%excess > 1) then
         v%name = 'steps'
         v%reason = 'second differences over '//to_text(b%tail_lag)//' points have an excess kurtosis of '//to_text(b%excess)// &
-          ' (0: Gaussian, standard error '//to_text(b%excess / (5 * b%tail))//'): few steps, scratches or plateaus make the height'
-      else if (.not. f%accepted .and. f%misfit > 0.1_dp) then
+          ' (0: Gaussian, standard error '//to_text(b%excess / (sure * b%tail))//'): few steps, scratches or plateaus '// &
+          'make the height'
+      else if (.not. f%accepted .and. f%misfit > bent) then
         v%name = 'bent'
         v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
       else if (size(b%ranges, 2) == 2) then
@@ -236,7 +244,7 @@ contains
         v%kind = fractal
         v%reason = 'the spectrum follows the model for wavelengths of '// &
           to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m'
-        if (r%interval(1, 1) < 2.005_dp) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
+        if (r%interval(1, 1) < determined) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
       end if
     end associate
   end subroutine judge_blind

@@ -9,11 +9,11 @@ module hd_expectation
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_expectation
   implicit none
   private
-  public :: band_spectrum_t, expectation_t, new_expectation, expected_log, ripple, check_spectrum, d_lowest, d_highest
+  public :: band_spectrum_t, expectation_t, new_expectation, expected_log, check_spectrum, d_lowest, d_highest
   public :: model_isotropic, model_profile, model_ridges, model_paper, model_spectrum
 
-  integer, parameter :: model_isotropic = kind_isotropic  !< continuous band, all directions of a surface
-  integer, parameter :: model_profile = kind_profile      !< continuous band, one profile (Eq. 2)
+  integer, parameter :: model_isotropic = kind_isotropic  !< continuous band of a map whose spectrum has lines
+  integer, parameter :: model_profile = kind_profile      !< the same of a line (Eq. 2)
   integer, parameter :: model_ridges = 3                  !< the exact sum of Eq. 1
   integer, parameter :: model_paper = 4                   !< power law with the literature's constant
   integer, parameter :: model_spectrum = 5                !< nothing is known: the spectrum is fitted, not S
@@ -38,14 +38,12 @@ contains
   subroutine check_spectrum(p, error)
     type(band_spectrum_t), intent(in) :: p                 !< model
     type(error_t), allocatable, intent(out) :: error  !< which number is wrong
-    if (p%model < 1 .or. p%model > 4) then
-      call raise(error, code_input, 'model '//to_text(p%model)//': isotropic, profile, ridges or paper')
-    else if ((p%model == model_ridges .or. p%model == model_paper) .and. .not. p%ridges%gamma > 1) then
+    if ((p%model == model_ridges .or. p%model == model_paper) .and. .not. p%ridges%gamma > 1) then
       call raise(error, code_input, 'gamma = '//to_text(p%ridges%gamma)//': the frequency ratio must be > 1')
     else if (p%model == model_ridges .and. .not. (p%ridges%count >= 1 .and. p%ridges%n_max >= 0 .and. p%ridges%length > 0)) then
       call raise(error, code_input, 'ridges: M >= 1, n_max >= 0 (L_s <= L) and L > 0 are needed, got M = '// &
         to_text(p%ridges%count)//', n_max = '//to_text(p%ridges%n_max)//', L = '//to_text(p%ridges%length)//' m')
-    else if (p%model <= model_profile .and. .not. (p%f_lo > 0 .and. p%f_hi > p%f_lo)) then
+    else if (.not. (p%f_lo > 0 .and. p%f_hi > p%f_lo)) then
       call raise(error, code_input, 'band '//to_text(p%f_lo)//' to '//to_text(p%f_hi)// &
         ' 1/m: both must be positive, the second larger')
     end if
@@ -93,22 +91,6 @@ contains
     v = e%v(:, i) * (-x * (x - 1) * (x - 2) / 6) + e%v(:, i + 1) * ((x + 1) * (x - 1) * (x - 2) / 2) &
       + e%v(:, i + 2) * (-(x + 1) * x * (x - 2) / 2) + e%v(:, i + 3) * ((x + 1) * x * (x - 1) / 6)
   end function expected_log
-
-  !> What the sum of Eq. 1 departs from a band by, in ln S.
-  function ripple(o, p, e, d, share) result(v)
-    type(observation_t), intent(in) :: o      !< geometry and lags
-    type(band_spectrum_t), intent(in) :: p         !< band, with the sum
-    type(expectation_t), intent(in) :: e      !< table of the band
-    real(dp), intent(in) :: d, share          !< D, share of noise in S at the first lag
-    real(dp) :: v(size(o%lag)), s(size(o%lag))
-    type(band_spectrum_t) :: exact
-    exact = p
-    exact%model = model_ridges
-    s = expected_log(e, d)
-    v = expected_log(new_expectation(o, exact), d) - s
-    s = (1 - share) * exp(s - s(1))
-    v = log((s * exp(v) + share) / (s + share))
-  end function ripple
 
   !> What unit waves of each frequency add, summed over the ridges (lags, n_max + 1).
   subroutine ridge_table(o, r, table)

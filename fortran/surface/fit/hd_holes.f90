@@ -8,8 +8,14 @@ module hd_holes
   use hd_random, only: uniforms
   implicit none
   private
-  public :: mask_spikes, fill_holes, synthetic, median
+  public :: mask_spikes, fill_holes, synthetic, median, robust
 
+  real(dp), parameter :: robust = 1.4826_dp   !< standard deviation over the median of the amount, of a Gaussian
+  integer, parameter :: beside = 3            !< points each way that a clump lies in: the farthest of the rings
+  integer, parameter :: fewest = 3            !< neighbours that say how far a point is off
+  real(dp), parameter :: alone = 0.5_dp       !< distance from all around but one, over that from their middle
+  real(dp), parameter :: relaxed = 1.6_dp     !< over-relaxation, 2/(1 + sin(pi/n)): the best for a hole of n = 13 points
+  real(dp), parameter :: settled = 1e-6_dp    !< change of a filled height over the range of all that no spectrum sees
   real(dp), parameter :: texture = 0.005_dp   !< share of points beyond which spikes must stand alone or in clumps to be spikes
   real(dp), parameter :: jittery = 0.7_dp     !< change of the median step over that of steps from which on rows jitter
   integer, parameter :: clump = 6             !< most wrong points of a clump, in seven points each way
@@ -53,7 +59,8 @@ contains
     do j = 1, size(z, 2)
       do i = 1, size(z, 1)
         if (.not. all_bad(i, j)) cycle
-        if (count(all_bad(max(1, i - 3):min(size(z, 1), i + 3), max(1, j - 3):min(size(z, 2), j + 3))) <= clump) single = single + 1
+        if (count(all_bad(max(1, i - beside):min(size(z, 1), i + beside), &
+          max(1, j - beside):min(size(z, 2), j + beside))) <= clump) single = single + 1
       end do
     end do
     if (found > texture * size(z, kind=i8) .and. 2 * single <= found) found = 0  ! many, and side by side: edges and scratches
@@ -66,7 +73,7 @@ contains
     real(dp), allocatable :: d(:, :)
     real(dp) :: step(1, size(z, 2) - 1), offset
     integer :: j
-    if (size(z, 2) < 3) return
+    if (size(z, 2) < 3) return    ! steps have no change
     d = z(:, 2:) - z(:, :size(z, 2) - 1)
     step(1, :) = [(median(pack(d(:, j), abs(d(:, j)) <= huge(1._dp))), j=1, size(d, 2))]
     if (change(step) < jittery * change(d)) return
@@ -114,10 +121,10 @@ contains
     scale = 0
     whole = 0
     do k = maxval(pairs), 1, -1
-      if (count(pairs == k, kind=i8) >= enough .or. .not. scale > 0) scale = 1.4826_dp * median(pack(abs(away), pairs == k))
+      if (count(pairs == k, kind=i8) >= enough .or. .not. scale > 0) scale = robust * median(pack(abs(away), pairs == k))
       if (.not. whole > 0) whole = scale
       if (.not. scale > least) cycle
-      bad = bad .or. (pairs == k .and. abs(away) > far_out * scale .and. near > 0.5_dp * abs(away))
+      bad = bad .or. (pairs == k .and. abs(away) > far_out * scale .and. near > alone * abs(away))
     end do
     limit = far_out * whole
   end subroutine find_far_points
@@ -178,7 +185,7 @@ contains
       mean(l + 1) = apart
       pairs = pairs + 1
     end do
-    if (n < 3) pairs = 0
+    if (n < fewest) pairs = 0
     if (pairs > 0) away = z(i, j) - 0.5_dp * (mean((pairs + 1) / 2) + mean(pairs / 2 + 1))
     if (pairs == 0) second = 0
   end subroutine distance
@@ -262,11 +269,11 @@ contains
       change = 0
       do k = 1, size(at, 2)
         call around(at(1, k), at(2, k), total, n)
-        new = z(at(1, k), at(2, k)) + 1.6_dp * (total / n - z(at(1, k), at(2, k)))
+        new = z(at(1, k), at(2, k)) + relaxed * (total / n - z(at(1, k), at(2, k)))
         change = max(change, abs(new - z(at(1, k), at(2, k))))
         z(at(1, k), at(2, k)) = new
       end do
-      if (change < 1e-6_dp * (maxval(z) - minval(z))) exit
+      if (change < settled * (maxval(z) - minval(z))) exit
     end do
   contains
     !> Sum and number of known neighbours.

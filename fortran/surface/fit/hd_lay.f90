@@ -10,6 +10,9 @@ module hd_lay
   private
   public :: is_lay
 
+  integer, parameter :: fewest = 8            !< modes that a colour is told by
+  integer, parameter :: low_modes = 4         !< that the taper's main lobe reaches
+  real(dp), parameter :: step = 0.25_dp       !< of the exponent, 0 to 5, and of ln of the amplitude
   real(dp), parameter :: doubt = 10.83_dp     !< of chi^2, one degree of freedom: once in a thousand
   real(dp), parameter :: ample = 0.5_dp       !< excess of the modes beside an axis that is more than an anisotropy of offsets
 
@@ -51,7 +54,7 @@ contains
     count_of = (size(m) - 1) / 2
     allocate (p(count_of), base(count_of), f(count_of))
     k = 0
-    do i = 5, count_of
+    do i = 1 + low_modes, count_of
       at_f = i / t%side(way)
       if (at_f < t%f(1) .or. at_f > t%f(size(t%f))) cycle
       k = k + 1
@@ -61,11 +64,11 @@ contains
       base(k) = max(t%p(minloc(abs(log(t%f / at_f)), 1)), t%p(1) * (t%f(1) / at_f)**6)
     end do
     colour = 0
-    if (k < 8) return
+    if (k < fewest) return
     flat = excess(0._dp)
     best = flat
     do i = 1, 20
-      best = min(best, excess(0.25_dp * i))
+      best = min(best, excess(step * i))
     end do
     colour = (flat - best) / kappa
   contains
@@ -78,7 +81,7 @@ contains
       more = more * sum(p(:k)) / sum(more)
       excess = huge(slope)
       do j = -40, 8
-        e = base(:k) + exp(0.25_dp * j) * more
+        e = base(:k) + exp(step * j) * more
         excess = min(excess, 2 * sum(log(e) + p(:k) / e))
       end do
     end function excess

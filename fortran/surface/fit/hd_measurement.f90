@@ -8,7 +8,7 @@ module hd_measurement
   use hd_seams, only: seams_t, add_seams
   use hd_structure_function, only: check_map
   use hd_blind_fit, only: blind_t, fit_blind, judge_blind, name_lay
-  use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_spectrum
+  use hd_expectation, only: band_spectrum_t, check_spectrum, model_isotropic, model_profile, model_spectrum
   use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
   implicit none
@@ -47,8 +47,10 @@ contains
     type(cleaned_t) :: first_map, second_map
     real(dp) :: tilt(2), band(2)
     logical :: diagonals
+    call check_spectrum(p, error)
+    if (allocated(error)) return
     model = p
-    diagonals = model%model == model_isotropic .or. model%model == model_spectrum
+    diagonals = model%model == model_spectrum
     call look(z, dx, dy, first, last, level, diagonals, options%mask, m%o, m%verdict, m%tilt, first_map, error)
     if (allocated(error)) return
     if (size(other) > 1) then

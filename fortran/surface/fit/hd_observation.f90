@@ -9,6 +9,8 @@ module hd_observation
   private
   public :: observation_t, observe, level_plane, add_observation, directions
 
+  real(dp), parameter :: one_line = 1e-12_dp  !< determinant over its largest value of points that lie on a line but for rounding
+  real(dp), parameter :: equal = 1e-3_dp   !< relative difference of spacings that are one: an instrument's scales agree to no more
   !> Steps of the four directions, x and y: rows, columns, both diagonals.
   integer, parameter :: directions(2, 4) = reshape([1, 0, 0, 1, 1, 1, -1, 1], [2, 4])
 
@@ -67,7 +69,7 @@ contains
       end do
     end do
     det = xx * yy - xy * xy
-    if (det > 1e-12_dp * xx * yy) then
+    if (det > one_line * xx * yy) then
       tilt = [yy * xz - xy * yz, xx * yz - xy * xz] / det
     else if (xx > 0) then
       tilt(1) = xz / xx
@@ -104,7 +106,7 @@ contains
     o%dy = dy
     o%levelled = levelled
     allocate (o%lag(0), o%tau(0), o%s(0), o%share(4, 0))
-    square = abs(dx - dy) <= 1e-3_dp * dx
+    square = abs(dx - dy) <= equal * dx
     if (last > (o%ny - 1) / 2) then
       call add_lags(z, [1], [(i, i=first, last)], o, error)
       o%s_y = o%s
@@ -163,7 +165,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< spacings differ
     real(dp) :: first(size(o%lag)), first_x(size(o%s_x)), first_y(size(o%s_y))
     logical :: fit
-    fit = size(o%lag) == size(other%lag) .and. abs(o%dx - other%dx) <= 1e-3_dp * o%dx .and. abs(o%dy - other%dy) <= 1e-3_dp * o%dy
+    fit = size(o%lag) == size(other%lag) .and. abs(o%dx - other%dx) <= equal * o%dx .and. abs(o%dy - other%dy) <= equal * o%dy
     if (.not. fit) then
       call raise(error, code_input, 'two maps are added lag by lag, so their spacings must agree to 0.1 %: '//to_text(o%dx)// &
         ' x '//to_text(o%dy)//' m and '//to_text(other%dx)//' x '//to_text(other%dy)//' m')

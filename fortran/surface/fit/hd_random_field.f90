@@ -11,6 +11,7 @@ module hd_random_field
   private
   public :: field_covariance, noise_covariance, radial_t, new_radial
 
+  real(dp), parameter :: most_tabled = 4e6_dp !< displacements whose S is worth a table: 32 MB
   integer, parameter :: nodes = 1500
 
   !> S as a function of distance: values at equidistant ln r, cubic between.
@@ -78,7 +79,7 @@ contains
     g = lags_of(o)
     mx = o%nx + 2 * maxval(o%lag)
     my = o%ny + 2 * maxval(o%lag)
-    if (real(mx, dp) * my < 4e6_dp) then        ! S at every displacement; of larger maps only few are visited
+    if (real(mx, dp) * my < most_tabled) then        ! S at every displacement; of larger maps only few are visited
       allocate (grid(0:mx, 0:my))
       !$omp parallel do
       do j = 0, my

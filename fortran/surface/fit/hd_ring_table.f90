@@ -10,6 +10,12 @@ module hd_ring_table
   private
   public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far
 
+  real(dp), parameter :: lowest = 3.5_dp      !< waves per side where rings begin: the taper blurs longer ones into each other
+  real(dp), parameter :: highest = 0.985_dp   !< of Nyquist's frequency, where a mode is its own mirror image: rings end below
+  real(dp), parameter :: narrowest = 1.5_dp, narrowest_of_line = 4   !< width of a ring [modes]: enough of them to take a mean
+  integer, parameter :: fewest = 4            !< modes of a ring
+  integer, parameter :: low_modes = 4         !< along an axis that the taper's main lobe reaches
+  integer, parameter :: well_above = 10       !< times what the taper leaks of the longest waves, that is power of the surface
   integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
   integer, parameter :: reach = 3             !< of the taper's kernel [modes]
   integer, parameter :: per_bin = 4           !< its points per mode
@@ -120,10 +126,10 @@ contains
     type(ring_table_t), intent(in) :: t   !< sizes
     real(dp), allocatable :: e(:)
     real(dp) :: at
-    e = [3.5_dp * t%df]
+    e = [lowest * t%df]
     at = e(1)
-    do while (at < 0.985_dp * t%nyquist)
-      at = min(max(at * growth, at + merge(4._dp, 1.5_dp, t%dim == 1) * t%df), 0.985_dp * t%nyquist)
+    do while (at < highest * t%nyquist)
+      at = min(max(at * growth, at + merge(narrowest_of_line, narrowest, t%dim == 1) * t%df), highest * t%nyquist)
       e = [e, at]
     end do
   end function edges
@@ -154,7 +160,7 @@ contains
             p2(r) = p2(r) + power(i, j)**2
             l(r) = l(r) + log(f)
             l2(r) = l2(r) + log(f)**2
-          else if (m(r) >= 4 .and. t%f(place(r)) < low_end * t%df) then
+          else if (m(r) >= fewest .and. t%f(place(r)) < low_end * t%df) then
             low = low + 1
             t%kx(low) = kx
             t%ky(low) = ky
@@ -166,15 +172,15 @@ contains
       r = 0
       place = 0
       do i = 1, size(m)
-        if (m(i) < 4) cycle
+        if (m(i) < fewest) cycle
         r = r + 1
         place(i) = r
       end do
-      t%m = pack(m, m >= 4)
-      t%p = pack(p / max(m, 1._dp), m >= 4)
-      t%scatter = pack(p2 * max(m, 1._dp) / max(p, tiny(1._dp))**2, m >= 4)
-      t%f = pack(exp(l / max(m, 1._dp)), m >= 4)
-      t%width2 = max(pack(l2 / max(m, 1._dp) - (l / max(m, 1._dp))**2, m >= 4), 0._dp)
+      t%m = pack(m, m >= fewest)
+      t%p = pack(p / max(m, 1._dp), m >= fewest)
+      t%scatter = pack(p2 * max(m, 1._dp) / max(p, tiny(1._dp))**2, m >= fewest)
+      t%f = pack(exp(l / max(m, 1._dp)), m >= fewest)
+      t%width2 = max(pack(l2 / max(m, 1._dp) - (l / max(m, 1._dp))**2, m >= fewest), 0._dp)
       low = nint(sum(t%m, t%f < low_end * t%df))
       allocate (t%kx(low), t%ky(low), t%ring(low))
     end do
@@ -195,13 +201,13 @@ contains
     on_axis = 0
     next = 0
     n = size(power, 2)
-    do i = 5, size(power, 1)
+    do i = 1 + low_modes, size(power, 1)
       call add(1, (i - 1) / t%side(1), power(i, 1))
       do l = axis_width, min(axis_width + 2, (i - 1) / 4)
         call add_beside(1, hypot((i - 1) / t%side(1), l / t%side(2)), power(i, [1 + l, n + 1 - l]))
       end do
     end do
-    do j = 5, n / 2
+    do j = 1 + low_modes, n / 2
       call add(2, (j - 1) / t%side(2), power(1, j))
       do l = axis_width, min(axis_width + 2, (j - 1) / 4)
         call add_beside(2, hypot(l / t%side(1), (j - 1) / t%side(2)), power(1 + l, [j, n + 2 - j]))
@@ -220,7 +226,7 @@ contains
       if (f < edge(1) .or. f >= edge(size(edge))) return
       q = place(ring_of(f, edge))
       if (q == 0) return
-      if (.not. t%p(q) > 10 * t%p(1) * (t%f(1) / f)**6) return     ! what leaks lies beside the axes
+      if (.not. t%p(q) > well_above * t%p(1) * (t%f(1) / f)**6) return     ! what leaks lies beside the axes
       t%beside(k) = t%beside(k) + sum(value) / t%p(q)
       next(k) = next(k) + 2
     end subroutine add_beside

@@ -2,11 +2,14 @@
 !> Straight steps of stitching and offsets of single rows or columns (jitter of a scanning instrument): found, taken off, counted.
 module hd_seams
   use hd_kinds, only: dp
-  use hd_holes, only: median
+  use hd_holes, only: median, robust
   implicit none
   private
   public :: seams_t, remove_seams, remove_offsets, add_seams
 
+  real(dp), parameter :: settled = 1e-9_dp    !< change of an offset over the largest step
+  integer, parameter :: fewest = 4            !< distances between seams, of a map that may have one: two edges and room to tell by
+  integer, parameter :: quarters = 4          !< most parts of a direction that are looked at one by one
   real(dp), parameter :: far_out = 7          !< a seam's step beside its neighbours', in robust standard deviations of all
   real(dp), parameter :: sharp = 3            !< that over the largest of the four beside it
   integer, parameter :: most = 8              !< seams per direction; more are a texture
@@ -86,10 +89,10 @@ contains
     integer :: parts, k, i, n, first, last
     n = size(z, 1) - 1
     allocate (at(0))
-    if (n < 4 * apart .or. size(z, 2) < shortest) return
+    if (n < fewest * apart .or. size(z, 2) < shortest) return
     allocate (weight(n), source=0._dp)
     parts = 1
-    do while (parts <= 4 .and. size(z, 2) / parts >= shortest)
+    do while (parts <= quarters .and. size(z, 2) / parts >= shortest)
       allocate (step(n, parts))
       do k = 1, parts
         first = (k - 1) * size(z, 2) / parts + 1
@@ -105,7 +108,7 @@ contains
         bend = abs(step(:, k))
         where (bend < sharp * max(eoshift(bend, 1), eoshift(bend, -1), eoshift(bend, 2), eoshift(bend, -2))) step(:, k) = 0
       end do
-      weight = max(weight, maxval(abs(step), 2) / max(1.4826_dp * median(rest), tiny(1._dp)))
+      weight = max(weight, maxval(abs(step), 2) / max(robust * median(rest), tiny(1._dp)))
       deallocate (step)
       parts = 2 * parts
     end do
@@ -167,7 +170,7 @@ contains
           offset(a, b) = new
         end do
       end do
-      if (moved <= 1e-9_dp * largest) exit
+      if (moved <= settled * largest) exit
     end do
     offset = offset - sum(offset) / size(offset)
   contains

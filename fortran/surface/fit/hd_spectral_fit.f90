@@ -14,7 +14,13 @@ module hd_spectral_fit
   private
   public :: spectral_fit_t, fit_spectrum, quantile
 
+  integer, parameter :: fewest = 6                      !< rings of a window: one more than unknowns
+  real(dp), parameter :: better = 0.7_dp   !< misfit over that of the window before, none accepted, that a narrower one must reach
+  real(dp), parameter :: of_two = 2.5_dp                !< `excused` of two laws: they are asked of all rings, which a window is not
+  real(dp), parameter :: in_thousand = 3.09_dp          !< of a Gaussian, exceeded once in a thousand
   real(dp), parameter :: quantile = 3.841459_dp         !< of chi^2, one degree of freedom, 95 %
+  !> Windows tried: tops over Nyquist's frequency, a factor 1.2 to 1.3 apart from where rings end; feet in waves over the shorter
+  !> side, about a factor 1.6 apart from where they begin.
   real(dp), parameter :: tops(11) = [0.98_dp, 0.83_dp, 0.7_dp, 0.6_dp, 0.5_dp, 0.42_dp, 0.35_dp, 0.28_dp, 0.22_dp, 0.17_dp, 0.13_dp]
   real(dp), parameter :: feet(5) = [3.5_dp, 6._dp, 9._dp, 14._dp, 22._dp]
   real(dp), parameter :: shortest_window = 3            !< highest over lowest frequency
@@ -61,7 +67,7 @@ contains
     integer :: i, j, k, at(2), top
     fixed%noise = noise
     top = 1
-    if (size(t%f) < 6) then
+    if (size(t%f) < fewest) then
       call raise(error, code_input, 'the map is too small for a spectrum: it gives '//to_text(size(t%f))//' rings of four '// &
         'modes; valid: six or more, about 24 x 24 points (a line: 64)')
       return
@@ -81,10 +87,10 @@ contains
         widths(at(1), at(2)) = 0
         call window(t, feet(at(1)) * t%df, tops(at(2)) * t%nyquist, trial)
       end if
-      if (trial%last - trial%first < 5) cycle
+      if (trial%last - trial%first + 1 < fewest) cycle
       b = most_likely(t, m, trial%first, trial%last, fixed, coarse)
       call judge(t, b, trial, noise)
-      if (r%last == 0 .or. trial%accepted .or. (trial%misfit < 0.7_dp * r%misfit .and. .not. r%accepted)) then
+      if (r%last == 0 .or. trial%accepted .or. (trial%misfit < better * r%misfit .and. .not. r%accepted)) then
         r = trial
         best = b
         top = at(2)
@@ -98,7 +104,7 @@ contains
     end if
     if (top > 1 .and. top < size(tops) .and. r%accepted .and. .not. present(from)) then
       call window(t, r%f_lo, tops(top + 1) * t%nyquist, trial)      ! what lies beside a cliff is blurred by it
-      if (trial%last - trial%first >= 5) r = trial
+      if (trial%last - trial%first + 1 >= fewest) r = trial
     end if
     best = most_likely(t, m, r%first, r%last, fixed, fine)
     call judge(t, best, r, noise)
@@ -129,7 +135,7 @@ contains
     if (.not. r%two%inside .or. r%two%deviance > b%deviance + less) return
     b%deviance = r%two%deviance
     call judge(t, b, whole, -1._dp)
-    r%crossed = whole%accepted .or. whole%misfit < 2.5_dp * excused
+    r%crossed = whole%accepted .or. whole%misfit < of_two * excused
   end subroutine look_for_two
 
   !> The simplest explanation: of all with and without noise, probe and finer detail, the least deviance plus 2 for each that is
@@ -183,7 +189,7 @@ contains
     more = r%deviance - r%freedom
     r%misfit = sqrt(max(0._dp, more) / (sum(t%m(r%first:r%last)) / t%kappa))
     ! chi^2 is exceeded once in a thousand (Wilson and Hilferty)
-    r%accepted = r%misfit < excused .or. r%deviance < r%freedom * (1 - 2 / (9._dp * r%freedom) + 3.09_dp * &
+    r%accepted = r%misfit < excused .or. r%deviance < r%freedom * (1 - 2 / (9._dp * r%freedom) + in_thousand * &
       sqrt(2 / (9._dp * r%freedom)))**3
   end subroutine judge
 

@@ -7,12 +7,15 @@
 !> the expectation of the periodogram itself, not the spectrum (Sykulski et al. 2019, Biometrika 106; Guillaumin et al. 2022,
 !> J. R. Stat. Soc. B 84).
 module hd_spectral_model
+  use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi
   use hd_ring_table, only: ring_table_t, reach, per_bin, far
   implicit none
   private
   public :: spectral_model_t, slope_t, new_spectral_model, at_slope, power_of, mixed, shares
 
+  !> distance of slopes from those of D = 3 and D = 2, where power and G lose their meaning
+  real(dp), parameter :: from_ends = 0.004_dp
   integer, parameter :: nodes = 41            !< over n
   integer, parameter :: blurs = 13            !< over sigma^2
   integer, parameter :: steeps = 64           !< over the square of the slope of ln power
@@ -62,8 +65,8 @@ contains
     real(dp) :: slopes(nodes)
     integer :: i
     m%key = [real(t%dim, dp), t%step, t%side]
-    m%n_low = t%dim + 0.004_dp                ! n = 8 - 2D (line: 7 - 2D), D from 2.002 to 2.998
-    m%n_high = t%dim + 1.996_dp
+    m%n_low = t%dim + from_ends                 ! n = 8 - 2D (line: 7 - 2D)
+    m%n_high = t%dim + (2 - from_ends)
     m%spacing = t%step(1)
     if (t%dim == 2) m%spacing = sqrt(product(t%step))
     m%f = t%f
@@ -143,13 +146,13 @@ contains
     real(dp), intent(in) :: spacing           !< unit of the probe [m]
     real(dp) :: v(blurs, 2, size(slopes))
     integer, parameter :: angles = 6, most = 24 * angles * 3
-    real(dp), parameter :: place(3) = [-1, 0, 1] * sqrt(0.6_dp), weight(3) = [5, 8, 5] / 18._dp    ! Gauss
+    real(dp), parameter :: weight(3) = weight_3 / 2
     real(dp) :: f2(most), share(most), power(most, size(slopes)), through(most, blurs), f, a, low, high, fx, fy
     logical :: near(most)
     integer :: i, j, k, p, q, n
     n = 0
     do i = 1, 3
-      f = t%f(ring) * exp(place(i) * sqrt(3 * t%width2(ring)))
+      f = t%f(ring) * exp(gauss_3(i) * sqrt(3 * t%width2(ring)))
       low = acos(min(1._dp, 0.5_dp / (t%step(1) * f)))       ! directions whose waves the grid holds
       high = asin(min(1._dp, 0.5_dp / (t%step(2) * f)))
       if (t%dim == 1) then

@@ -4,12 +4,23 @@
 !> probes shows is followed to its bottom by Fisher's scoring within the bounds (Levenberg and Marquardt).
 module hd_spectral_search
   use hd_kinds, only: dp, pi
+  use hd_lapack, only: solve_definite
   use hd_ring_table, only: ring_table_t
   use hd_spectral_model, only: spectral_model_t, slope_t, at_slope, power_of, mixed, shares
   implicit none
   private
   public :: trial_t, fixed_t, most_likely, best_at
 
+  real(dp), parameter :: eased = 0.1_dp       !< what a step that succeeds makes of the damping
+  real(dp), parameter :: held = 0.1_dp        !< width of a range of the share below which it is held: no slope is taken over it
+  real(dp), parameter :: least_step = 0.1_dp  !< of its amplitude that a step leaves at least: it stays positive
+  real(dp), parameter :: most_damp = 1e5_dp   !< where steps are so short that rounding rules,
+  real(dp), parameter :: least_damp = 1e-7_dp !< and where they are Newton's
+  real(dp), parameter :: settled = 1e-5_dp    !< fall of the deviance, whose 95 % lie at 3.84, that ends a search
+  real(dp), parameter :: unchanged = 1e-7_dp  !< the same, relative, of amplitude and noise
+  real(dp), parameter :: above_noise = 0.05_dp !< share of a ring's power that counts as signal at least, to begin with
+  real(dp), parameter :: least_change = 0.2_dp, most_change = 5   !< of amplitude and noise in one step: they stay positive
+  real(dp), parameter :: singular = 1e-14_dp  !< determinant over its largest value where noise and signal have one shape
   integer, parameter :: probes = 9            !< of the grid over the probe
 
   !> One trial of the likelihood.
@@ -52,7 +63,7 @@ contains
   end function most_likely
 
   !> The most likely point at one slope. The share of finer detail has two ranges, with a kink of the expectation between them.
-  pure type(trial_t) function best_at(t, m, first, last, fixed, n) result(best)
+  type(trial_t) function best_at(t, m, first, last, fixed, n) result(best)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< tables
     integer, intent(in) :: first, last        !< rings of the window
@@ -96,7 +107,7 @@ contains
   end function noise_power
 
   !> From a point to the bottom of its valley, within bounds.
-  pure subroutine descend(t, m, s, first, last, low, high, b)
+  subroutine descend(t, m, s, first, last, low, high, b)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< tables
     type(slope_t), intent(in) :: s            !< tables at the slope
@@ -120,7 +131,7 @@ contains
       e = q(1) * j(:, 1) + q(2)
       j(:, 2) = 1
       j(:, 3) = q(1) * (mixed(near, nearby, q(4)) - j(:, 1)) / more
-      j(:, 4) = q(1) * matmul(folded, (shares(high(4)) - shares(low(4))) / max(high(4) - low(4), 0.1_dp))
+      j(:, 4) = q(1) * matmul(folded, (shares(high(4)) - shares(low(4))) / max(high(4) - low(4), held))
       do i = 1, 4
         j(:, i) = j(:, i) / e * sqrt(w)
       end do
@@ -130,20 +141,20 @@ contains
         [(h(i, i), i=1, 4)] > 0
       do
         step = newton_step(h, g, free, damp)
-        step = min(max(q + step, low, [0.1_dp * q(1), 0._dp, 0._dp, 0._dp]), high)
+        step = min(max(q + step, low, [least_step * q(1), 0._dp, 0._dp, 0._dp]), high)
         call power_of(m, s, sqrt(step(3)), first, last, near, nearby)
         deviance = deviance_of(p, w, step(1) * mixed(near, nearby, step(4)) + step(2))
-        if (deviance < b%deviance .or. damp > 1e5_dp) exit
+        if (deviance < b%deviance .or. damp > most_damp) exit
         damp = 10 * damp
       end do
       if (.not. deviance < b%deviance) exit
       q = step
       straight = near
       folded = nearby
-      damp = max(0.1_dp * damp, 1e-7_dp)
+      damp = max(eased * damp, least_damp)
       step(1) = b%deviance - deviance
       b%deviance = deviance
-      if (step(1) < 1e-5_dp) exit
+      if (step(1) < settled) exit
     end do
     b%a = q(1)
     b%v = q(2)
@@ -151,29 +162,22 @@ contains
     b%alpha = q(4)
   end subroutine descend
 
-  !> Step of a damped normal equation (Levenberg and Marquardt) among the free unknowns, by Cholesky's factors.
-  pure function newton_step(h, g, free, damp) result(x)
+  !> Step of a damped normal equation (Levenberg and Marquardt) among the free unknowns; none where it is singular.
+  function newton_step(h, g, free, damp) result(x)
     real(dp), intent(in) :: h(4, 4), g(4)     !< information and slope of the ln likelihood
     logical, intent(in) :: free(4)            !< unknowns that move
     real(dp), intent(in) :: damp              !< what is added to the diagonal, over it
-    real(dp) :: x(4), l(4, 4), scale(4)
-    integer :: i, j
+    real(dp) :: x(4), a(4, 4), scale(4)
+    logical :: definite
+    integer :: i
     scale = [(merge(1 / sqrt(max(h(i, i), tiny(damp))), 0._dp, free(i)), i=1, 4)]
-    l = 0
-    do j = 1, 4
-      do i = j, 4
-        l(i, j) = h(i, j) * scale(i) * scale(j) - dot_product(l(i, :j - 1), l(j, :j - 1))
-        if (i == j) l(i, i) = sqrt(max(l(i, i) + merge(damp, 1._dp, free(i)), 1e-12_dp))
-        if (i > j) l(i, j) = l(i, j) / l(j, j)
-      end do
-    end do
     do i = 1, 4
-      x(i) = (g(i) * scale(i) - dot_product(l(i, :i - 1), x(:i - 1))) / l(i, i)
+      a(:, i) = h(:, i) * scale * scale(i)
+      a(i, i) = a(i, i) + merge(damp, 1._dp, free(i))
     end do
-    do i = 4, 1, -1
-      x(i) = (x(i) - dot_product(l(i + 1:, i), x(i + 1:))) / l(i, i)
-    end do
-    x = x * scale
+    x = g * scale
+    call solve_definite(a, x, definite)
+    x = merge(x * scale, 0._dp, definite)
   end function newton_step
 
   !> Amplitude and noise, neither negative, of least deviance for a given shape: weighted least squares again and again.
@@ -190,7 +194,7 @@ contains
     if (known == 0) return
     if (known < 0) v = 0.5_dp * minval(p)
     if (known > 0) v = known
-    a = max(sum(m * max(p - v, 0.05_dp * p) / x) / sum(m), tiny(a))
+    a = max(sum(m * max(p - v, above_noise * p) / x) / sum(m), tiny(a))
     if (known > 0) b%deviance = huge(a)
     old = huge(a)
     do i = 1, 14
@@ -201,12 +205,12 @@ contains
       one = sum(w)
       p1 = sum(w * p)
       if (known > 0) then
-        a = min(max((px - v * x1) / xx, 0.2_dp * a), 5 * a)
+        a = min(max((px - v * x1) / xx, least_change * a), most_change * a)
       else
         det = xx * one - x1**2
-        if (.not. det > 1e-14_dp * xx * one) exit
-        a = min(max((one * px - x1 * p1) / det, 0.2_dp * a), 5 * a)
-        v = min(max((xx * p1 - x1 * px) / det, 0.2_dp * v), 5 * v)
+        if (.not. det > singular * xx * one) exit
+        a = min(max((one * px - x1 * p1) / det, least_change * a), most_change * a)
+        v = min(max((xx * p1 - x1 * px) / det, least_change * v), most_change * v)
       end if
       deviance = deviance_of(p, m, a * x + v)
       if (deviance < b%deviance) then
@@ -214,7 +218,7 @@ contains
         b%v = v
         b%deviance = deviance
       end if
-      if (abs(deviance - old) < 1e-7_dp * (1 + deviance)) exit
+      if (abs(deviance - old) < unchanged * (1 + deviance)) exit
       old = deviance
     end do
   end subroutine solve

@@ -11,6 +11,7 @@ module hd_structure_function
   private
   public :: structure_line, structure_radial, structure_second, check_map
 
+  integer, parameter :: few_turned = 4      !< lags along columns that are summed where they stand; of more the map is turned, once
   real(dp), parameter :: trust = 2e-13_dp   !< relative error up to which a sum from FFTW is kept
   integer, parameter :: few = 64            !< up to so many lags are summed directly
 
@@ -56,7 +57,7 @@ contains
     holes = has_holes(z)
     if (all(step == [1, 0])) then
       call along_rows(z, lags, holes, s, count, error)
-    else if (all(step == [0, 1]) .and. size(lags) > 4) then
+    else if (all(step == [0, 1]) .and. size(lags) > few_turned) then
       call along_rows(transpose(z), lags, holes, s, count, error)
     else
       do i = 1, size(lags)

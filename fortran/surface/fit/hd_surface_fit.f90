@@ -6,14 +6,13 @@ module hd_surface_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
-  use hd_lapack, only: solve_dense
+  use hd_lapack, only: inverse_factor, solve_dense
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_observation, only: observation_t
   use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_uncertainty, only: identity, left_over, alike, unexplained, interval_95
-  use hd_expectation, only: band_spectrum_t, expectation_t, new_expectation, expected_log, ripple, check_spectrum, &
-    d_lowest, d_highest, &
+  use hd_expectation, only: band_spectrum_t, expectation_t, new_expectation, expected_log, d_lowest, d_highest, &
     model_profile, model_ridges, model_paper
   implicit none
   private
@@ -22,7 +21,6 @@ module hd_surface_fit
   !> How to fit.
   type :: fit_options_t
     logical :: weighted = .false.     !< weight by the inverse covariance of ln S (only sound if the model is exact)
-    logical :: known = .false.        !< the surface is the sum `ridges`: its covariance is that of random phases
     logical :: fit_noise = .false.    !< white instrument noise is a third unknown
     real(dp) :: noise = 0             !< known rms noise, taken off S [m]
     logical :: told_band = .false.    !< the band of the model is told, not a guess: a spectrum is fitted over it
@@ -46,6 +44,9 @@ module hd_surface_fit
     real(dp), allocatable :: sd_curve(:)      !< standard error of the model's ln S
   end type fit_t
 
+  real(dp), parameter :: whole = 0.99_dp        !< share of a direction in a lag's S that is all of it
+  real(dp), parameter :: most_noise = 0.999_dp  !< share of noise at the first lag: at 1 nothing is left of the surface
+
 contains
 
   !> Fit an observation.
@@ -61,8 +62,6 @@ contains
     real(dp) :: y(size(o%lag)), shift(size(o%lag)), d, b, share, off
     integer :: i, n
     n = size(o%lag)
-    call check_spectrum(p, error)
-    if (allocated(error)) return
     off = 2 * options%noise**2
     if (.not. all(o%s - off > 0)) then
       i = findloc(o%s - off > 0, .false., 1)
@@ -74,7 +73,7 @@ contains
     e = new_expectation(o, p)
     white = patches(o, options%weighted .or. p%model == model_paper)
     shift = 0
-    if (.not. options%known) call split_directions(o, e, y, white, shift)
+    if (p%model /= model_ridges) call split_directions(o, e, y, white, shift)
     y = y - shift
     call search(e, y, white, about, options%fit_noise, d, b, share)
     do i = 1, merge(2, 1, options%weighted)
@@ -115,7 +114,7 @@ contains
     integer :: i, n
     shift = 0
     n = size(y) / 2
-    if (.not. (any(o%share(1, :) > 0.99_dp) .and. any(o%share(2, :) > 0.99_dp))) return
+    if (.not. (any(o%share(1, :) > whole) .and. any(o%share(2, :) > whole))) return
     do i = 1, 4
       call search(e, y - shift, white, about, .false., d, b, share)
       res = y - b - shape_of(e, d, share)
@@ -163,7 +162,7 @@ contains
     share = 0
     if (noise) then
       low = 0
-      high = 0.999_dp
+      high = most_noise
       do pass = 1, 7
         best = huge(best)
         do i = 0, 16
@@ -175,7 +174,7 @@ contains
         end do
         at = (high - low) / 16
         low = max(0._dp, share - at)
-        high = min(0.999_dp, share + at)
+        high = min(most_noise, share + at)
       end do
     end if
     call search_d(e, y, white, about, share, d, b, chi)
@@ -243,7 +242,7 @@ contains
     end if
     kind = merge(kind_profile, kind_isotropic, p%model == model_profile)
     t = new_radial(kind, d, scale, f_lo, f_hi, min(o%dx, o%dy), 2 * hypot(o%nx * o%dx, o%ny * o%dy))
-    if (options%known) then
+    if (p%model == model_ridges) then
       call wave_numbers(p%ridges, qx, qy)
       a2 = [(levels_of(p%ridges, d) * scale, i=1, p%ridges%count)]
       call wave_covariance(o, qx, qy, a2, cov)
@@ -261,29 +260,21 @@ contains
   subroutine whiten(cov, white)
     real(dp), intent(in) :: cov(:, :)       !< covariance
     real(dp), intent(out) :: white(:, :)    !< lower triangle W, W cov W^T = 1
-    real(dp) :: l(size(cov, 1), size(cov, 1)), s, jitter
-    integer :: i, j, n
-    n = size(cov, 1)
+    real(dp) :: jitter
+    integer :: i
+    logical :: definite
     jitter = 1e-15_dp
     do
-      l = 0
-      columns: do j = 1, n
-        s = cov(j, j) * (1 + jitter) + jitter * maxval(cov) - sum(l(j, :j - 1)**2)
-        if (.not. s > 0) exit columns
-        l(j, j) = sqrt(s)
-        do i = j + 1, n
-          l(i, j) = (cov(i, j) - sum(l(i, :j - 1) * l(j, :j - 1))) / l(j, j)
-        end do
-      end do columns
-      if (j > n) exit
+      white = cov
+      do i = 1, size(cov, 1)
+        white(i, i) = cov(i, i) * (1 + jitter) + jitter * maxval(cov)
+      end do
+      call inverse_factor(white, definite)
+      if (definite) exit
       jitter = 10 * jitter
     end do
-    white = 0
-    do j = 1, n
-      white(j, j) = 1 / l(j, j)
-      do i = j + 1, n
-        white(i, j) = -sum(l(i, j:i - 1) * white(j:i - 1, j)) / l(i, i)
-      end do
+    do i = 2, size(cov, 1)
+      white(:i - 1, i) = 0
     end do
   end subroutine whiten
 
@@ -299,7 +290,7 @@ contains
     type(fit_t), intent(out) :: r                       !< result
     type(error_t), allocatable, intent(out) :: error    !< internal
     real(dp), allocatable :: j(:, :), h(:, :), hat(:, :), total(:, :), sure(:, :), like(:, :), curved(:, :)
-    real(dp) :: res(size(y)), off_by(size(y)), spare
+    real(dp) :: res(size(y)), spare
     integer :: i, n, unknowns
     n = size(y)
     unknowns = merge(3, 2, options%fit_noise)
@@ -319,11 +310,7 @@ contains
     r%rms_expected = sqrt(max(left_over(identity(n), hat, cov), 0._dp) / n)
     total = cov
     sure = cov
-    if (options%known .and. p%model <= model_profile) then
-      off_by = ripple(o, p, e, d, share)                ! a bias, not a matter of chance
-      r%misfit = sqrt(sum(off_by**2) / n)
-      res = res - off_by
-    else if (.not. options%weighted .and. p%model /= model_ridges) then
+    if (.not. options%weighted .and. p%model /= model_ridges) then
       like = alike(o, 0.3_dp)
       spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
       r%misfit = sqrt(spare / left_over(white, hat, like))

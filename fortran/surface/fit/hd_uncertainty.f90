@@ -7,6 +7,8 @@ module hd_uncertainty
   private
   public :: identity, left_over, alike, unexplained, interval_95
 
+  real(dp), parameter :: least_left = 0.02_dp   !< share of a residual that the fit leaves at least: the first lag is nearly met
+
 contains
 
   !> 95 % interval of estimate i beside a variance (the third) that is not negative: all values that the likelihood ratio, at the
@@ -49,7 +51,7 @@ contains
     real(dp), intent(in) :: res(:), hat(:, :)         !< residuals of ln S, projection on residuals
     real(dp) :: cov(size(res), size(res)), seen(size(res))
     integer :: i, j
-    seen = [(res(i) / sqrt(max(hat(i, i), 0.02_dp)), i=1, size(res))]
+    seen = [(res(i) / sqrt(max(hat(i, i), least_left)), i=1, size(res))]
     cov = alike(o, 0.15_dp)
     do j = 1, size(res)
       do i = 1, size(res)

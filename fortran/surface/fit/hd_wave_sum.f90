@@ -3,7 +3,7 @@
 !> its covariance over the phases, exact, with the plane taken off or not. With the origin in the middle of the map every
 !> product of two waves averages to real sine ratios, so no simulation is needed.
 module hd_wave_sum
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_lapack, only: multiply_transposed, blas_threads
   use hd_observation, only: observation_t, directions
   implicit none
@@ -26,6 +26,9 @@ module hd_wave_sum
     real(dp), allocatable :: sx(:, :), cx(:, :), sy(:, :), cy(:, :)   !< sin and cos of nx u/2 and ny v/2
     real(dp), allocatable :: mean(:, :), tilt(:, :)       !< mean increment and that of the plane; 0 if not levelled
   end type pairs_t
+
+  real(dp), parameter :: near_zero = 1e-2_dp  !< phase over a map up to which two terms of the series hold 1e-11
+  real(dp), parameter :: divides = 1e-6_dp    !< sine that may be divided by: ten digits are left
 
 contains
 
@@ -63,7 +66,7 @@ contains
     integer, intent(in) :: n    !< points
     real(dp) :: s
     s = sin(q / 2)
-    if (abs(s) > 1e-9_dp) then
+    if (abs(s) > hair) then
       r = sin(n * q / 2) / (n * s)
     else
       r = cos(n * q / 2) / cos(q / 2)
@@ -77,9 +80,9 @@ contains
     real(dp) :: s, xx
     s = sin(q / 2)
     xx = real(n, dp) * (real(n, dp)**2 - 1) / 12
-    if (abs(n * q) < 1e-2_dp) then
+    if (abs(n * q) < near_zero) then
       b = q * (1 - q**2 * (3 * real(n, dp)**2 - 7) / 120)
-    else if (abs(s) > 1e-9_dp) then
+    else if (abs(s) > hair) then
       b = -(0.5_dp * n * cos(n * q / 2) * s - 0.5_dp * sin(n * q / 2) * cos(q / 2)) / s**2 / xx
     else
       b = 0
@@ -237,7 +240,7 @@ contains
     if (n(1) == n(size(n))) then                              ! the same along the whole direction
       minus = ratio(q_1 - q_2, n(1))
       plus = ratio(q_1 + q_2, n(1))
-    else if (min(abs(m), abs(p)) > 1e-6_dp) then
+    else if (min(abs(m), abs(p)) > divides) then
       do k = 1, size(n)
         minus(k) = (s_1(k) * c_2(k) - c_1(k) * s_2(k)) / (n(k) * m)
         plus(k) = (s_1(k) * c_2(k) + c_1(k) * s_2(k)) / (n(k) * p)

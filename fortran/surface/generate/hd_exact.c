@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Waves, their direct sum and the factors of their product, the same bits on every processor: plain sums and products in a fixed
+/* Waves and their direct sum, the same bits on every processor: plain sums and products in a fixed
  * order, compiled without fused multiply-add; several widths of vector register do the same operations. */
 #include "hd_cis.h"
 
@@ -57,18 +57,6 @@ CLONES void hd_direct_row(int n, double phase, double high, double low, double a
     double c, s;
     cis(turns(phase, high, low, i), &c, &s);
     z[i] -= a * c;
-  }
-}
-
-/* even += a cos, odd += b sin of 2 pi (phase + step u) at the steps first, first + 2, ...: n points of one wave. */
-CLONES void hd_add_row(int n, double phase, double high, double low, int first, double a, double b, double *restrict even,
-                       double *restrict odd)
-{
-  for (int i = 0; i < n; i++) {
-    double c, s;
-    cis(turns(phase, high, low, first + 2 * i), &c, &s);
-    even[i] += a * c;
-    odd[i] += b * s;
   }
 }
 

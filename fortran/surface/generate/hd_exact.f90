@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Waves, their direct sum and the factors of their product in C, the same bits on every processor.
+!> Waves and their direct sum in C, the same bits on every processor.
 module hd_exact
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   implicit none
   private
-  public :: exact_products, turns_at_point, direct_row, add_row, cosines
+  public :: exact_products, turns_at_point, direct_row, cosines
 
   interface
     !> p + p_2 = (a + a_2) (b + b_2) to about 100 bits.
@@ -33,13 +33,6 @@ module hd_exact
       real(c_double), value, intent(in) :: phase, high, low, a              !< turns, amplitude [m]
       real(c_double), intent(inout) :: z(*)                                 !< heights [m] (n)
     end subroutine direct_row
-    !> even + a cos, odd + b sin of 2 pi (phase + step (high + low)) at steps first, first + 2, ...
-    subroutine add_row(n, phase, high, low, first, a, b, even, odd) bind(c, name='hd_add_row')
-      import :: c_int, c_double
-      integer(c_int), value, intent(in) :: n, first                         !< points, first step
-      real(c_double), value, intent(in) :: phase, high, low, a, b           !< turns, factors
-      real(c_double), intent(inout) :: even(*), odd(*)                      !< added to (n)
-    end subroutine add_row
     !> Cosines of phases from -1/2 to 1.
     subroutine cosines(n, phase, cosine) bind(c, name='hd_cosines')
       import :: c_int, c_double

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest. Without a tolerance it is the
-!> direct sum or products in slices: the choice and the heights are the same on every processor. With one, products are plain ones,
-!> in single precision where it keeps the tolerance.
+!> Heights of a sum of waves on a grid: takes the evaluator that is predicted to be the fastest: products in double
+!> precision, with a tolerance also the NUFFT, and products in single precision where they keep it. The direct sum is their oracle;
+!> its bits are the same on every processor.
 module hd_heights
   use hd_kinds, only: dp, sp, i8
   use hd_direct, only: direct_sum
@@ -11,7 +11,6 @@ module hd_heights
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
   use hd_plain, only: plain_t, new_plain, plain_sum
   use hd_plain_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
-  use hd_product, only: product_t, new_product, product_sum
   use hd_text, only: to_text
   use hd_waves, only: waves_t, grid_t, checked_grid
   implicit none
@@ -19,29 +18,31 @@ module hd_heights
   public :: method_t, choose_method, heights, heights_single
   public :: method_auto, method_direct, method_product, method_nufft
 
-  integer, parameter :: exact_slices = 0, in_double = 1, in_single = 2
+  !> tolerances: rounding of a long sum leaves more than less; above, nothing is saved
+  real(dp), parameter :: finest = 1e-13_dp, roughest = 0.1_dp
+  integer, parameter :: in_double = 1, in_single = 2
   integer, parameter :: method_auto = 0, method_direct = 1, method_product = 2, method_nufft = 3
 
   !> How a sum will be done.
   type :: method_t
     integer :: evaluator = method_auto               !< method_direct, method_product or method_nufft
-    integer :: precision = exact_slices              !< of a product
+    integer :: precision = in_double                 !< of a product
     type(nufft_plan_t) :: nufft                      !< fine points, widths, tiles
     real(dp) :: seconds(3) = huge(1._dp)             !< predicted time of direct, product, nufft [s]; huge: not asked
     real(dp) :: memory_mb = 0                        !< memory beside the heights [MB]
   end type method_t
 
   real(dp), parameter :: second_per_cosine = 3e-9_dp      !< one term of the direct sum
-  real(dp), parameter :: second_per_flop(0:2) = [0.105e-9_dp, 0.023e-9_dp, 0.012e-9_dp]    !< product: all slices, double, single
-  real(dp), parameter :: second_per_point(0:2) = [2e-9_dp, 0.5e-9_dp, 0.4e-9_dp]            !< height stored
+  real(dp), parameter :: second_per_flop(2) = [0.023e-9_dp, 0.012e-9_dp]          !< product: double, single
+  real(dp), parameter :: second_per_point(2) = [0.5e-9_dp, 0.4e-9_dp]             !< height stored
   real(dp), parameter :: single_from = 1e-6_dp             !< tolerance from which a product in single precision is tried
   real(dp), parameter :: single_error = 4e-8_dp            !< its error over the square root of the number of terms
   real(dp), parameter :: small_seconds = 0.2e-3_dp         !< time of a product below which a NUFFT is not planned
   real(dp), parameter :: small_mb = 16                     !< what is not worth a look at the free memory
   real(dp), parameter :: nufft_tolerance = 1e-12_dp        !< of the NUFFT where none is asked for
-  real(dp), parameter :: second_per_factor(0:2) = [3e-9_dp, 1e-9_dp, 0.8e-9_dp]            !< entry of a factor
+  real(dp), parameter :: second_per_factor(2) = [1e-9_dp, 0.8e-9_dp]              !< entry of a factor
   real(dp), parameter :: mean_share = 0.75_dp              !< of the time on one thread: mean of that on one and on two threads
-  integer, parameter :: slab_points = 4194304              !< exact heights held in double precision for single ones
+  integer, parameter :: slab_points = 4194304              !< of the direct sum held in double precision for single ones
 
 contains
 
@@ -55,13 +56,12 @@ contains
     type(method_t), intent(out) :: method             !< choice
     type(error_t), allocatable, intent(out) :: error  !< bad input or not enough memory
     real(dp) :: points, extra(3), mb
-    if (tolerance /= 0 .and. .not. (tolerance >= 1e-13_dp .and. tolerance <= 0.1_dp)) then
+    if (tolerance /= 0 .and. .not. (tolerance >= finest .and. tolerance <= roughest)) then
       call raise(error, code_input, 'tolerance = '//to_text(tolerance)//': must lie between 1e-13 and 0.1 (0: none)')
       return
     end if
     points = real(nx, dp) * ny
-    if (tolerance > 0) method%precision = &
-      merge(in_single, in_double, tolerance >= single_from .and. single_error * sqrt(real(groups, dp)) <= tolerance)
+    if (tolerance >= single_from .and. single_error * sqrt(real(groups, dp)) <= tolerance) method%precision = in_single
     method%seconds(1) = mean_share * points * waves * second_per_cosine
     associate (k => method%precision)
       method%seconds(2) = mean_share * (points * (2 * groups * second_per_flop(k) + second_per_point(k)) &
@@ -76,7 +76,6 @@ contains
     extra(3) = (200 + 8._dp * (method%nufft%width_x + method%nufft%width_y)) * waves + &
       16._dp * method%nufft%fine_y * (0.5_dp * method%nufft%fine_x + 100) * 3
     if (bytes == 4) extra(1) = extra(1) + 8 * min(real(slab_points, dp), points)
-    if (bytes == 4 .and. method%precision == exact_slices) extra(2) = extra(2) + 8 * min(real(slab_points, dp), points)
     method%evaluator = wanted
     if (wanted == method_auto) method%evaluator = minloc(method%seconds, 1)
     if (wanted == method_nufft .and. method%nufft%width_x == 0) then
@@ -96,46 +95,36 @@ contains
     type(method_t), intent(in) :: method               !< choice
     real(dp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
     type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
-    type(product_t) :: product
     call checked_grid(g, error)
     if (allocated(error)) return
     if (method%evaluator == method_direct) then
       call direct_sum(w, g, 1, z)
-    else if (.not. exact_product(method)) then
-      call fast_sum(w, g, method, error, z)
     else
-      call new_product(w, g, product)
-      call product_sum(product, 1, z)
+      call fast_sum(w, g, method, error, z)
     end if
   end subroutine heights
 
-  !> Heights in single precision; exact ones are computed in double precision by slabs of rows.
+  !> Heights in single precision; those of the direct sum are computed in double precision by slabs of rows.
   subroutine heights_single(w, g, method, z, error)
     type(waves_t), intent(in) :: w                     !< waves
     type(grid_t), intent(in) :: g                      !< grid
     type(method_t), intent(in) :: method               !< choice
     real(sp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
     type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
-    type(product_t) :: product
     real(dp), allocatable :: slab(:, :)
     integer :: rows, j, last
     call checked_grid(g, error)
     if (allocated(error)) return
-    if (method%evaluator /= method_direct .and. .not. exact_product(method)) then
+    if (method%evaluator /= method_direct) then
       call fast_sum(w, g, method, error, z_single=z)
       return
     end if
-    if (method%evaluator == method_product) call new_product(w, g, product)
     rows = max(1, slab_points / g%nx)
     allocate (slab(g%nx, min(rows, g%ny)))
     do j = 1, g%ny, rows
       last = min(j + rows - 1, g%ny)
       associate (part => slab(:, :last - j + 1))
-        if (method%evaluator == method_direct) then
-          call direct_sum(w, g, j, part)
-        else
-          call product_sum(product, j, part)
-        end if
+        call direct_sum(w, g, j, part)
         !$omp parallel workshare
         z(:, j:last) = real(part, sp)
         !$omp end parallel workshare
@@ -143,13 +132,7 @@ contains
     end do
   end subroutine heights_single
 
-  !> Whether the heights are to be products whose bits are the same everywhere.
-  pure logical function exact_product(method)
-    type(method_t), intent(in) :: method               !< choice
-    exact_product = method%evaluator == method_product .and. method%precision == exact_slices
-  end function exact_product
-
-  !> Heights by the NUFFT or by a plain product, in double or in single precision.
+  !> Heights by the NUFFT or by a product, in double or in single precision.
   subroutine fast_sum(w, g, method, error, z, z_single)
     type(waves_t), intent(in) :: w                                      !< waves
     type(grid_t), intent(in) :: g                                       !< grid

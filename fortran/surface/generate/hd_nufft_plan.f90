@@ -15,9 +15,11 @@ module hd_nufft_plan
     integer :: rows = 0                    !< rows of a tile
     real(dp) :: tolerance = 0              !< error wanted
     integer :: precision = 1               !< of the sum: 1 double, 2 single
-    real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/evidence/generator.md
+    real(dp) :: seconds = huge(1._dp)      !< predicted time on the machine of docs/evidence/peers.md
   end type nufft_plan_t
 
+  real(dp), parameter :: of_window = 0.6_dp, of_rounding = 0.4_dp  !< shares of the tolerance: error of the window, rounding
+  integer, parameter :: fewest_rows = 64   !< of a tile: of fewer the window's reach beyond either end is a large part
   real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]
   real(dp), parameter :: rounding(2) = [2e-16_dp, 1.2e-7_dp] !< of the transforms, before the division by those of the windows
   real(dp), parameter :: single_from = 3e-6_dp               !< tolerance from which single precision is tried
@@ -57,14 +59,14 @@ contains
     real(dp) :: gain_x(size(ratios)), gain_y(size(ratios))
     integer :: i, j, tiles, rows
     do i = 1, size(ratios)
-      x(i) = direction(nx, ratios(i), 0.6_dp * tolerance, precision)
+      x(i) = direction(nx, ratios(i), of_window * tolerance, precision)
       gain_x(i) = window_gain(nx, x(i)%fine_x, x(i)%width_x)
     end do
     tiles = 1
     do
       rows = (ny + tiles - 1) / tiles
       do j = 1, size(ratios)
-        y(j) = direction(rows, ratios(j), 0.6_dp * tolerance, precision)
+        y(j) = direction(rows, ratios(j), of_window * tolerance, precision)
         gain_y(j) = window_gain(rows, y(j)%fine_x, y(j)%width_x)
       end do
       do j = 1, size(ratios)
@@ -73,13 +75,13 @@ contains
           if (y(j)%fine_x == y(j - 1)%fine_x) cycle
         end if
         do i = 1, size(ratios)
-          if (x(i)%width_x == 0 .or. rounding(precision) * gain_x(i) * gain_y(j) > 0.4_dp * tolerance) cycle
+          if (x(i)%width_x == 0 .or. rounding(precision) * gain_x(i) * gain_y(j) > of_rounding * tolerance) cycle
           here = nufft_plan_t(x(i)%fine_x, y(j)%fine_x, x(i)%width_x, y(j)%width_x, rows, tolerance, precision)
           here%seconds = predicted(here, ny, tiles, waves)
           if (here%seconds < best%seconds) best = here
         end do
       end do
-      if (rows <= 64) exit
+      if (rows <= fewest_rows) exit
       tiles = 2 * tiles
     end do
   end function plan_at

@@ -5,7 +5,7 @@
 !> G^(2(D-2)) f^(-a-1) / 2 per unit frequency, a = 2 (3 - D), spread evenly over all directions: G^(2(D-2)) f^(-a-2) / (4 pi) per
 !> unit area of the frequency plane. Each mode of the period within 1/length <= |q| <= 1/shortest gets that density at q.
 module hd_periodic
-  use hd_kinds, only: dp, i8, pi
+  use hd_kinds, only: dp, i8, pi, hair
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_fft, only: backward_real_2d
   use hd_memory, only: need_memory
@@ -37,7 +37,7 @@ contains
     else if (.not. shortest <= length) then
       call raise(error, code_input, 'shortest_wavelength = '//to_text(shortest)//' m: must not exceed the length '// &
         to_text(length)//' m')
-    else if (.not. shortest * n >= 2 * length * (1 - 1e-12_dp)) then
+    else if (.not. shortest * n >= 2 * length * (1 - hair)) then
       call raise(error, code_input, 'shortest_wavelength = '//to_text(shortest)//' m: must be at least two spacings, '// &
         to_text(2 * length / n)//' m; take a longer one or more points')
     end if
@@ -95,7 +95,7 @@ contains
     f = sqrt(real(i, dp)**2 + real(j, dp)**2) / length
     c = 0
     if (i == 0 .and. j == 0) return
-    if (f * shortest > 1 + 1e-9_dp) return
+    if (f * shortest > 1 + hair) return
     c = roughness**(fractal_dimension - 2) * f**(fractal_dimension - 4) / (length * sqrt(4 * pi))
   end function mode_amplitude
 

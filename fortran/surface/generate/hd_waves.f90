@@ -43,6 +43,7 @@ module hd_waves
     real(dp) :: x_0 = 0, y_0 = 0               !< first point [m]
   end type grid_t
 
+  integer, parameter :: most_points = 8388608   !< each way, 2^23: up to there multiples of split turns are exact
   integer(i8), parameter :: most_waves = 100000000_i8
 
 contains
@@ -227,8 +228,9 @@ contains
       call raise(error, code_input, 'spacing = '//to_text(g%dx)//', '//to_text(g%dy)//' m: must be positive and finite')
     else if (.not. (abs(g%x_0) <= huge(1._dp) .and. abs(g%y_0) <= huge(1._dp))) then
       call raise(error, code_input, 'origin = '//to_text(g%x_0)//', '//to_text(g%y_0)//' m: must be finite')
-    else if (max(g%nx, g%ny) > 8388608) then
-      call raise(error, code_input, 'grid of '//to_text(g%nx)//' x '//to_text(g%ny)//' points: at most 8388608 each way')
+    else if (max(g%nx, g%ny) > most_points) then
+      call raise(error, code_input, 'grid of '//to_text(g%nx)//' x '//to_text(g%ny)//' points: at most '// &
+        to_text(most_points)//' each way')
     end if
   end subroutine checked_grid
 

@@ -9,6 +9,8 @@ module hd_window
   private
   public :: window_t, new_window, window_gain, window_width, widest
 
+  real(dp), parameter :: small = 0.02_dp      !< share of the tolerance that the window's polynomial may be off by
+  real(dp), parameter :: near_zero = 1e-4_dp  !< r whose r^4/120 is below rounding
   integer, parameter :: widest = 28    !< largest width
   integer, parameter :: nodes = 24     !< Chebyshev nodes of the fit
   real(dp), parameter :: rounding(2) = [1e-15_dp, 6e-8_dp]   !< error of a weight in double, in single precision
@@ -78,7 +80,7 @@ contains
     do i = 0, (n + 1) / 2
       win%correction(i) = scaled_i0(b) * exp(b) / (width * sinhc2(b**2 - (pi * width * real(i, dp) / fine)**2))
     end do
-    s = max(rounding(1), 0.02_dp * tolerance * win%correction(0) / win%correction(n / 2))
+    s = max(rounding(1), small * tolerance * win%correction(0) / win%correction(n / 2))
     do l = 1, nodes - 1                                   ! the first two coefficients in a row that are small
       win%degree = l - 1
       if (maxval(abs(all_c(:, l:min(l + 1, nodes - 1)))) < s) exit
@@ -166,7 +168,7 @@ contains
     real(dp), intent(in) :: r2    !< r^2
     real(dp) :: r
     r = sqrt(abs(r2))
-    if (r < 1e-4_dp) then
+    if (r < near_zero) then
       y = 1 + r2 / 6
     else if (r2 > 0) then
       y = sinh(r) / r

@@ -3,7 +3,7 @@
 module hd_specimen_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_expectation, only: band_spectrum_t, model_isotropic, model_profile, model_ridges, model_paper, model_spectrum
+  use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
   use hd_json, only: json_t
   use hd_log, only: say
   use hd_measurement, only: measurement_t, measure
@@ -32,7 +32,7 @@ module hd_specimen_fit
   type :: found_t
     character(len=10) :: name = ''              !< of the specimen, or equivalent
     character(len=:), allocatable :: file       !< that the specimen comes from
-    character(len=9) :: model = ''              !< isotropic, profile, ridges or paper
+    character(len=9) :: model = ''              !< spectrum, ridges or paper; isotropic or profile where the spectrum has lines
     logical :: weighted = .false.               !< by the inverse covariance, of random phases
     integer :: lags(2) = 0                      !< window [points]
     real(dp) :: band(2) = 0                     !< shortest and longest wavelength of the model [m]
@@ -42,6 +42,7 @@ module hd_specimen_fit
     type(roughness_t) :: rough                  !< roughness numbers of a specimen
   end type found_t
 
+  real(dp), parameter :: largest = 600          !< ln G that is a number after exp
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -163,12 +164,10 @@ contains
     end if
     if (r%model == 'ridges' .and. .not. small) then
       call raise(error, code_input, "fit.model = 'ridges' takes up to "//to_text(most_waves)//' waves, &surface makes '// &
-        to_text((n_max + 1._dp) * map%ridges)//": take 'isotropic'")
+        to_text((n_max + 1._dp) * map%ridges)//": take 'spectrum'")
       return
     end if
     select case (r%model)
-    case ('isotropic'); model = model_isotropic
-    case ('profile'); model = model_profile
     case ('ridges'); model = model_ridges
     case ('spectrum'); model = model_spectrum
     case default; model = model_paper
@@ -182,9 +181,9 @@ contains
     if (f%shortest_wavelength > 0) r%band(1) = f%shortest_wavelength
     if (f%longest_wavelength > 0) r%band(2) = f%longest_wavelength
     told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0
-    call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), f%level == 'yes', &
+    call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), .true., &
       band_spectrum_t(model, 1 / r%band(2), 1 / r%band(1), ridges), &
-      fit_options_t(r%weighted, r%weighted, f%fit_noise == 'yes', f%noise, told), r%m, error)
+      fit_options_t(weighted=r%weighted, told_band=told), r%m, error)
     if (allocated(error)) return
     r%ridges = ridges
     if (r%m%of_lines) r%model = merge('profile  ', 'isotropic', size(s%z, 2) == 1)
@@ -264,8 +263,8 @@ contains
           call json%add('fractal_dimension_95_sampling', r%interval_sampling(:, 1))
           call json%add('roughness_m', exp(r%ln_g))
           call json%add('ln_roughness_error', (r%interval(2, 2) - r%interval(1, 2)) / 3.919928_dp)
-          call json%add('roughness_95_m', exp(max(-600._dp, min(600._dp, r%interval(:, 2)))))
-          call json%add('roughness_95_sampling_m', exp(max(-600._dp, min(600._dp, r%interval_sampling(:, 2)))))
+          call json%add('roughness_95_m', exp(max(-largest, min(largest, r%interval(:, 2)))))
+          call json%add('roughness_95_sampling_m', exp(max(-largest, min(largest, r%interval_sampling(:, 2)))))
           call json%add('covariance', reshape(r%cov, [9]))
           call json%add('noise_m', sqrt(max(0._dp, r%noise_variance)))
           call json%add('residual_rms', r%rms)

@@ -19,10 +19,6 @@ contains
     call add_integer(t, 'surface', 'ny', 'output', s%ny, 1, 8388608, 'points along y')
     call add_real(t, 'surface', 'dx', 'output', s%dx, 'm', 0._dp, big, 'spacing along x')
     call add_real(t, 'surface', 'dy', 'output', s%dy, 'm', 0._dp, big, 'spacing along y')
-    call add_real(t, 'surface', 'x_0', 'output', s%x_0, 'm', -big, big, &
-      'x of the first point')
-    call add_real(t, 'surface', 'y_0', 'output', s%y_0, 'm', -big, big, &
-      'y of the first point')
     call add_real(t, 'surface', 'fractal_dimension', 'output', s%fractal_dimension, '', 2._dp, 3._dp, 'D of Eq. 1')
     call add_real(t, 'surface', 'roughness', 'output', s%roughness, 'm', 0._dp, big, 'G of Eq. 1')
     call add_real(t, 'surface', 'gamma', 'output', s%gamma, '', 1._dp, big, 'frequency ratio')
@@ -32,7 +28,7 @@ contains
     call add_integer(t, 'surface', 'seed', 'output', s%seed, 0, huge(1), &
       'seed of the random phases')
     call add_real(t, 'surface', 'tolerance', 'output', s%tolerance, '', 0._dp, 0.1_dp, &
-      'rms error that the heights may have, relative to the waves, 1e-13 or more; 0: none, the same bits on every processor', &
+      'rms error that the heights may have, relative to the waves, 1e-13 or more; 0: none but rounding', &
       closed=.true.)
     call add_choice(t, 'surface', 'method', 'output', s%method, 'auto direct product nufft', &
       'evaluator of the sum of waves; auto: the fastest that keeps the tolerance (without one: nufft to 1e-12)')
@@ -55,19 +51,12 @@ contains
     call add_integer(t, 'fit', 'first_lag', 'output', s%first_lag, 1, 8388608, 'first lag of the window [points]')
     call add_integer(t, 'fit', 'last_lag', 'output', s%last_lag, 0, 8388608, &
       'last lag [points]; 0: 20, or half a row if that is less')
-    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum isotropic profile ridges paper none', &
+    call add_choice(t, 'fit', 'model', 'output', s%model, 'auto spectrum ridges paper none', &
       'law that is fitted. ridges: the sum of Eq. 1 by the keys of &surface; spectrum: a power law, all else unknown; '// &
-      'isotropic, profile: a power law between two known wavelengths, of a map or a line; paper: Eq. 23 as printed; none: no '// &
-      'fit; auto: ridges of a generated surface, spectrum of files')
-    call add_choice(t, 'fit', 'level', 'output', s%level, 'yes no', 'take the least-squares plane off')
+      'paper: Eq. 23 as printed; none: no fit; auto: ridges of a generated surface, spectrum of files')
     call add_real(t, 'fit', 'shortest_wavelength', 'output', s%shortest_wavelength, 'm', 0._dp, big, &
-      'shortest wavelength of isotropic and profile; 0: L_s of a '// &
-      'generated surface, one spacing of files', closed=.true.)
+      'with longest_wavelength: the window that spectrum fits; 0: it looks for one', closed=.true.)
     call add_real(t, 'fit', 'longest_wavelength', 'output', s%longest_wavelength, 'm', 0._dp, big, &
-      'longest wavelength; 0: L of a generated surface, the longer '// &
-      'side of files', closed=.true.)
-    call add_real(t, 'fit', 'noise', 'output', s%noise, 'm', 0._dp, big, &
-      "known rms of the instrument's white noise", closed=.true.)
-    call add_choice(t, 'fit', 'fit_noise', 'output', s%fit_noise, 'no yes', 'fit the noise too')
+      'the other end of that window', closed=.true.)
   end subroutine add_fit_keys
 end module hd_surface_keys

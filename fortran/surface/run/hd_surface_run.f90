@@ -178,7 +178,7 @@ contains
   !> Grid of a map.
   pure type(grid_t) function grid_of(m)
     type(surface_t), intent(in) :: m    !< map
-    grid_of = grid_t(m%nx, m%ny, m%dx, m%dy, m%x_0, m%y_0)
+    grid_of = grid_t(m%nx, m%ny, m%dx, m%dy)
   end function grid_of
 
   !> Prepare the folder; earlier results are only replaced with `force`.

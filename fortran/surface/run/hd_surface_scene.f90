@@ -12,7 +12,7 @@ module hd_surface_scene
   !> A generated surface.
   type :: surface_t
     integer :: nx = 512, ny = 512, ridges = 10, seed = 1
-    real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp, x_0 = 0, y_0 = 0
+    real(dp) :: dx = 1e-6_dp, dy = 1e-6_dp
     real(dp) :: fractal_dimension = 2.5304_dp, roughness = 2.4248e-7_dp, gamma = 1.5_dp, sample_length = 0.5e-3_dp
     real(dp) :: shortest_wavelength = 1e-6_dp, tolerance = 0
     character(len=name_length) :: method = 'auto', precision = 'double'
@@ -22,8 +22,8 @@ module hd_surface_scene
   type :: surface_fit_t
     character(len=path_length) :: first_file = '', second_file = ''
     integer :: first_lag = 1, last_lag = 0
-    real(dp) :: dx = 0, dy = 0, shortest_wavelength = 0, longest_wavelength = 0, noise = 0
-    character(len=name_length) :: model = 'auto', fit_noise = 'no', level = 'yes'
+    real(dp) :: dx = 0, dy = 0, shortest_wavelength = 0, longest_wavelength = 0
+    character(len=name_length) :: model = 'auto'
   end type surface_fit_t
 
   type :: surface_scene_t

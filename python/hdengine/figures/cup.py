@@ -2,13 +2,12 @@
 """3-D picture of the deformed cup and the contact pressure (needs PyVista: pip install 'hdengine[report]')."""
 from __future__ import annotations
 
-import os
 import re
-from typing import Any
 
 import numpy as np
 
 from .._engine import FileError
+from .._types import PathLike, RunLike
 from .run import pressure_top
 
 
@@ -24,7 +23,7 @@ def _last(folder, stem):
     return found[-1]
 
 
-def draw_cup(result: Any, path: str | os.PathLike, scale: float | None = None, size: tuple = (1400, 1000)) -> float:
+def draw_cup(result: RunLike, path: PathLike, scale: float | None = None, size: tuple = (1400, 1000)) -> float:
     """Write a PNG of the cup cut open along its axis, deformed, with the contact pressure on the ring.
 
     Parameters

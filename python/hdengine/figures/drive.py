@@ -2,17 +2,17 @@
 """Figures of the whole drive: the torsion loop, loads of balls and teeth, stress cycle of the flexspline."""
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 
+from .._types import RunLike
 from .style import new_axes, styled
 
 ARCMIN = np.degrees(1) * 60
 
 
 @styled
-def plot_loop(result: Any) -> Any:
+def plot_loop(result: RunLike) -> Figure:
     """Angle of the cup's bottom over the torque, with the chords that the catalogue calls K1, K2, K3; largest ball and tooth."""
     loop = result.loop
     loop = loop[np.flatnonzero(loop["load_factor"] >= 1 - 1e-9)[:1].tolist()[0] if loop["phase"][-1] != "assembly" else 0:]
@@ -39,7 +39,7 @@ def plot_loop(result: Any) -> Any:
 
 
 @styled
-def plot_loads(result: Any) -> Any:
+def plot_loads(result: RunLike) -> Figure:
     """Force of every ball and every pair of teeth over the angle, at the end of the assembly and at the largest torque."""
     figure, axes = new_axes(1, 2, figsize=(11, 4))
     for axis, table, title in zip(axes, (result.balls, result.teeth), ("force of a ball / N", "force of a pair of teeth / N")):
@@ -62,7 +62,7 @@ def plot_loads(result: Any) -> Any:
 
 
 @styled
-def plot_fatigue(result: Any) -> Any:
+def plot_fatigue(result: RunLike) -> Figure:
     """Mean and alternating stress of the flexspline's meridian in Goodman's diagram, and the safety of its points along the cup."""
     table = result.fatigue
     strength, limit, notch = (result.scene[f"fatigue.{k}"] for k in ("tensile_strength", "fatigue_limit", "notch_factor"))
@@ -82,9 +82,10 @@ def plot_fatigue(result: Any) -> Any:
 
 
 @styled
-def plot_turning(result: Any) -> Any:
+def plot_turning(result: RunLike) -> Figure:
     """Turn of the bottom about its mean and stiffness, over the angle of the turning wave generator; dotted: one ball on."""
     table = result.turning
+    assert table is not None, "the wave generator stands"
     angle = table["wave_generator_deg"]
     balls, teeth, outer = (result.scene[key] for key in ("bearing.balls", "load.teeth", "geometry.bore_radius"))
     outer += result.scene.get("bearing.groove_depth", 0) - result.scene["geometry.ring_thickness"]

@@ -1,32 +1,48 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure of a predicted joint."""
+"""The figure of a joint."""
 from __future__ import annotations
 
-from typing import Any
+import warnings
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from .._types import JointLike
 from .style import new_axes, styled
 
 
 @styled
-def plot_prediction(found: Any) -> Any:
-    """Stiffness over pressure with the band, and the spectrum (a figure).
+def plot_joint(joint: JointLike, pressure: np.ndarray, axis: Axes | None = None) -> Axes:
+    """K_N and K_T per nominal area over the pressure, with the regime of the largest spot shaded.
 
     Parameters
     ----------
-    found : Prediction
+    joint : Joint
+    pressure : ndarray
+        [Pa].
+    axis : matplotlib axes, optional
+
+    Returns
+    -------
+    matplotlib axes
     """
-    figure, (left, right) = new_axes(1, 2, figsize=(12, 5))
-    t, p = found.table, found.table["pressure_pa"] / 1e6
-    for name, label, colour in (("k_n_pa_per_m", "normal", "C0"), ("k_t_pa_per_m", "tangential, full stick", "C1")):
-        left.plot(p, t[name], "o-", color=colour, label=label, ms=4)
-        left.fill_between(p, t[f"{name}_low"], t[f"{name}_high"], color=colour, alpha=0.2, lw=0)
-    left.set(xscale="log", yscale="log", xlabel="nominal pressure / MPa", ylabel="stiffness per area / (Pa/m)",
-             title=f"by {found.model.replace('_', ' ')}, 95 % band")
-    left.legend()
-    s = found.spectrum
-    right.plot(s.q, np.where(s.c > 0, s.c, np.nan), "C2")
-    right.set(xscale="log", yscale="log", xlabel="wavenumber q / (1/m)", ylabel=r"$C(q)$ / m$^4$",
-              title=f"equivalent surface, {1e6 * s.h_rms:.3g} µm rms, slope {s.slope_rms:.2g}")
-    return figure
+    axis = axis or new_axes(figsize=(8, 5))[1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        k_n, k_t = joint.stiffness(pressure)
+        s_l, _ = joint.largest_spot(pressure)
+    area = joint.reference_area
+    axis.loglog(pressure / 1e6, k_n / area, label="$K_N / A_0$")
+    axis.loglog(pressure / 1e6, k_t / area, "--", label="$K_T / A_0$, no shear")
+    edges = np.array([0, 1, 7.119718, 205.382706, np.inf]) * joint.asperity()[0]["s_ec_m2"]
+    for i, (name, colour) in enumerate(zip(("elastic", "elastoplastic 1", "elastoplastic 2", "plastic"), "wygr")):
+        inside = (s_l > edges[i]) & (s_l <= edges[i + 1])
+        if colour != "w" and inside.any():
+            axis.axvspan(pressure[inside].min() / 1e6, pressure[inside].max() / 1e6, color=colour, alpha=0.12, lw=0,
+                         label=f"largest spot {name}")
+    axis.set_xlabel("nominal pressure / MPa")
+    axis.set_ylabel("stiffness per area / (Pa/m)")
+    axis.set_title(f"D = {joint.fractal_dimension:g}, G = {joint.roughness:.4g} m, $r_m$ = {1e6 * joint.asperity_radius:g} µm, "
+                   f"$s_{{min}}$ = {joint.s_min:.3g} m²", fontsize=12)
+    axis.legend(loc="upper left", fontsize=11)
+    return axis

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from .._types import RecordLike
 from .style import new_axes, styled
 
 ARCMIN = 180 * 60 / pi
 
 
 @styled
-def plot_record(record: Any) -> Any:
+def plot_record(record: RecordLike) -> Figure:
     """Loop of torque over angle, and stiffness over torque with its 95 % band.
 
     Parameters

@@ -2,20 +2,20 @@
 """Figures of a run."""
 from __future__ import annotations
 
-import os
-import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
 
+from .._types import PathLike, RunLike
 from .drive import plot_fatigue, plot_loads, plot_loop, plot_turning
 from .style import new_axes, styled
 
 
 @styled
-def plot_run(result: Any) -> list:
+def plot_run(result: RunLike) -> list:
     """Make all figures of a run in its folder.
 
     Parameters
@@ -84,7 +84,7 @@ def colour_top(pressure: np.ndarray, area: np.ndarray, share: float = 0.97) -> f
     return float(pressure[closed][order][np.searchsorted(part, share * part[-1])])
 
 
-def pressure_top(result: Any) -> float:
+def pressure_top(result: RunLike) -> float:
     """Top of the colours of every pressure map of a run, from the end of the assembly on [MPa]."""
     late = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)
     first = late[0] if len(late) else 0
@@ -97,7 +97,7 @@ def _colours(top):
 
 
 @styled
-def plot_positions(result: Any) -> Any:
+def plot_positions(result: RunLike) -> Figure:
     """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
     figure, axes = new_axes(2, 1, sharex=True, figsize=(8, 7))
     theta = np.degrees(_grid(result, "theta_rad")[:, 0])
@@ -119,7 +119,7 @@ def plot_positions(result: Any) -> Any:
 
 
 @styled
-def plot_band(result: Any) -> Any:
+def plot_band(result: RunLike) -> Figure:
     """Contact pressure on the unrolled band, last step."""
     figure, axis = new_axes(figsize=(9, 4))
     p = _grid(result, "pressure_pa").T / 1e6
@@ -143,7 +143,7 @@ def _grey(result):
 
 
 @styled
-def plot_steps(result: Any, most: int = 6) -> Any:
+def plot_steps(result: RunLike, most: int = 6) -> Figure:
     """Contact pressure on the unrolled band over the torque: the first map, and what the others differ by from it.
 
     Where they differ by half of the scale or more, every map is drawn as it is, all on one scale.
@@ -196,7 +196,7 @@ def _against_resolution(result, p, steps):
 
 
 @styled
-def animate(result: Any, path: str | os.PathLike, most: int = 25, fps: int = 3) -> Path:
+def animate(result: RunLike, path: PathLike, most: int = 25, fps: int = 3) -> Path:
     """Write a GIF of pressure and shear on the unrolled band over the load steps.
 
     Parameters
@@ -242,7 +242,7 @@ def animate(result: Any, path: str | os.PathLike, most: int = 25, fps: int = 3) 
 
 
 @styled
-def plot_torsion(result: Any) -> Any:
+def plot_torsion(result: RunLike) -> Figure:
     """K_TS over the torque, coupled and by Eq. 45, and the FE rotation; against the teeth K_FTS, rotation, shares of the pairs."""
     if result.against_teeth:
         return plot_teeth(result)
@@ -251,7 +251,7 @@ def plot_torsion(result: Any) -> Any:
     figure, axes = new_axes(1, 3, figsize=(11, 3.6))
     for reading, style in (("tangent", "o-"), ("secant", "s--")):
         column = f"k_ts_{reading}_nm_per_rad"
-        if column in steps.dtype.names and np.any(np.isfinite(steps[column])):
+        if column in (steps.dtype.names or ()) and np.any(np.isfinite(steps[column])):
             axes[0].plot(t, steps[column] / 1e6, style, label=reading)
     axes[0].set_title("$K_{TS}$ / (MN m/rad)", fontsize=12)
     axes[0].set_xlabel("torque / N m")
@@ -276,7 +276,7 @@ def _over_torque(axis, torque, values, label):
 
 
 @styled
-def plot_teeth(result: Any) -> Any:
+def plot_teeth(result: RunLike) -> Figure:
     """K_FTS and rotation over the torque; share of each pair of teeth at one end of the long axis, first and last torque."""
     figure, axes = new_axes(1, 3, figsize=(11, 3.6))
     after = result.torque_nm != 0
@@ -294,7 +294,7 @@ def plot_teeth(result: Any) -> Any:
 
 
 @styled
-def draw_shares(axis: Any, result: Any, torque: Any, style: Any, label: Any) -> None:
+def draw_shares(axis: Axes, result: RunLike, torque: float, style: str, label: str) -> None:
     """Share of each pair of teeth at one end of the long axis at a torque [per cent]; the other end is alike."""
     rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < 1e-9]
     angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
@@ -303,7 +303,7 @@ def draw_shares(axis: Any, result: Any, torque: Any, style: Any, label: Any) -> 
 
 
 @styled
-def plot_newton(result: Any) -> Any:
+def plot_newton(result: RunLike) -> Figure:
     """Relative residual over the Newton iterations of all steps."""
     h = result.history
     figure, axis = new_axes(figsize=(9, 4.2))
@@ -318,40 +318,3 @@ def plot_newton(result: Any) -> Any:
     axis.set_ylabel("relative residual")
     axis.legend()
     return figure
-
-
-@styled
-def plot_joint(joint: Any, pressure: np.ndarray, axis: Any = None) -> Any:
-    """K_N and K_T per nominal area over the pressure, with the regime of the largest spot shaded.
-
-    Parameters
-    ----------
-    joint : Joint
-    pressure : ndarray
-        [Pa].
-    axis : matplotlib axes, optional
-
-    Returns
-    -------
-    matplotlib axes
-    """
-    axis = axis or new_axes(figsize=(8, 5))[1]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        k_n, k_t = joint.stiffness(pressure)
-        s_l, _ = joint.largest_spot(pressure)
-    area = joint.reference_area
-    axis.loglog(pressure / 1e6, k_n / area, label="$K_N / A_0$")
-    axis.loglog(pressure / 1e6, k_t / area, "--", label="$K_T / A_0$, no shear")
-    edges = np.array([0, 1, 7.119718, 205.382706, np.inf]) * joint.asperity()[0]["s_ec_m2"]
-    for i, (name, colour) in enumerate(zip(("elastic", "elastoplastic 1", "elastoplastic 2", "plastic"), "wygr")):
-        inside = (s_l > edges[i]) & (s_l <= edges[i + 1])
-        if colour != "w" and inside.any():
-            axis.axvspan(pressure[inside].min() / 1e6, pressure[inside].max() / 1e6, color=colour, alpha=0.12, lw=0,
-                         label=f"largest spot {name}")
-    axis.set_xlabel("nominal pressure / MPa")
-    axis.set_ylabel("stiffness per area / (Pa/m)")
-    axis.set_title(f"D = {joint.fractal_dimension:g}, G = {joint.roughness:.4g} m, $r_m$ = {1e6 * joint.asperity_radius:g} µm, "
-                   f"$s_{{min}}$ = {joint.s_min:.3g} m²", fontsize=12)
-    axis.legend(loc="upper left", fontsize=11)
-    return axis

@@ -2,16 +2,15 @@
 """Figures of a sensitivity."""
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from .study import LABELS
 from .style import new_axes, styled
 
 
 @styled
-def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Any:
+def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Figure:
     """Tornado chart: change of K_TS between the ends of each range.
 
     Parameters

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
 
+from .._types import StudyLike
 from ..catalogue import UNITS
 from ..paper.comparison import STATED
 from .style import new_axes, styled
@@ -39,14 +41,14 @@ LABELS = {  # column: (label, unit, factor)
 }
 
 
-def label(column: Any) -> Any:
+def label(column: str) -> tuple[str, float]:
     """(axis label, factor) of a column."""
     name, unit, factor = LABELS.get(column, (column.replace("_", " "), "", 1))
     unit = f"({unit})" if "/" in unit else unit
     return f"{name} / {unit}" if unit else name, factor
 
 
-def axes_of(result: Any) -> Any:
+def axes_of(result: StudyLike) -> tuple:
     """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""
     figure, swept = result.summary["figure"], list(result.summary["swept"])
     varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
@@ -63,7 +65,7 @@ RAMP = ListedColormap(colormaps["viridis"](np.linspace(0, 0.88, 256)))  # its la
 
 
 @styled
-def draw(axis: Any, result: Any, x: Any, y: Any, lines: Any, chosen: dict | None = None) -> None:
+def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chosen: dict | None = None) -> None:
     """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out.
 
     Where the other keys would take more than four styles, those that vary are held at the values of the first point.
@@ -102,7 +104,7 @@ def draw(axis: Any, result: Any, x: Any, y: Any, lines: Any, chosen: dict | None
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
     low, high = axis.get_ylim()
     if not figure.get("relative") and high - low < 0.02 * abs(low + high) / 2:  # no noise blown up to the height of the panel
-        axis.set_ylim((low + high) / 2 * np.array([0.99, 1.01]))
+        axis.set_ylim(0.99 * (low + high) / 2, 1.01 * (low + high) / 2)
     axis.set_xlabel(label_x)
     axis.set_ylabel(label_y.split(" / ")[0] + ": change / %" if figure.get("relative") else label_y)
 
@@ -135,7 +137,7 @@ def _name(column, value):
 
 
 @styled
-def plot_study(result: Any) -> list:
+def plot_study(result: StudyLike) -> list:
     """Make the figure of a study in its folder.
 
     Parameters
@@ -187,7 +189,7 @@ def _save(figure, result):
 
 
 @styled
-def plot_series(result: Any) -> Any:
+def plot_series(result: StudyLike) -> Figure:
     """K_TS, K_FTS and K_WTS (Eq. 46) over the torque, beside catalogue and paper (Fig. 10); a matplotlib figure."""
     rows, unit = result.series(), UNITS[14]
     figure, axis = new_axes(figsize=(9, 5.6))
@@ -214,7 +216,7 @@ def plot_series(result: Any) -> Any:
 
 
 @styled
-def draw_catalogue(axis: Any, result: Any, name: Any, colour: Any) -> Any:
+def draw_catalogue(axis: Axes, result: StudyLike, name: str, colour: str) -> list:
     """K_FTS over the size, one line per clearance of the outermost teeth; returns the values [N m/rad], a list per line."""
     found = []
     clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
@@ -228,12 +230,12 @@ def draw_catalogue(axis: Any, result: Any, name: Any, colour: Any) -> Any:
 
 
 @styled
-def draw_units(axis: Any) -> None:
+def draw_units(axis: Axes) -> None:
     """K1, K2, K3 of the catalogue over the size, with axes and legend."""
     sizes = sorted(UNITS)
     for i in (1, 2, 3):
         axis.loglog(sizes, [getattr(UNITS[s], f"k{i}_nm_per_rad") for s in sizes], f"C{i}^-", label=f"catalogue K{i}")
-    axis.set_xticks(sizes, sizes)
+    axis.set_xticks(sizes, [str(s) for s in sizes])
     axis.minorticks_off()
     axis.set_xlabel("size")
     axis.set_ylabel("torsional stiffness / (N m/rad)")
@@ -241,7 +243,7 @@ def draw_units(axis: Any) -> None:
 
 
 @styled
-def plot_catalogue(result: Any) -> Any:
+def plot_catalogue(result: StudyLike) -> Figure:
     """K_FTS of several sizes beside K1, K2, K3 of the catalogue; a matplotlib figure."""
     figure, axis = new_axes(figsize=(9, 5))
     draw_catalogue(axis, result, "$K_{FTS}$", "C0")

@@ -59,7 +59,7 @@ def new_figure(**keys: Any) -> StyledFigure:
 
 
 @styled
-def new_axes(rows: int = 1, columns: int = 1, figsize: Any = None, **keys: Any) -> tuple:
+def new_axes(rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **keys: Any) -> tuple:
     """A figure and its axes, as `matplotlib.pyplot.subplots` gives them.
 
     Parameters

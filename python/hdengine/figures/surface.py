@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from .._types import FitLike, PairLike, SpecimenLike
 from .style import new_axes, new_figure, styled
 
 
 @styled
-def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = "C0") -> Any:
+def plot_fit(fit: FitLike, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:
     """S over the lag with the fitted model and its 95 % band.
 
     Parameters
@@ -35,7 +38,7 @@ def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = 
         name = label if i == 0 and len(fit.directions()) == 1 else f"{label}, {way}"
         axis.loglog(tau, fit.s_m2[part] * 1e12, "os"[i], ms=5, mfc="none", color=colour, label=name)
         if fitted:
-            g = f", G = {fit.roughness_m:.4g} m" if fit.interval[0][0] >= 2.005 else ", G not determined"
+            g = f", G = {fit.roughness_m:.4g} m" if fit.determined else ", G not determined"
             text = f"D = {fit.fractal_dimension:.4f}{g}" if i == 0 else None
             axis.loglog(tau, fit.curve_m2[part] * 1e12, ("-", "--")[i], color=colour, label=text)
             axis.fill_between(tau, low[part] * 1e12, high[part] * 1e12, color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
@@ -46,7 +49,7 @@ def plot_fit(fit: Any, axis: Any = None, label: str = "measured", colour: str = 
 
 
 @styled
-def plot_residual(fit: Any, axis: Any, colour: str = "C0") -> None:
+def plot_residual(fit: FitLike, axis: Axes, colour: str = "C0") -> None:
     """What S is off the model by, in percent, with the 95 % band."""
     if not np.isfinite(fit.fractal_dimension):
         return
@@ -71,7 +74,7 @@ def _label_lags(axis):
 
 
 @styled
-def plot_map(specimen: Any, axis: Any) -> None:
+def plot_map(specimen: SpecimenLike, axis: Axes) -> None:
     """Height map, or the profile of a line scan, less its plane."""
     z = specimen.levelled() * 1e6
     if z.ndim == 1:
@@ -88,7 +91,7 @@ def plot_map(specimen: Any, axis: Any) -> None:
 
 
 @styled
-def plot_specimen(specimen: Any, fit: Any) -> Any:
+def plot_specimen(specimen: SpecimenLike, fit: FitLike) -> Figure:
     """One specimen: map and structure function.
 
     Parameters
@@ -115,7 +118,7 @@ def plot_specimen(specimen: Any, fit: Any) -> Any:
 
 
 @styled
-def plot_joint_surface(joint: Any) -> Any:
+def plot_joint_surface(joint: PairLike) -> Figure:
     """Both specimens, their middle rows, and the three structure functions with fit and 95 % band (Fig. 5).
 
     Parameters

@@ -2,15 +2,15 @@
 """The figure of tooth profiles: teeth in mesh, and the clearance of the pairs."""
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 
+from .._types import GapsLike
 from .style import new_axes, styled
 
 
 @styled
-def plot_gaps(gaps: Any) -> Any:
+def plot_gaps(gaps: GapsLike) -> Figure:
     """Tooth and space of three places, and clearance and pressure angle over the place.
 
     Parameters

@@ -2,12 +2,15 @@
 """What Hu et al. (2023) state, beside what hdengine gives: rows with a verdict, each computed."""
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import torsion
+from .._types import RunLike, StudyLike
 from ..catalogue import UNITS
 
 TORQUES_NM = (1.0, 3.0, 5.0)
@@ -34,23 +37,23 @@ class Row:
 
     HEAD = ("quantity", "paper", "ours", "by the printed forms", "verdict", "because")
 
-    def cells(self) -> Any:
+    def cells(self) -> tuple:
         """Texts in the order of HEAD."""
         return self.quantity, self.paper, self.ours, self.printed, self.verdict, self.because
 
 
-def signed(values: Any, digits: int = 1) -> Any:
+def signed(values: ArrayLike, digits: int = 1) -> str:
     """Changes in per cent as one text."""
-    text = " / ".join("-" if not np.isfinite(v) else f"{v:+.{digits}f}" for v in values)
-    return f"{text} %" if np.any(np.isfinite(values)) else "-"
+    text = " / ".join("-" if not np.isfinite(v) else f"{v:+.{digits}f}" for v in np.ravel(np.asarray(values, float)))
+    return f"{text} %" if np.any(np.isfinite(np.asarray(values, float))) else "-"
 
 
-def judge_figure(paper: Any, ours: Any) -> Any:
+def judge_figure(paper: float, ours: float) -> str:
     """'agrees' within a tenth."""
     return "agrees" if abs(ours / paper - 1) <= CLOSE else "does not agree"
 
 
-def judge_trend(paper: Any, ours: Any) -> Any:
+def judge_trend(paper: ArrayLike, ours: ArrayLike) -> str:
     """Figures within a tenth agree. A trend agrees where the signs do, no figure is below a tenth of the paper's or 1 %, and the
     order is not reversed by more than 1 %, that of the extremes kept by more."""
     paper, ours = np.asarray(paper, float), np.asarray(ours, float)
@@ -62,18 +65,18 @@ def judge_trend(paper: Any, ours: Any) -> Any:
     return "trend agrees" if order and large else "does not agree"
 
 
-def applies(scene: Any) -> Any:
+def applies(scene: Mapping[str, Any]) -> bool:
     """The scene is that of the paper in size, and its torque passes the contact."""
     return abs(scene["geometry.bore_radius"] - 17.5e-3) < 0.3e-3 and scene["contact.mode"] != "bonded" \
         and scene["load.support"] != "teeth"
 
 
-def at(rows: Any, torque_nm: Any, column: str = "k_ts_nm_per_rad") -> Any:
+def at(rows: Sequence[Mapping], torque_nm: float, column: str = "k_ts_nm_per_rad") -> float:
     """A column at a torque; NaN where it was not solved."""
     return next((r.get(column, np.nan) for r in rows if abs(r.get("torque_nm", -1) - torque_nm) < 1e-6), np.nan)
 
 
-def torque_rows(rows: list, closure: Any = (), trends: Any = ()) -> list:
+def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Mapping] = ()) -> list:
     """K_TS and pressure at 5 N m, rise from 1 to 5 N m.
 
     Parameters
@@ -117,7 +120,7 @@ def torque_rows(rows: list, closure: Any = (), trends: Any = ()) -> list:
     return table
 
 
-def eccentricity_rows(rows: Any, trends: Any = ()) -> Any:
+def eccentricity_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
     """Change of K_TS by 10 um of eccentricity; rows with and without it, of one support."""
     def change(column):
         values = {e: [at([r for r in rows if abs(r.get("wave_generator.eccentricity", -1) - e) < 1e-9], t, column)
@@ -130,7 +133,7 @@ def eccentricity_rows(rows: Any, trends: Any = ()) -> Any:
                          judge_trend(stated, ours)), stated, trends, "fall_percent")]
 
 
-def w_rows(rows: Any, trends: Any = ()) -> Any:
+def w_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
     """Place and height of the maximum of K_TS over w."""
     widths = sorted({r["wave_generator.w"] for r in rows if "wave_generator.w" in r})
 
@@ -158,7 +161,7 @@ def w_rows(rows: Any, trends: Any = ()) -> Any:
                 f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'], 2)}", best(k), best(printed), verdict, because)]
 
 
-def series_rows(k_ts: Any, k_fts: Any) -> Any:
+def series_rows(k_ts: float, k_fts: float) -> list:
     """K_WTS by Eq. 46 beside theory, test and catalogue; stiffness of contact and of cup against teeth [N m/rad]."""
     k, unit, s = torsion.series(k_ts, k_fts), UNITS[14], STATED
     because = f"the scene holds cup, ring and teeth alone; {k / unit.k1_nm_per_rad:.1f} times the catalogue's K1"
@@ -169,7 +172,7 @@ def series_rows(k_ts: Any, k_fts: Any) -> Any:
                 judge_figure(s["k_wts_highest"], k).replace("does not", "cannot"), because)]
 
 
-def arithmetic_rows() -> Any:
+def arithmetic_rows() -> list:
     """What the paper's own figures say about each other."""
     s, unit = STATED, UNITS[14]
     difference = 100 * (1 - s["k_wts_theory"] / s["k_wts_test"])
@@ -221,12 +224,12 @@ def _nearest(row, stated, trends, key):
                        f"{signed(np.atleast_1d(best[key]))}")
 
 
-def of_run(result: Any) -> Any:
+def of_run(result: RunLike) -> list:
     """Rows that a run can answer; none for a scene unlike the paper's."""
     return torque_rows(result.rows()) if applies(result.scene) else []
 
 
-def of_study(result: Any) -> Any:
+def of_study(result: StudyLike) -> list:
     """Rows that a study can answer: the first curve over torque, eccentricity or w at the scene's other values."""
     scene, swept = result.summary["scene"], result.summary["swept"]
     if result.summary["figure"].get("kind") == "series":
@@ -241,7 +244,7 @@ def of_study(result: Any) -> Any:
     return known[key](same) if key else torque_rows(same)
 
 
-def markdown(rows: Any) -> Any:
+def markdown(rows: Sequence[Row]) -> str:
     """Rows as a table for docs, and below it why each verdict is what it is."""
     short = {"agrees": "yes", "trend agrees": "in trend", "does not agree": "no", "cannot agree": "cannot"}
     lines = ["| quantity | paper | ours | agrees |", "|---|---|---|---|"]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from math import log, pi
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._types import JointLike
 
-def spot_ratio_fit(fractal_dimension: Any) -> Any:
+
+def spot_ratio_fit(fractal_dimension: float) -> float:
     """Psi of Eq. 17 by the printed fit in D_s = D - 1, up to 0.37 % off."""
     return 5.454 * np.exp(-(fractal_dimension - 1) / 0.628) + 1.499
 
 
-def load_parts(joint: Any, s_l: float) -> np.ndarray:
+def load_parts(joint: JointLike, s_l: float) -> np.ndarray:
     """Eq. 23-26 with the printed limits, which assume s_l above the last regime edge.
 
     Parameters
@@ -37,7 +38,7 @@ def load_parts(joint: Any, s_l: float) -> np.ndarray:
     return _share(joint, s_l) * factor * s_ec**-power * (s[1:] ** e - s[:-1] ** e) / e
 
 
-def stiffness_parts(joint: Any, s_l: float) -> np.ndarray:
+def stiffness_parts(joint: JointLike, s_l: float) -> np.ndarray:
     """Eq. 30, 33, 34 as printed: only the finite part of the divergent Eq. 30, hence negative.
 
     Parameters
@@ -61,7 +62,7 @@ def stiffness_parts(joint: Any, s_l: float) -> np.ndarray:
     return _share(joint, s_l) * factor * (s**e - low) / e
 
 
-def tangential_by_strength(joint: Any, s: ArrayLike, strength: float) -> np.ndarray:
+def tangential_by_strength(joint: JointLike, s: ArrayLike, strength: float) -> np.ndarray:
     """Eq. 39 with t = tau_b s, tau_b a shear strength: every spot slips, and the cube root turns complex or NaN.
 
     Parameters
@@ -84,12 +85,12 @@ def tangential_by_strength(joint: Any, s: ArrayLike, strength: float) -> np.ndar
         return 8 * p["g_prime_pa"] * np.sqrt(s / pi) * (1 - strength * s / (joint.friction * f)) ** (1 / 3)
 
 
-def power_integral(low: Any, high: Any, e: Any) -> Any:
+def power_integral(low: float, high: float, e: float) -> float:
     """(high^e - low^e) / e, the printed form: 0/0 at e = 0, digits lost near it."""
     return (high**e - low**e) / e
 
 
-def waves(length: Any, shortest: Any, ratio: Any) -> Any:
+def waves(length: float, shortest: float, ratio: float) -> int:
     """n_max as floor(ln(L / L_s) / ln gamma): one too few where rounding leaves 14.9999999."""
     return int(log(length / shortest) / log(ratio))
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from .._engine import InputError
 from ..files import check_folder
 from ..surfaces import specimen
-from .law import FILES, PATCHES, PRESSURES, Bodies, predict
+from .bodies import Bodies
+from .law import FILES, PATCHES, PRESSURES, predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +43,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def read_maps(paths: list, unit: Any = None, dx: float | None = None, dy: float | None = None) -> list:
+def read_maps(paths: list, unit: str | tuple[str, str] | None = None, dx: float | None = None, dy: float | None = None) -> list:
     """Height maps of files. Unit and spacing go to those that do not state them.
 
     Parameters

@@ -104,7 +104,7 @@ class HalfSpace:
         """Contact with 0 <= p <= H: Polonsky and Keer's conjugate gradients with both bounds, from the elastic solution.
 
         tamaas has KatoSaturated, which stalled at an error of 0.6 where the bound was not reached, returned 0 as if it had
-        converged, and took 17 times as long where it was (bench/joint_law.py bound).
+        converged, and took 17 times as long where it was.
         """
         z = self.heights
         p = _with_mean(np.minimum(start, h), pressure, h)

@@ -2,22 +2,27 @@
 """The law of a joint from the maps of its two surfaces: stiffness, closure and true contact over pressure, with a band."""
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
 from .._engine import InputError
-from ..elastic import ElasticJoint, moduli, stiffness_from_spectrum
+from .._types import PathLike
+from ..elastic import ElasticJoint, stiffness_from_spectrum
 from ..files import csv_text, write_folder
+from ..surfaces.specimen import Specimen
 from . import half_space, patches
+from .bodies import Bodies
 from .choice import LAY, choose, scatter_of
 from .spectrum import Spectrum, bands, of_map
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
 FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
@@ -26,28 +31,7 @@ UNIT = 30.0         # slope beyond which heights are taken for those of another 
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 PATCHES = ("periodic", "free")
 PUNCH = 1.15        # stiffness of a smooth square patch over E* times its side
-OWN = 0.9           # share of a free patch's compliance that its own bulk may take (bench/joint_patch.py)
-
-
-@dataclass(frozen=True)
-class Bodies:
-    """Elastic constants and hardness of the two bodies; defaults: those of the scene."""
-
-    e1: float = 209e9
-    nu1: float = 0.295
-    e2: float = 219e9
-    nu2: float = 0.30
-    hardness: float = 2.8 * 835e6
-
-    @property
-    def e_star(self) -> float:
-        """E* [Pa]."""
-        return moduli(self.e1, self.nu1, self.e2, self.nu2)[0]
-
-    @property
-    def ratio(self) -> float:
-        """k_T/k_N of full stick."""
-        return moduli(self.e1, self.nu1, self.e2, self.nu2)[1]
+OWN = 0.9           # share of a free patch's compliance that its own bulk may take
 
 
 @dataclass(frozen=True)
@@ -111,13 +95,13 @@ class Prediction:
         lines.append(f"  half width of the band at {t['pressure_pa'][middle] / 1e6:.3g} MPa: {wide}")
         return "\n".join(lines + [f"  {note}" for note in self.notes])
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """k_N and k_T over pressure with the band, and the spectrum (a matplotlib figure)."""
-        from ..figures.joint import plot_prediction
+        from ..figures.prediction import plot_prediction
 
         return plot_prediction(self)
 
-    def write(self, folder: str | os.PathLike, force: bool = False) -> list[Path]:
+    def write(self, folder: PathLike, force: bool = False) -> list[Path]:
         """Write joint.csv, spectrum.csv, joint.png and, last, joint.json; returns their paths.
 
         Parameters
@@ -142,7 +126,7 @@ class Prediction:
                                                        FILES[3]: self.plot()}, force)
 
 
-def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
+def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
             longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
             loaded: float | None = None, patch: str = "periodic", say: Callable[[str, bool], None] | None = None) -> Prediction:
     """The joint of one or two surfaces.
@@ -187,8 +171,8 @@ def predict(*maps: Any, pressure: ArrayLike = PRESSURES, model: str | None = Non
         Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
     bodies = bodies or Bodies()
-    pairs = [(m.heights, m.spacing) if hasattr(m, "heights") else m for m in maps]
-    names = [f"map {i} ({m.name})" if hasattr(m, "name") else f"map {i}" for i, m in enumerate(maps, 1)]
+    pairs = [(m.heights, m.spacing) if isinstance(m, Specimen) else m for m in maps]
+    names = [f"map {i} ({m.name})" if isinstance(m, Specimen) else f"map {i}" for i, m in enumerate(maps, 1)]
     if not 1 <= len(pairs) <= 2:
         raise InputError(f"a joint has one or two maps, got {len(pairs)}")
     if model not in (None, "spectrum", "boundary_elements"):

@@ -15,6 +15,7 @@ from ..elastic import stiffness_from_spectrum
 from ..surfaces.composite import resample
 from ..surfaces.specimen import Specimen
 from . import half_space
+from .bodies import Bodies
 from .spectrum import bands, level, waves
 
 FEWEST = 64      # points a side to which the bound of time may take a map
@@ -68,7 +69,8 @@ class Effort:
                               f"at {self.done} of {self.count} solutions")
 
 
-def solve(maps: list, pressure: np.ndarray, bodies: Any, points: int, longest: float, effort: Effort, free: bool = False) -> tuple:
+def solve(maps: list, pressure: np.ndarray, bodies: Bodies, points: int, longest: float, effort: Effort,
+          free: bool = False) -> tuple:
     """Stiffness and contact on the sum of the maps, and its scatter among the four quarters.
 
     Parameters
@@ -174,7 +176,7 @@ def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pr
 
 
 def coarse_error(touching: np.ndarray) -> np.ndarray:
-    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_choice.py fewer)."""
+    """Standard deviation of ln k_N of an averaged map of which so many points touch (bench/joint_law.py fewer)."""
     return np.hypot(COARSE[0] / np.sqrt(np.maximum(touching, 1)), COARSE[1])
 
 

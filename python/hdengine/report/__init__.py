@@ -6,12 +6,12 @@ import datetime
 import html
 import os
 from pathlib import Path
-from typing import Any
 
 import jinja2
 
 from .. import _engine
 from .._engine import InputError
+from .._types import PathLike
 from .parts import Part, parts_of
 
 __all__ = ["write_pdf", "write_report"]
@@ -27,7 +27,7 @@ def _render(title, parts):
     return page.render(title=title, parts=parts, version=_engine.version(), made=made)
 
 
-def write_report(folder: str | os.PathLike, path: str | os.PathLike | None = None, picture: bool = True) -> Path:
+def write_report(folder: PathLike, path: PathLike | None = None, picture: bool = True) -> Path:
     """Write the report of a run, a study or a comparison.
 
     Parameters
@@ -61,7 +61,7 @@ def write_report(folder: str | os.PathLike, path: str | os.PathLike | None = Non
     return path
 
 
-def write_pdf(path: Any) -> Any:
+def write_pdf(path: PathLike) -> Path:
     """The report as a PDF beside its HTML file (needs WeasyPrint).
 
     Raises

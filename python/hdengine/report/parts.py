@@ -440,7 +440,7 @@ def parts_of(folder: Path, picture: bool) -> tuple[str, list]:
     if (folder / "summary.json").is_file():
         summary = read_summary(folder)
         if summary.get("kind") == "surface":
-            return summary.get("title"), [*_surface_parts(SurfaceResult(folder))]
+            return summary.get("title", ""), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
         return result.summary["title"], [*_run_parts(result, picture)]
     if (folder / "comparison.json").is_file():

@@ -2,17 +2,15 @@
 """Mesh, load steps, time and memory for a tolerance, as hdengine.x --plan tells them."""
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import Any
 
 from .. import _engine
 from .._check import checked, mapping, number
 from .._check import path as a_path
 from .._engine import FileError
+from .._types import PathLike, Value
 from ..contact import _assignments, read_scene
 from .study import Study
-from .study_file import is_study
 
 TOLERANCE = 0.1  # where the scene names none
 
@@ -23,7 +21,7 @@ def _keys(name, value):
 
 
 @checked(path=a_path, tolerance=number(above=0, below=1, optional=True), keys=_keys)
-def plan(path: str | os.PathLike, tolerance: float | None = None, keys: dict | None = None) -> str:
+def plan(path: PathLike, tolerance: float | None = None, keys: dict | None = None) -> str:
     """The planner's text for a scene, or for the first point of a study; only coarse meshes are solved for it.
 
     Parameters
@@ -48,7 +46,7 @@ def plan(path: str | os.PathLike, tolerance: float | None = None, keys: dict | N
     if not path.is_file():
         raise FileError(f"'{path}' cannot be read")
     head = ""
-    if is_study(path):
+    if path.suffix.lower() == ".toml":
         study = Study.read(path)
         head = f"{len(study.points)} points; the first of them:\n"
         path, keys = study.scene, {**study.fixed, **study.points[0], **keys}
@@ -61,7 +59,7 @@ def plan(path: str | os.PathLike, tolerance: float | None = None, keys: dict | N
     return head + text
 
 
-def mesh_of_level(level: int, path: str | os.PathLike | None = "", **keys: Any) -> dict:
+def mesh_of_level(level: int, path: PathLike | None = "", **keys: Value) -> dict:
     """Mesh of the planner's series for a scene: from level to level about 2^(1/2) finer in all directions.
 
     Parameters

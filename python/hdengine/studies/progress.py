@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any
 
 from ..contact import bar, in_notebook
 
 
-def duration(seconds: Any) -> Any:
+def duration(seconds: float) -> str:
     """Seconds as a short text."""
     minutes, s = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
@@ -32,7 +31,7 @@ class Progress:
         self.start = time.monotonic()
         self.bar = bar(total=total, initial=done, desc="points", unit="") if show and in_notebook() else None
 
-    def step(self, label: Any, failed: bool = False) -> None:
+    def step(self, label: str, failed: bool = False) -> None:
         """One more task is done."""
         self.done += 1
         self.failed += failed

@@ -9,6 +9,7 @@ import itertools
 import json
 import os
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from .. import _engine, torsion
 from .._check import checked, fields, flag, integer, mapping, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
+from .._types import PathLike, Value
 from ..contact import read_scene
 from ..results import preformatted
 from . import study_file
@@ -59,7 +61,7 @@ class Study:
     2
     """
 
-    scene: str | os.PathLike = ""
+    scene: PathLike = ""
     grid: dict = field(default_factory=dict)
     together: dict = field(default_factory=dict)
     fixed: dict = field(default_factory=dict)
@@ -88,7 +90,7 @@ class Study:
                     raise InputError(f"'{key}' stands in two groups of the study")
 
     @classmethod
-    def read(cls, path: Any) -> Any:
+    def read(cls, path: PathLike) -> Study:
         """Study of a file (TOML); the scene's path is relative to it.
 
         Raises
@@ -107,7 +109,7 @@ class Study:
                    head.get("title", Path(path).stem), figure)
 
     @property
-    def points(self) -> Any:
+    def points(self) -> list:
         """Keys and values of every point, a list of dict."""
         side = [dict(zip(self.together, values)) for values in zip(*self.together.values())] or [{}]
         return [{**s, **dict(zip(self.grid, values))} for s in side for values in itertools.product(*self.grid.values())]
@@ -145,7 +147,7 @@ class Study:
         raise first
 
     @checked(out=a_path, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
-    def run(self, out: str | os.PathLike, jobs: int = 1, force: bool = False, retry: bool = False,
+    def run(self, out: PathLike, jobs: int = 1, force: bool = False, retry: bool = False,
             show: bool = True, other_version: bool = False) -> StudyResult:
         """Solve all points that the table in `out` does not hold yet.
 
@@ -253,7 +255,7 @@ def _checksum(summary):
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
 
 
-def read_study_summary(folder: str | os.PathLike) -> dict[str, Any]:
+def read_study_summary(folder: PathLike) -> dict[str, Any]:
     """Description of a study whose table is as the study left it.
 
     A study that was killed between the two files left the new description under its temporary name.
@@ -300,7 +302,7 @@ def _number(text):
     return text
 
 
-def read_rows(path: Any) -> Any:
+def read_rows(path: PathLike) -> list:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -322,18 +324,18 @@ class StudyResult:
         converged state.
     """
 
-    def __init__(self, folder: Any) -> None:
+    def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_study_summary(self.folder)
         self.rows = read_rows(self.folder / "study.csv")
 
-    def column(self, name: Any, rows: Any = None) -> Any:
+    def column(self, name: str, rows: Sequence[Mapping] | None = None) -> np.ndarray:
         """A column as an array; NaN where a row has no value."""
         rows = self.rows if rows is None else rows
         values = [row.get(name, np.nan) for row in rows]
         return np.array(values, dtype=object if any(isinstance(v, str) for v in values) else float)
 
-    def select(self, torque_nm: Any = None, **keys: Any) -> Any:
+    def select(self, torque_nm: float | None = None, **keys: Value) -> list:
         """Solved rows with the given values; group__key stands for 'group.key'."""
         keys = {k.replace("__", "."): v for k, v in keys.items()}
         if torque_nm is not None:
@@ -344,7 +346,7 @@ class StudyResult:
         return [r for r in self.rows if r["status"] == "done" and all(same(r.get(k), v) for k, v in keys.items())]
 
     @property
-    def failures(self) -> Any:
+    def failures(self) -> list:
         """Rows of the failed points."""
         return [row for row in self.rows if row["status"] == "failed"]
 

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Study files: TOML. The earlier form, a namelist with dotted keys, which is no valid namelist, is still read."""
+"""Study files: TOML."""
 from __future__ import annotations
 
-import os
 import re
 import sys
-import warnings
 from pathlib import Path
 
 from .._engine import FileError, InputError
-from . import namelist
+from .._types import PathLike
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -25,31 +23,13 @@ GROUPS: dict[str, tuple[str, ...] | None] = {
 }
 
 
-def is_study(path: str | os.PathLike) -> bool:
-    """A file is a study, by its ending or by its groups.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    bool
-    """
-    path = Path(path)
-    if path.suffix.lower() == ".toml":
-        return True
-    with open(path, encoding="utf-8", errors="replace") as file:
-        return any(re.match(r"\s*&(study|grid|together)\b", line, re.I) for line in file)
-
-
-def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
+def read(path: PathLike) -> dict[str, dict[str, list]]:
     """Groups of a study file.
 
     Parameters
     ----------
     path : str or Path
-        TOML, or a namelist if it does not end in .toml.
+        TOML.
 
     Returns
     -------
@@ -65,28 +45,22 @@ def read(path: str | os.PathLike) -> dict[str, dict[str, list]]:
     """
     path = Path(path)
     if path.suffix.lower() != ".toml":
-        groups = namelist.read(path)
-        warnings.warn(f"'{path}' is a study in the form of a namelist; write it as TOML (docs/howto/study.md): the next "
-                      "release reads no other", DeprecationWarning, stacklevel=3)
-        text, mark = "", "&"
-    else:
-        text, mark = _text(path), ""
-        try:
-            groups = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as e:
-            line = re.search(r"line (\d+)", str(e))
-            raise InputError(f"{e}\n  --> {path}:{line.group(1) if line else len(text.splitlines())}") from None
-        groups = {name: _lists(path, text, name, keys) for name, keys in groups.items()}
-    if mark and not set(groups) & set(GROUPS):
-        raise InputError(f"'{path}' holds one scene, not a study of many: 'hdengine run {path}' solves it")
+        raise InputError(f"'{path}' is no study, which ends in .toml: 'hdengine run {path}' solves one scene")
+    text = _text(path)
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as e:
+        line = re.search(r"line (\d+)", str(e))
+        raise InputError(f"{e}\n  --> {path}:{line.group(1) if line else len(text.splitlines())}") from None
+    groups = {name: _lists(path, text, name, keys) for name, keys in tables.items()}
     for group, keys in groups.items():
         valid = GROUPS.get(group, ())
         if group not in GROUPS:
-            raise InputError(f"unknown group {mark}{group}; valid: {', '.join(mark + g for g in GROUPS)}\n"
+            raise InputError(f"unknown group {group}; valid: {', '.join(GROUPS)}\n"
                              f"  --> {path}{_line(text, group)}")
         for key in keys:
             if valid and key not in valid:
-                raise InputError(f"unknown key '{key}' of {mark}{group}; valid: {', '.join(sorted(valid))}\n"
+                raise InputError(f"unknown key '{key}' of {group}; valid: {', '.join(sorted(valid))}\n"
                                  f"  --> {path}{_line(text, key)}")
     return groups
 

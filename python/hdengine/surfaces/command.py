@@ -2,17 +2,17 @@
 """The command `hdengine surface`."""
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from .._engine import InputError
 from ..files import check_folder
-from . import composite, folder, form, roughness, specimen
+from . import composite, folder, form, roughness, specimen, texture
 
 
-def add_options(parser: Any) -> None:
+def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
@@ -20,7 +20,7 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--spacing", "--dx", type=float, help="distance of points [m] of files that state no size")
     parser.add_argument("--lags", type=int, nargs=2, default=(1, 20), metavar=("FIRST", "LAST"), help="window in points")
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
-    parser.add_argument("--model", choices=("isotropic", "profile", "ridges", "paper"), help="default: by what is known")
+    parser.add_argument("--model", choices=("spectrum", "ridges", "paper"), help="default: by what is known")
     parser.add_argument("--ridges", metavar="L,L_s,M,gamma", help="the surfaces are sums of Eq. 1 with these numbers")
     parser.add_argument("--form", default="plane", help="form taken off first: none, plane, poly2 to poly8, or cylinder (rings)")
     parser.add_argument("--s-filter", type=float, metavar="M", help="nesting index of the S-filter of the areal numbers [m]")
@@ -35,7 +35,7 @@ def add_options(parser: Any) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def run_surface(args: Any) -> Any:
+def run_surface(args: argparse.Namespace) -> int:
     """Read, fit, judge, write; returns 0."""
     unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     known = None
@@ -55,8 +55,8 @@ def run_surface(args: Any) -> Any:
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
     check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
-    textures = [s.texture(form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers, fill=args.fill,
-                          seams=args.seams)
+    textures = [texture.texture(s, form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers,
+                                fill=args.fill, seams=args.seams)
                 for s in specimens]
     if args.form != "plane":    # the fit takes the plane off itself, with what that does to the spectrum
         specimens = [form.remove(s, args.form).specimen for s in specimens]

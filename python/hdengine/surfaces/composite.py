@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from .._engine import InputError
+from .._types import Spacing
 from . import roughness
 from .specimen import Specimen
 
@@ -25,7 +25,7 @@ class Composite:
     registered: bool                        #: the second was moved
 
 
-def resample(specimen: Any, spacing: Any) -> Any:
+def resample(specimen: Specimen, spacing: Spacing) -> Specimen:
     """The same heights at another spacing, by cubic interpolation; cropped to whole steps.
 
     Heights are sampled, not averaged: the structure function at the lags of the new spacing stays that of the old map. Points whose
@@ -74,7 +74,7 @@ def _offset(a, b):
     return tuple(int((i + n // 2) % n - n // 2) for i, n in zip(k, peak.shape)), float(abs(peak[k]) / np.std(peak))
 
 
-def composite(first: Any, second: Any, register: bool | None = None) -> Composite:
+def composite(first: Specimen, second: Specimen, register: bool | None = None) -> Composite:
     """Sum map of two specimens.
 
     Both are resampled to the coarser spacing of the two in each direction and cropped to the common size about their middles; their

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from .._types import PathLike
 from ..files import csv_text, write_folder
 from .specimen import JointSurface, Specimen
+from .texture import texture
 
 
-def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint: JointSurface | None = None,
+def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Any], joint: JointSurface | None = None,
           sources: Sequence[Any] = (), force: bool = False, textures: Sequence[Any] = ()) -> list:
     """Write specimens and their fits into a folder.
 
@@ -49,11 +51,11 @@ def write(folder: Any, specimens: Sequence[Specimen], fits: Sequence[Any], joint
 
     names = _names([s.name for s in specimens])
     found = dict(zip(names, fits))
-    textures = textures or [s.texture() for s in specimens]
+    textures = textures or [texture(s) for s in specimens]
     surfaces = {}
     for i, (name, s) in enumerate(zip(names, specimens)):
         surfaces[name] = {"points": s.heights.shape, "spacing_m": s.spacing, "size_m": s.size, "notes": s.notes,
-                          "roughness": s.parameters(), "areal": _areal(textures[i]), **_told(fits[i])}
+                          "areal": _areal(textures[i]), **_told(fits[i])}
         if i < len(sources):
             surfaces[name] |= {"file": str(sources[i]), "sha256": hashlib.sha256(Path(sources[i]).read_bytes()).hexdigest()}
     files: dict[str, Any] = {}
@@ -90,7 +92,7 @@ def _told(fit):
     dimension = dict(zip(("fractal_dimension_95", "roughness_95_m"), fit.interval))
     sampling = dict(zip(("fractal_dimension_95_sampling", "roughness_95_sampling_m"), fit.sampling_interval))
     told = {"verdict": fit.verdict, "what": fit.kind, "reason": fit.reason, "model": fit.model,
-            "fractal_dimension": fit.fractal_dimension, "roughness_m": fit.roughness_m if _determined(fit) else None,
+            "fractal_dimension": fit.fractal_dimension, "roughness_m": fit.roughness_m if fit.determined else None,
             **dimension, **sampling, "covariance_of_d_ln_g": fit.covariance[:2, :2], "band_m": fit.band_m, "noise_m": fit.noise_m,
             "misfit": fit.misfit, "chi2": fit.chi2, "freedom": fit.freedom, "lags": fit.lags, "tilt": fit.tilt,
             "levelled": fit.levelled, "anisotropy": fit.anisotropy, "ridges": fit.ridges and vars(fit.ridges),
@@ -120,11 +122,6 @@ def _material(textures):
     return csv_text(columns)
 
 
-def _determined(fit):
-    """Whether the interval of D keeps off 2, where every G fits."""
-    return np.isfinite(fit.fractal_dimension) and fit.interval[0][0] >= 2.005
-
-
 def _structure(found):
     """S over the lags of every surface; NaN where there is no model."""
     names = ("surface", "direction", "lag_m", "s_m2", "model_m2", "model_error_ln", "sample_error_ln")
@@ -152,7 +149,7 @@ def _spectrum(found):
 
 def _scene(name, fit, side, spacing):
     """Lines of a scene for one surface, or why there are none."""
-    if fit.verdict != "fractal" or not _determined(fit):
+    if fit.verdict != "fractal" or not fit.determined:
         why = f"{fit.verdict} ({fit.kind})" if fit.verdict != "fractal" else "G is not determined, for the interval of D reaches 2"
         return (f"! {name}: {why}. D and G would say nothing of its joint.\n! Take the spectrum as measured: "
                 "hdengine joint MAP --out joint.out, then joint.spectrum_file = 'joint.out/spectrum.csv'.\n")

@@ -5,17 +5,17 @@ At edges and beside holes the points that are there weigh more (the regression o
 """
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._engine import InputError
+from .._types import Spacing
 
 ALPHA = np.sqrt(np.log(2) / np.pi)      #: half of a wave as long as the nesting index passes (ISO 16610-21)
 _REACH = 1.5                            #: half width of the weights, in nesting indices: what lies beyond weighs 1e-14
 
 
-def lowpass(heights: Any, spacing: Any, nesting_index: float) -> np.ndarray:
+def lowpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.ndarray:
     """The mean surface: what is longer than the nesting index.
 
     Parameters
@@ -38,7 +38,7 @@ def lowpass(heights: Any, spacing: Any, nesting_index: float) -> np.ndarray:
         The nesting index is shorter than two spacings or longer than the map.
     """
     z = np.asarray(heights, dtype=float)
-    steps = tuple(spacing)[-z.ndim:]
+    steps = tuple(np.broadcast_to(np.asarray(spacing, float), 2).tolist())[-z.ndim:]
     sides = [n * d for n, d in zip(z.shape, steps)]
     if not 2 * max(steps) <= nesting_index <= max(sides):
         raise InputError(f"nesting index {nesting_index:.6g} m: at least two spacings, {2 * max(steps):.3g} m, and at most the "
@@ -51,7 +51,7 @@ def lowpass(heights: Any, spacing: Any, nesting_index: float) -> np.ndarray:
         return np.where(good, total / weight, np.nan)
 
 
-def highpass(heights: Any, spacing: Any, nesting_index: float) -> np.ndarray:
+def highpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.ndarray:
     """What is shorter than the nesting index: heights less `lowpass`; arguments and errors as there."""
     return np.asarray(heights, dtype=float) - lowpass(heights, spacing, nesting_index)
 

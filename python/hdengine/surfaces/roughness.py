@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measure height maps: structure function, roughness numbers, and the fit of D and G."""
+"""Measure height maps: structure function, and the fit of D and G."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, inf
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,11 @@ from numpy.typing import ArrayLike
 from .. import _engine
 from .._check import array, checked, flag, integers, kind, number, optional_flag, word
 from .._engine import InputError
-from .fitted import Fit, Ridges
+from .._types import Spacing
+from .fit import Fit, Ridges
 
-_MODELS = {"isotropic": 1, "profile": 2, "ridges": 3, "paper": 4, "spectrum": 5}
+_MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
+_BANDS = {"isotropic": 1, "profile": 2}
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}
 
 
@@ -44,7 +47,7 @@ def _direction(name, value):
 
 
 @checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag, robust=flag)
-def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direction: str = "rows",
+def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int] | None = None, direction: str | tuple = "rows",
                        second: bool = False, robust: bool = False) -> tuple:
     """Structure function S(tau) = mean (z(x + tau) - z(x))^2; NaN are holes.
 
@@ -93,15 +96,15 @@ def structure_function(heights: ArrayLike, spacing: Any, lags: Any = None, direc
         p, q = -p, -q
     if lags is None:
         reach = [(n - 1) // abs(k) for n, k in zip(z.shape, (p, q)) if k]
-        lags = np.arange(1, max(2, min(reach, default=1) // (2 if second else 1) + 1))
-    lags = np.asarray(lags, dtype=np.int32)
-    if lags.ndim != 1 or lags.size == 0 or lags.min() < 1:
+        lags = range(1, max(2, min(reach, default=1) // (2 if second else 1) + 1))
+    chosen = np.asarray(lags, dtype=np.int32)
+    if chosen.ndim != 1 or chosen.size == 0 or chosen.min() < 1:
         raise InputError("lags must be a list of whole numbers >= 1")
     if robust:
-        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in lags.tolist()]).T
+        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in chosen.tolist()]).T
     else:
-        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), lags)
-    return lags * np.hypot(p * dx, q * dy), s, pairs
+        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), chosen)
+    return chosen * np.hypot(p * dx, q * dy), s, pairs
 
 
 def _robust_square(z, p, q, second):
@@ -118,7 +121,7 @@ def _robust_square(z, p, q, second):
 
 
 @checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
-         model=word("isotropic", "profile"))
+         model=word(*_BANDS))
 def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: float, band: Any,
                        model: str = "isotropic") -> np.ndarray:
     """Mean structure function of a continuous band with the power of Eq. 1 (isotropic) or Eq. 2 (profile).
@@ -150,7 +153,7 @@ def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: floa
         raise InputError(f"band = {tuple(band)}: shortest and longest wavelength in m, 0 <= shortest < longest")
     top = 1 / band[0] if band[0] > 0 else inf
     tau = np.asarray(tau)
-    s = _engine.call("structure_expected", _MODELS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
+    s = _engine.call("structure_expected", _BANDS[model], fractal_dimension, 1 / band[1], top, tau.ravel())
     return roughness ** (2 * (fractal_dimension - 2)) * s.reshape(tau.shape)
 
 
@@ -172,73 +175,15 @@ def level(heights: ArrayLike) -> np.ndarray:
     return z.T.reshape(np.shape(heights))
 
 
-def parameters(heights: ArrayLike, spacing: Any) -> dict:
-    """Roughness numbers named as in ISO 25178-2, of the heights less their plane.
-
-    Parameters
-    ----------
-    heights : array_like (rows, points) or (points,)
-        Heights [m]; NaN are holes.
-    spacing : float or (float, float)
-        Spacing (dy, dx) [m].
-
-    Returns
-    -------
-    dict
-        sa_m, sq_m, sz_m, ssk, sku; sdq (root mean square gradient over one spacing: Sdq^2 = S_x(1)/dx^2 + S_y(1)/dy^2);
-        bandwidth_m: shortest and longest wavelength that the map holds, two spacings and its shorter side; nayak: Nayak's
-        bandwidth parameter m0 m4/m2^2 along rows, from first and second differences.
-    """
-    dx, dy = _spacing(spacing)
-    v = _engine.call("surface_roughness", _map(heights), dx, dy).tolist()
-    names = ("sa_m", "sq_m", "sz_m", "ssk", "sku", "sdq")
-    return dict(zip(names, v)) | {"bandwidth_m": (v[6], v[7]), "nayak": v[8]}
-
-
-def psd(heights: ArrayLike, spacing: Any, direction: str = "rows") -> tuple:
-    """Power spectral density of the heights less their plane, under a Hann window.
-
-    Parameters
-    ----------
-    heights : array_like (rows, points) or (points,)
-        Heights [m], without holes.
-    spacing : float or (float, float)
-        Spacing (dy, dx) [m].
-    direction : "rows", "columns" or "radial"
-        One-sided spectrum of profiles, mean over all; or two-dimensional spectrum, mean over rings.
-
-    Returns
-    -------
-    frequency : ndarray
-        1/wavelength [1/m], without 0.
-    density : ndarray
-        [m^3] of profiles: its integral over the frequency is Sq^2; [m^4] radial.
-
-    Raises
-    ------
-    InputError
-        The map has holes.
-    """
-    z = _map(heights)
-    dx, dy = _spacing(spacing)
-    if not isinstance(direction, str) or direction not in ("rows", "columns", "radial"):
-        raise InputError(f'direction = {direction!r}: "rows", "columns" or "radial"')
-    if direction == "radial":
-        rings = floor(0.5 * max(z.shape[0] * dx, z.shape[1] * dy) / max(dx, dy) + 1e-9)
-        return _engine.call("surface_spectrum", z, dx, dy, 1, rings)
-    if direction == "columns":
-        z, dx = np.asfortranarray(z.T), dy
-    return _engine.call("surface_spectrum", z, dx, dy, 0, z.shape[0] // 2)
-
-
 def _noise(name, value):
     """A rule: rms of the noise, or 'fit'."""
     return value if isinstance(value, str) else number(least=0)(name, value)
 
 
 @checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise, outliers=flag)
-def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None, surface: Any = None, weighted: bool | None = None,
-        level: bool = True, band: Any = None, noise: float = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
+def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] = (1, 20), model: str | None = None,
+        surface: Ridges | None = None, weighted: bool | None = None, level: bool = True, band: tuple[float, float] | None = None,
+        noise: float | str = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
 
     A sum of Eq. 1 (told by `surface`): two-step generalised least squares on the exact sum, errors from random phases. Any other
@@ -254,9 +199,9 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
         Spacing (dy, dx) [m].
     lags : (int, int)
         First and last lag [points].
-    model : {"spectrum", "isotropic", "profile", "ridges", "paper"}, optional
-        Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". "isotropic" and "profile" fit S over `lags` to a
-        band with sharp ends, which must be known. A spectrum of lines (few waves) is left for them too.
+    model : {"spectrum", "ridges", "paper"}, optional
+        Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". Where the spectrum has lines (few waves), S over
+        `lags` is fitted to a band with sharp ends, and the result names "isotropic" or, of a line, "profile".
         "paper" is the straight line with the literature's (Majumdar-Bhushan) constant: G is wrong by 2.2 (profile) or 1.4.
     surface : Ridges, optional
         What is known of a surface made by Eq. 1.
@@ -304,16 +249,16 @@ def fit(heights: ArrayLike, spacing: Any, lags: Any = (1, 20), model: Any = None
     if not 0 <= band[0] < band[1]:
         raise InputError(f"band = {band}: shortest and longest wavelength in m, 0 <= shortest < longest")
     free = isinstance(noise, str)
-    if (free and noise != "fit") or (not free and not 0 <= noise < inf):
+    rms = 0.0 if isinstance(noise, str) else noise
+    if (free and noise != "fit") or not 0 <= rms < inf:
         raise InputError(f'noise = {noise!r}: rms in m, >= 0, or "fit"')
-    known = surface is not None
-    waves = surface if known else Ridges(1.0, 0.5)
-    if known and waves.ridges * (waves.n_max + 1) > 4000:
+    waves = surface or Ridges(1.0, 0.5)
+    if model == "ridges" and waves.ridges * (waves.n_max + 1) > 4000:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
     options = _engine.named(
-        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted, known=known,
+        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted,
         fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],
-        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=0.0 if free else noise)
+        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=rms)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
     found = [_engine.names(values) for values in ("fit", "fit_curves", "fit_rings")]
     sizes = [len(found[0]), columns, _RINGS]
@@ -363,7 +308,8 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, prof
         ln_roughness_error=(v["ln_g_high"] - v["ln_g_low"]) / 3.919928,
         covariance=cov, interval=_interval(v), sampling_interval=_interval(v, "_sampling"),
         noise_m=float(np.sqrt(v["noise_variance"])), verdict=_VERDICTS[int(v["verdict"])], kind=name.strip(), reason=reason.strip(),
-        model=model, weighted=weighted, ridges=ridges, ensemble="random phases" if ridges else "Gaussian field", lags=tuple(lags),
+        model=model, weighted=weighted, ridges=ridges, lags=tuple(lags),
+        ensemble="random phases" if model == "ridges" else "Gaussian field",
         band_m=tuple(band), rms=v["rms"], rms_expected=v["rms_expected"], misfit=v["misfit"], chi2=v["chi2"],
         freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,
         anisotropy=anisotropy,

@@ -2,22 +2,21 @@
 """Surface runs: a namelist with &surface or &fit alone, and its results."""
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from .. import _engine
 from .._engine import InputError
+from .._types import PathLike, Value
 from ..contact import _assignments
 from ..results import read_csv, read_summary
 from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 
 
-def run_surface(path: str | os.PathLike | None = "", out: str | os.PathLike | None = "surface.out", force: bool = False,
-                **keys: Any) -> SurfaceResult:
+def run_surface(path: PathLike | None = "", out: PathLike = "surface.out", force: bool = False,
+                **keys: Value) -> SurfaceResult:
     """Generate a surface, or read one or two specimens, and fit D and G, as hdengine.x does.
 
     Parameters
@@ -66,7 +65,7 @@ class SurfaceResult:
         By name: generated; or first, second, equivalent. Empty if no fit was asked for.
     """
 
-    def __init__(self, folder: Any) -> None:
+    def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(folder, "fits", "spacing_m")
         fits, spacing = self.summary["fits"], tuple(self.summary["spacing_m"])
@@ -80,7 +79,7 @@ class SurfaceResult:
         self.fits = {name: _fit(name, s, table) for name, s in fits.items()}
 
     @property
-    def joint(self) -> Any:
+    def joint(self) -> JointSurface | None:
         """Both specimens with their equivalent surface, or None."""
         if "equivalent" not in self.fits:
             return None

@@ -2,14 +2,14 @@
 """Measured specimens: read files, level, fit, and two of them as one equivalent joint surface (Fig. 5)."""
 from __future__ import annotations
 
-import os
 import re
 import struct
+from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field, replace
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,7 +18,11 @@ from .. import _engine
 from .._check import array, checked, fields, flag, integer, kind, text
 from .._check import path as a_path
 from .._engine import FileError, InputError
+from .._types import PathLike, Spacing
 from . import roughness
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
 
@@ -50,32 +54,23 @@ class Specimen:
         object.__setattr__(self, "spacing", tuple(np.broadcast_to(step, 2).tolist()))
 
     @property
-    def size(self) -> Any:
+    def size(self) -> tuple:
         """Extent of the map (y, x) [m]; of a profile: (length,)."""
         steps = self.spacing if self.heights.ndim == 2 else self.spacing[-1:]
         return tuple((n - 1) * d for n, d in zip(self.heights.shape, steps))
 
-    def levelled(self) -> Any:
+    def levelled(self) -> np.ndarray:
         """Heights less their plane (`roughness.level`) [m]."""
         return roughness.level(self.heights)
 
-    def fit(self, **options: Any) -> Any:
+    def fit(self, **options: Any) -> roughness.Fit:
         """`roughness.fit` of this specimen; takes its options."""
         return roughness.fit(self.heights, self.spacing, **options)
 
-    def structure_function(self, lags: Any = None, direction: str = "rows", second: bool = False) -> Any:
+    def structure_function(self, lags: Sequence[int] | None = None, direction: str = "rows", second: bool = False) -> tuple:
         """`roughness.structure_function` of this specimen."""
         return roughness.structure_function(self.heights, self.spacing, lags, direction, second)
 
-    def parameters(self) -> Any:
-        """`roughness.parameters` of this specimen."""
-        return roughness.parameters(self.heights, self.spacing)
-
-    def texture(self, **options: Any) -> Any:
-        """`texture.texture` of this specimen (form, filters, areal numbers); takes its options."""
-        from .texture import texture
-
-        return texture(self, **options)
 
 
 def _units(unit):
@@ -96,7 +91,8 @@ def _factor(unit, path):
 
 
 @checked(path=a_path, channel=integer(0, optional=True))
-def read(path: str | os.PathLike, unit: Any = None, spacing: Any = None, channel: int | None = None) -> Specimen:
+def read(path: PathLike, unit: str | tuple[str, str] | None = None, spacing: Spacing | None = None,
+         channel: int | None = None) -> Specimen:
     """Read a height map or profile.
 
     SDF (ISO 25178-71, binary; `save` writes it) is read as it is; every other format by the package SurfaceTopography
@@ -295,7 +291,7 @@ def _load(path):
 
 
 @checked(path=a_path, specimen=kind(Specimen))
-def save(path: str | os.PathLike, specimen: Any) -> None:
+def save(path: PathLike, specimen: Specimen) -> None:
     """Write a specimen as binary SDF (ISO 25178-71, metres) with heights in 16-bit steps of 1/64000 of the range.
 
     hdengine.x, SurfaceTopography and Gwyddion read it.
@@ -328,7 +324,7 @@ def save(path: str | os.PathLike, specimen: Any) -> None:
 
 
 @checked(specimen=kind(Specimen), outliers=flag, fill=flag, seams=flag)
-def clean(specimen: Any, outliers: bool = True, fill: bool = False, seams: bool = False) -> tuple:
+def clean(specimen: Specimen, outliers: bool = True, fill: bool = False, seams: bool = False) -> tuple:
     """Level steps of stitching, take wrong points for holes, fill holes with what bends least.
 
     Filling solves Laplace's equation; tilt is kept.
@@ -376,7 +372,7 @@ class JointSurface:
         names = [s.name for s in self.specimens] + ["equivalent surface"]
         return "\n\n".join(f"{n}\n{f}" for n, f in zip(names, (*self.fits, self.equivalent)))
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Maps, profiles, structure functions with their fits and bands (Fig. 5).
 
         Returns
@@ -389,7 +385,7 @@ class JointSurface:
 
 
 @checked(first=kind(Specimen), second=kind(Specimen))
-def equivalent(first: Any, second: Any, **options: Any) -> JointSurface:
+def equivalent(first: Specimen, second: Specimen, **options: Any) -> JointSurface:
     """Fit two specimens and their equivalent surface.
 
     Parameters

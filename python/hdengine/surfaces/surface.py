@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from .. import _engine
 from .._check import array, checked, integer, number, seen
+from .._types import Spacing
 
 METHODS = ("auto", "direct", "product", "nufft")
 _TURNS = 2.0**53  # from here a phase has no digit behind the point
@@ -30,7 +31,7 @@ class Method:
     n_max, waves : int
         Largest exponent of Eq. 1 and number of waves M (n_max + 1).
     predicted_s : dict
-        Predicted time of the methods considered on the machine of docs/evidence/generator.md [s].
+        Predicted time of the methods considered on the machine of docs/evidence/peers.md [s].
     memory_mb : float
         Memory needed beside the heights [MB].
     """
@@ -127,9 +128,9 @@ def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method
     return head, size, dtype, int(evaluator), Method(METHODS[evaluator], int(n_max), int(waves), predicted, float(memory))
 
 
-def choose(shape: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any,
-           ridges: Any, seed: int = 0, *, origin: Any = 0.0, tolerance: Any = None, method: str = "auto",
-           dtype: Any = float) -> Method:
+def choose(shape: Sequence[int], spacing: Spacing, fractal_dimension: float, roughness: float, gamma: float, length: float,
+           shortest_wavelength: float, ridges: int, seed: int = 0, *, origin: float | Sequence[float] = 0.0,
+           tolerance: float | None = None, method: str = "auto", dtype: DTypeLike = float) -> Method:
     """What `generate` would do with the same arguments: evaluator, waves, predicted times, memory.
 
     Returns
@@ -145,9 +146,10 @@ def choose(shape: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gam
     return _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method, dtype)[-1]
 
 
-def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: float, gamma: float, length: float,
-             shortest_wavelength: float, ridges: int, seed: int = 0, *, origin: Any = 0.0, tolerance: float | None = None,
-             method: str = "auto", dtype: Any = float, out: np.ndarray | None = None) -> np.ndarray:
+def generate(shape: Sequence[int], spacing: Spacing, fractal_dimension: float, roughness: float, gamma: float, length: float,
+             shortest_wavelength: float, ridges: int, seed: int = 0, *, origin: float | Sequence[float] = 0.0,
+             tolerance: float | None = None, method: str = "auto", dtype: DTypeLike = float,
+             out: np.ndarray | None = None) -> np.ndarray:
     """Weierstrass-Mandelbrot surface (Eq. 1) on a rectangular grid.
 
     Parameters
@@ -169,13 +171,13 @@ def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: floa
     ridges : int
         M, the number of directions.
     seed : int
-        Seed of the phases. Without a tolerance the heights of a seed are the same bits on every platform and for any number of
-        threads.
+        Seed of the phases. The heights of a seed are the same bits for any number of threads, those of 'direct' on every
+        platform too.
     origin : float or (float, float)
         First point (y, x) [m]. Eq. 1 has z(0, 0) = 0.
     tolerance : float or None
         Root mean square error allowed, relative to the waves, 1e-13 to 0.1: lets 'auto' take the non-uniform FFT, which many
-        waves need, and 'product' sum as fast as it can. None: exact to rounding.
+        waves need, and 'product' single precision. None: exact to rounding.
     method : str
         'direct' (term by term), 'product' (matrix products), 'nufft' (without a tolerance: to 1e-12); 'auto' takes the one
         predicted to be the fastest that keeps the tolerance.
@@ -197,18 +199,19 @@ def generate(shape: Any, spacing: Any, fractal_dimension: float, roughness: floa
         The machine's memory does not hold it; the message says how much is needed.
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
-    head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype if out is None else float)
+    head, size, kind, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype if out is None else float)
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, dtype.itemsize, wanted)
-    heights = _room(size, dtype, out)
+        _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, kind.itemsize, wanted)
+    heights = _room(size, kind, out)
     entry = "surface_heights" if heights.dtype == np.float64 else "surface_heights_single"
     _engine.call(entry, *head, _tolerance("tolerance", tolerance) or 0.0, wanted, heights.T)
     return heights
 
 
 @checked(n=integer(-2**31), origin=_real)
-def profile(n: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any,
-            seed: int = 0, *, origin: Any = 0.0, tolerance: Any = None, method: str = "auto", dtype: Any = float) -> np.ndarray:
+def profile(n: int, spacing: float, fractal_dimension: float, roughness: float, gamma: float, length: float,
+            shortest_wavelength: float, seed: int = 0, *, origin: float = 0.0, tolerance: float | None = None,
+            method: str = "auto", dtype: DTypeLike = float) -> np.ndarray:
     """Weierstrass-Mandelbrot profile (Eq. 2): n heights [m] along x, with D_s = fractal_dimension - 1.
 
     Parameters as in `generate`; Eq. 2 is its row y = 0 with one ridge.
@@ -227,7 +230,7 @@ def profile(n: Any, spacing: Any, fractal_dimension: Any, roughness: Any, gamma:
                     origin=(0.0, origin), tolerance=tolerance, method=method, dtype=dtype)[0]
 
 
-def waves(fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, shortest_wavelength: Any, ridges: Any,
+def waves(fractal_dimension: float, roughness: float, gamma: float, length: float, shortest_wavelength: float, ridges: int,
           seed: int = 0) -> dict:
     """The plane waves of Eq. 1: height = offset - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
@@ -247,8 +250,8 @@ def waves(fractal_dimension: Any, roughness: Any, gamma: Any, length: Any, short
     return dict(zip(keys, _engine.call("surface_waves", _spectrum(*spectrum), ridges, _seed(seed), count)))
 
 
-def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLike, shape: Any, spacing: Any, *,
-              origin: Any = 0.0, tolerance: Any = None, method: str = "auto", dtype: Any = float,
+def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLike, shape: Sequence[int], spacing: Spacing, *,
+              origin: float | Sequence[float] = 0.0, tolerance: float | None = None, method: str = "auto", dtype: DTypeLike = float,
               out: np.ndarray | None = None) -> np.ndarray:
     """Any sum of plane waves on a rectangular grid: - sum of amplitude cos(2 pi (fx x + fy y + phase)).
 
@@ -273,7 +276,7 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
     InputError, EngineMemoryError
         As `generate`; lengths that differ, no wave, numbers that are not finite.
     """
-    size, grid, wanted, dtype = _grid(shape, spacing, origin, method, dtype if out is None else float)
+    size, grid, wanted, kind = _grid(shape, spacing, origin, method, dtype if out is None else float)
     given = {"fx": fx, "fy": fy, "amplitude": amplitude, "phase": phase}
     lists = [np.ascontiguousarray(_list(name, v)) for name, v in given.items()]
     tolerance = _tolerance("tolerance", tolerance)
@@ -288,8 +291,8 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
         _turns(largest[1] * (abs(y_0) + size[1] * dy), "fy")
     _turns(largest[3], "phase")
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, dtype.itemsize, wanted)
-    heights = _room(size, dtype, out)
+        _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, kind.itemsize, wanted)
+    heights = _room(size, kind, out)
     entry = "surface_free_heights" if heights.dtype == np.float64 else "surface_free_heights_single"
     _engine.call(entry, *lists, grid, tolerance or 0.0, wanted, heights.T)
     return heights

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Areal numbers of ISO 25178-2 beyond those of `roughness.parameters`: after form removal and filters."""
+"""Areal numbers of ISO 25178-2 after form removal and filters."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._engine import InputError
+from .._types import Spacing
 from . import form as forms
 from . import gaussian, roughness
 from .specimen import Specimen, clean
@@ -99,7 +100,7 @@ def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = No
     return Texture(numbers(heights, specimen.spacing), kept, found, s_filter, l_filter, spikes, holes, bool(fill and holes))
 
 
-def numbers(heights: Any, spacing: Any) -> dict:
+def numbers(heights: ArrayLike, spacing: Spacing) -> dict:
     """Numbers of ISO 25178-2 of heights as they are: only their mean is taken off.
 
     Parameters
@@ -133,16 +134,16 @@ def numbers(heights: Any, spacing: Any) -> dict:
     return out | _core(_descending(z)) | {"sxp_m": float(np.subtract(*smc(z, [0.025, 0.5])))}
 
 
-def smr(heights: Any, c: Any) -> np.ndarray:
+def smr(heights: ArrayLike, c: ArrayLike) -> np.ndarray:
     """Areal material ratio Smr(c): share of the heights at or above c [m] about their mean."""
     z = _descending(heights)[::-1]
     return 1 - np.searchsorted(z, np.asarray(c, dtype=float), side="left") / len(z)
 
 
-def smc(heights: Any, ratio: Any) -> np.ndarray:
+def smc(heights: ArrayLike, ratio: ArrayLike) -> np.ndarray:
     """Inverse areal material ratio Smc(mr): height about the mean [m] that a share mr, 0 to 1, reaches."""
     z = _descending(heights)
-    return np.interp(ratio, (np.arange(len(z)) + 0.5) / len(z), z)
+    return np.interp(np.asarray(ratio, float), (np.arange(len(z)) + 0.5) / len(z), z)
 
 
 def _descending(heights):

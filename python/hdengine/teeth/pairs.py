@@ -2,20 +2,23 @@
 """Clearance of every pair of teeth from profile, deformed rim and place: `tooth_gaps`."""
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .._check import checked, integer, kind, number
 from .._check import path as a_path
 from .._engine import InputError
+from .._types import PathLike, Value
 from ..files import csv_text, write_folder
 from .gap import envelope, flank_gap
 from .profile import DoubleArc, Involute
 from .rim import Rim
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FILES = ("gaps.json", "gaps.csv", "gaps.nml", "gaps.png")
 STEP = 0.5        # of the places of a half turn at which the closest pair is sought [tooth pitches]
@@ -93,13 +96,13 @@ class ToothGaps:
                          f"{t['angle_deg'][i]:24.1f} {t['angle_back_deg'][i]:6.1f}")
         return "\n".join(lines + [f"  {note}" for note in self.notes])
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Teeth in mesh and clearance over the pair (a matplotlib figure)."""
         from ..figures.teeth import plot_gaps
 
         return plot_gaps(self)
 
-    def write(self, folder: str | os.PathLike, force: bool = False) -> list[Path]:
+    def write(self, folder: PathLike, force: bool = False) -> list[Path]:
         """Write gaps.csv, gaps.nml (lines for the scene), gaps.png and, last, gaps.json; returns their paths.
 
         Parameters
@@ -122,8 +125,8 @@ class ToothGaps:
 
 @checked(profile=kind(Involute, DoubleArc), path=a_path, least_gap=number(least=0, most=1e-3, optional=True),
          spline_teeth=integer(least=8, optional=True), points=integer(least=20, most=2000))
-def tooth_gaps(profile: Involute | DoubleArc, path: str | os.PathLike = "", *, least_gap: float | None = None,
-               spline_teeth: int | None = None, points: int = 200, **keys: Any) -> ToothGaps:
+def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap: float | None = None,
+               spline_teeth: int | None = None, points: int = 200, **keys: Value) -> ToothGaps:
     """Clearance of every pair of a scene along the flanks' normals, without load, from profile and deformed rim.
 
     The rim's neutral line lies on the wave generator and keeps its length, or the rim is that of a run. Teeth are rigid and stand

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import asin, cos, hypot, pi, radians, tan
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._check import fields, number
 from .._engine import InputError
 
 
-def involute_angle(radius: Any, base: float) -> Any:
+def involute_angle(radius: ArrayLike, base: float) -> np.ndarray:
     """Polar angle of an involute from its start on the base circle, tan a - a with cos a = base / radius [rad].
 
     Parameters

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from .._engine import InputError
+from .._types import PathLike, Value
 from ..contact import cam, read_scene
-from .solved import RimShape
+from .rim_shape import RimShape
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Rim:
     shape: RimShape | None = None
 
     @classmethod
-    def read(cls, path: Any, **keys: Any) -> Rim:
+    def read(cls, path: PathLike, **keys: Value) -> Rim:
         """Rim of a scene, or of a run.
 
         Parameters

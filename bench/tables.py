@@ -1,0 +1,457 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every table that is made of a record: on the pages of docs/evidence and in the README.
+
+Usage: bench/tables.py; run it after a bench script has written its record. tests/python/test_evidence.py holds pages and records together.
+"""
+import importlib.util
+import json
+from statistics import median
+
+import numpy as np
+
+from common import RESULTS, ROOT, put, read_record, read_rows, table
+
+COURT = ROOT / "court/run.py"
+
+
+def percent(value, digits=1, sign="+"):
+    """A share or a difference in per cent, 'below ...' where nothing is left after rounding."""
+    text = f"{100 * value:{sign}.{digits}f} %"
+    return text if float(text[:-2]) else f"below {10**-digits:g} %"
+
+
+def digits(value, count=2):
+    """A number of so many digits, without a power of ten."""
+    return f"{float(f'{value:.{count - 1}e}'):g}"
+
+
+def power(value):
+    """Two digits and a power of ten."""
+    return f"{value:.1e}".replace("e+0", "e")
+
+
+def triple(values, form):
+    """Numbers with strokes between them."""
+    return " / ".join(form.format(v) for v in values)
+
+
+# --- contact and elements
+
+ELEMENTS = ("hex8", "hex8i", "hex20r", "C3D8I")
+
+
+def elements():
+    """Errors of the displacement of like elements, ours and CalculiX'."""
+    rows = read_record("elements")["rows"]
+    error = {(r["case"], r["mesh"], r["element"]): r["error_percent"] for r in rows}
+
+    def shown(e):
+        return f"{e:+.{0 if abs(e) >= 10 else 1 if abs(e) >= 0.095 else 2}f}"
+    return ("case", "mesh", *ELEMENTS), [(case.replace(" theta", "θ").replace("t = ", ""), mesh, *(shown(error[case, mesh, e]) for e in ELEMENTS))
+                                         for case, mesh in dict.fromkeys((r["case"], r["mesh"]) for r in rows)]
+
+
+def problems():
+    """Names of the problems of the court."""
+    spec = importlib.util.spec_from_file_location("court", COURT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.PROBLEMS
+
+
+def closed():
+    """Contact against formulas."""
+    found = {}
+    for r in read_record("court"):
+        if r["problem"] == "closed_solutions":
+            problem, quantity = r["quantity"].split(": ")
+            found.setdefault((problem, f"{100 * r['tolerance']:g} %"), []).append(f"{quantity} {percent(r['ours'] - r['reference'], 2)}")
+    return ("problem", "error", "held to"), [(problem, ", ".join(errors), held) for (problem, held), errors in found.items()]
+
+
+def court():
+    """Published problems: how many quantities agree, and the one that is farthest off."""
+    rows, out = read_record("court"), []
+    for name, words in problems().items():
+        mine = [r for r in rows if r["problem"] == name]
+        if mine and name != "closed_solutions":
+            away = max(abs(r["ours"] / r["reference"] - 1) if r["reference"] else abs(r["ours"]) for r in mine)
+            out.append((words, len(mine), sum(r["verdict"] == "agrees" for r in mine), percent(away, 1, "")))
+    return ("problem", "quantities", "agree", "largest difference"), out
+
+
+def peer_hub():
+    """CalculiX and the engine on one mesh."""
+    names = {"hdengine, newton": "hdengine, sparse matrix, exact factors", "hdengine, condensed": "hdengine, condensed (default)"}
+    return ("code", "wall clock / s", "memory / MB", "Newton iterations", "rotation / µrad"), [
+        (names.get(name, "CalculiX 2.20, C3D8I"), f"{x['wall_s']:.1f}", f"{x['memory_mb']:.0f}", x["iterations"], f"{1e6 * x['rotation_rad']:.1f}")
+        for name, x in reversed(read_record("peer_hub")["runs"].items())]
+
+
+def peer_drive():
+    """A whole drive by both codes, at the largest torque."""
+    rows = read_record("peer_drive")["rows"]
+    return (f"at {rows[-1]['torque_nm']:g} N m", "hdengine", "CalculiX", "difference"), [
+        (r["what"], f"{r['ours']:.5g} {r['unit']}", f"{r['calculix']:.5g} {r['unit']}", percent(r["difference"], 1, ""))
+        for r in rows if r["torque_nm"] == rows[-1]["torque_nm"]]
+
+
+def heights():
+    """Time of heights over the best peer's: least and most over the sizes."""
+    cells = read_record("height_peers")["cells"]
+    waves, sizes = ([*dict.fromkeys(c[k] for c in cells)] for k in ("waves", "n"))
+    found = {}
+    for c in cells:
+        found.setdefault((c["tolerance"], c["waves"]), []).append(c["ratio"])
+    return (f"tolerance, {min(sizes)}² to {max(sizes)}² points", *(f"J = {j}" for j in waves)), [
+        (f"{t:g}", *(f"{min(found[t, j]):.2f} to {max(found[t, j]):.2f}" for j in waves)) for t in dict.fromkeys(c["tolerance"] for c in cells)]
+
+
+# --- K_TS in scenes
+
+KINDS = {"k_ts_nm_per_rad": ("Eq. 45", 2), "k_ts_tangent_nm_per_rad": ("tangent", 3), "k_ts_secant_nm_per_rad": ("secant", 3),
+         "k_fe_secant_nm_per_rad": ("torque over rotation", 4)}
+
+
+def reading(sums, key):
+    """A reading of K_TS [MN m/rad]."""
+    return f"{sums[key] / 1e6:.{KINDS[key][1]}f}"
+
+
+def meshes():
+    """CD-14-100 over its mesh."""
+    return ("facets", "cells at the edges / µm", *(name for name, _ in [*KINDS.values()][:2]), "peak / MPa", "line load / (kN/m)"), [
+        (f"{s['divisions']} x {s['band_facets']}", f"{1e6 * s['edge_length_m']:g}" if s["edge_length_m"] else "even",
+         *(reading(s, k) for k in [*KINDS][:2]), f"{s['pressure_max_pa'] / 1e6:.0f}", f"{s['edge_line_load_n_per_m'] / 1e3:.1f}")
+        for s in read_record("readings")["meshes"]]
+
+
+def steps():
+    """CD-14-100 by 1, 5 and 20 torque steps, by support and law of contact."""
+    found = {}
+    for name, s in read_record("readings")["steps"].items():
+        found.setdefault(tuple(name.split(", ")[:2]), []).append(s)
+    kinds = ("k_ts_tangent_nm_per_rad", "k_fe_secant_nm_per_rad")
+    return ("support", "contact law", *(KINDS[k][0] for k in kinds)), [
+        (*case, *(triple([reading(s, k) for s in sums], "{}") for k in kinds)) for case, sums in found.items()]
+
+
+def kinematics():
+    """Largest change by large displacements over w."""
+    return ("w / mm", "Eq. 45", "normal force", "mid-band pressure"), [
+        (f"{1e3 * r['w_m']:.2f}", *(percent(x, sign="") for x in r["largest"])) for r in read_record("readings")["kinematics"]]
+
+
+def frictions():
+    """CD-14-100 at 1, 5 and 20 N m over friction and eccentricity."""
+    found = {}
+    for name, s in read_record("readings")["frictions"].items():
+        found.setdefault(name.split(", ")[1], []).append(s)
+    return ("scene", *(name for name, _ in [*KINDS.values()][:2]), "slip of Eq. 45 / %"), [
+        (what, *(" / ".join(reading(s, k) for s in at) for k in [*KINDS][:2]), triple([100 * s["slip_share_k_ts"] for s in at], "{:.0f}"))
+        for what, at in found.items()]
+
+
+def joints():
+    """CD-14-100 over the joint."""
+    return ("joint", *(name for name, _ in [*KINDS.values()][:2])), [
+        (name, *(reading(s, k) for k in [*KINDS][:2])) for name, s in read_record("readings")["inputs"].items()]
+
+
+def shares():
+    """The contact's share of the angle of size 14, by K_TS."""
+    found = read_record("readings")["default_scene"]
+    high, low = (next(s for s in found["drive"] if abs(s["torque_nm"] - t) < 1e-6) for t in (14, 1.4))
+    rows = ((found["tangent_nm_per_rad"], "tangent, ring on a rigid cam (`data/cd14.nml`)"),
+            (high["tangent_nm_per_rad"], "tangent in the whole drive at 14 N m (`data/drive14.nml`)"),
+            (low["tangent_nm_per_rad"], "the same at 1.4 N m"), (found["eq45_nm_per_rad"], "Eq. 45 in the scene of the first row"))
+    return ("K_TS of the contact", "where it comes from", "share of the drive's angle"), [
+        (f"{power(k)} N m/rad", source, f"{digits(100 * found['k2_catalogue_nm_per_rad'] / k)} %") for k, source in rows]
+
+
+def headline():
+    """The default scene in three rows."""
+    found = read_record("readings")["default_scene"]
+    tangent, k2 = found["tangent_nm_per_rad"], found["k2_catalogue_nm_per_rad"]
+    return ("number", "what it says"), [
+        (f"tangent, {power(tangent)} N m/rad", "slope of torque over the angle that the contact adds: what a test would measure"),
+        ("catalogue, K2 of this size", f"{power(k2)} N m/rad: slope of the whole drive"),
+        ("quotient", f"the contact is {round(tangent / k2, -1):.0f} times as stiff as the drive; in series it takes {digits(100 * k2 / tangent)} % of its twist")]
+
+
+def indices():
+    """Shares of the inputs in the tangent."""
+    found = read_record("sensitivity")
+    return ("input", "total share", "by factors"), [
+        (f"`{r['input']}`", f"{r['ST']:.2f} ± {r['ST_conf']:.2f}", f"{found['share_by_factors'][r['input']]:.2f}") for r in found["indices"] if r["ST"] >= 0.015]
+
+
+# --- the drive and the paper
+
+MOVES = 0.1   # of K1, K2 or K3: inputs that change none of them by so much are left out
+
+
+def drive_sizes():
+    """Seven sizes beside the catalogue."""
+    return ("size", "K1 / K2 / K3 in kN m/rad", "over the catalogue's", "hysteresis", "time"), [
+        (r["size"], triple(r["ours"], "{:.3g}"),
+         triple([a / b for a, b in zip(r["ours"], r["catalogue"])], "{:.2f}") if r["catalogue"] else "-", f"{r['hysteresis_arcmin']:.2f}'",
+         f"{r['cpu_s']:.1f} s") for r in read_record("drive_catalogue")["sizes"]]
+
+
+def drive_inputs():
+    """Inputs that move the stiffness of the drive."""
+    rows = read_record("drive_catalogue")["inputs"]
+    base = rows[0]["k"]
+    return ("input", "change of K1 / K2 / K3 in %"), [
+        (r["input"], triple([100 * (k / b - 1) for k, b in zip(r["k"], base)], "{:+.0f}"))
+        for r in rows if max(abs(k / b - 1) for k, b in zip(r["k"], base)) >= MOVES]
+
+
+def magnitude():
+    """K_TS in every reading beside the paper's."""
+    from hdengine.paper.comparison import STATED
+    at, names = read_record("paper_comparison")["at_5_nm"], {"k_ts_nm_per_rad": "Eq. 45", "k_ts_paper_n": "Eq. 45 as printed"} | {
+        k: KINDS[k][0] for k in [*KINDS][1:]}
+    return ("reading", "cup bottom held", "paper's load path", "over the paper's"), [
+        (name, *(f"{at[s][key] / 1e6:.3g}" for s in ("hub", "bearing")), "a force" if key == "k_ts_paper_n" else f"{at['bearing'][key] / STATED['k_ts_5_nm']:.0f}")
+        for key, name in names.items()]
+
+
+def trends():
+    """Scenes that give the paper's trends, by reading."""
+    from paper_comparison import reading_line
+    return ("reading", "rise", "fall", "inside", "1 to 5 N m", "e = 10 µm", "over w"), [
+        reading_line(name, found)[:-2] for name, found in read_record("paper_comparison")["trends_by_reading"].items() if "printed" not in name]
+
+
+def verdicts():
+    """The printed figures beside ours, but for those that cannot agree."""
+    return ("quantity", "paper", "ours", "verdict"), [
+        tuple(r[k] for k in ("quantity", "paper", "ours", "verdict")) for r in read_record("paper_comparison")["rows"] if "cannot" not in r["verdict"]]
+
+
+# --- surfaces and joints
+
+def fits():
+    """The fit told nothing, by the size of the maps."""
+    found, out = read_record("blind_fit"), []
+    groups = {"128², lines of 4096": found["maps"]} | {f"{n}²": {k: v for k, v in found["sizes"].items() if k.endswith(f", {n}")} for n in (256, 512, 1024)}
+    for name, rows in groups.items():
+        count = sum(v["maps"] for v in rows.values())
+        inside = [sum(v["maps"] * v[k] for v in rows.values()) / count for k in ("cover_d", "cover_g", "fractal")]
+        worst = max(rows, key=lambda k: abs(rows[k]["bias"]))
+        out.append((name, len(rows), count, *(f"{100 * x:.0f} %" for x in inside[:2]), f"{100 * (1 - inside[2]):.1f} %",
+                    f"{min(v['std'] for v in rows.values()):.3f} to {max(v['std'] for v in rows.values()):.3f}", f"{rows[worst]['bias']:+.3f} ({worst.split(',')[0]})"))
+    return ("points", "kinds and D", "maps", "D inside", "G inside", "refused", "scatter of D", "largest bias of ten maps"), out
+
+
+def kinds():
+    """Maps that are not fractal."""
+    found = read_record("blind_fit")["kinds"]
+    called = {name: v["called_fractal"] for name, v in found.items() if v["called_fractal"]}
+    return ("maps that are not fractal", "called fractal", "which"), [
+        (f"{sum(v['of'] for v in found.values())} of {len(found)} kinds", sum(called.values()), ", ".join(f"{name} {n}" for name, n in called.items()))]
+
+
+def faults():
+    """What wrong points and seams do to D."""
+    def each(row, key, text, scale=1):
+        return "/".join("-" if row[d][key] is None or row[d][key] != row[d][key] else text.format(scale * row[d][key]) for d in ("2.1", "2.5", "2.9"))
+    return ("fault", "D moved, median", "largest", "found / %"), [
+        (r["fault"], each(r, "moved", "{:.3f}"), each(r, "moved_most", "{:.2f}"), each(r, "found", "{:.0f}", 100))
+        for r in read_record("blind_fit")["faults"]]
+
+
+def joint_law():
+    """k_N by theory over boundary elements: range over D, by contact and roll-off."""
+    found = {}
+    for s in read_record("joint_law")["surfaces"]:
+        found.setdefault(s["surface"], []).append(s["ratio"])
+    means = {kind: [np.sqrt(np.prod(maps, axis=0)) for name, maps in found.items() if name.endswith(f", {kind}")] for kind in ("roll-off", "no roll-off")}
+    return ("true contact / %", "roll-off at 1/6 of the map", "no roll-off"), [
+        (share, *(f"{min(r[i] for r in rows):.2f} to {max(r[i] for r in rows):.2f}" for rows in means.values()))
+        for i, share in enumerate(("0.2", "0.5", "1.5", "4", "13", "36"))]
+
+
+LIGHT = (0, 1, 2, 3)   # the contacts up to 4 %
+
+
+def joint_rule():
+    """Where the planner takes the theory: the error of k_N there."""
+    rows = read_record("joint_choice")["maps"]
+    names = {1: "none", 2: "1/2", 4: "1/4", "cut": "cut out of a larger map"}
+    out = []
+    for label, chosen in [(words, [r for r in rows if r["kind"] == kind]) for kind, words in names.items()] + [("all", rows)]:
+        e = np.concatenate([np.exp(np.array(r["ln_error"])[r["theory"]]) - 1 for r in chosen])
+        every = sum(len(r["theory"]) for r in chosen)
+        scatter = [np.std([r["ln_error"][i] for r in chosen if r["fractal_dimension"] == d and r["kind"] == kind], ddof=1)
+                   for d, kind in dict.fromkeys((r["fractal_dimension"], r["kind"]) for r in chosen) for i in LIGHT]
+        out.append((label, f"{100 * min(scatter):.0f} to {100 * max(scatter):.0f} %", f"{len(e)} of {every}", f"{100 * (abs(e) < 0.25).mean():.0f} %", f"{100 * (abs(e) < 0.10).mean():.0f} %", f"{100 * abs(e).max():.0f} %"))
+    return ("roll-off over the map", "scatter of maps", "theory taken", "within 25 %", "within 10 %", "largest error"), out
+
+
+def joint_fewer():
+    """Boundary elements on averaged maps."""
+    return ("points", "what averaging takes", "contact", "within 10 %", "rms error", "largest"), [
+        (f"{r['points']}²", "added" if r["with_theory"] else "left out", r["contact"], f"{r['within_10_percent']} of {r['pressures']}",
+         percent(r["rms_error"], 1, ""), percent(r["largest_error"], 0, "")) for r in read_record("joint_choice")["fewer"] if r["with_theory"] or r["points"] == 64]
+
+
+def joint_shear():
+    """The law of shear beside boundary elements, by surface; ranges over three shares of contact."""
+    rows, out = read_record("joint_shear")["patches"], []
+    for surface in dict.fromkeys(r["surface"] for r in rows):
+        def span(name, surface=surface):
+            values = [100 * r[name] for r in rows if r["surface"] == surface]
+            return f"{min(values):.1f} to {max(values):.1f}"
+        out.append((surface, *(span(f"{law}_{part}_error") for law in ("law", "theory") for part in ("curve", "loop"))))
+    return ("surface", "loading, own k_N", "loop, own k_N", "loading, theory", "loop, theory"), out
+
+
+def joint_measured():
+    """Measured joints over the law at the ends of their pressures."""
+    return ("joint", "joints", "pressure / MPa", "mean over law", "largest over smallest"), [
+        (r["joint"].replace("um", "µm"), r["joints"], " to ".join(f"{p / 1e6:.2g}" for p in r["pressure_pa"]),
+         " to ".join(f"{x:.2f}" for x in r["mean_over_law"]), " to ".join(f"{x:.1f}" for x in r["spread"])) for r in read_record("joint_measured")["rows"]]
+
+
+# --- stability and planner
+
+GROUPS = {"drive": "whole drives", "scene": "contact scenes", "heights": "heights", "joint": "joint of Hu et al.", "theory": "theory of the joint",
+          "fit": "fit of D, told nothing"}
+
+
+def maps():
+    """Cells of the maps of hard parameters by verdict, by what they are of."""
+    kinds, counts = ("right", "refused", "slow", "wrong"), {}
+    for m in read_record("stability")["maps"]:
+        first = m["name"].split("_")[0]
+        group = "drive" if m["title"].startswith("Whole drive") else first if first in GROUPS else "scene"
+        counts.setdefault(group, []).append([sum(row.count(v) for row in m["verdict"]) for v in kinds])
+    return ("maps of", "maps", *kinds), [(GROUPS[group], len(rows), *map(sum, zip(*rows))) for group, rows in counts.items()]
+
+
+def random_runs():
+    """Outcomes of random scenes and drives."""
+    return ("random", "runs", "converged", "ended otherwise", "Newton iterations a step: median, 95 %"), [
+        (name, r["count"], r["outcomes"].get("converged", 0), ", ".join(f"{what} {n}" for what, n in r["outcomes"].items() if what != "converged") or "-",
+         f"{r['iterations_per_step_median']:.0f}, {r['iterations_per_step_95']:.0f}") for name, r in read_record("random_runs").items() if name != "commits"]
+
+
+def planned():
+    """Meshes, times and limits by tolerance."""
+    return ("tolerance", "facets", "layers", "time / s", "limit of the tangent / (MN m/rad)"), [
+        (f"{r['tolerance']:g}", f"{r['mesh'][0]} x {r['mesh'][1]}", r["layers"], digits(r["cpu_s"]), f"{r['k_ts_tangent_nm_per_rad'] / 1e6:.3f}")
+        for r in read_record("readings")["planned"]]
+
+
+def is_judged(run):
+    """All that a promise names is judged, or one of it is beyond the tolerance; the peak, which the refinement does not wait for, need not be."""
+    errors = [error for name, (_, error) in run["results"].items() if name != "pressure_mid_max_pa"]
+    return None not in errors or max(known(run), default=0) > run["tolerance"]
+
+
+def known(run):
+    """True errors of the results that are judged."""
+    return [error for _, error in run["results"].values() if error is not None]
+
+
+def promises(*records):
+    """Promised and kept by record and tolerance."""
+    out = []
+    for record, what in records or (("promised_scenes", "scenes"), ("promised_drives", "whole drives")):
+        rows = [*read_rows(record, "scene").values()]
+        for tolerance in sorted({t for row in rows for t in row["asked"]}, reverse=True):
+            made = [run for row in rows for run in row["runs"] if run["tolerance"] == tolerance]
+            whole = [run for run in made if is_judged(run)]
+            worst = [max(known(run)) for run in whole]
+            out.append((what, f"{100 * tolerance:g} %", sum(tolerance in row["asked"] for row in rows), len(made), len(whole), sum(w <= tolerance for w in worst),
+                        percent(median(worst), 1, ""), percent(max(worst), 1, ""),
+                        f"{median(max(e for e, _ in run['results'].values()) / w for run, w in zip(whole, worst)):.1f}", f"{median(r['seconds'] for r in made):.0f}"))
+    return ("planned", "tolerance", "asked", "promised", "judged", "kept", "median error", "largest", "estimate over it", "CPU s"), out
+
+
+def promised_results():
+    """Errors of what is promised, by result."""
+    from promised import NAMES
+    runs = [run for row in read_rows("promised_scenes", "scene").values() for run in row["runs"]]
+    out = []
+    for name, words in NAMES.items():
+        pairs = [(run["tolerance"], *run["results"][name]) for run in runs if run["results"].get(name, (0, None))[1] is not None]
+        out.append((words, len(pairs), percent(median(e for *_, e in pairs), 1, ""), percent(max(e for *_, e in pairs), 1, ""),
+                    sum(e > estimate for _, estimate, e in pairs), sum(e > t for t, _, e in pairs)))
+    return ("result", "judged", "median error", "largest", "above its estimate", "above the tolerance"), out
+
+
+# --- charts and records
+
+def figures():
+    """The charts, one by one, with the error and the time of the default."""
+    from pareto import section
+    return "\n\n".join(map(section, read_record("pareto")["charts"]))
+
+
+def records():
+    """Every record and the engines that made its parts."""
+    rows = []
+    for path in sorted(RESULTS.glob("*.json*")):
+        whole = json.loads(path.read_text() if path.suffix == ".json" else path.read_text().splitlines()[-1])
+        commits = dict.fromkeys(c[:8] for c in whole.get("commits", {"": whole["provenance"]["commit"]}).values() if c)
+        rows.append((f"`{path.name}`", ", ".join(commits)))
+    return ("record", "commit of the engine"), rows
+
+
+TABLES = {  # marker: page from docs on, records, builder
+    "headline": ("../README", ["readings"], headline),
+    "elements": ("evidence/accuracy", ["elements"], elements),
+    "closed": ("evidence/accuracy", ["court"], closed),
+    "meshes": ("evidence/accuracy", ["readings"], meshes),
+    "steps": ("evidence/accuracy", ["readings"], steps),
+    "kinematics": ("evidence/accuracy", ["readings"], kinematics),
+    "fits": ("evidence/surfaces", ["blind_fit"], fits),
+    "kinds": ("evidence/surfaces", ["blind_fit"], kinds),
+    "faults": ("evidence/surfaces", ["blind_fit"], faults),
+    "joint-law": ("evidence/joint", ["joint_law"], joint_law),
+    "joint-rule": ("evidence/joint", ["joint_choice"], joint_rule),
+    "joint-fewer": ("evidence/joint", ["joint_choice"], joint_fewer),
+    "joint-shear": ("evidence/joint", ["joint_shear"], joint_shear),
+    "joint-measured": ("evidence/joint", ["joint_measured"], joint_measured),
+    "planned": ("evidence/planner", ["readings"], planned),
+    "promises": ("evidence/planner", ["promised_scenes", "promised_drives"], promises),
+    "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
+    "figures": ("evidence/speed_accuracy", ["pareto"], figures),
+    "maps": ("evidence/stability", ["stability"], maps),
+    "random": ("evidence/stability", ["random_runs"], random_runs),
+    "peer-hub": ("evidence/peers", ["peer_hub"], peer_hub),
+    "peer-drive": ("evidence/peers", ["peer_drive"], peer_drive),
+    "court": ("evidence/peers", ["court"], court),
+    "heights": ("evidence/peers", ["height_peers"], heights),
+    "magnitude": ("evidence/comparison", ["paper_comparison"], magnitude),
+    "trends": ("evidence/comparison", ["paper_comparison"], trends),
+    "verdicts": ("evidence/comparison", ["paper_comparison"], verdicts),
+    "drive-sizes": ("evidence/comparison", ["drive_catalogue"], drive_sizes),
+    "frictions": ("evidence/inputs", ["readings"], frictions),
+    "joints": ("evidence/inputs", ["readings"], joints),
+    "shares": ("evidence/inputs", ["readings"], shares),
+    "indices": ("evidence/inputs", ["sensitivity"], indices),
+    "drive-inputs": ("evidence/inputs", ["drive_catalogue"], drive_inputs),
+    "records": ("evidence/index", [], records),
+}
+
+
+def text_of(marker):
+    """What stands between the markers of a table."""
+    made = TABLES[marker][2]()
+    return made if isinstance(made, str) else table(*made)
+
+
+def write():
+    """Put every table on its page."""
+    for marker, (page, *_) in TABLES.items():
+        put(marker, text_of(marker), page)
+
+
+if __name__ == "__main__":
+    write()

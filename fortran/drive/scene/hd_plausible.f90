@@ -30,6 +30,7 @@ module hd_plausible
     usual_t('geometry.band_length', 1e-3_dp, 0.1_dp), usual_t('material.flexspline_e', 1e9_dp, 5e11_dp), &
     usual_t('material.ring_e', 1e9_dp, 5e11_dp), usual_t('material.flexspline_nu', 0.15_dp, 0.49_dp), &
     usual_t('material.ring_nu', 0.15_dp, 0.49_dp), usual_t('material.yield_strength', 2e7_dp, 4e9_dp), &
+    usual_t('material.ring_yield_strength', 2e7_dp, 4e9_dp), &
     usual_t('wave_generator.w', 2e-5_dp, 3e-3_dp), usual_t('wave_generator.interference', 1e-8_dp, 1e-4_dp), &
     usual_t('wave_generator.clearance', 1e-8_dp, 1e-4_dp), &
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &

@@ -99,7 +99,7 @@ def with_teeth(groups, size, ratio):
     gap = PLAY * size / 14 * math.cos(math.radians(pressure_angle(ratio)))
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "rim.nml").write_text(text(groups))
-        subprocess.run([Path(sys.executable).parent / "hdengine.x", "rim.nml", "loop.torques=0", "load.torque_steps=1", "output.vtu=last", "-q"],
+        subprocess.run([Path(sys.executable).parent / "hdengine.x", "rim.nml", "loop.torques=0,0", "load.torque_steps=1", "output.vtu=last", "-q"],
                        cwd=folder, check=True)
         keys = hdengine.tooth_gaps(hdengine.Involute(module=module), f"{folder}/rim.out", least_gap=gap).keys()
     groups["load"] |= {key.split(".")[1]: keys[key] for key in ("load.tooth_gaps", "load.tooth_gaps_back")}

@@ -275,8 +275,8 @@ def test_a_planned_drive_turns_from_the_command_line_and_from_python(exe, tmp_pa
     """A plan chooses the mesh of a drive whose wave generator turns afterwards: both ways in write turning.csv, byte for byte."""
     words = ["run.tolerance=0.3", "loop.torques=2", "load.torque_steps=1", "bearing.model=given", "solver.kinematics=linear",
              "output.vtu=none", "turning.positions=2"]
-    done = call(exe, ROOT / "data/drive14.nml", *words, "--out", tmp_path / "app")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *words, "--out", tmp_path / "app")
     assert done.returncode == 0, done.stderr
-    hdengine.run(ROOT / "data/drive14.nml", tmp_path / "python", **dict(w.split("=") for w in words))
+    hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "python", **dict(w.split("=") for w in words))
     app, python = ((tmp_path / x / "turning.csv").read_bytes() for x in ("app", "python"))
     assert app == python and len(app.splitlines()) == 3

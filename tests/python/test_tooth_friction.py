@@ -21,7 +21,7 @@ COLUMNS = (("loop", ("angle_rad", "stored_j", "dissipated_j", "dissipated_teeth_
 
 def solve(exe, folder, *keys):
     """Results and tables of a small drive."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", folder, "--force", "-q")
     assert done.returncode == 0, done.stderr
     results = json.loads((folder / "summary.json").read_text())["results"]
     return {"results": results} | {name: read_csv(folder / f"{name}.csv") for name in ("loop", "balls", "teeth")}
@@ -118,7 +118,7 @@ def test_turned_drives_rub_too(exe, tmp_path):
     keys = [*MESH, RUB, "loop.torques=6,0", "load.torque_steps=2", "turning.positions=2"]
     tables = []
     for method in ("condensed", "newton"):
-        done = call(exe, ROOT / "data/drive14.nml", *keys, f"solver.method={method}", "--out", tmp_path / method, "-q")
+        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *keys, f"solver.method={method}", "--out", tmp_path / method, "-q")
         assert done.returncode == 0, done.stderr
         tables.append(read_csv(tmp_path / method / "turning.csv"))
     for column in ("turn_rad", "stiffness_nm_per_rad", "tooth_force_max_n"):
@@ -136,7 +136,7 @@ def test_random_drives_rub_by_their_law(exe, tmp_path, seed):
             "load.pressure_angle_deg": r.uniform(0, 40), "load.tooth_pairs": 2 * r.integers(3, 20), "load.tooth_clearance": r.uniform(0, 3e-5),
             "load.tooth_stiffness": 10 ** r.uniform(7.5, 8.5), "load.spline_thickness": r.choice([0, 7e-3]), "load.torque_steps": 3,
             "loop.torques": f"{r.uniform(1, 15):.3g},{r.uniform(-15, 15):.3g}", "load.tooth_phase": r.uniform(-0.5, 0.5)}
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *(f"{k}={v}" for k, v in keys.items()), "--out", tmp_path / "r", "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *(f"{k}={v}" for k, v in keys.items()), "--out", tmp_path / "r", "-q")
     if done.returncode == 4:
         assert "no convergence" in done.stderr or "run in a cycle" in done.stderr
         return
@@ -152,7 +152,7 @@ def test_a_kept_model_learns_and_forgets_friction(tmp_path):
     keys = dict(k.split("=") for k in [*MESH, "loop.torques=8,-3", "load.torque_steps=2"])
     angles = {}
     for mu in (0, MU, 0.2, 0, MU):
-        angle = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys, **{"load.tooth_friction": mu}).loop["angle_rad"]
+        angle = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", True, **keys, **{"load.tooth_friction": mu}).loop["angle_rad"]
         np.testing.assert_array_equal(angle, angles.setdefault(mu, angle))
     assert len({angle[-1] for angle in angles.values()}) == 3
 

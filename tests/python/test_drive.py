@@ -424,6 +424,7 @@ def shipped(exe, folder, name, *keys):
     done = call(exe, ROOT / f"data/{name}.nml", "mesh.divisions=64", "mesh.band_facets=7", "load.torque_steps=8", *keys, "--out", folder, "-q")
     assert done.returncode == 0, done.stderr
     r = json.loads((folder / "summary.json").read_text())["results"]
+    assert min(r["flexspline_yield_safety"], r["ring_yield_safety"]) > 1, (name, r["flexspline_yield_safety"], r["ring_yield_safety"])
     return np.array([r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)]), r
 
 

@@ -20,6 +20,7 @@ module hd_summary
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
+  use hd_strength, only: strength_t
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_theory_trust, only: theory_error_t, steep
@@ -65,7 +66,7 @@ module hd_summary
 contains
 
   !> Write the summary; `failure` is what ended the run early, if anything did.
-  subroutine write_summary(folder, scene, drive, joint, solver, step, sums, tally, record, loop, failure, error)
+  subroutine write_summary(folder, scene, drive, joint, solver, step, sums, strength, tally, record, loop, failure, error)
     character(len=*), intent(in) :: folder                    !< folder of the run
     type(scene_t), intent(in) :: scene                        !< scene
     type(drive_t), intent(in) :: drive                        !< drive
@@ -73,6 +74,7 @@ contains
     class(linear_solver_t), intent(in) :: solver              !< linear solver
     type(step_t), intent(in) :: step                          !< that the results are of: the last one, or the reference step of a loop
     type(sums_t), intent(in) :: sums                          !< its sums
+    type(strength_t), intent(in) :: strength                  !< stresses of all steps
     type(tally_t), intent(in) :: tally                        !< counts
     type(record_t), intent(in) :: record                      !< times, plan, warnings
     type(loop_t), intent(in) :: loop                          !< of the whole drive
@@ -89,6 +91,7 @@ contains
     call json%add('cut_backs', tally%cuts)
     call json%add('cycles', tally%cycles)
     call add_results(json, sums, record, scene%support%loop)
+    if (strength%flexspline > 0) call add_strength(json, scene, strength)
     if (scene%support%loop) call add_loop(json, scene, loop, step, sums)
     call json%finish()
     call add_joint(json, scene, joint, sums%theory)
@@ -100,7 +103,7 @@ contains
     if (record%planned_tolerance > 0) call add_plan(json, scene, record)
     call json%begin('model_error')
     call add_lines(json, 'tolerance_covers', covered(scene, record%level > 0, record%limit))
-    call add_lines(json, 'left_out', left_out(scene, sums))
+    call add_lines(json, 'left_out', left_out(scene, sums, strength))
     call json%finish()
     call add_lines(json, 'warnings', record%warnings)
     call add_provenance(json, solver, record)
@@ -247,6 +250,17 @@ contains
     if (record%slip_torque > 0) call json%add('gross_slip_torque_nm', record%slip_torque)
   end subroutine add_results
 
+  !> Stresses and safeties of both bodies.
+  subroutine add_strength(json, scene, strength)
+    type(json_t), intent(inout) :: json          !< document
+    type(scene_t), intent(in) :: scene           !< yield strengths
+    type(strength_t), intent(in) :: strength     !< stresses of all steps
+    call json%add('von_mises_max_pa', max(strength%flexspline, strength%ring))
+    call json%add('flexspline_von_mises_max_pa', strength%flexspline)
+    call json%add('flexspline_yield_safety', strength%flexspline_safety(scene))
+    call json%add('ring_yield_safety', strength%ring_safety(scene))
+  end subroutine add_strength
+
   !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
   subroutine add_loop(json, scene, loop, step, sums)
     type(json_t), intent(inout) :: json    !< document
@@ -275,8 +289,6 @@ contains
     call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
     call json%add('ball_force_max_n', loop%ball_force_max)
     call json%add('tooth_force_max_n', loop%tooth_force_max)
-    call json%add('von_mises_max_pa', loop%von_mises_max)
-    call json%add('flexspline_von_mises_max_pa', loop%von_mises_cup)
     if (allocated(loop%fatigue%safety)) call json%add('goodman_safety_min', minval(loop%fatigue%safety))
     if (.not. allocated(loop%turned_angle)) return
     call json%add('turning_angle_error_rad', maxval(loop%turned_angle) - minval(loop%turned_angle))

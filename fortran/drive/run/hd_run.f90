@@ -17,7 +17,7 @@ module hd_run
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
   use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
+  use hd_loop, only: loop_text, loop_t, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -28,6 +28,7 @@ module hd_run
   use hd_pressure_patches, only: patch_pressures
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_strength, only: book_stress, strength_text, strength_warnings
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
@@ -207,11 +208,10 @@ contains
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
-      if (run%scene%support%loop .and. .not. allocated(error)) then
-        call book_stress(run%loop, run%scene, run%model%drive, run%state, run%step, error)
-        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%model%drive, run%loop, run%sums%k_ts, &
-          error)
-      end if
+      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
+        run%step%torque, error)
+      if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
+        run%model%drive, run%loop, run%sums%k_ts, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
@@ -243,7 +243,6 @@ contains
       if (.not. again) call book(run%loop, run%scene, run%model%drive, load, run%state, run%step)
       run%sums%rotation = bottom_turn(run%model%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
-      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%model%drive, run%state, run%loop%force)
     end if
     call sum_stiffness(run%scene, run%model%drive, run%step%torque, run%state, run%facets, run%sums)
   end subroutine measure
@@ -368,7 +367,7 @@ contains
       if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
       if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
-        run%step, run%sums, run%tally, run%record, run%loop, run%failure, error)
+        run%step, run%sums, run%strength, run%tally, run%record, run%loop, run%failure, error)
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
     end if
@@ -380,16 +379,27 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     type(string_t), allocatable :: lines(:)
     integer :: i
-    if (run%step%number == 0 .or. .not. run%scene%support%contact) return  ! bonded there: no joint
-    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
-    do i = 1, size(lines)
-      call push(run%record%warnings, lines(i)%s)
+    if (run%step%number == 0) return
+    if (run%strength%flexspline > 0) then
+      call strength_warnings(run%strength, run%scene, lines)
+      call warn(run, lines)
+      call say('stress    '//strength_text(run%strength, run%scene))
+    end if
+    if (run%scene%support%contact) call judge_contact(run)  ! else bonded: no joint
+    do i = 1, size(run%record%warnings)
+      call say('warning: '//run%record%warnings(i)%s)
     end do
+  end subroutine judge_results
+
+  !> The same of the contact.
+  subroutine judge_contact(run)
+    type(run_t), intent(inout) :: run  !< gets warnings
+    type(string_t), allocatable :: lines(:)
+    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
+    call warn(run, lines)
     if (run%scene%support%loop) then
       call drive_warnings(run%loop, run%scene, lines)
-      do i = 1, size(lines)
-        call push(run%record%warnings, lines(i)%s)
-      end do
+      call warn(run, lines)
     end if
     call push_stiffness_warnings(run)
     call judge_load_path(run)
@@ -404,10 +414,17 @@ contains
       call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
     end associate
-    do i = 1, size(run%record%warnings)
-      call say('warning: '//run%record%warnings(i)%s)
+  end subroutine judge_contact
+
+  !> Keep warnings for the summary.
+  subroutine warn(run, lines)
+    type(run_t), intent(inout) :: run        !< its record grows
+    type(string_t), intent(in) :: lines(:)   !< one each
+    integer :: i
+    do i = 1, size(lines)
+      call push(run%record%warnings, lines(i)%s)
     end do
-  end subroutine judge_results
+  end subroutine warn
 
   !> What takes the twist of a drive at its reference step, and the two readings of K_TS there.
   subroutine tell_twist(run)

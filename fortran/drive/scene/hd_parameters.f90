@@ -66,7 +66,9 @@ contains
     call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
     call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
     call add_real(t, 'material', 'yield_strength', 'joint', s%yield_strength, 'Pa', 0._dp, big, &
-      'yield strength of the softer body; its hardness is 2.8 times that')
+      'yield strength of the flexspline, the softer body; its hardness is 2.8 times that')
+    call add_real(t, 'material', 'ring_yield_strength', 'load', s%ring_yield_strength, 'Pa', 0._dp, big, &
+      'yield strength of the ring (hardened bearing steel: 1.7e9 to 2.2e9)')
     call add_integer(t, 'mesh', 'divisions', 'model', s%divisions, 8, 100000, 'cells round the circumference')
     call add_integer(t, 'mesh', 'band_facets', 'model', s%band_facets, 1, 10000, 'contact facets along the band')
     call add_integer(t, 'mesh', 'ring_divisions', 'model', s%ring_divisions, 0, 100000, 'cells round the ring; 0: as divisions')

@@ -30,7 +30,7 @@ module hd_scene
     integer :: sections_count(4) = 1
     ! material
     real(dp) :: flexspline_e = 209e9_dp, flexspline_nu = 0.295_dp, ring_e = 219e9_dp, ring_nu = 0.30_dp
-    real(dp) :: yield_strength = 835e6_dp
+    real(dp) :: yield_strength = 835e6_dp, ring_yield_strength = 1.7e9_dp
     ! mesh
     integer :: divisions = 86, band_facets = 15, ring_divisions = 0, ring_facets = 0, wall_elements = 0
     integer :: bottom_elements = 0, through_wall = 1, through_ring = 1

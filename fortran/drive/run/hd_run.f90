@@ -17,7 +17,7 @@ module hd_run
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
+  use hd_loop, only: loop_text, loop_t, read_loop, book, book_stress, write_loop, bottom_turn, moments_of_struts
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -32,6 +32,7 @@ module hd_run
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
+  use hd_tolerance_band, only: banded_values
   use hd_twist_shares, only: twist_shares
   implicit none
   private
@@ -403,6 +404,8 @@ contains
       call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
         percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
       if (run%scene%support%loop) call say('drive     '//loop_text(run%loop, run%scene))
+      if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
+        run%scene), s)))
     end associate
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)

@@ -3,7 +3,7 @@ module test_tolerance_band
   use hd_check, only: check, check_close
   use hd_kinds, only: dp
   use hd_text, only: string_t
-  use hd_tolerance_band, only: band_t, banded
+  use hd_tolerance_band, only: tolerance_band_t, banded
   implicit none
   private
   public :: run_tolerance_band
@@ -11,7 +11,7 @@ module test_tolerance_band
 contains
 
   subroutine run_tolerance_band()
-    type(band_t) :: band, still
+    type(tolerance_band_t) :: band, still
     real(dp) :: base(banded), ends(banded, 2), factor(2, banded)
     type(string_t), allocatable :: keys(:)
     real(dp), allocatable :: shares(:)

@@ -20,7 +20,7 @@ module hd_tolerance_runs
   use hd_section, only: band_rows
   use hd_system, only: stop_requested
   use hd_text, only: string_t, push, to_text
-  use hd_tolerance_band, only: band_t, banded, banded_values, banded_words
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_values, banded_words
   use hd_tooth_flanks, only: tooth_gaps
   implicit none
   private
@@ -64,7 +64,7 @@ contains
       ' before the band was found; all load steps are kept, --resume finds it')
     run%record%interrupted = stop_requested()
     run%failure = error
-    if (allocated(run%record%band%input)) run%record%band = band_t()
+    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
   end subroutine find_band
 
   !> Solve the drive with an input at its ends; a run that does not converge is left out.

@@ -20,7 +20,7 @@ module hd_summary
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
-  use hd_tolerance_band, only: band_t, banded, banded_keys, banded_values
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_theory_trust, only: theory_error_t, steep
@@ -60,7 +60,7 @@ module hd_summary
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
     integer :: steps = 0               !< load steps of the run
-    type(band_t) :: band               !< of a loop, if it was asked for
+    type(tolerance_band_t) :: band     !< of a loop, if it was asked for
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -256,7 +256,7 @@ contains
     type(loop_t), intent(in) :: loop       !< booked steps
     type(step_t), intent(in) :: step       !< reference step
     type(sums_t), intent(in) :: sums       !< its sums
-    type(band_t), intent(in) :: band       !< of the readings
+    type(tolerance_band_t), intent(in) :: band       !< of the readings
     type(readings_t) :: readings
     integer :: i
     call json%add('reference_torque_nm', step%torque)
@@ -291,7 +291,7 @@ contains
   !> Ends of the band, and the inputs that make it.
   subroutine add_band(json, band, value)
     type(json_t), intent(inout) :: json     !< document
-    type(band_t), intent(in) :: band        !< with one input or more
+    type(tolerance_band_t), intent(in) :: band        !< with one input or more
     real(dp), intent(in) :: value(banded)   !< of the run
     type(string_t), allocatable :: keys(:)
     real(dp), allocatable :: shares(:)

@@ -10,7 +10,7 @@ module hd_tolerance_band
   use hd_text, only: string_t, percent, push, rounded
   implicit none
   private
-  public :: band_t, banded, banded_keys, banded_words, banded_values
+  public :: tolerance_band_t, banded, banded_keys, banded_words, banded_values
 
   integer, parameter :: banded = 7  !< results that have a band
   character(len=23), parameter :: banded_keys(banded) = [character(len=23) :: 'k1_nm_per_rad', 'k2_nm_per_rad', 'k3_nm_per_rad', &
@@ -20,7 +20,7 @@ module hd_tolerance_band
   integer, parameter :: shared = 2          !< K2: the result whose variance is shared out
   real(dp), parameter :: told = 0.03_dp     !< share below which the log does not name an input
 
-  type :: band_t
+  type :: tolerance_band_t
     type(string_t), allocatable :: input(:)          !< keys; not allocated: no band was asked for
     real(dp), allocatable :: up(:, :), down(:, :)    !< largest change of the logarithm upwards and downwards (banded, inputs)
     logical :: known(banded) = .true.                !< the drive as it is has such a result
@@ -29,7 +29,7 @@ module hd_tolerance_band
     procedure :: bounds
     procedure :: ranked
     procedure :: text => band_text
-  end type band_t
+  end type tolerance_band_t
 
 contains
 
@@ -45,7 +45,7 @@ contains
 
   !> Enter an input with what it changes at the ends of its tolerance. An end where a result is 0 does not count for it.
   pure subroutine add_input(self, key, base, moved)
-    class(band_t), intent(inout) :: self     !< grows
+    class(tolerance_band_t), intent(inout) :: self     !< grows
     character(len=*), intent(in) :: key      !< of the input
     real(dp), intent(in) :: base(banded)     !< as banded_values
     real(dp), intent(in) :: moved(:, :)      !< likewise, at each end (banded, ends)
@@ -67,7 +67,7 @@ contains
 
   !> Lower and upper end over the value.
   pure function bounds(self) result(factor)
-    class(band_t), intent(in) :: self  !< with one input or more
+    class(tolerance_band_t), intent(in) :: self  !< with one input or more
     real(dp) :: factor(2, banded)
     factor(1, :) = exp(-norm2(self%down, 2))
     factor(2, :) = exp(norm2(self%up, 2))
@@ -75,7 +75,7 @@ contains
 
   !> Inputs with their shares of the variance of ln K2, the largest first.
   pure subroutine ranked(self, key, share)
-    class(band_t), intent(in) :: self                        !< with one input or more
+    class(tolerance_band_t), intent(in) :: self              !< with one input or more
     type(string_t), allocatable, intent(out) :: key(:)       !< inputs
     real(dp), allocatable, intent(out) :: share(:)           !< add up to 1, or all 0 where none changes it
     real(dp) :: left(size(self%input))
@@ -94,7 +94,7 @@ contains
 
   !> The band in a line of the log, and which inputs make it.
   pure function band_text(self, value) result(text)
-    class(band_t), intent(in) :: self         !< with one input or more
+    class(tolerance_band_t), intent(in) :: self         !< with one input or more
     real(dp), intent(in) :: value(banded)     !< as banded_values
     character(len=:), allocatable :: text
     type(string_t), allocatable :: key(:)

@@ -321,6 +321,7 @@ contains
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
     character(len=:), allocatable :: text
+    real(dp), parameter :: minutes = 180*60/pi  !< arc minutes per radian
     type(readings_t) :: r
     integer :: i
     r = read_loop(loop, scene)
@@ -329,8 +330,8 @@ contains
       if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
-    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis)//' rad'
-    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion)//' rad'
+    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"
+    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion*minutes)//"'"
   end function loop_text
 
   !> Linear interpolation in rising x.

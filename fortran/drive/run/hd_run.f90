@@ -15,7 +15,7 @@ module hd_run
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
-  use hd_log, only: say
+  use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
   use hd_loop, only: loop_text, loop_t, read_loop, book, book_stress, write_loop, bottom_turn, moments_of_struts
   use hd_loop_warnings, only: drive_warnings
@@ -33,7 +33,7 @@ module hd_run
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
   use hd_tolerance_band, only: banded_values
-  use hd_twist_shares, only: twist_shares
+  use hd_twist_shares, only: twist_shares, part_names
   implicit none
   private
   public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, leave_model
@@ -394,23 +394,40 @@ contains
     end if
     call push_stiffness_warnings(run)
     call judge_load_path(run)
-    associate (s => run%sums)
-      if (s%over_rotation == s%over_rotation) then
-        call say('K_TS      tangent '//rounded(s%k_tangent)//', secant '//rounded(s%k_secant)//', torque over rotation '// &
-          rounded(s%over_rotation)//' N m/rad')
-      else  ! no torque, as at the end of a loop
-        call say('K_TS      tangent '//rounded(s%k_tangent)//' N m/rad')
-      end if
-      call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
-        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
-      if (run%scene%support%loop) call say('drive     '//loop_text(run%loop, run%scene))
+    if (run%scene%support%loop) then
+      call say('drive     '//loop_text(run%loop, run%scene))
+      call tell_twist(run)
       if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
-        run%scene), s)))
+        run%scene), run%sums)))
+    else
+      call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
+        ', contact alone '//rounded(run%sums%k_contact)//' N m/rad')
+    end if
+    associate (s => run%sums)
+      call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
+        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
     end associate
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)
     end do
   end subroutine judge_results
+
+  !> What takes the twist of a drive at its reference step, and the two readings of K_TS there.
+  subroutine tell_twist(run)
+    type(run_t), intent(in) :: run  !< run at its end
+    character(len=:), allocatable :: line
+    integer :: i
+    associate (s => run%sums)
+      if (.not. s%shares(1) == s%shares(1)) return  ! no joint: none
+      line = 'twist     at '//rounded(run%step%torque)//' N m:'
+      do i = 1, size(part_names)
+        line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < size(part_names))
+      end do
+      call say(trim(line))
+      call say('K_TS      '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46): gaps, slip and joint; '// &
+        rounded(s%k_contact)//' of the contact alone')
+    end associate
+  end subroutine tell_twist
 
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(run)
@@ -419,8 +436,8 @@ contains
     associate (s => run%sums, scene => run%scene)
       if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
         'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
-      if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
-        'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_bonded_nm_per_rad')
+      if (s%slip_k_ts > much_slip .and. .not. scene%support%loop) call push(run%record%warnings, percent(s%slip_k_ts)// &
+        ' of K_TS by Eq. 45 comes from points that slip, which Eq. 45 counts as if they held. Quote k_ts_bonded_nm_per_rad')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
         'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
       hard = s%pressure_max > run%joint%asperity%hardness

@@ -21,7 +21,7 @@ module hd_summary
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_text, only: string_t, split
-  use hd_theory_trust, only: theory_error_t, steep
+  use hd_persson_error, only: theory_error_t, steep
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private

@@ -12,7 +12,7 @@ module hd_checkpoint
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_promises, only: most_steps
-  use hd_rub, only: memories
+  use hd_flank_friction, only: memories
   use hd_scene, only: scene_t
   use hd_summary, only: tally_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file

@@ -5,8 +5,8 @@
 subroutine spectrum_joint(q, height, e_star, hardness, pressure, k, area, n, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_rough_contact, only: contact_at
-  use hd_spectrum, only: power_spectrum_t, sampled_spectrum
+  use hd_persson, only: contact_at
+  use hd_roughness_spectrum, only: power_spectrum_t, sampled_spectrum
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: n, m
@@ -30,8 +30,8 @@ end subroutine spectrum_joint
 subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_rough_contact, only: contact_at
-  use hd_spectrum, only: power_spectrum_t, fractal_spectrum
+  use hd_persson, only: contact_at
+  use hd_roughness_spectrum, only: power_spectrum_t, fractal_spectrum
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: m
@@ -178,7 +178,7 @@ end subroutine elastic_of_scene
 !> The rule for the theory: ln k_N that it must keep, E* slope over hardness that is too steep, and errors over touching waves.
 subroutine theory_rule(limits, touching, scatter, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_theory_trust, only: trust, steep, touching_waves, scatter_of_maps
+  use hd_persson_error, only: trust, steep, touching_waves, scatter_of_maps
   implicit none
   real(c_double), intent(out) :: limits(2), touching(10), scatter(10)
   integer(c_int), intent(out) :: status
@@ -193,7 +193,7 @@ end subroutine theory_rule
 !> rms error of ln k_N by theory at touching waves.
 subroutine theory_scatters(touching, scatter, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_theory_trust, only: theory_scatter
+  use hd_persson_error, only: theory_scatter
   implicit none
   integer(c_int), intent(in) :: n
   real(c_double), intent(in) :: touching(n)

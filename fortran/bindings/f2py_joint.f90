@@ -5,7 +5,7 @@
 subroutine joint_facets(p, np, n, pressure, shear, area, k_n, k_t, s_l, derivatives, iterations, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_joint
+  use hd_joint_entry, only: flat_joint
   use hd_joint, only: joint_t, response_t, evaluate_joint
   use hd_status, only: tell
   implicit none
@@ -100,7 +100,7 @@ end subroutine joint_of_scene
 subroutine joint_parts(p, np, s_l, tau, load, k_n, k_t, psi, s_r, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_joint
+  use hd_joint_entry, only: flat_joint
   use hd_joint, only: joint_t, spots_at, joint_load, normal_stiffness, tangential_stiffness, real_area
   use hd_status, only: tell
   implicit none
@@ -135,7 +135,7 @@ subroutine asperity(p, np, eps, s, tau, smooth, n, properties, by_depth, by_area
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_asperity, only: asperity_t, asperity_by_depth, asperity_by_area
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_asperity
+  use hd_joint_entry, only: flat_asperity
   use hd_named_values, only: named_list_t
   use hd_status, only: tell
   implicit none
@@ -177,7 +177,7 @@ end subroutine asperity
 subroutine joint_warnings(p, np, pressure, lines, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_joint
+  use hd_joint_entry, only: flat_joint
   use hd_joint, only: joint_t
   use hd_joint_range, only: range_warnings
   use hd_status, only: tell, hand_over
@@ -205,8 +205,8 @@ end subroutine joint_warnings
 subroutine joint_normal_law(p, np, zero_pressure, inverse, n, x, y, k, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_joint
-  use hd_interface_law, only: interface_law_t, new_interface_law, closure_at, pressure_at
+  use hd_joint_entry, only: flat_joint
+  use hd_joint_law, only: interface_law_t, new_interface_law, closure_at, pressure_at
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none
@@ -238,8 +238,8 @@ end subroutine joint_normal_law
 subroutine joint_tangential_law(p, np, n, pressure, displacement, shear, k, slipping, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_flat_joint, only: flat_joint
-  use hd_interface_law, only: interface_law_t, new_interface_law, shear_at
+  use hd_joint_entry, only: flat_joint
+  use hd_joint_law, only: interface_law_t, new_interface_law, shear_at
   use hd_joint, only: joint_t
   use hd_status, only: tell
   implicit none

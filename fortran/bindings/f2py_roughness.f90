@@ -113,7 +113,7 @@ subroutine surface_fit(z, nx, ny, other, mx, my, dx, dy, options, no, n, columns
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_error, only: error_t
-  use hd_flat_fit, only: measure_flat, fit_numbers, fit_curves, fit_rings
+  use hd_fit_entry, only: measure_flat, fit_numbers, fit_curves, fit_rings
   use hd_measurement, only: measurement_t
   use hd_status, only: tell, hand_over
   implicit none

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: elastic bodies of the caller's own meshes, alone or in contact, held by handle. Fields have names
-! (hd_solid_fields) and cross as plain lists of numbers, first index fastest.
+! (hd_solid_entry) and cross as plain lists of numbers, first index fastest.
 
 !> Open a problem; an empty mode: linear statics.
 subroutine solid_open(element, mode, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_solid_fields, only: put_solid
+  use hd_solid_entry, only: put_solid
   use hd_status, only: tell
   implicit none
   character(len=*), intent(in) :: element, mode
@@ -21,7 +21,7 @@ end subroutine solid_open
 subroutine solid_put(handle, name, values, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_solid_fields, only: field_t, solid_t, find_solid
+  use hd_solid_entry, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle, n
@@ -43,7 +43,7 @@ end subroutine solid_put
 subroutine solid_solve(handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_solid_fields, only: solid_t, find_solid
+  use hd_solid_entry, only: solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle
@@ -61,7 +61,7 @@ end subroutine solid_solve
 subroutine solid_size(handle, name, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_solid_fields, only: field_t, solid_t, find_solid
+  use hd_solid_entry, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle
@@ -82,7 +82,7 @@ end subroutine solid_size
 subroutine solid_get(handle, name, n, values, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_solid_fields, only: field_t, solid_t, find_solid
+  use hd_solid_entry, only: field_t, solid_t, find_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle, n
@@ -106,7 +106,7 @@ end subroutine solid_get
 subroutine solid_close(handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
-  use hd_solid_fields, only: drop_solid
+  use hd_solid_entry, only: drop_solid
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle

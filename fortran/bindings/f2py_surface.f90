@@ -45,7 +45,7 @@ subroutine surface_method(p, ridges, seed, grid, nx, ny, tolerance, bytes, wante
   use hd_error, only: error_t
   use hd_heights, only: method_t, choose_method
   use hd_status, only: tell
-  use hd_flat_surface, only: read_entry
+  use hd_surface_entry, only: read_entry
   use hd_waves, only: spectrum_t, grid_t
   implicit none
   real(c_double), intent(in) :: p(5), grid(4), tolerance
@@ -72,7 +72,7 @@ subroutine surface_heights(p, ridges, seed, grid, tolerance, wanted, nx, ny, hei
   use hd_error, only: error_t
   use hd_heights, only: method_t, heights
   use hd_status, only: tell
-  use hd_flat_surface, only: read_entry
+  use hd_surface_entry, only: read_entry
   use hd_waves, only: spectrum_t, grid_t, waves_t, new_waves
   implicit none
   integer(c_int), intent(in) :: nx, ny
@@ -104,7 +104,7 @@ subroutine surface_heights_single(p, ridges, seed, grid, tolerance, wanted, nx, 
   use hd_error, only: error_t
   use hd_heights, only: method_t, heights_single
   use hd_status, only: tell
-  use hd_flat_surface, only: read_entry
+  use hd_surface_entry, only: read_entry
   use hd_waves, only: spectrum_t, grid_t, waves_t, new_waves
   implicit none
   integer(c_int), intent(in) :: nx, ny
@@ -167,7 +167,7 @@ subroutine surface_free_method(count, grid, nx, ny, tolerance, bytes, wanted, ev
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_heights, only: method_t
-  use hd_flat_surface, only: read_free
+  use hd_surface_entry, only: read_free
   use hd_status, only: tell
   use hd_waves, only: grid_t
   implicit none
@@ -188,7 +188,7 @@ subroutine surface_free_heights(count, fx, fy, amplitude, phase, grid, tolerance
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
   use hd_heights, only: method_t, heights
-  use hd_flat_surface, only: read_free
+  use hd_surface_entry, only: read_free
   use hd_status, only: tell
   use hd_waves, only: grid_t, waves_t, free_waves
   implicit none
@@ -220,7 +220,7 @@ subroutine surface_free_heights_single(count, fx, fy, amplitude, phase, grid, to
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_float
   use hd_error, only: error_t
   use hd_heights, only: method_t, heights_single
-  use hd_flat_surface, only: read_free
+  use hd_surface_entry, only: read_free
   use hd_status, only: tell
   use hd_waves, only: grid_t, waves_t, free_waves
   implicit none

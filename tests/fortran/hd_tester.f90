@@ -2,7 +2,7 @@
 program hd_tester
   use hd_check, only: report_checks
   use test_ball_patch, only: run_ball_patch
-  use test_band, only: run_band
+  use test_band_matrix, only: run_band_matrix
   use test_circulant, only: run_circulant
   use test_contact, only: run_contact
   use test_contact_edge, only: run_contact_edge
@@ -20,24 +20,24 @@ program hd_tester
   use test_pairing, only: run_pairing
   use test_registers, only: run_registers
   use test_rotation, only: run_rotation
-  use test_rub, only: run_rub
+  use test_flank_friction, only: run_flank_friction
   use test_section, only: run_section
   use test_spectral_model, only: run_spectral_model
   use test_spline_ring, only: run_spline_ring
   use test_stress, only: run_stress
   use test_table, only: run_table
   use test_text, only: run_text
-  use test_theory_trust, only: run_theory_trust
+  use test_persson_error, only: run_persson_error
   use test_tolerance_band, only: run_tolerance_band
   implicit none
   call run_text()
-  call run_theory_trust()
+  call run_persson_error()
   call run_tolerance_band()
   call run_stress()
   call run_table()
   call run_parameters()
   call run_ball_patch()
-  call run_band()
+  call run_band_matrix()
   call run_fft()
   call run_gauss()
   call run_hertz()
@@ -55,7 +55,7 @@ program hd_tester
   call run_rotation()
   call run_mesh_series()
   call run_named_values()
-  call run_rub()
+  call run_flank_friction()
   call run_section()
   call run_cup_sections()
   if (.not. report_checks()) stop 1

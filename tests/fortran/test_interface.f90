@@ -3,7 +3,7 @@
 module test_interface
   use hd_body, only: body_t
   use hd_check, only: check, check_close
-  use hd_closure_table, only: closure_table_t, new_closure_table, resolve_pressure, stiffness_at_pressure
+  use hd_tabulated_law, only: closure_table_t, new_closure_table, resolve_pressure, stiffness_at_pressure
   use hd_contact_law, only: contact_law_t, evaluate_law, frictional, open_state, slip_state, stick_state
   use hd_error, only: error_t
   use hd_face, only: face_t

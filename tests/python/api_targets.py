@@ -133,6 +133,7 @@ def ridges(**numbers):
 def specimen_fit(heights, spacing, name, lags):
     """A specimen, its size, numbers and fit."""
     from hdengine import specimen
+    from hdengine.surfaces.texture import texture
 
     made = specimen.Specimen(heights, spacing, name)
     return made.size, texture(made).numbers, made.fit(lags=lags)

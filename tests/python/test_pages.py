@@ -83,6 +83,9 @@ def copy_checkout(folder):
         shutil.copy(ROOT / name, folder)
     for name in ("config", "fortran", "python", "tests/fortran"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (folder / "tools").mkdir()  # the copy has no commit to take its version from: that of the checkout
+    (folder / "tools/version.sh").write_text(f"#!/bin/sh\necho {(ROOT / '.venv/version').read_text()}")
+    (folder / "tools/version.sh").chmod(0o755)
 
 
 def check_lines(page, text):

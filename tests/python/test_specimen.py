@@ -87,7 +87,7 @@ def test_measured_files_read(name):
     s = specimen.read(SURFACES / name, **UNITS.get(name, {}))
     if name in ROUGH:
         sq, width = ROUGH[name]
-        assert s.texture().numbers["sq_m"] == pytest.approx(sq, rel=0.02) and s.size[-1] == pytest.approx(width, rel=0.01)
+        assert texture.texture(s).numbers["sq_m"] == pytest.approx(sq, rel=0.02) and s.size[-1] == pytest.approx(width, rel=0.01)
     f = s.fit()
     assert f.verdict in ("fractal", "not fractal", "noise-dominated") and f.reason
     if "sine" in name:

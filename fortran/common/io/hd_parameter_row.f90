@@ -5,7 +5,7 @@ module hd_parameter_row
   use hd_text, only: string_t, push
   implicit none
   private
-  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice, tolerate
+  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice, tolerate, close_table
   public :: stage_model, stage_assembly, stage_load, stage_control, stage_output
 
   !> What a key affects first; everything after it in this order is affected too.
@@ -13,6 +13,8 @@ module hd_parameter_row
     enumerator :: stage_model = 1, stage_assembly, stage_load, stage_control, stage_output
   end enum
   character(len=8), parameter :: stages(5) = [character(len=8) :: 'model', 'assembly', 'load', 'control', 'output']
+
+  integer, parameter :: some = 64  !< rows that a table begins with
 
   !> A key: exactly one of integer, real, text and reals points into the scene.
   type :: parameter_t
@@ -39,7 +41,8 @@ module hd_parameter_row
   end type parameter_t
 
   type :: parameter_table_t
-    type(parameter_t), allocatable :: rows(:)
+    type(parameter_t), allocatable :: rows(:)  !< keys; until `close_table` with room for more
+    integer, private :: used = 0               !< rows that are keys
   end type parameter_table_t
 
 contains
@@ -75,20 +78,16 @@ contains
     type(parameter_table_t), intent(inout) :: table
     character(len=*), intent(in) :: group, key, affects, unit, meaning
     type(parameter_t), intent(inout) :: row
-    type(parameter_t), allocatable :: longer(:)
-    integer :: i
     row%group = group
     row%key = key
     row%affects = affects
     row%unit = unit
     row%meaning = meaning
     if (.not. allocated(row%choices)) allocate (row%choices(0))
-    allocate (longer(size(table%rows) + 1))
-    do i = 1, size(table%rows)
-      longer(i) = table%rows(i)
-    end do
-    longer(size(longer)) = row
-    call move_alloc(longer, table%rows)
+    if (table%used == 0) allocate (table%rows(some))
+    if (table%used == size(table%rows)) call resize(table, 2*table%used)
+    table%used = table%used + 1
+    table%rows(table%used) = row
   end subroutine append
 
   !> State the tolerance of the last row; of a choice: the other one is the other bound.
@@ -97,12 +96,30 @@ contains
     real(dp), intent(in) :: tolerance                 !< half width of a 95 % interval
     character(len=*), intent(in) :: of                !< 'value', 'bore' or ''
     character(len=*), intent(in) :: source            !< where it comes from
-    associate (row => table%rows(size(table%rows)))
+    associate (row => table%rows(table%used))
       row%tolerance = tolerance
       row%tolerance_of = of
       row%tolerance_source = source
     end associate
   end subroutine tolerate
+
+  !> The table is whole: its rows are its keys.
+  subroutine close_table(table)
+    type(parameter_table_t), intent(inout) :: table  !< table
+    call resize(table, table%used)
+  end subroutine close_table
+
+  subroutine resize(table, n)
+    type(parameter_table_t), intent(inout) :: table
+    integer, intent(in) :: n
+    type(parameter_t), allocatable :: rows(:)
+    integer :: i
+    allocate (rows(n))
+    do i = 1, table%used
+      rows(i) = table%rows(i)
+    end do
+    call move_alloc(rows, table%rows)
+  end subroutine resize
 
   subroutine add_integer(table, group, key, affects, value, low, high, meaning)
     type(parameter_table_t), intent(inout) :: table

@@ -19,7 +19,7 @@
 module hd_contact_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_closure_table, only: closure_table_t, resolve_pressure, stiffness_at_pressure
+  use hd_tabulated_law, only: closure_table_t, resolve_pressure, stiffness_at_pressure
   use hd_micro_slip, only: return_shear
   implicit none
   private

@@ -438,7 +438,7 @@ contains
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
     scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
-    if (problem%turning) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
+    if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
 

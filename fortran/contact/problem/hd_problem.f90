@@ -10,7 +10,7 @@ module hd_problem
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
-  use hd_rub, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
+  use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
@@ -45,7 +45,7 @@ module hd_problem
     integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
     integer, allocatable :: wheel(:)           !< nodes on one circle with one common turn about the axis, an unknown; their other
                                                !< dofs are fixed, and so is this one for whoever does not know of it
-    logical :: turning = .false.               !< they may turn; else they are held
+    logical :: wheel_turns = .false.           !< they may turn; else they are held
   end type problem_t
 
   !> What a load step prescribes.

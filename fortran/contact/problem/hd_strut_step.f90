@@ -3,7 +3,7 @@
 module hd_strut_step
   use hd_kinds, only: dp
   use hd_problem, only: problem_t, load_t, state_t, forces_at, linear_forces, strut_closings
-  use hd_rub, only: remembered
+  use hd_flank_friction, only: remembered
   use hd_strut, only: push
   implicit none
   private
@@ -36,7 +36,7 @@ contains
     logical, allocatable :: linear(:)
     logical :: torque
     integer :: i
-    if (.not. (allocated(problem%struts) .and. problem%turning)) return
+    if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
     closing = strut_closings(problem, load, u)
     linear = problem%struts%power < straight .and. closing > -1
     if (allocated(problem%rub)) linear(size(linear) - size(problem%rub%partner) + 1:) = .false.

@@ -6,8 +6,8 @@
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u + G x = 0                    linearised strut, k its tangent, G compliance of what it stands on
 !>   N^T (-r_u + B^T t + P x) = N^T S R a       balance of forces and moments, S the springs
-!> A companion (hd_rub) has  (x - lean x_partner)/k + P^T u + G x = 0,  or where it slides  x = lean x_partner  alone: its
-!> row is no longer its column.
+!> A companion (hd_flank_friction) has  (x - lean x_partner)/k + P^T u + G x = 0,  or where it slides  x = lean x_partner  alone:
+!> its row is no longer its column.
 !> C holds a loose body by stiff springs of its own (hold_loose): under forces in balance with S they carry nothing, and the
 !> equations are those of the body on S. In a C without them the soft springs of a body would hide what the contact gives way.
 !> Motions are scaled to unknowns in newtons.
@@ -18,7 +18,7 @@ module hd_border
   use hd_lapack, only: invert_symmetric
   use hd_mortar, only: relative_displacement
   use hd_problem, only: problem_t
-  use hd_rub, only: lean_rows
+  use hd_flank_friction, only: lean_rows
   use hd_strut, only: closing_of, push
   use hd_symmetry, only: symmetry_t
   implicit none

@@ -215,7 +215,7 @@ contains
     system%corner = self%border%matrix(problem)
     system%known = known
     if (self%symmetry%half_turn) system%fold = 2
-    if (problem%turning .or. .not. allocated(problem%wheel)) return
+    if (problem%wheel_turns .or. .not. allocated(problem%wheel)) return
     associate (last => system%more)  ! the turn of the wheel, which is held
       system%side(:, :, last) = 0
       system%corner(last, :) = 0

@@ -7,7 +7,7 @@
 !> (stride 2) need the even harmonics only.
 module hd_harmonics
   use hd_kinds, only: dp, pi
-  use hd_band, only: factorise_band, solve_band, part_of_inverse
+  use hd_band_matrix, only: factorise_band, solve_band, part_of_inverse
   use hd_system, only: stop_requested, check_stop
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t

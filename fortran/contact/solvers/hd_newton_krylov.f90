@@ -120,7 +120,7 @@ contains
     type(problem_t), intent(in) :: problem   !< the same, deformed
     if (allocated(round%struts)) round%strut_rate = problem%strut_rate
     if (allocated(round%rub)) round%rub = problem%rub
-    round%turning = problem%turning
+    round%wheel_turns = problem%wheel_turns
     if (round%mortar%serial == problem%mortar%serial) return
     round%mortar = problem%mortar
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
@@ -227,7 +227,7 @@ contains
     real(dp), intent(out) :: x(:)                  !< [N]
     real(dp) :: f(size(r_u, 1), size(r_u, 2))
     f = merge(0._dp, r_u, problem%fixed)
-    if (problem%turning) f(2, problem%wheel) = sum(r_u(2, problem%wheel))/size(problem%wheel)  ! one unknown, shared by its nodes
+    if (problem%wheel_turns) f(2, problem%wheel) = sum(r_u(2, problem%wheel))/size(problem%wheel)  ! one unknown of its nodes
     x(:size(r_u)) = pack(f, .true.)
     x(size(r_u) + 1:) = pack(spread(max(problem%mortar%area, tiny(1._dp)), 1, 3)*r_c, .true.)
   end subroutine pack_residual

@@ -294,7 +294,8 @@ contains
     if (allocated(problem%lagrangian)) call enter_stiffness(problem, self)
     turned = allocated(problem%mortar%turn)
     n = self%law_start
-    if (allocated(problem%wheel)) self%val(n) = merge(0._dp, held*problem%law%scale*problem%bodies(1)%x(1, 1)**2, problem%turning)
+    if (allocated(problem%wheel)) self%val(n) = merge(0._dp, held*problem%law%scale*problem%bodies(1)%x(1, 1)**2, &
+      problem%wheel_turns)
     do j = 1, problem%mortar%n
       do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
         block = -problem%mortar%area(j)*coupling_block(problem%mortar, j, k)
@@ -372,7 +373,7 @@ contains
         if (self%equation(c, a) > 0) du(c, a) = b(self%equation(c, a), 1)
       end do
     end do
-    if (allocated(problem%wheel) .and. .not. problem%turning) du(2, problem%wheel) = 0
+    if (allocated(problem%wheel) .and. .not. problem%wheel_turns) du(2, problem%wheel) = 0
     dtraction = problem%law%scale*reshape(b(self%dofs + 1:self%unknowns - self%struts, 1), shape(dtraction))
   end subroutine solve_newton
 

@@ -7,7 +7,7 @@
 !> delta_T = int dP / k_T. Reversals by Masing's rule on u(q). A measured k_T takes the place of kappa k_N.
 module hd_elastic_law
   use hd_kinds, only: dp
-  use hd_compliance_curve, only: compliance_curve_t, new_curve, stiffness_of, closure_of, pressure_of
+  use hd_stiffness_curve, only: compliance_curve_t, new_curve, stiffness_of, closure_of, pressure_of
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   implicit none

@@ -11,8 +11,8 @@ module hd_joint
   use hd_text, only: to_text
   use hd_elastic_law, only: elastic_law_t, elastic_stiffness
   use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge, fully_plastic
-  use hd_partial_slip, only: slip_series_t, new_slip_series, slip_integral
-  use hd_theory_trust, only: theory_surface_t
+  use hd_slip_integral, only: slip_series_t, new_slip_series, slip_integral
+  use hd_persson_error, only: theory_surface_t
   use hd_powers, only: expm1, log1p, power_integral, power_partial
   implicit none
   private

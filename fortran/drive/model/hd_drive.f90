@@ -20,7 +20,7 @@ module hd_drive
   use hd_problem, only: problem_t, load_t, state_t, new_problem, add_springs, loosen
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
-  use hd_rub, only: memories, rub_t
+  use hd_flank_friction, only: memories, rub_t
   use hd_strut, only: absent, closing_of
   use hd_strut_step, only: remember
   use hd_spline_ring, only: flank_compliance

@@ -5,17 +5,17 @@ module hd_scene_joint
   use hd_kinds, only: dp, pi
   use hd_asperity, only: asperity_t, new_asperity
   use hd_columns, only: columns_t, read_columns
-  use hd_closure_table, only: closure_table_t, new_closure_table
+  use hd_tabulated_law, only: closure_table_t, new_closure_table
   use hd_elastic_law, only: new_elastic_law, elastic_closure, stick_ratio
   use hd_error, only: error_t, raise, code_input
-  use hd_interface_law, only: interface_law_t, new_interface_law, closure_at
+  use hd_joint_law, only: interface_law_t, new_interface_law, closure_at
   use hd_joint, only: joint_t, response_t, new_joint, evaluate_joint, at_friction
   use hd_micro_slip, only: sampled_shares
-  use hd_rough_contact, only: contact_at
+  use hd_persson, only: contact_at
   use hd_scene, only: scene_t
-  use hd_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
+  use hd_roughness_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
   use hd_text, only: to_text
-  use hd_theory_trust, only: new_theory_surface
+  use hd_persson_error, only: new_theory_surface
   implicit none
   private
   public :: scene_joint, tabulate_joint

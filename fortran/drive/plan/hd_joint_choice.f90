@@ -17,7 +17,7 @@ module hd_joint_choice
   use hd_scene_joint, only: scene_joint
   use hd_section, only: band_rows
   use hd_text, only: percent, rounded
-  use hd_theory_trust, only: theory_error_t, in_words, may_be_taken, steep, trust
+  use hd_persson_error, only: theory_error_t, in_words, may_be_taken, steep, trust
   implicit none
   private
   public :: choose_joint

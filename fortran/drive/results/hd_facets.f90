@@ -12,7 +12,7 @@ module hd_facets
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
-  use hd_theory_trust, only: theory_error_t
+  use hd_persson_error, only: theory_error_t
   use hd_supports, only: support_torques_t, support_torques, moment
   use hd_twist_shares, only: part_names
   use hd_vector, only: cross

@@ -7,7 +7,7 @@ module hd_model_error
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t, strength_text
   use hd_text, only: string_t, percent, push, to_text
-  use hd_theory_trust, only: theory_error_t, in_words, steep
+  use hd_persson_error, only: theory_error_t, in_words, steep
   implicit none
   private
   public :: covered, left_out

@@ -24,7 +24,7 @@ module hd_summary
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
-  use hd_theory_trust, only: theory_error_t, steep
+  use hd_persson_error, only: theory_error_t, steep
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private

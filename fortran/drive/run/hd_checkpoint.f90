@@ -13,7 +13,7 @@ module hd_checkpoint
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_promises, only: most_steps
-  use hd_rub, only: memories
+  use hd_flank_friction, only: memories
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
   use hd_summary, only: tally_t

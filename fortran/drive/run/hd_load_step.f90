@@ -194,7 +194,7 @@ contains
     if (step%loaded) options%torque = largest_torque(run%scene)
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
-    run%model%drive%problem%turning = run%scene%support%turns_bottom .and. step%loaded
+    run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
     start = wall_seconds()
     call first_guess(run, place, step, trial)
     if (run%model%solver%own_threads) threads = blas_threads(1)
@@ -256,7 +256,7 @@ contains
     ratio = stretch(run%scene, run%place_before, run%place, place)
     trial%u = trial%u + ratio*(run%state%u - run%before%u)
     trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
-    if (run%model%drive%problem%turning .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
+    if (run%model%drive%problem%wheel_turns .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
     if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)

@@ -13,7 +13,7 @@ module hd_theory_error
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: load_t, state_t, update_tangent
   use hd_scene, only: scene_t
-  use hd_theory_trust, only: theory_error_t, theory_error_of, steep
+  use hd_persson_error, only: theory_error_t, theory_error_of, steep
   implicit none
   private
   public :: theory_on, move_tangent

@@ -7,7 +7,7 @@ module hd_input
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
   use hd_scene, only: scene_t
-  use hd_specimen_fit, only: place_files
+  use hd_fit_report, only: place_files
   use hd_surface_scene, only: surface_scene_t
   use hd_support, only: support_of
   use hd_system, only: path_kind, path_file

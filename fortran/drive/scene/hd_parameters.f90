@@ -3,7 +3,8 @@
 module hd_parameters
   use hd_kinds, only: dp, i8
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted
-  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, tolerate
+  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, &
+    tolerate, close_table
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
@@ -21,13 +22,13 @@ contains
     type(scene_t), intent(inout), target :: scene  !< holds the values
     type(parameter_table_t), intent(out) :: table            !< keys
     integer :: i
-    allocate (table%rows(0))
     call add_shape_keys(scene, table)
     call add_wave_generator_keys(scene, table)
     call add_load_keys(scene, table)
     call add_solver_keys(scene, table)
     call add_surface_keys(scene%surface, table)
     call add_fit_keys(scene%fit, table)
+    call close_table(table)
     do i = 1, size(table%rows)
       table%rows(i)%default = value_text(table%rows(i))
     end do

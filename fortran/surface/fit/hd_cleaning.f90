@@ -3,7 +3,7 @@
 module hd_cleaning
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
-  use hd_holes, only: mask_spikes, fill_holes
+  use hd_outliers, only: mask_spikes, fill_holes
   use hd_observation, only: level_plane
   use hd_seams, only: seams_t, remove_seams
   implicit none

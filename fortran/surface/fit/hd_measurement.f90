@@ -7,9 +7,9 @@ module hd_measurement
   use hd_cleaning, only: cleaned_t, clean_map
   use hd_seams, only: seams_t, add_seams
   use hd_structure_function, only: check_map
-  use hd_blind_fit, only: blind_t, fit_blind, judge_blind, name_lay
+  use hd_map_fit, only: blind_t, fit_blind, judge_blind, name_lay
   use hd_expectation, only: band_spectrum_t, check_spectrum, model_isotropic, model_profile, model_spectrum
-  use hd_surface_fit, only: fit_options_t, fit_t, fit_surface
+  use hd_structure_fit, only: fit_options_t, fit_t, fit_surface
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
   implicit none
   private

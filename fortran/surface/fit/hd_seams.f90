@@ -2,7 +2,7 @@
 !> Straight steps of stitching and offsets of single rows or columns (jitter of a scanning instrument): found, taken off, counted.
 module hd_seams
   use hd_kinds, only: dp
-  use hd_holes, only: median, robust
+  use hd_outliers, only: median, robust
   implicit none
   private
   public :: seams_t, remove_seams, remove_offsets, add_seams

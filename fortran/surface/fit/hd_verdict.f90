@@ -8,7 +8,7 @@ module hd_verdict
   use hd_observation, only: observation_t
   use hd_structure_function, only: structure_line
   use hd_expectation, only: band_spectrum_t, d_lowest, d_highest, model_ridges
-  use hd_surface_fit, only: fit_options_t, fit_t, try_noise
+  use hd_structure_fit, only: fit_options_t, fit_t, try_noise
   implicit none
   private
   public :: verdict_t, judge_map, judge_fit, fractal, not_fractal, noise_dominated

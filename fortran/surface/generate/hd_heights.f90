@@ -4,13 +4,13 @@
 !> its bits are the same on every processor.
 module hd_heights
   use hd_kinds, only: dp, sp, i8
-  use hd_direct, only: direct_sum
+  use hd_direct_sum, only: direct_sum
   use hd_error, only: error_t, raise, code_input
   use hd_memory, only: need_memory
   use hd_nufft, only: nufft_t, new_nufft, nufft_sum
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
-  use hd_plain, only: plain_t, new_plain, plain_sum
-  use hd_plain_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
+  use hd_plain_product, only: plain_t, new_plain, plain_sum
+  use hd_plain_product_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
   use hd_text, only: to_text
   use hd_waves, only: waves_t, grid_t, checked_grid
   implicit none

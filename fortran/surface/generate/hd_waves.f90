@@ -8,7 +8,7 @@ module hd_waves
   use hd_kinds, only: dp, qp, i8
   use hd_error, only: error_t, raise, code_input, code_memory
   use hd_random, only: uniforms
-  use hd_exact, only: exact_products, turns_at_point, cosines
+  use hd_wave_kernels, only: exact_products, turns_at_point, cosines
   use hd_text, only: to_text
   implicit none
   private

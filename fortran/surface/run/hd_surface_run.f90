@@ -8,7 +8,7 @@ module hd_surface_run
   use hd_heights, only: method_t, choose_method, heights, heights_single
   use hd_json, only: json_t
   use hd_log, only: say
-  use hd_specimen_fit, only: specimen_t, found_t, read_specimens, fit_specimens, write_fits, add_fits
+  use hd_fit_report, only: specimen_t, found_t, read_specimens, fit_specimens, write_fits, add_fits
   use hd_memory, only: peak_memory_mb
   use hd_npy, only: write_npy
   use hd_surface_scene, only: surface_t, surface_scene_t

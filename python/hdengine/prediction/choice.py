@@ -8,7 +8,7 @@ from .. import _engine
 
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
-# The engine's rule (hd_theory_trust): TRUST, ln k_N within which the theory must hold 95 of 100 single maps to be taken; STEEP,
+# The engine's rule (hd_persson_error): TRUST, ln k_N within which the theory must hold 95 of 100 single maps to be taken; STEEP,
 # E* slope over hardness beyond which boundary elements may not converge; rms errors of ln k_N over touching waves
 (TRUST, STEEP), *_errors = _engine.call("theory_rule")
 SCATTER = tuple(zip(*_errors))

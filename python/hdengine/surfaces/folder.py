@@ -24,7 +24,7 @@ def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Any], 
     folder : path-like
         Gets structure.csv (S over the lag with the model), spectrum.csv (power over frequency with the model), material_ratio.csv
         (Smr over the height), scene.nml (the lines of a scene), a figure of each specimen, joint_surface.png of two, and last
-        surface.json (D, G, intervals, bands, verdicts, spectra, roughness and areal numbers): without it the others are not whole.
+        surface.json (D, G, intervals, bands, verdicts, spectra, areal numbers): without it the others are not whole.
     specimens : sequence of Specimen
     fits : sequence of Fit
         Of each specimen.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -122,7 +121,7 @@ def _robust_square(z, p, q, second):
 
 @checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
          model=word(*_BANDS))
-def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: float, band: Any,
+def expected_structure(tau: ArrayLike, fractal_dimension: float, roughness: float, band: Sequence[float],
                        model: str = "isotropic") -> np.ndarray:
     """Mean structure function of a continuous band with the power of Eq. 1 (isotropic) or Eq. 2 (profile).
 

@@ -3,7 +3,7 @@
 !>
 !> Below the table k goes on as a power of P, with an exponent between 0 and 1; above it k stays. The closure int dP/k counts from
 !> the first entry.
-module hd_compliance_curve
+module hd_stiffness_curve
   use hd_gauss, only: gauss_4, weight_4
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
@@ -194,4 +194,4 @@ contains
     end do
     p = exp(l)
   end function pressure_of
-end module hd_compliance_curve
+end module hd_stiffness_curve

@@ -3,7 +3,7 @@
 !>
 !> ln p is a cubic Hermite function of the closure with the slopes given (limited to stay monotone, Fritsch and Carlson 1980).
 !> Above the last entry the tangent goes on; below the first the tangent runs down to p = 0, where the faces part.
-module hd_closure_table
+module hd_tabulated_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_micro_slip, only: micro_slip_t, new_micro_slip
@@ -159,4 +159,4 @@ contains
       if (x <= low .or. x >= high) x = 0.5_dp*(low + high)
     end do
   end subroutine resolve_pressure
-end module hd_closure_table
+end module hd_tabulated_law

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Single wrong points of a map found and taken for holes, and holes filled so that a spectrum can be taken.
-module hd_holes
+module hd_outliers
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
@@ -318,4 +318,4 @@ contains
     end do
     call backward_real_2d(s, z, error)
   end subroutine synthetic
-end module hd_holes
+end module hd_outliers

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Flat arguments of the surface entries to types, checked.
-module hd_flat_surface
+module hd_surface_entry
   use hd_kinds, only: dp, i8
   use hd_error, only: error_t
   use hd_heights, only: method_t, choose_method
@@ -53,4 +53,4 @@ contains
       call choose_method(nx, ny, int(count, i8), int(count, i8), tolerance, bytes, wanted, method, error)
     end if
   end subroutine read_free
-end module hd_flat_surface
+end module hd_surface_entry

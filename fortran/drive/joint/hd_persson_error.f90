@@ -5,9 +5,9 @@
 !> So the error follows from the touching waves: true contact as a share, times the independent waves N = (sum h)^2/sum(h^2/m), h
 !> the height variance of a band of the spectrum and m its waves (docs/evidence/joint.md). The waves of an area grow with it,
 !> so touching waves of the parts of a contact add up.
-module hd_theory_trust
+module hd_persson_error
   use hd_kinds, only: dp
-  use hd_spectrum, only: power_spectrum_t
+  use hd_roughness_spectrum, only: power_spectrum_t
   use hd_text, only: percent, rounded
   implicit none
   private
@@ -138,4 +138,4 @@ contains
       if (x < 0) a = s(1)*pressure/p(1)
     end associate
   end function share_at
-end module hd_theory_trust
+end module hd_persson_error

@@ -1,25 +1,25 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Friction of flanks.
-module test_rub
+module test_flank_friction
   use hd_kinds, only: dp, pi
   use hd_check, only: check, check_close
-  use hd_rub, only: rub_t, rub, remembered, strut_laws, give_way_rubbing, memories
+  use hd_flank_friction, only: rub_t, rub, remembered, strut_laws, give_way_rubbing, memories
   use hd_strut, only: strut_t, absent
   implicit none
   private
-  public :: run_rub
+  public :: run_flank_friction
 
   real(dp), parameter :: mu = 0.12_dp, k_n = 1.25e8_dp, k_t = 1e8_dp, f = 100, x = 4e-7_dp
 
 contains
 
-  subroutine run_rub()
+  subroutine run_flank_friction()
     call cycle_under_load()
     call closing_and_opening()
     call derivatives()
     call energy()
     call elastic_ground()
-  end subroutine run_rub
+  end subroutine run_flank_friction
 
   !> Move a companion and its flank evenly in so many steps, and let them remember.
   subroutine go(closing, way, steps, memory)
@@ -144,4 +144,4 @@ contains
     call check(maxval(abs(left + matmul(give, force) - closing), mask=closing > -1) < 1e-17_dp, 'the ground gives way')
     call check(.not. abs(force(7)) > 0 .and. .not. abs(left(1) - closing(1)) > 0, 'an absent flank does not rub, balls stay')
   end subroutine elastic_ground
-end module test_rub
+end module test_flank_friction

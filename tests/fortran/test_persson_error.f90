@@ -1,23 +1,23 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The rule by which the theory of the joint is taken.
-module test_theory_trust
+module test_persson_error
   use hd_kinds, only: dp, pi
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
-  use hd_theory_trust, only: theory_surface_t, theory_error_t, new_theory_surface, theory_scatter, theory_error_of, may_be_taken, &
+  use hd_roughness_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
+  use hd_persson_error, only: theory_surface_t, theory_error_t, new_theory_surface, theory_scatter, theory_error_of, may_be_taken, &
     in_words, touching_waves, scatter_of_maps, trust, steep
   implicit none
   private
-  public :: run_theory_trust
+  public :: run_persson_error
 
 contains
 
-  subroutine run_theory_trust()
+  subroutine run_persson_error()
     call test_scatter()
     call test_waves()
     call test_contact()
-  end subroutine run_theory_trust
+  end subroutine run_persson_error
 
   !> The error is that of the table at its places, falls between, and stays outside.
   subroutine test_scatter()
@@ -79,4 +79,4 @@ contains
     surface%waves_per_area = 0.999_dp*edge/(1e-2_dp*1e-6_dp)
     call check(.not. may_be_taken(theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])), 'just too few waves touch')
   end subroutine test_contact
-end module test_theory_trust
+end module test_persson_error

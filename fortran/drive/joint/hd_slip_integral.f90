@@ -5,7 +5,7 @@
 !> term is added to a plain power integral, so nothing cancels as h -> 0 or D -> 2; for x > 1/2 the series runs in 1 - x and
 !> vanishes at the slip edge. Both fall as 2^-n, their coefficients are computed once. Intervals too narrow for differences
 !> use a Gauss rule, above x = 1/2 in v = (1 - x)^(1/3), where the cusp at the slip edge is smooth.
-module hd_partial_slip
+module hd_slip_integral
   use hd_gauss, only: gauss_rule
   use hd_kinds, only: dp
   use hd_powers, only: power_partial, expm1
@@ -182,4 +182,4 @@ contains
       df = df - third*g*x/(h*v**2)
     end do
   end subroutine narrow_integral
-end module hd_partial_slip
+end module hd_slip_integral

@@ -7,7 +7,7 @@
 !> panels; below the first panel the exponential tail goes on. Past the last (real area = nominal area) the tangent stays.
 !> Tangential: u(q) = int dq / k_T(P, q) at constant P up to the friction limit mu P, then slip. Reversals follow Masing's rule,
 !> u - u_r = 2 u((q - q_r) / 2).
-module hd_interface_law
+module hd_joint_law
   use hd_gauss, only: gauss_rule
   use hd_kinds, only: dp
   use hd_asperity, only: fully_plastic
@@ -241,4 +241,4 @@ contains
     end do
     u = u*(high - low)
   end function displacement_of
-end module hd_interface_law
+end module hd_joint_law

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Waves and their direct sum in C, the same bits on every processor.
-module hd_exact
+module hd_wave_kernels
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   implicit none
   private
@@ -41,4 +41,4 @@ module hd_exact
       real(c_double), intent(inout) :: cosine(*)                            !< (n)
     end subroutine cosines
   end interface
-end module hd_exact
+end module hd_wave_kernels

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Symmetric positive definite band matrices A = U^T U, upper storage of LAPACK: u(kd + 1 + i - j, j) = a(i, j). With a leading
 !> dimension of kd, every rectangle inside the band is a matrix as BLAS knows it.
-module hd_band
+module hd_band_matrix
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_linear_solver
@@ -116,4 +116,4 @@ contains
       call dtrsm('R', 'U', 'T', 'N', c, last - j + 1, 1._dp, u(kd + 1, j), kd, x(1, j), m)
     end do
   end subroutine follow
-end module hd_band
+end module hd_band_matrix

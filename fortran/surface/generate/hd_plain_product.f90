@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The sum of waves as plain matrix products in double precision (hd_factors): fast, its last bits are those of the BLAS.
-module hd_plain
+module hd_plain_product
   use hd_factors, only: factors_t, new_factors
   use hd_kinds, only: dp, sp, rk => dp
   use hd_lapack, only: gemm => dgemm, blas_threads
@@ -10,5 +10,5 @@ module hd_plain
   private
   public :: plain_t, new_plain, plain_sum
 
-  include 'hd_plain.inc'
-end module hd_plain
+  include 'hd_plain_product.inc'
+end module hd_plain_product

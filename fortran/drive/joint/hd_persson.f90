@@ -8,10 +8,10 @@
 !>   W(A) = A (a A^e + (1 - a) A^2),
 !> with a and e set once on generated surfaces and judged on others (bench/joint_law.py, docs/explain/joint.md).
 !> Yield at the pressure H absorbs: A counts what is still elastic at q, so what has yielded stores no energy (Persson 2001).
-module hd_rough_contact
+module hd_persson
   use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi
-  use hd_spectrum, only: power_spectrum_t
+  use hd_roughness_spectrum, only: power_spectrum_t
   implicit none
   private
   public :: contact_at
@@ -103,4 +103,4 @@ contains
     end do
     elastic = max(elastic, 0._dp)
   end subroutine touching
-end module hd_rough_contact
+end module hd_persson

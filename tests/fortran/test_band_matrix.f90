@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-module test_band
-  use hd_band, only: factorise_band, part_of_inverse, solve_band
+module test_band_matrix
+  use hd_band_matrix, only: factorise_band, part_of_inverse, solve_band
   use hd_check, only: check
   use hd_error, only: error_t
   use hd_kinds, only: dp
@@ -8,11 +8,11 @@ module test_band
   use hd_text, only: to_text
   implicit none
   private
-  public :: run_band
+  public :: run_band_matrix
 
 contains
 
-  subroutine run_band()
+  subroutine run_band_matrix()
     type(error_t), allocatable :: error
     real(dp) :: singular(3, 5)
     call check_size(1, 1)
@@ -26,7 +26,7 @@ contains
     singular = 1
     call factorise_band(singular, error)
     call check(allocated(error), 'a singular band is refused')
-  end subroutine run_band
+  end subroutine run_band_matrix
 
   !> Against the inverse of the full matrix.
   subroutine check_size(n, kd)
@@ -58,4 +58,4 @@ contains
     call part_of_inverse(u, rows, part)
     call check(maxval(abs(part - full(rows, rows))) < 1e-12_dp*maxval(abs(full)), 'part of the inverse of order '//name)
   end subroutine check_size
-end module test_band
+end module test_band_matrix

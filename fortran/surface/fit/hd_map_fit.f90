@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Fit of clean maps that nothing else is known of: holes filled, power over rings of frequency fitted, and the same verdict, D, G
 !> and S over the lags as the fits of the structure function have.
-module hd_blind_fit
+module hd_map_fit
   use hd_kinds, only: dp, i8, pi
   use hd_error, only: error_t
   use hd_text, only: to_text, percent, rounded
@@ -9,13 +9,13 @@ module hd_blind_fit
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_cleaning, only: cleaned_t, crop
-  use hd_holes, only: fill_holes, synthetic
+  use hd_outliers, only: fill_holes, synthetic
   use hd_lay, only: is_lay
   use hd_seams, only: remove_offsets, seams_t
   use hd_ring_table, only: ring_table_t, new_ring_table
   use hd_spectral_fit, only: spectral_fit_t, fit_spectrum, quantile
   use hd_spectral_model, only: shares
-  use hd_surface_fit, only: fit_t
+  use hd_structure_fit, only: fit_t
   use hd_verdict, only: verdict_t, fractal, not_fractal, noise_dominated, noisy, noisy_estimate, smooth_end, smooth_estimate, &
     determined, bent
   implicit none
@@ -325,4 +325,4 @@ contains
     r%rms = sqrt(sum(log(o%s / r%curve)**2) / size(o%s))
     r%rms_expected = sqrt(sum(r%sd_sample**2) / size(o%s))
   end subroutine curves
-end module hd_blind_fit
+end module hd_map_fit

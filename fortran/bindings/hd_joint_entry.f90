@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A joint and an asperity from the named list of their parameters, as Python hands it over.
-module hd_flat_joint
+module hd_joint_entry
   use, intrinsic :: iso_c_binding, only: c_double
   use hd_asperity, only: asperity_t, new_asperity
   use hd_error, only: error_t
@@ -40,4 +40,4 @@ contains
       names%take(p, 'gamma'), names%take(p, 'asperity_radius'))
     call names%check(error)
   end subroutine flat_asperity
-end module hd_flat_joint
+end module hd_joint_entry

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Fit of a surface from the named list of its options, as Python hands it over, and what it found as named numbers and columns.
-module hd_flat_fit
+module hd_fit_entry
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_expectation, only: band_spectrum_t
   use hd_measurement, only: measure, measurement_t
   use hd_named_values, only: named_list_t
-  use hd_surface_fit, only: fit_options_t, fit_t
+  use hd_structure_fit, only: fit_options_t, fit_t
   use hd_wave_sum, only: ridges_t
   implicit none
   private
@@ -190,4 +190,4 @@ contains
     j = names%place(name)
     if (j > 0 .and. j <= size(columns, 2)) columns(:size(x), j) = x
   end subroutine enter_column
-end module hd_flat_fit
+end module hd_fit_entry

@@ -5,7 +5,7 @@
 !> in which it touches, and where it opens it forgets.
 !>
 !> Linearised, a companion that sticks has  dT = rate dx + lean dF,  one that slides  dT = lean dF.
-module hd_rub
+module hd_flank_friction
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_lapack, only: solve_dense
@@ -186,4 +186,4 @@ contains
     end do
     where (yields .and. closing > -1) closing = left
   end subroutine give_way_rubbing
-end module hd_rub
+end module hd_flank_friction

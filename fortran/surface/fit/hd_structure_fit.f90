@@ -2,7 +2,7 @@
 !> Fit of the fractal dimension D and the roughness G to the structure function of a map: least squares of ln S, each lag weighted
 !> by the number of patches of its size that the map holds, or all by the covariance of S; with standard errors. Amplitude and
 !> white noise are solved for at each D, so the search is along a line (or two) and cannot be lost.
-module hd_surface_fit
+module hd_structure_fit
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
@@ -375,4 +375,4 @@ contains
     s = exp(s - s(1))
     j(:, 3) = (1 - s) / ((1 - share) * s + share)
   end function jacobian
-end module hd_surface_fit
+end module hd_structure_fit

@@ -3,7 +3,7 @@
 !>
 !> With C(q) the two-dimensional spectrum, h_rms^2 = 2 pi int q C dq. Eq. 1 in the continuum has
 !> C(q) = G^(2(D-2)) f^(-a-2) / (16 pi^3), q = 2 pi f, a = 2(3-D), 1/L <= f <= 1/L_s.
-module hd_spectrum
+module hd_roughness_spectrum
   use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
@@ -90,4 +90,4 @@ contains
     edge = [q(1)**2/edge(1), edge, q(n)**2/edge(n - 1)]
     spectrum%waves = (edge(2:)**2 - edge(:n)**2)/(4*pi)
   end subroutine sampled_spectrum
-end module hd_spectrum
+end module hd_roughness_spectrum

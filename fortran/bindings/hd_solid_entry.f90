@@ -2,7 +2,7 @@
 !> Solid problems that Python holds by an integer handle: fields enter by name, the problem is solved, results are asked for. The
 !> names are known to `field` alone; any other is an internal error.
 !> Node numbers start at 1; body b owns nodes node_end(b-1)+1 to node_end(b) and cells cell_end(b-1)+1 to cell_end(b).
-module hd_solid_fields
+module hd_solid_entry
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input, code_internal
   use hd_face, only: face_t
@@ -226,4 +226,4 @@ contains
         sum(self%period%values))
     end function face_of
   end subroutine solve_contact
-end module hd_solid_fields
+end module hd_solid_entry

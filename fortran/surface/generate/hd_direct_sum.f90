@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The sum of waves, term by term: the oracle of the faster evaluators, the same bits on every processor.
-module hd_direct
+module hd_direct_sum
   use hd_kinds, only: dp
-  use hd_exact, only: direct_row
+  use hd_wave_kernels, only: direct_row
   use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
   private
@@ -39,4 +39,4 @@ contains
     t = high * i
     t = (t - anint(t)) + low * i
   end function turns_at
-end module hd_direct
+end module hd_direct_sum

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Fit of D and G in a surface run: specimens from files or generated, two of them as one equivalent surface; table and summary.
-module hd_specimen_fit
+module hd_fit_report
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
@@ -11,7 +11,7 @@ module hd_specimen_fit
   use hd_roughness, only: roughness_t, new_roughness
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
-  use hd_surface_fit, only: fit_options_t
+  use hd_structure_fit, only: fit_options_t
   use hd_system, only: path_kind, path_file
   use hd_table, only: table_t
   use hd_text, only: to_text
@@ -334,4 +334,4 @@ contains
     call json%add('nayak', r%nayak)
     call json%finish()
   end subroutine add_roughness
-end module hd_specimen_fit
+end module hd_fit_report

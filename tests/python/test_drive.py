@@ -191,9 +191,9 @@ def test_a_larger_mesh_takes_stored_answers(exe, tmp_path):
 
 def test_an_elastic_circular_spline(exe, tmp_path):
     """The drive gets softer, in the condensed form and in the matrix alike, and its energy balances as on a rigid spline: what the
-    ring stores is part of it. A support without teeth refuses it."""
+    ring stores is part of it. A diameter inside of the rim is refused."""
     keys = ["loop.torques=8,1", "load.torque_steps=3", "solver.tolerance=1e-11"]
-    soft = [*keys, "load.spline_diameter=50e-3"]
+    soft = [*keys, "load.spline=free"]
     rigid, ours = solve(exe, tmp_path / "r", *keys), solve(exe, tmp_path / "c", *soft)
     other = solve(exe, tmp_path / "n", *soft, "solver.method=newton")
     for table, column in ((1, "angle_rad"), (1, "stored_j"), (2, "force_n"), (3, "force_n"), (3, "closing_m")):
@@ -202,8 +202,8 @@ def test_an_elastic_circular_spline(exe, tmp_path):
     assert 1.1 < ours[1]["angle_rad"].max() / rigid[1]["angle_rad"].max() < 1.5
     left = [(loop["work_j"] - loop["stored_j"] - loop["dissipated_j"])[-1] for loop in (rigid[1], ours[1])]
     assert left[1] == pytest.approx(left[0], abs=1e-3 * ours[1]["work_j"].max())
-    done = call(exe, ROOT / "data/cd14.nml", "load.spline_diameter=50e-3", "--check")
-    assert done.returncode == 2 and "load.spline_diameter" in done.stderr and "load.support = 'drive'" in done.stderr
+    done = call(exe, ROOT / "data/drive14.nml", "load.spline_diameter=35e-3", "--check")
+    assert done.returncode == 2 and "load.spline_diameter = 0.035" in done.stderr and "above that of the rim (0.035854)" in done.stderr
 
 
 def test_a_groove_for_the_balls(exe, tmp_path):

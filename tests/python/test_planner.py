@@ -69,7 +69,7 @@ def test_limits_are_those_of_the_line_through_three_meshes(whole):
 
 def test_what_a_scene_does_not_have_is_not_promised(exe, tmp_path):
     """No pressure where the middle of the band is open, no rotation without a torque: no limit, no estimate, no word in the log."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.interference=-30e-6",
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.clearance=30e-6",
                 "load.torque_steps=0", "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     s, _ = planned(tmp_path / "p")

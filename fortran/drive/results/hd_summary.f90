@@ -21,6 +21,7 @@ module hd_summary
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_theory_trust, only: theory_error_t, steep
@@ -60,6 +61,7 @@ module hd_summary
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
     integer :: steps = 0               !< load steps of the run
+    type(tolerance_band_t) :: band     !< of a loop, if it was asked for
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -92,7 +94,7 @@ contains
     call json%add('cycles', tally%cycles)
     call add_results(json, sums, record, scene%support%loop)
     if (strength%flexspline > 0) call add_strength(json, scene, strength)
-    if (scene%support%loop) call add_loop(json, scene, loop, step, sums)
+    if (scene%support%loop) call add_loop(json, scene, loop, step, sums, record%band)
     call json%finish()
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
@@ -262,12 +264,13 @@ contains
   end subroutine add_strength
 
   !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
-  subroutine add_loop(json, scene, loop, step, sums)
+  subroutine add_loop(json, scene, loop, step, sums, band)
     type(json_t), intent(inout) :: json    !< document
     type(scene_t), intent(in) :: scene     !< T1, T2, rated torque
     type(loop_t), intent(in) :: loop       !< booked steps
     type(step_t), intent(in) :: step       !< reference step
     type(sums_t), intent(in) :: sums       !< its sums
+    type(tolerance_band_t), intent(in) :: band       !< of the readings
     type(readings_t) :: readings
     integer :: i
     call json%add('reference_torque_nm', step%torque)
@@ -282,6 +285,7 @@ contains
     end do
     if (readings%has_hysteresis) call json%add('hysteresis_rad', readings%hysteresis)
     if (readings%has_lost_motion) call json%add('lost_motion_rad', readings%lost_motion)
+    if (allocated(band%input)) call add_band(json, band, banded_values(readings, sums))
     call json%add('loop_work_j', loop%work)
     call json%add('loop_dissipated_j', loop%dissipated)
     call json%add('loop_dissipated_teeth_j', loop%dissipated_teeth)
@@ -295,6 +299,29 @@ contains
     call json%add('turning_stiffness_min_nm_per_rad', minval(loop%turned_stiffness))
     call json%add('turning_stiffness_max_nm_per_rad', maxval(loop%turned_stiffness))
   end subroutine add_loop
+
+  !> Ends of the band, and the inputs that make it.
+  subroutine add_band(json, band, value)
+    type(json_t), intent(inout) :: json     !< document
+    type(tolerance_band_t), intent(in) :: band        !< with one input or more
+    real(dp), intent(in) :: value(banded)   !< of the run
+    type(string_t), allocatable :: keys(:)
+    real(dp), allocatable :: shares(:)
+    real(dp) :: factor(2, banded)
+    integer :: i
+    factor = band%bounds()
+    do i = 1, banded
+      if (.not. (value(i) > 0 .and. band%known(i))) cycle
+      call json%add(trim(banded_keys(i))//'_low', value(i)*factor(1, i))
+      call json%add(trim(banded_keys(i))//'_high', value(i)*factor(2, i))
+    end do
+    call band%ranked(keys, shares)
+    call json%begin('band_shares')
+    do i = 1, size(keys)
+      call json%add(keys(i)%s, shares(i))
+    end do
+    call json%finish()
+  end subroutine add_band
 
   !> Parameters that the joint results rest on.
   subroutine add_joint(json, scene, joint, theory)

@@ -17,7 +17,7 @@ module hd_run
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
   use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, book, write_loop, bottom_turn
+  use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -33,6 +33,7 @@ module hd_run
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
+  use hd_tolerance_band, only: banded_values
   use hd_twist_shares, only: twist_shares, part_names
   implicit none
   private
@@ -406,6 +407,8 @@ contains
     if (run%scene%support%loop) then
       call say('drive     '//loop_text(run%loop, run%scene))
       call tell_twist(run)
+      if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
+        run%scene), run%sums)))
     else
       call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
         ', contact alone '//rounded(run%sums%k_contact)//' N m/rad')

@@ -40,7 +40,7 @@ def plot_loop(result: RunLike) -> Figure:
 
 @styled
 def plot_loads(result: RunLike) -> Figure:
-    """Force of every ball and of every pair of teeth, the larger of its flanks', over the angle, at the end of the assembly and at the largest torque."""
+    """Force of every ball and the larger one of every pair's flanks over the angle, assembled and at the largest torque."""
     figure, axes = new_axes(1, 2, figsize=(11, 4))
     for axis, table, title in zip(axes, (result.balls, result.teeth), ("force of a ball / N", "force of a pair of teeth / N")):
         if table is None:

@@ -4,7 +4,7 @@
 !> Each input is moved to the ends of its tolerance. Changes are those of the logarithm of a result; they add up by the root of
 !> their squares, upwards and downwards apart. An input that moves a result to one side only widens that side alone.
 module hd_tolerance_band
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, pi
   use hd_facets, only: sums_t
   use hd_loop, only: readings_t
   use hd_text, only: string_t, percent, push, rounded
@@ -99,13 +99,15 @@ contains
     character(len=:), allocatable :: text
     type(string_t), allocatable :: key(:)
     real(dp), allocatable :: share(:)
-    real(dp) :: factor(2, banded)
+    real(dp) :: factor(2, banded), scale  !< angles in minutes of arc
     integer :: i
     factor = self%bounds()
     text = '95 %: '
     do i = 1, banded
-      if (value(i) > 0 .and. self%known(i)) text = text//trim(banded_words(i))//' '//rounded(value(i)*factor(1, i))//' to '// &
-        rounded(value(i)*factor(2, i))//', '
+      if (.not. (value(i) > 0 .and. self%known(i))) cycle
+      scale = merge(60*180/pi, 1._dp, index(banded_keys(i), '_rad ') > 0 .and. index(banded_keys(i), '_per_') == 0)
+      text = text//trim(banded_words(i))//' '//rounded(scale*value(i)*factor(1, i))//' to '// &
+        rounded(scale*value(i)*factor(2, i))//trim(merge("'", ' ', scale > 1))//', '
     end do
     call self%ranked(key, share)
     text = text//'made by '

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random scenes and whole drives on small meshes: how many converge, in how many iterations, and what the engine says of the rest. Of drives
-moments must balance, no ball or flank may pull, no flank rub with more than mu times its force, and friction may give nothing back.
+moments must balance, no ball, flank or point of contact may pull, none rub with more than mu times its force, a point that presses has no gap,
+friction may give nothing back, and a loop's work must be what is stored and what friction took.
 
-Usage: bench/random_runs.py [scenes] [drives] [large] [rub] [--count N] [--only N]; large: drives with large displacements, rub: with friction of
-the flanks. Writes bench/results/random_runs.json; --count writes nothing, --only prints the keys and the result of one.
+Usage: bench/random_runs.py [scenes] [drives] [large] [rub] [loose] [--count N] [--only N]; large: drives with large displacements, rub: with
+friction of the flanks, loose: as built, with the bearing free in the cup. Writes bench/results/random_runs.json; --count writes nothing, --only prints the keys and the result of one.
 """
 import argparse
 import csv
@@ -20,7 +21,7 @@ import numpy as np
 
 from common import DATA, ONE_THREAD, program, write_part
 
-SCENES, DRIVES = 2023, 36   # seeds
+SCENES, DRIVES, LOOSE = 2023, 36, 57   # seeds
 OPTIONS = ((0.15, "contact.law", "joint"), (0.1, "wave_generator.shape", "as_formed"), (0.15, "wave_generator.ring_contact", "unilateral"),
            (0.15, "load.torque_load", "teeth"), (0.1, "solver.kinematics", "nonlinear"), (0.2, "contact.slave", "cup"))
 
@@ -106,6 +107,47 @@ def drive(i):
             for k, v in keys.items()}
 
 
+def loose(i):
+    """Keys of drive i as it is built: lengths in proportion to its bore, the bearing free in the cup by up to 100 um."""
+    r = np.random.default_rng([LOOSE, i])
+
+    def sometimes(chance, value, other=0.0):
+        return value if r.random() < chance else other
+    size, ratio = r.uniform(11, 40), int(r.choice([50, 100, 160]))
+    s = size / 14
+    wall, rated = r.uniform(0.25e-3, 0.5e-3) * s, 7.8 * s**3
+    band = r.uniform(4e-3, 8e-3) * s
+    torque = rated * r.uniform(0.1, 2)
+    keys = {
+        "mesh.divisions": int(r.choice([24, 32, 40, 48])), "mesh.band_facets": int(r.integers(4, 9)),
+        "geometry.bore_radius": 17.5e-3 * s, "geometry.rim_length": 9e-3 * s, "geometry.band_start": r.uniform(0, 9e-3 * s - band),
+        "geometry.band_length": band, "geometry.ring_thickness": r.uniform(0.5e-3, 1.5e-3) * s, "geometry.wall_thickness": wall,
+        "geometry.rim_thickness": wall * r.uniform(1, 1.5), "geometry.rim_taper": 1e-3 * s, "geometry.cup_length": r.uniform(18e-3, 26e-3) * s,
+        "geometry.bottom_thickness": r.uniform(0.3e-3, 0.8e-3) * s, "geometry.hub_radius": r.uniform(8e-3, 11.25e-3) * s,
+        "wave_generator.w": 0.2e-3 * s * 100 / ratio * r.uniform(0.8, 1.2), "wave_generator.cam": str(r.choice(["ellipse", "cosine", "arcs"])),
+        "wave_generator.clearance": r.uniform(0, 100e-6), "wave_generator.eccentricity": sometimes(0.5, r.uniform(0, 20e-6)),
+        "wave_generator.eccentricity_angle_deg": r.uniform(0, 360), "bearing.balls": int(r.choice([0, *range(15, 28)])),
+        "bearing.ball_diameter": 3.2e-3 * s, "bearing.clearance": sometimes(0.5, r.uniform(-5e-6, 20e-6)),
+        "bearing.cage_angle_deg": sometimes(0.5, r.uniform(0, 12)), "contact.friction": r.uniform(0.02, 0.3),
+        "load.torque": torque, "load.teeth": 2 * ratio, "load.tooth_pairs": 2 * round(0.2 * ratio), "load.tooth_stiffness": 1.25e8 * s,
+        "load.pressure_angle_deg": {50: 30, 100: 20, 160: 20}[ratio], "load.tooth_friction": sometimes(0.3, r.uniform(0.02, 0.15)),
+        "load.spline": str(r.choice(["free", "rigid"])), "load.spline_diameter": 50e-3 * s, "load.torque_steps": int(r.integers(4, 7)),
+        "loop.history": str(r.choice(["loop", "assembled"])), "loop.torque_1": 0.25 * torque, "loop.torque_2": 0.8 * torque,
+        "loop.rated_torque": torque, "load.tooth_gaps": 0, "load.tooth_gaps_back": 0}
+    if r.random() < 0.6:
+        pairs = keys["load.tooth_pairs"]
+        way = np.tile(abs(np.arange(pairs // 2) + 0.5 - r.uniform(0.3, 0.7) * pairs / 2) / (pairs / 4), 2)
+        keys["load.tooth_gaps"] = list(r.uniform(0.3e-6, 3e-6) * s + r.uniform(5e-6, 30e-6) * s * way**2)
+        keys["load.tooth_gaps_back"] = sometimes(0.5, list(keys["load.tooth_gaps"][::-1]))
+    else:
+        keys["load.tooth_clearance"] = r.uniform(0, 40e-6) * s
+    keys["solver.kinematics"] = "linear" if r.random() < 0.9 else "nonlinear"
+    if keys["solver.kinematics"] == "nonlinear":
+        keys |= {"load.torque_steps": 2, "loop.torques": [torque, 0]}
+    return {k: ",".join(f"{x:.6g}" for x in v) if isinstance(v, list) else float(f"{v:.6g}") if isinstance(v, float) else v
+            for k, v in keys.items()}
+
+
 def columns(path):
     """A table by its columns; none of one that is not there."""
     if not path.exists():
@@ -115,7 +157,24 @@ def columns(path):
     return {k: np.array([r[k] for r in rows]) for k in (rows[0] if rows else {})}
 
 
-def faults(keys, steps, loop, teeth, balls):
+def contact_faults(facets, mu):
+    """What must hold at the facets of a hard contact and does not: their pressures and shears are those of corners, their gap the mean of these."""
+    p, shear = (np.array([facets[f"{name}_{k}_pa"] for k in (1, 2, 3, 4)]).astype(float) for name in ("pressure", "shear"))
+    gap = facets["gap_m"].astype(float)
+    most, reach = p.max(), max(abs(gap).max(), 1e-6)
+    found = []
+    if p.min() < -1e-6 * most:
+        found.append(f"a point pulls with {-p.min():.1e} Pa")
+    if gap.min() < -1e-4 * reach:
+        found.append(f"a facet lies {-gap.min():.1e} m deep")
+    if gap[(p > 1e-6 * most).all(axis=0)].max(initial=0) > 1e-4 * reach:
+        found.append("all of a facet presses over a gap")
+    if (abs(shear) - mu * p).max() > 1e-6 * most:
+        found.append("a point rubs with more than mu times its pressure")
+    return found
+
+
+def faults(keys, steps, loop, teeth, balls, facets):
     """What must hold in every converged drive and does not."""
     torque = loop["torque_nm"].astype(float)
     top = max(abs(torque).max(), 1e-3)
@@ -135,6 +194,13 @@ def faults(keys, steps, loop, teeth, balls):
         found.append(f"friction gives {-heat.min():.1e} J")
     if not np.isfinite(loop["angle_rad"].astype(float)).all():
         found.append("the angle is no number")
+    if heat.size:  # over steps to or from T = 0, where the play is crossed, a step's mean torque says nothing of its work
+        energy = loop["work_j"].astype(float) - loop["stored_j"].astype(float) - loop["dissipated_j"].astype(float)
+        lost = abs(np.diff(energy)[torque[1:] * torque[:-1] > 0].sum()) / max(abs(loop["work_j"].astype(float)).max(), 1e-12)
+        if lost > 0.04:
+            found.append(f"{lost:.2g} of the work is neither stored nor dissipated")
+    if keys.get("contact.law") != "joint":
+        found += contact_faults(facets, 0 if keys.get("contact.mode") == "frictionless" else keys["contact.friction"])
     return found
 
 
@@ -150,7 +216,7 @@ def solve(data, keys, limit):
             row["iterations"] = [int(n) for n in steps.get("iterations", [])]
             row["cut_backs"] = json.loads((out / "summary.json").read_text())["results"]["cut_backs"]
             if done.returncode == 0 and data.startswith("drive"):
-                row["faults"] = faults(keys, steps, *(columns(out / f"{name}.csv") for name in ("loop", "teeth", "balls")))
+                row["faults"] = faults(keys, steps, *(columns(out / f"{name}.csv") for name in ("loop", "teeth", "balls", "contact")))
     return row
 
 
@@ -169,8 +235,9 @@ def rub(i):
 
 KINDS = {"scenes": (scene, 500, 400), "drives": (lambda i: drive(i) | {"solver.kinematics": "linear"}, 300, 600),
          "large": (lambda i: drive(i) | {"solver.kinematics": "nonlinear"}, 30, 120),
-         "rub": (lambda i: rub(i) | {"solver.kinematics": "linear"}, 30, 600)}  # keys, number, limit [s]
-NAMES = {"large": "drives, large displacements", "rub": "drives, friction of the flanks"}
+         "loose": (loose, 200, 120),
+        "rub": (lambda i: rub(i) | {"solver.kinematics": "linear"}, 30, 600)}  # keys, number, limit [s]
+NAMES = {"large": "drives, large displacements", "rub": "drives, friction of the flanks", "loose": "drives, bearing free in the cup"}
 
 
 def run(kind, numbers):

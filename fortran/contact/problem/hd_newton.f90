@@ -368,10 +368,11 @@ contains
     type(linearisation_t), intent(inout) :: here      !< its linearisation
     real(dp), intent(out) :: damping                  !< length taken
     type(state_t) :: old
-    real(dp) :: merit, best, best_damping
+    real(dp) :: merit, begun, best, best_damping
     integer :: k
     old = state
     merit = here%distance
+    begun = here%merit
     best = huge(best)
     best_damping = 1
     damping = 1
@@ -386,7 +387,8 @@ contains
       end if
       if (here%distance < (1 - tenth*damping)*merit) return
     end do
-    if (allocated(problem%struts) .and. .not. best < merit) best_damping = 1  ! struts that come and go lie behind a ridge
+    ! struts that come and go lie behind a ridge; where little is left, a step that long leads back to where the iteration came from
+    if (allocated(problem%struts) .and. begun > clear .and. .not. best < merit) best_damping = 1
     if (damping == best_damping) return
     damping = best_damping
     state%u = old%u + damping*du

@@ -6,6 +6,7 @@
 !> (mu > 0.7) that the solution next to the last one ends and another lies further off.
 module hd_friction_path
   use hd_kinds, only: dp
+  use hd_clock, only: wall_seconds
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: detail
@@ -25,11 +26,12 @@ module hd_friction_path
 contains
 
   !> Solve a load step with less friction and raise it from solution to solution.
-  subroutine raise_friction(problem, solver, options, load, previous, state, history, solved, sliding, error)
+  subroutine raise_friction(problem, solver, options, load, deadline, previous, state, history, solved, sliding, error)
     type(problem_t), intent(inout) :: problem                      !< problem
     class(linear_solver_t), intent(inout) :: solver                !< its linear solver
     type(newton_options_t), intent(in) :: options                  !< tolerance and limits
     type(load_t), intent(in) :: load                               !< load at the end of the step
+    real(dp), intent(in) :: deadline                               !< clock from which nothing more is tried [s]
     type(state_t), intent(in) :: previous                          !< state at its beginning
     type(state_t), intent(inout) :: state                          !< solution
     type(iteration_t), allocatable, intent(inout) :: history(:)    !< iterates; gets the further ones
@@ -55,7 +57,7 @@ contains
       if ((solved .or. sliding) .and. share >= 1) return
       if (solved) guess = state
       call next_share(solved, sliding, share, reached)
-      if (share < least_share) exit
+      if (share < least_share .or. wall_seconds() > deadline) exit
     end do
     solved = .false.
     sliding = .false.

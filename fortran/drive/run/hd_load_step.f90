@@ -72,7 +72,7 @@ contains
           if (target < part) part = target
           if (slip_torque <= abs(run%step%torque)*1.003_dp) call let_go(run, part, slip_torque, error)
         end if
-      else
+      else if (.not. out_of_time(run)) then
         cuts = cuts + 1
         run%tally%cuts = run%tally%cuts + 1
         if (sliding .and. slip_torque > 0 .and. .not. cautious(run, slip_torque) < part) then
@@ -154,10 +154,15 @@ contains
   !> The wall-clock limit of the scene has passed.
   logical function out_of_time(run)
     type(run_t), intent(in) :: run  !< run
-    real(dp) :: elapsed
-    elapsed = wall_seconds() - run%clock
-    out_of_time = run%scene%time_limit_s > 0 .and. elapsed > run%scene%time_limit_s
+    out_of_time = wall_seconds() > deadline(run)
   end function out_of_time
+
+  !> Clock at which that limit is reached [s].
+  pure real(dp) function deadline(run)
+    type(run_t), intent(in) :: run  !< run
+    deadline = huge(deadline)
+    if (run%scene%time_limit_s > 0) deadline = run%clock + run%scene%time_limit_s
+  end function deadline
 
   !> Four fifths of the way to the torque at which the contact slips.
   pure type(place_t) function cautious(run, slip_torque) result(place)
@@ -205,8 +210,8 @@ contains
     else
       call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
       if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
-        call raise_friction(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, &
-          error)
+        call raise_friction(run%model%drive%problem, run%model%solver, options, load, deadline(run), run%state, trial, history, &
+          solved, sliding, error)
       end if
       sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
     end if

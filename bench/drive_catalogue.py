@@ -2,7 +2,7 @@
 """The whole drives of data/ beside the catalogue, and what makes their slopes: fit, play of the teeth, history, friction. Writes
 bench/results/drive_catalogue.json and docs/figures/slopes.png.
 
-Usage: python bench/drive_catalogue.py [sizes] [slopes] [causes] [history] [draw]; without words all
+Usage: python bench/drive_catalogue.py [sizes] [slopes] [causes] [half] [history] [draw]; without words all
 """
 import re
 import sys
@@ -89,6 +89,15 @@ def causes():
     return rows
 
 
+def half():
+    """Drives with half the mean clearance of the fit, on their own mesh."""
+    rows = []
+    for name in ("17", "25", "32", "40", "20_50"):
+        mean = float(re.search(r" clearance = (\S+)", (DATA / f"drive{name}.nml").read_text())[1])
+        rows.append({"drive": name, "case": f"clearance {5e5 * mean:.3g} µm, own mesh"} | run(name, {"wave_generator.clearance": mean / 2})[0])
+    return rows
+
+
 def history():
     """K1 to K3 after each history."""
     return [{"drive": name, "history": h} | run(name, {"loop.history": h})[0] for name in ("14", "20") for h in ("loop", "assembled", "turned")]
@@ -118,7 +127,7 @@ def draw(rows):
 
 def main():
     """Solve, write, draw."""
-    parts = {"sizes": sizes, "slopes": slopes, "causes": causes, "history": history}
+    parts = {"sizes": sizes, "slopes": slopes, "causes": causes, "half": half, "history": history}
     for name in sys.argv[1:] or parts:
         if name in parts:
             write_part("drive_catalogue", name, parts[name](), threads=1)

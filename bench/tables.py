@@ -253,7 +253,7 @@ READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, l
 
 def drive_causes():
     """What fit, play, friction and gluing change, on a coarser mesh."""
-    return ("size", "case", *READ), [(r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes")
+    return ("size", "case", *READ), [(r["drive"].replace("_", "-"), r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") + drive_rows("half")
                                         if r["case"] != "clearance 9 µm"]   # as built
 
 
@@ -271,7 +271,7 @@ def premises():
         return [" / ".join("-" if v is None else digits(v, 3) for v in k), *numbers, " ".join(t[0].upper() for t in found["trends"]) or "-"]
     return ("premise", "bonded reading 1 / 3 / 5 N m", "torque", "e", "w", "has", "Eq. 45: torque", "e", "w", "has"), [
         (r["premise"].replace("clearance ", "").replace("interference", "i ="), *shown(r["bonded"]), *shown(r["eq45"])[1:])
-        for r in read_record("paper_comparison")["premises"]]
+        for group in ("drive", "loose", "rigid", "cup", "formed") for r in read_record("paper_comparison")[group]]
 
 
 def paper_bench():

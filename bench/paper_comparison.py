@@ -4,7 +4,7 @@
 A premise is a scene and its keys; each is solved at five deformations w and with 10 um of eccentricity, at 1, 3 and 5 N m. Writes
 bench/results/paper_comparison.json.
 
-Usage: python bench/paper_comparison.py [drive] [loose] [rigid] [cup] [formed]; without words all
+Usage: python bench/paper_comparison.py [drive] [loose] [fine] [rigid] [cup] [formed]; without words all
 """
 import sys
 import tempfile
@@ -22,7 +22,7 @@ COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1,
 DRIVE = {"scene": "drive14", "loop.torques": 5}
 CUP = {"scene": "cd14"}
 FORMED = {**CUP, "wave_generator.shape": "as_formed", "load.torque_load": "teeth"}
-GROUPS = ("drive", "loose", "rigid", "cup", "formed")   # how the names of premises begin
+GROUPS = ("drive", "loose", "fine", "rigid", "cup", "formed")   # how the names of premises begin
 
 
 def loose(um):
@@ -38,6 +38,7 @@ def premises():
             ("angle 30°", {"load.pressure_angle_deg": 30}), ("friction 0.05", {"contact.friction": 0.05}), ("friction 0.3", {"contact.friction": 0.3}),
             ("ellipse", {"wave_generator.cam": "ellipse"}), ("rigid balls", {"bearing.balls": 0}))}
     found |= {f"loose drive, clearance {c} µm": {**DRIVE, **loose(c)} for c in (35, 38, 42, 45)}
+    found |= {f"fine mesh, drive, clearance {c} µm": {**DRIVE, **loose(c), "mesh.divisions": 86, "mesh.band_facets": 10} for c in (40, 42)}
     found |= {f"rigid balls, clearance {c} µm{words}": {**DRIVE, **loose(c), "bearing.balls": 0, **keys} for c, words, keys in (
         (30, "", {}), (40, "", {}), (45, "", {}), (60, "", {}), (50, ", friction 0.3", {"contact.friction": 0.3}), (50, ", angle 30°", {"load.pressure_angle_deg": 30}))}
     found |= {f"cup held, clearance {c} µm": {**CUP, **loose(c)} for c in (-10, 0, 20, 50)}

@@ -263,15 +263,21 @@ def drive_history():
 
 
 def premises():
-    """Trends of the paper by premise, in both readings of K_TS."""
+    """Trends of the paper by premise, in both readings of K_TS: plain drives and cups, fine meshes, and all that give two trends; then counts."""
+    from paper_comparison import GROUPS, READINGS
+
     def shown(found):
-        k = [None if v is None else v / 1e3 for v in found["k_nm_per_rad"]]
         changes = [found["rise_percent"], found["fall_percent"][2], found["gain_percent"][2]]
-        numbers = ["-" if v is None else f"{v:+.0f}" if abs(v) < 1000 else "above 1000" for v in changes]
-        return [" / ".join("-" if v is None else digits(v, 3) for v in k), *numbers, " ".join(t[0].upper() for t in found["trends"]) or "-"]
-    return ("premise", "bonded reading 1 / 3 / 5 N m", "torque", "e", "w", "has", "Eq. 45: torque", "e", "w", "has"), [
-        (r["premise"].replace("clearance ", "").replace("interference", "i ="), *shown(r["bonded"]), *shown(r["eq45"])[1:])
-        for group in ("drive", "loose", "rigid", "cup", "formed") for r in read_record("paper_comparison")[group]]
+        return [*("-" if v is None else f"{v:+.0f}" for v in changes), " ".join(t[0].upper() for t in found["trends"]) or "-"]
+    record = read_record("paper_comparison")
+    rows = [r for group in GROUPS for r in record[group]]
+    out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded"]["k_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
+           for r in rows if r["premise"].startswith("fine") or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
+           or any(len(r[reading]["trends"]) > 1 for reading in READINGS)]
+    counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'] for r in rows)}" for name in ("torque", "eccentricity", "w"))
+              for reading in READINGS}
+    return ("premise", "bonded reading at 1 / 3 / 5 N m", "torque", "e", "w", "has", "Eq. 45: torque", "e", "w", "has"), [
+        *out, (f"all {len(rows)}", *[""] * 4, counts["bonded"], *[""] * 3, counts["eq45"])]
 
 
 def paper_bench():

@@ -17,7 +17,7 @@ from hdengine.figures.style import new_axes, styled
 
 DRIVES = ("11", "14", "17", "20", "25", "32", "40", "14_hat", "20_30", "20_50", "20_160")
 CATALOGUE = {name: (u.k1_nm_per_rad, u.k2_nm_per_rad, u.k3_nm_per_rad) for name, u in ((name, UNITS.get(int(name[:2]))) for name in DRIVES) if u}
-CATALOGUE |= {"11": (2.7e3, 3.4e3, 4.4e3), "20_50": (13e3, 18e3, 23e3)}   # as typed by a selector of drives; docs/evidence/comparison.md
+CATALOGUE |= {"11": (2.7e3, 3.4e3, 4.4e3), "20_50": (13e3, 18e3, 23e3)}   # typed from catalogues; docs/evidence/drive.md
 del CATALOGUE["20_30"]
 ARCMIN = np.degrees(1) * 60
 COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8}

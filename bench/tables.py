@@ -245,7 +245,7 @@ def cause(size, row):
     """K1 to K3 of a case over the catalogue and what else it reads."""
     from drive_catalogue import CATALOGUE
     return *over(row, np.array(CATALOGUE[size]) / 1e3), f"{row['hysteresis_arcmin']:.2f}', {row['lost_motion_arcmin']:.2f}'", \
-        "-" if row["k_ts_bonded"] is None else f"{row['k_ts_bonded']:.3g} / {row['k_ts_contact']:.3g}"
+        "-" if row["k_ts_bonded"] is None else f"{digits(row['k_ts_bonded'], 3)} / {digits(row['k_ts_contact'], 3)}"
 
 
 READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "K_TS, bonded / contact")

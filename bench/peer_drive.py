@@ -176,7 +176,7 @@ def main():
         closed = balls["closing_m"] > 1e-7
         rate = float(np.median(balls["force_n"][closed] / (1e3 * balls["closing_m"][closed]) ** 1.5))
         theirs, assembled = calculix(folder, meshio.read(sorted((folder / "ours").glob("bodies_*.vtu"))[-1]), rate, loop["angle_rad"][-2:])
-    forces = {"balls": balls["force_n"].reshape(-1, KEYS["bearing.balls"]), "pairs": teeth["force_n"].reshape(-1, PAIRS)}
+    forces = {"balls": balls["force_n"].reshape(-1, KEYS["bearing.balls"]), "pairs": teeth["force_n"].reshape(-1, PAIRS, 2).sum(2)}
 
     def row(torque, what, unit, x, y):
         x, y = np.atleast_1d(x), np.atleast_1d(y)

@@ -66,7 +66,7 @@ subroutine run_advance(handle, done, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_load_path, only: operator(<), path_end, step_end
-  use hd_march, only: march
+  use hd_open_run, only: advance_run
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
@@ -81,7 +81,7 @@ subroutine run_advance(handle, done, status, message)
   last = .true.
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    call march(run, step_end(run%place), error)
+    call advance_run(run, step_end(run%place), error)
     last = .not. run%place < path_end(run%scene)
   end if
   done = merge(1, 0, last)

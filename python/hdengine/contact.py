@@ -216,9 +216,11 @@ def _text(value):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return ",".join(_text(v) for v in value)
+    if isinstance(value, (bool, np.bool_)):
+        return f".{str(bool(value)).lower()}."
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    if isinstance(value, (str, int, np.integer, np.str_)) and not isinstance(value, bool):
+    if isinstance(value, (str, int, np.integer, np.str_)):
         text = str(value)
         if not {"\n", "\r", "\0"} & set(text):
             return text

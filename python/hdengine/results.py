@@ -222,7 +222,7 @@ class Result:
 
     @property
     def teeth(self) -> np.ndarray:
-        """Force, share and closing of every pair of teeth and torque step (teeth.csv), a structured array."""
+        """Force, share and closing of every flank of the teeth and torque step (teeth.csv), a structured array."""
         return read_csv(self.folder / "teeth.csv")
 
     @property
@@ -273,7 +273,7 @@ class Result:
         """
         c, s = self.contact, self.scene
         k = torsion.torsional_stiffness(c["k_n_n_per_m"], c["k_t_n_per_m"], self.vectors("x_m", "y_m", "z_m"),
-                                        self.vectors("n_x", "n_y", "n_z"))
+                                        self.vectors("bent_n_x", "bent_n_y", "bent_n_z"))
         paper = torsion.torsional_stiffness_paper(
             c["k_n_n_per_m"], c["k_t_n_per_m"], c["theta_rad"][0], s["geometry.bore_radius"], s["wave_generator.w"],
             np.tan(np.radians(s["wave_generator.cone_angle_deg"])))
@@ -343,7 +343,7 @@ class Result:
         ndarray (3, steps)
             Low, median, high [N m/rad].
         """
-        place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("n_x", "n_y", "n_z")
+        place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("bent_n_x", "bent_n_y", "bent_n_z")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)
             parts = []

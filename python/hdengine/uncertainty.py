@@ -58,7 +58,7 @@ class ContactField:
     def __init__(self, result: Result, step: int = -1) -> None:
         self.scene = dict(result.scene)
         self._facets = c = {name: column[step] for name, column in result.contact.items()}
-        self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["n_x"], c["n_y"], c["n_z"]], -1)
+        self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["bent_n_x"], c["bent_n_y"], c["bent_n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
         self._friction = float(result.steps["friction"][step])
 

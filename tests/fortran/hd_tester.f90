@@ -28,9 +28,11 @@ program hd_tester
   use test_table, only: run_table
   use test_text, only: run_text
   use test_theory_trust, only: run_theory_trust
+  use test_tolerance_band, only: run_tolerance_band
   implicit none
   call run_text()
   call run_theory_trust()
+  call run_tolerance_band()
   call run_stress()
   call run_table()
   call run_parameters()

@@ -49,14 +49,14 @@ def call(exe, *args, **options):
 def stopped_and_whole(exe, keys, rows, tmp_path):
     """Folders of the loop of size 14, one stopped by a signal after so many load steps and resumed: the same tables, to the byte."""
     folder, whole = tmp_path / "stopped", tmp_path / "whole"
-    process = subprocess.Popen([exe, ROOT / "data/drive14.nml", *keys, "--out", folder, "-q"], stderr=subprocess.DEVNULL)
+    process = subprocess.Popen([exe, ROOT / "tests/cases/pressed_drive.nml", *keys, "--out", folder, "-q"], stderr=subprocess.DEVNULL)
     while not (folder / "loop.csv").exists() or (folder / "loop.csv").read_bytes().count(b"\n") < 1 + rows:
         assert process.poll() is None
         time.sleep(0.001)
     process.send_signal(signal.SIGTERM)
     assert process.wait() == 7
     for out, more in ((folder, ["--resume"]), (whole, [])):
-        done = call(exe, ROOT / "data/drive14.nml", *keys, "--out", out, "-q", *more)
+        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *keys, "--out", out, "-q", *more)
         assert done.returncode == 0, done.stderr
     for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv"):
         assert (folder / name).read_bytes() == (whole / name).read_bytes(), name

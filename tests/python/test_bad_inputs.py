@@ -309,7 +309,7 @@ def test_nothing_in_contact_warns(exe, tmp_path):
     """A ring that is smaller than the bore by a millimetre touches nothing: the run says so and what to do."""
     file = tmp_path / "in.nml"
     file.write_text(HEAD)
-    done = call(exe, file, "wave_generator.interference=-1e-3", "mesh.divisions=16", "mesh.band_facets=3", "--out", tmp_path / "o")
+    done = call(exe, file, "wave_generator.clearance=1e-3", "mesh.divisions=16", "mesh.band_facets=3", "--out", tmp_path / "o")
     assert done.returncode == 0 and "warning: nothing is in contact" in done.stdout and "Raise wave_generator.interference" in done.stdout
 
 

@@ -164,7 +164,7 @@ def test_hoop_force_of_a_stretched_ring(exe, tmp_path, kinematics):
     inside, outside, width, modulus, poisson, over = 16.5e-3, 17.5e-3, 12e-3, 219e9, 0.3, 5e-6
     done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=96", "mesh.band_facets=4", "mesh.wall_elements=4", "mesh.bottom_elements=3",
                 f"solver.kinematics={kinematics}", "load.torque_steps=0", "load.assembly_steps=1", "wave_generator.w=0", "output.vtu=none",
-                "wave_generator.interference=-5e-5", "wave_generator.ring_contact=unilateral", "wave_generator.perimeter=given",
+                "wave_generator.clearance=5e-5", "wave_generator.ring_contact=unilateral", "wave_generator.perimeter=given",
                 f"wave_generator.perimeter_length={2 * np.pi * (inside + over)!r}", "--out", tmp_path / "r", "-q")
     assert done.returncode == 0, done.stderr
     results = hdengine.load(tmp_path / "r").summary["results"]

@@ -45,7 +45,7 @@ def test_the_solution_is_that_from_rest(tmp_path, mesh, groups):
 def test_a_drive_starts_from_a_coarser_mesh(tmp_path):
     """Balls and teeth included, the loop is that from rest, in fewer iterations."""
     def drive(start):
-        with hdengine.Run(CD14.parent / "drive14.nml", out=tmp_path / start, mesh={"divisions": 64, "band_facets": 16},
+        with hdengine.Run(CD14.parents[1] / "tests/cases/pressed_drive.nml", out=tmp_path / start, mesh={"divisions": 64, "band_facets": 16},
                           load={"torque_steps": 1}, loop={"torques": [3.0, 0.0]}, output={"vtu": "none"},
                           solver={"start": start, "tolerance": 1e-11}) as run:
             for _ in run:

@@ -16,36 +16,36 @@ SIMPLE = ["cup.sections_r=17.5e-3,17.5e-3,17.5e-3,17.5e-3,17.5e-3,8e-3", "cup.se
 
 def angle(exe, folder, scene, *keys):
     """Turn of the bottom at 8 N m."""
-    done = call(exe, ROOT / f"data/{scene}.nml", *SMALL, *keys, "--out", folder, "-q")
+    done = call(exe, ROOT / f"tests/cases/{scene}.nml", *SMALL, *keys, "--out", folder, "-q")
     assert done.returncode == 0, done.stderr
     return read_csv(folder / "loop.csv")["angle_rad"][-1]
 
 
 def test_sections_of_the_simple_cup_are_that_cup(exe, tmp_path):
     """The whole drive turns by the same angle, to 1e-9, whether its cup is given by simple keys or by their sections."""
-    np.testing.assert_allclose(angle(exe, tmp_path / "a", "drive14", *SIMPLE), angle(exe, tmp_path / "b", "drive14"), rtol=1e-9)
+    np.testing.assert_allclose(angle(exe, tmp_path / "a", "pressed_drive", *SIMPLE), angle(exe, tmp_path / "b", "pressed_drive"), rtol=1e-9)
 
 
 def test_a_hat_runs_in_both_solvers(exe, tmp_path):
     """The silk hat turns by the same angle in condensation and in Newton's matrix, to 1e-8; its wider flange is stiffer than the cup's
     bottom of the same thickness."""
-    hat = angle(exe, tmp_path / "c", "drive14_hat")
-    np.testing.assert_allclose(angle(exe, tmp_path / "n", "drive14_hat", "solver.method=newton"), hat, rtol=1e-8)
-    assert 0 < hat < angle(exe, tmp_path / "d", "drive14")
+    hat = angle(exe, tmp_path / "c", "pressed_hat")
+    np.testing.assert_allclose(angle(exe, tmp_path / "n", "pressed_hat", "solver.method=newton"), hat, rtol=1e-8)
+    assert 0 < hat < angle(exe, tmp_path / "d", "pressed_drive")
 
 
 def test_a_fillet_changes_little(exe, tmp_path):
     """A fillet of 1 mm between wall and bottom moves the turn of the drive by less than 2 % on a coarse mesh."""
-    sharp = angle(exe, tmp_path / "s", "drive14", *SIMPLE)
-    rounded = angle(exe, tmp_path / "r", "drive14", *SIMPLE, "cup.sections_fillet=0,0,0,1e-3,0,0")
+    sharp = angle(exe, tmp_path / "s", "pressed_drive", *SIMPLE)
+    rounded = angle(exe, tmp_path / "r", "pressed_drive", *SIMPLE, "cup.sections_fillet=0,0,0,1e-3,0,0")
     assert 0 < abs(rounded / sharp - 1) < 0.02
 
 
 def test_the_echo_keeps_the_sections(exe, tmp_path):
     """The echo of a hat reads back as the same scene."""
-    assert call(exe, ROOT / "data/drive14_hat.nml", *SMALL, "load.torque_steps=1", "--out", tmp_path / "o", "-q").returncode == 0
+    assert call(exe, ROOT / "tests/cases/pressed_hat.nml", *SMALL, "load.torque_steps=1", "--out", tmp_path / "o", "-q").returncode == 0
     assert hdengine.read_scene(tmp_path / "o/echo.nml")["cup.sections_r"] == hdengine.read_scene(
-        ROOT / "data/drive14_hat.nml")["cup.sections_r"]
+        ROOT / "tests/cases/pressed_hat.nml")["cup.sections_r"]
 
 
 @pytest.mark.parametrize("keys, what", [
@@ -56,11 +56,11 @@ def test_the_echo_keeps_the_sections(exe, tmp_path):
 ])
 def test_contradictions_are_told(exe, tmp_path, keys, what):
     """A simple key that says something else, lists of unequal length and a band beyond the bore end with code 2 and name the key."""
-    done = call(exe, ROOT / "data/drive14_hat.nml", *keys, "--check")
+    done = call(exe, ROOT / "tests/cases/pressed_hat.nml", *keys, "--check")
     assert done.returncode == 2 and what in done.stderr, done.stderr
 
 
 def test_the_report_draws_the_flange():
     """In the sketch of a report the flange stands beyond the bore."""
-    drawn = draw_scene(hdengine.read_scene(ROOT / "data/drive14_hat.nml"))
+    drawn = draw_scene(hdengine.read_scene(ROOT / "tests/cases/pressed_hat.nml"))
     assert drawn.count('fill="#9fb8d0"') == 4

@@ -11,6 +11,7 @@ from scipy.special import ellipe, ellipk
 import hdengine
 from conftest import ROOT, call, stopped_and_whole
 from hdengine import load
+from hdengine.catalogue import UNITS
 from hdengine.figures.run import plot_run
 from hdengine.results import read_csv
 
@@ -53,7 +54,7 @@ DRIFTING = [
 LOOSE = [
     "mesh.divisions=24", "mesh.band_facets=6", "mesh.bottom_elements=4", "geometry.band_length=0.00853854",
     "geometry.ring_thickness=0.000557482", "wave_generator.w=7.86315e-05", "wave_generator.cam=arcs",
-    "wave_generator.interference=-3.68749e-05", "wave_generator.eccentricity_angle_deg=222.321", "bearing.balls=9",
+    "wave_generator.clearance=3.68749e-05", "wave_generator.eccentricity_angle_deg=222.321", "bearing.balls=9",
     "bearing.ball_diameter=0.0035828", "bearing.outer_conformity=0.534797", "bearing.clearance=0.0", "bearing.cage_angle_deg=26.7408",
     "contact.friction=0.127886", "load.teeth=160", "load.tooth_pairs=36", "load.tooth_stiffness=729613000.0",
     "load.tooth_clearance=1.73074e-05", "load.pressure_angle_deg=33.572", "load.torque=5.49639", "load.torque_steps=1",
@@ -65,7 +66,7 @@ LOOSE = [
 
 def solve(exe, folder, *keys, code=0):
     """Results of a small drive: summary, loop, balls, teeth."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", folder, "--force", "-q")
     assert done.returncode == code, done.stderr
     results = json.loads((folder / "summary.json").read_text())["results"]
     return results, *((folder / name).exists() and read_csv(folder / name) for name in ("loop.csv", "balls.csv", "teeth.csv"))
@@ -94,7 +95,7 @@ def test_chords_are_those_of_the_first_rise(drive):
 
 def test_log_states_what_a_bench_measures(exe, tmp_path):
     """The log of a drive ends with K1 to K3, hysteresis and lost motion, and shows no reading that does not exist."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, "load.torque_steps=1", "--out", tmp_path / "log")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "load.torque_steps=1", "--out", tmp_path / "log")
     line = next(line for line in done.stdout.splitlines() if line.startswith("drive "))
     assert "K1 " in line and "K3 " in line and "hysteresis " in line and "NaN" not in done.stdout
 
@@ -110,7 +111,7 @@ def test_energy_balances(exe, tmp_path):
 def test_torque_balances(exe, tmp_path):
     """The flanks' forces times cos(25 deg) times the rim's outer radius are the torque; all moments balance."""
     _, loop, _, teeth = solve(exe, tmp_path / "t", "load.torque_steps=2", "solver.tolerance=1e-10")
-    torque = (teeth["force_n"] * teeth["flank"]).reshape(-1, 12).sum(axis=1) * np.cos(np.radians(25)) * 17.927e-3
+    torque = (teeth["force_n"] * teeth["flank"]).reshape(-1, 24).sum(axis=1) * np.cos(np.radians(25)) * 17.927e-3
     np.testing.assert_allclose(torque, loop["torque_nm"][-8:], rtol=1e-7, atol=1e-7)
     assert np.all(abs(read_csv(tmp_path / "t/steps.csv")["torque_balance_nm"]) < 1e-6)
 
@@ -157,7 +158,7 @@ def test_balls_follow_hertz(drive):
 
 
 def test_flanks_follow_their_law(drive):
-    """Every flank carries its stiffness times its closing where that is positive; within a pair at most one pushes."""
+    """Every flank carries its stiffness times its closing where that is positive."""
     teeth = drive[3]
     np.testing.assert_allclose(teeth["force_n"], 1.25e8 * np.maximum(teeth["closing_m"], 0), rtol=1e-7, atol=1e-7)
 
@@ -190,9 +191,9 @@ def test_a_larger_mesh_takes_stored_answers(exe, tmp_path):
 
 def test_an_elastic_circular_spline(exe, tmp_path):
     """The drive gets softer, in the condensed form and in the matrix alike, and its energy balances as on a rigid spline: what the
-    ring stores is part of it. A support without teeth refuses it."""
+    ring stores is part of it. A diameter inside of the rim is refused."""
     keys = ["loop.torques=8,1", "load.torque_steps=3", "solver.tolerance=1e-11"]
-    soft = [*keys, "load.spline_diameter=50e-3"]
+    soft = [*keys, "load.spline=free"]
     rigid, ours = solve(exe, tmp_path / "r", *keys), solve(exe, tmp_path / "c", *soft)
     other = solve(exe, tmp_path / "n", *soft, "solver.method=newton")
     for table, column in ((1, "angle_rad"), (1, "stored_j"), (2, "force_n"), (3, "force_n"), (3, "closing_m")):
@@ -201,8 +202,8 @@ def test_an_elastic_circular_spline(exe, tmp_path):
     assert 1.1 < ours[1]["angle_rad"].max() / rigid[1]["angle_rad"].max() < 1.5
     left = [(loop["work_j"] - loop["stored_j"] - loop["dissipated_j"])[-1] for loop in (rigid[1], ours[1])]
     assert left[1] == pytest.approx(left[0], abs=1e-3 * ours[1]["work_j"].max())
-    done = call(exe, ROOT / "data/cd14.nml", "load.spline_diameter=50e-3", "--check")
-    assert done.returncode == 2 and "load.spline_thickness" in done.stderr and "load.support = 'drive'" in done.stderr
+    done = call(exe, ROOT / "data/drive14.nml", "load.spline_diameter=35e-3", "--check")
+    assert done.returncode == 2 and "load.spline_diameter = 0.035" in done.stderr and "above that of the rim (0.035854)" in done.stderr
 
 
 def test_a_groove_for_the_balls(exe, tmp_path):
@@ -226,7 +227,7 @@ def test_a_groove_for_the_balls(exe, tmp_path):
                         ("bearing.groove_depth=0.3e-3 geometry.band_length=1.5e-3", "narrower than the ring"),
                         ("bearing.groove_depth=0.2e-3 mesh.ring_facets=4", "the cells of the ring are not longer than the groove"),
                         ("bearing.groove_depth=0.2e-3 bearing.balls=0", "bearing.balls, that run in the groove")):
-        done = call(exe, ROOT / "data/drive14.nml", *wrong.split(), "--check")
+        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *wrong.split(), "--check")
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("error:") == 1, done.stderr
 
 
@@ -234,7 +235,7 @@ def test_points_that_all_slip_are_said(exe, tmp_path):
     """Drive 239 of bench/random_runs.py: a ring with clearance touches the cup at a few points, none of which sticks, and the
     iteration runs in a cycle. The run ends with code 4 and says so, with the keys that help; a little less eccentricity converges."""
     def run(eccentricity):
-        return call(exe, ROOT / "data/drive14_hat.nml", *LOOSE, f"wave_generator.eccentricity={eccentricity}", "--out", tmp_path / "r",
+        return call(exe, ROOT / "tests/cases/pressed_hat.nml", *LOOSE, f"wave_generator.eccentricity={eccentricity}", "--out", tmp_path / "r",
                     "--force", "-q")
 
     done = run(3.12481e-05)
@@ -249,7 +250,7 @@ def test_a_rigid_cam_takes_its_moment(exe, tmp_path):
     moment = [solve(exe, tmp_path / n, "loop.torques=8", f"bearing.balls={n}")[1]["wave_generator_torque_nm"][-1] for n in ("0", "12")]
     assert moment[0] < 0 and 0.7 < moment[0] / moment[1] < 1.5
     assert 80 < -8 / moment[0] < 130
-    call(exe, ROOT / "data/drive14.nml", "mesh.divisions=48", "mesh.band_facets=8", "loop.torques=8", "load.torque_steps=2",
+    call(exe, ROOT / "tests/cases/pressed_drive.nml", "mesh.divisions=48", "mesh.band_facets=8", "loop.torques=8", "load.torque_steps=2",
          "bearing.balls=0", "wave_generator.ring_tangent=follow", "output.vtu=none", "--out", tmp_path / "held")
     summary = json.loads((tmp_path / "held/summary.json").read_text())
     assert abs(summary["results"]["wave_generator_torque_nm"]) > 4
@@ -289,7 +290,7 @@ def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
 def test_chords_without_a_step_and_a_weak_cup_warn(exe, tmp_path):
     """Two steps to 14 N m leave none up to T1: K1 and K2 are one chord, and a warning says so, as it does where a cup fails by Goodman."""
     for steps, limit in ((2, 5e9), (14, 1e8)):
-        done = call(exe, ROOT / "data/drive14.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}", f"fatigue.fatigue_limit={limit}",
+        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}", f"fatigue.fatigue_limit={limit}",
                     "--out", tmp_path / str(steps), "-q")
         assert done.returncode == 0, done.stderr
     few, many = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("2", "14"))
@@ -311,7 +312,7 @@ RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.
 
 def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
     """Limits of K1 to K3 stand in the summary with their errors, a rise alone promises no hysteresis, and Python reads them."""
-    done = call(exe, ROOT / "data/drive14.nml", *RISE, "run.tolerance=0.2", "bearing.model=given", "solver.kinematics=linear",
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.2", "bearing.model=given", "solver.kinematics=linear",
                 "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     found = load(tmp_path / "p")
@@ -328,7 +329,7 @@ def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
 @pytest.mark.parametrize("tolerance, chosen", [(0.5, "rigid"), (0.2, "even spring"), (0.02, "on its balls")])
 def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
     """A rigid one, an even spring as stiff as all balls, or the balls: what changes K1 to K3 by less than half the tolerance."""
-    done = call(exe, "--plan", ROOT / "data/drive14.nml", *RISE, f"run.tolerance={tolerance}", "solver.kinematics=linear")
+    done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, f"run.tolerance={tolerance}", "solver.kinematics=linear")
     assert done.returncode == 0, done.stderr
     assert f"wave generator {chosen}: a rigid one changes K3 by" in done.stdout
 
@@ -353,7 +354,7 @@ def test_large_displacements_of_a_drive(exe, tmp_path):
 
 def test_large_displacements_without_friction_are_told_what_is_missing(exe, tmp_path):
     """Nothing resists the ring's turn then: a drive that does not converge is told so."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, "solver.kinematics=nonlinear", "contact.mode=frictionless", "solver.max_cuts=0",
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "solver.kinematics=nonlinear", "contact.mode=frictionless", "solver.max_cuts=0",
                 "solver.max_iterations=15", "--out", tmp_path / "f", "-q")
     assert done.returncode == 4 and "Without friction nothing resists the ring's turn: give contact.friction" in done.stderr
 
@@ -361,7 +362,7 @@ def test_large_displacements_without_friction_are_told_what_is_missing(exe, tmp_
 def test_the_plan_measures_large_displacements_on_the_drive(exe):
     """They are chosen where they change K1 to K3 by more than half the tolerance: 2.6 % at w = 0.2 mm."""
     for tolerance, chosen in ((0.2, "linear"), (0.04, "nonlinear")):
-        done = call(exe, "--plan", ROOT / "data/drive14.nml", *RISE, f"run.tolerance={tolerance}", "bearing.model=given")
+        done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, f"run.tolerance={tolerance}", "bearing.model=given")
         assert done.returncode == 0, done.stderr
         share = float(re.search(f"kinematics {chosen}: large displacements change K[123] by ([0-9.]+) %", done.stdout)[1])
         assert 2 < share < 6
@@ -376,7 +377,7 @@ def test_clearances_of_single_pairs(exe, tmp_path):
     *_, teeth = solve(exe, tmp_path / "c", *keys, "load.tooth_gaps=0,0,0,0,0,0,0,1e-3")
     last = teeth[teeth["step"] == teeth["step"].max()]
     assert last["force_n"][-1] == 0 < last["force_n"][3]
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "load.tooth_gaps=1e-6,2e-6", "--out", tmp_path / "d")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "load.tooth_gaps=1e-6,2e-6", "--out", tmp_path / "d")
     assert done.returncode == 2 and "as many values as pairs" in done.stderr
 
 
@@ -393,7 +394,7 @@ def test_clearances_of_both_flanks(exe, tmp_path):
     np.testing.assert_allclose(two["angle_rad"], -one["angle_rad"], rtol=1e-7)
     np.testing.assert_allclose(alike["angle_rad"], one["angle_rad"], rtol=1e-9)     # a positive torque opens the other flanks
     assert teeth["force_n"].max() > 0
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, f"load.tooth_gaps={front}", "load.tooth_gaps_back=1e-6,2e-6", "--out", tmp_path / "d")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, f"load.tooth_gaps={front}", "load.tooth_gaps_back=1e-6,2e-6", "--out", tmp_path / "d")
     assert done.returncode == 2 and "none, or as many values as load.tooth_gaps" in done.stderr
 
 
@@ -403,11 +404,11 @@ def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):
             "wave_generator.ring_tangent=free"]
     _, loop, _, teeth = solve(exe, tmp_path / "d", *keys)
     folder = tmp_path / "k"
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "load.support=teeth", "--out", folder, "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "load.support=teeth", "--out", folder, "-q")
     assert done.returncode == 0, done.stderr
     steps = read_csv(folder / "steps.csv")
     np.testing.assert_allclose(loop["angle_rad"][-1], steps["rotation_rad"][-1], rtol=1e-7)
-    np.testing.assert_allclose(teeth["force_n"][-12:], read_csv(folder / "teeth.csv")["force_n"][-12:], rtol=1e-6)
+    np.testing.assert_allclose(teeth["force_n"][-24::2], read_csv(folder / "teeth.csv")["force_n"][-12:], rtol=1e-6)
 
 
 def test_many_balls_become_an_even_spring(exe, tmp_path):
@@ -418,26 +419,49 @@ def test_many_balls_become_an_even_spring(exe, tmp_path):
     assert apart[3:].max() < 1e-3 and apart[3:].max() < 0.3 * apart[:3].max()
 
 
-def test_every_size_runs_and_is_drawn(exe, tmp_path):
-    """Sizes 11 to 40 run; hdengine plot draws loop, loads and life of one; stiffness grows with the size."""
-    k = []
-    for size in (11, 14, 17, 20, 25, 32, 40):
-        folder = tmp_path / str(size)
-        done = call(exe, ROOT / f"data/drive{size}.nml", *MESH, "load.torque_steps=2", "--out", folder, "-q")
-        assert done.returncode == 0, done.stderr
-        k.append(json.loads((folder / "summary.json").read_text())["results"]["k2_nm_per_rad"])
-    assert np.all(np.diff(k) > 0)
-    names = {p.name for p in plot_run(load(folder))}
-    assert {"loop.png", "loads.png", "fatigue.png"} <= names
-
-
-@pytest.mark.parametrize("name", ["drive14_50", "drive14_160", "drive14_short", "drive14_hat"])
-def test_every_design_runs(exe, tmp_path, name):
-    """Other ratios, the short cup and the silk hat run on a small mesh; K1, K2 and K3 are there."""
-    done = call(exe, ROOT / f"data/{name}.nml", *MESH, "loop.torques=14", "--out", tmp_path / name, "-q")
+def shipped(exe, folder, name, *keys):
+    """K1, K2, K3 [N m/rad] and results of a shipped drive on a coarse mesh."""
+    done = call(exe, ROOT / f"data/{name}.nml", "mesh.divisions=64", "mesh.band_facets=7", "load.torque_steps=8", *keys, "--out", folder, "-q")
     assert done.returncode == 0, done.stderr
-    r = json.loads((tmp_path / name / "summary.json").read_text())["results"]
-    assert min(r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)) > 0
+    r = json.loads((folder / "summary.json").read_text())["results"]
+    assert min(r["flexspline_yield_safety"], r["ring_yield_safety"]) > 1, (name, r["flexspline_yield_safety"], r["ring_yield_safety"])
+    return np.array([r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)]), r
+
+
+def test_shipped_drives_are_those_of_the_catalogue(exe, tmp_path):
+    """K1, K2, K3 of sizes 17, 20 and 40 lie within 25 % of the catalogue's and K2/K1, K3/K1 within 20 %; of size 14, which the
+    catalogue makes softer than its size, within 30 %; no input was fitted to them. Hysteresis and lost motion stay below an arc minute."""
+    for size, of_k, of_ratio in ((14, 0.3, 0.3), (17, 0.25, 0.2), (20, 0.25, 0.2), (40, 0.25, 0.2)):
+        k, r = shipped(exe, tmp_path / str(size), f"drive{size}")
+        unit = UNITS[size]
+        over = k / [unit.k1_nm_per_rad, unit.k2_nm_per_rad, unit.k3_nm_per_rad]
+        assert abs(over - 1).max() < of_k, (size, over)
+        assert abs(over[1:] / over[0] - 1).max() < of_ratio, (size, over)
+        assert max(r["hysteresis_rad"], r["lost_motion_rad"]) < np.radians(1 / 60)
+        assert r["reference_torque_nm"] == hdengine.read_scene(ROOT / f"data/drive{size}.nml")["load.torque"]
+
+
+def test_other_ratios_and_the_hat(exe, tmp_path):
+    """Ratio 50 over 100 is that of the catalogue (0.81, 0.72, 0.79 of size 20) within 15 %, the silk hat has the cup's K1 and K2
+    within 10 %, ratios 30 and 160 run."""
+    k, _ = shipped(exe, tmp_path / "100", "drive20")
+    half, _ = shipped(exe, tmp_path / "50", "drive20_50")
+    np.testing.assert_allclose(half / k, [13 / 16, 18 / 25, 23 / 29], rtol=0.15)
+    cup, _ = shipped(exe, tmp_path / "14", "drive14")
+    hat, _ = shipped(exe, tmp_path / "hat", "drive14_hat")
+    np.testing.assert_allclose(hat[:2], cup[:2], rtol=0.1)
+    np.testing.assert_allclose(hat[2], cup[2], rtol=0.4)  # the chord beyond T2 of this size is short
+    for ratio in (30, 160):
+        assert shipped(exe, tmp_path / str(ratio), f"drive20_{ratio}", "load.torque_steps=4")[0].min() > 0
+
+
+def test_every_size_grows_stiffer_and_is_drawn(exe, tmp_path):
+    """K2 grows from size 11 to 40; hdengine plot draws loop, loads and life of one."""
+    k = [shipped(exe, tmp_path / str(size), f"drive{size}", "load.torque_steps=4", "mesh.divisions=32", "mesh.band_facets=4")[0][1]
+         for size in (11, 14, 17, 20, 25, 32, 40)]
+    assert np.all(np.diff(k) > 0)
+    names = {p.name for p in plot_run(load(tmp_path / "40"))}
+    assert {"loop.png", "loads.png", "fatigue.png"} <= names
 
 
 def test_a_sliding_ring_is_no_gross_slip(exe, tmp_path):
@@ -572,7 +596,7 @@ def test_turning_leaves_the_loop_as_it_is(exe, tmp_path):
 def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
     """The turn is drawn from Python's run too; another support refuses turning.positions."""
     keys = dict(k.split("=") for k in [*MESH, *TURNING, "turning.positions=3"])
-    result = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys)
+    result = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", True, **keys)
     assert len(result.turning) == 3 and "turning.png" in {p.name for p in plot_run(result)}
     done = call(exe, ROOT / "data/cd14.nml", "turning.positions=3", "--out", tmp_path / "c")
     assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "load.support = 'drive'" in done.stderr

@@ -69,7 +69,7 @@ def test_limits_are_those_of_the_line_through_three_meshes(whole):
 
 def test_what_a_scene_does_not_have_is_not_promised(exe, tmp_path):
     """No pressure where the middle of the band is open, no rotation without a torque: no limit, no estimate, no word in the log."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.interference=-30e-6",
+    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.clearance=30e-6",
                 "load.torque_steps=0", "--out", tmp_path / "p")
     assert done.returncode == 0, done.stderr
     s, _ = planned(tmp_path / "p")
@@ -275,8 +275,8 @@ def test_a_planned_drive_turns_from_the_command_line_and_from_python(exe, tmp_pa
     """A plan chooses the mesh of a drive whose wave generator turns afterwards: both ways in write turning.csv, byte for byte."""
     words = ["run.tolerance=0.3", "loop.torques=2", "load.torque_steps=1", "bearing.model=given", "solver.kinematics=linear",
              "output.vtu=none", "turning.positions=2"]
-    done = call(exe, ROOT / "data/drive14.nml", *words, "--out", tmp_path / "app")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *words, "--out", tmp_path / "app")
     assert done.returncode == 0, done.stderr
-    hdengine.run(ROOT / "data/drive14.nml", tmp_path / "python", **dict(w.split("=") for w in words))
+    hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "python", **dict(w.split("=") for w in words))
     app, python = ((tmp_path / x / "turning.csv").read_bytes() for x in ("app", "python"))
     assert app == python and len(app.splitlines()) == 3

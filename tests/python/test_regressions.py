@@ -30,7 +30,7 @@ CASES = {  # name: what it holds, scene, keys
     "quadratic": ("quadratic elements", "cd14.nml", (*SMALL, "mesh.element=hex20r")),
     "joint": ("rough joint as contact law", "cd14.nml", (*SMALL, "contact.law=joint")),
     "apart": ("non-matching meshes, mortar segments", "cd14.nml", (*SMALL, "mesh.ring_divisions=30", "mesh.ring_facets=5")),
-    "drive": ("whole drive, loop of three torques", "drive14.nml", (*SMALL, "loop.torques=14, 0, -14")),
+    "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14")),
     "teeth": ("bonded ring against teeth", "teeth.nml", (*SMALL,)),
     "product": ("heights, same bits on every processor; fit of ridges", "surface.nml", ("surface.nx=192", "surface.ny=192")),
     "transform": ("heights by the NUFFT", "surface.nml", ("surface.nx=256", "surface.ny=256", "surface.ridges=200", "surface.method=nufft",

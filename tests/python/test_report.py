@@ -142,7 +142,7 @@ def test_colours_do_not_rest_on_edge_cells():
 
 def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     """The report of a whole drive opens with K1 to K3 of its summary, hysteresis in minutes of arc, and its loop."""
-    run = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2)
+    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2)
     head = write_report(tmp_path / "r", picture=False).read_text().split("<nav>")[0]
     found = run.summary["results"]
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head

@@ -209,7 +209,7 @@ def test_gross_slip_is_diagnosed(exe, tmp_path):
 
 def test_no_body_is_held(exe, tmp_path):
     """A clearance that the cam cannot close leaves the flexspline of a bearing support without contact: a clear message."""
-    done = call(exe, CD14, *SMALL, "load.support=bearing", "wave_generator.w=0", "wave_generator.interference=-1e-4",
+    done = call(exe, CD14, *SMALL, "load.support=bearing", "wave_generator.w=0", "wave_generator.clearance=1e-4",
                 "load.torque=1", "--out", tmp_path / "a.out", "-q")
     assert done.returncode == 4 and done.stderr.startswith("error: the flexspline is not held")
 

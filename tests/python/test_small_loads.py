@@ -27,7 +27,7 @@ def test_small_torques_under_large_displacements(exe, tmp_path, torque):
 @pytest.mark.parametrize("kinematics", ["linear", "nonlinear"])
 def test_bodies_that_do_not_touch(exe, tmp_path, kinematics):
     """A ring with clearance, moved as a whole, has no forces but rounding: it converges, without contact, and the cup alone takes the torque."""
-    done, r = solve(exe, tmp_path / "n", "wave_generator.w=0", "wave_generator.eccentricity=5e-6", "wave_generator.interference=-10e-6",
+    done, r = solve(exe, tmp_path / "n", "wave_generator.w=0", "wave_generator.eccentricity=5e-6", "wave_generator.clearance=10e-6",
                     f"solver.kinematics={kinematics}")
     assert done.returncode == 0, done.stderr
     assert r.steps["normal_force_n"].max() == 0 and r.steps["rotation_rad"][-1] > 1e-5

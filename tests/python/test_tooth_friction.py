@@ -21,7 +21,7 @@ COLUMNS = (("loop", ("angle_rad", "stored_j", "dissipated_j", "dissipated_teeth_
 
 def solve(exe, folder, *keys):
     """Results and tables of a small drive."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "--force", "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", folder, "--force", "-q")
     assert done.returncode == 0, done.stderr
     results = json.loads((folder / "summary.json").read_text())["results"]
     return {"results": results} | {name: read_csv(folder / f"{name}.csv") for name in ("loop", "balls", "teeth")}
@@ -46,7 +46,7 @@ def test_torque_of_forces_and_friction(exe, tmp_path):
     run = solve(exe, tmp_path / "t", RUB, "load.torque_steps=2", "solver.tolerance=1e-10")
     teeth = run["teeth"]
     around = teeth["flank"] * (teeth["force_n"] * np.cos(ANGLE) - teeth["friction_n"] * np.sin(ANGLE))
-    np.testing.assert_allclose(around.reshape(-1, 12).sum(axis=1) * 17.927e-3, run["loop"]["torque_nm"][-8:], rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(around.reshape(-1, 24).sum(axis=1) * 17.927e-3, run["loop"]["torque_nm"][-8:], rtol=1e-7, atol=1e-7)
     assert np.all(abs(read_csv(tmp_path / "t/steps.csv")["torque_balance_nm"]) < 1e-6)
 
 
@@ -61,7 +61,7 @@ def test_little_friction_is_none(exe, tmp_path):
     assert none["results"]["loop_dissipated_teeth_j"] == 0 and not np.any(none["teeth"]["friction_n"])
 
 
-@pytest.mark.parametrize("more", [[], ["load.spline_diameter=50e-3"], ["solver.kinematics=nonlinear"]])
+@pytest.mark.parametrize("more", [[], ["load.spline=free"], ["solver.kinematics=nonlinear"]])
 def test_matrix_gives_the_same_numbers(exe, tmp_path, more):
     """Newton's whole matrix and condensation agree to 1e-8 in angle, and in forces, friction and work: to 1e-8 where pairs stay, to 1e-7
     where they move."""
@@ -80,7 +80,7 @@ def test_matrix_gives_the_same_numbers(exe, tmp_path, more):
 def test_energy_balances(exe, tmp_path):
     """Work of the torque = heat of contact and flanks + change of the stored energy, to 1 % over the loop, also on an elastic circular
     spline."""
-    for more in ([], ["load.spline_diameter=50e-3"]):
+    for more in ([], ["load.spline=free"]):
         run = solve(exe, tmp_path / "e", RUB, "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10", *more)
         loop = run["loop"]
         assert np.all(np.diff(loop["dissipated_teeth_j"]) >= 0) and loop["dissipated_teeth_j"][-1] > 0.2 * loop["dissipated_j"][-1]
@@ -118,7 +118,7 @@ def test_turned_drives_rub_too(exe, tmp_path):
     keys = [*MESH, RUB, "loop.torques=6,0", "load.torque_steps=2", "turning.positions=2"]
     tables = []
     for method in ("condensed", "newton"):
-        done = call(exe, ROOT / "data/drive14.nml", *keys, f"solver.method={method}", "--out", tmp_path / method, "-q")
+        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *keys, f"solver.method={method}", "--out", tmp_path / method, "-q")
         assert done.returncode == 0, done.stderr
         tables.append(read_csv(tmp_path / method / "turning.csv"))
     for column in ("turn_rad", "stiffness_nm_per_rad", "tooth_force_max_n"):
@@ -134,9 +134,9 @@ def test_random_drives_rub_by_their_law(exe, tmp_path, seed):
     keys = {"load.tooth_friction": mu, "contact.friction": r.uniform(0.03, 0.4), "wave_generator.w": r.uniform(0.1e-3, 0.3e-3),
             "wave_generator.interference": r.uniform(0, 3e-5), "bearing.balls": r.choice([0, 8, 11, 19]), "bearing.cage_angle_deg": r.uniform(0, 30),
             "load.pressure_angle_deg": r.uniform(0, 40), "load.tooth_pairs": 2 * r.integers(3, 20), "load.tooth_clearance": r.uniform(0, 3e-5),
-            "load.tooth_stiffness": 10 ** r.uniform(7.5, 8.5), "load.spline_thickness": r.choice([0, 7e-3]), "load.torque_steps": 3,
+            "load.tooth_stiffness": 10 ** r.uniform(7.5, 8.5), "load.spline": r.choice(["free", "rigid"]), "load.torque_steps": 3,
             "loop.torques": f"{r.uniform(1, 15):.3g},{r.uniform(-15, 15):.3g}", "load.tooth_phase": r.uniform(-0.5, 0.5)}
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *(f"{k}={v}" for k, v in keys.items()), "--out", tmp_path / "r", "-q")
+    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *(f"{k}={v}" for k, v in keys.items()), "--out", tmp_path / "r", "-q")
     if done.returncode == 4:
         assert "no convergence" in done.stderr or "run in a cycle" in done.stderr
         return
@@ -152,7 +152,7 @@ def test_a_kept_model_learns_and_forgets_friction(tmp_path):
     keys = dict(k.split("=") for k in [*MESH, "loop.torques=8,-3", "load.torque_steps=2"])
     angles = {}
     for mu in (0, MU, 0.2, 0, MU):
-        angle = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "r", True, **keys, **{"load.tooth_friction": mu}).loop["angle_rad"]
+        angle = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", True, **keys, **{"load.tooth_friction": mu}).loop["angle_rad"]
         np.testing.assert_array_equal(angle, angles.setdefault(mu, angle))
     assert len({angle[-1] for angle in angles.values()}) == 3
 

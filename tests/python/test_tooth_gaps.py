@@ -17,7 +17,7 @@ from hdengine.teeth.profile import DoubleArc, Involute, involute_angle
 from hdengine.teeth.rim import Rim
 from hdengine.teeth.rim_shape import RimShape, read_grid
 
-M, SCENE = 0.1778e-3, ROOT / "data/drive14.nml"
+M, SCENE = 0.1778e-3, ROOT / "tests/cases/pressed_drive.nml"
 ROUND = {"wave_generator.w": 0.0}
 
 

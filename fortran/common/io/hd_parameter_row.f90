@@ -5,7 +5,7 @@ module hd_parameter_row
   use hd_text, only: string_t, push
   implicit none
   private
-  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice
+  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice, tolerate
   public :: stage_model, stage_assembly, stage_load, stage_control, stage_output
 
   !> What a key affects first; everything after it in this order is affected too.
@@ -30,6 +30,9 @@ module hd_parameter_row
     type(string_t), allocatable :: choices(:)            !< valid texts, empty: any
     character(len=:), allocatable :: default             !< as text
     logical :: given = .false.                           !< set by the user
+    real(dp) :: tolerance = 0                            !< half width of a 95 % interval of the value; 0: none is stated
+    character(len=5) :: tolerance_of = ''                !< what it is a share of: 'value', 'bore' (its radius); '': in the unit
+    character(len=:), allocatable :: tolerance_source    !< in a word or two
   contains
     procedure :: stage
     procedure :: may_change
@@ -87,6 +90,19 @@ contains
     longer(size(longer)) = row
     call move_alloc(longer, table%rows)
   end subroutine append
+
+  !> State the tolerance of the last row; of a choice: the other one is the other bound.
+  subroutine tolerate(table, tolerance, of, source)
+    type(parameter_table_t), intent(inout) :: table   !< table
+    real(dp), intent(in) :: tolerance                 !< half width of a 95 % interval
+    character(len=*), intent(in) :: of                !< 'value', 'bore' or ''
+    character(len=*), intent(in) :: source            !< where it comes from
+    associate (row => table%rows(size(table%rows)))
+      row%tolerance = tolerance
+      row%tolerance_of = of
+      row%tolerance_source = source
+    end associate
+  end subroutine tolerate
 
   subroutine add_integer(table, group, key, affects, value, low, high, meaning)
     type(parameter_table_t), intent(inout) :: table

@@ -23,6 +23,7 @@ module hd_teeth
 
   type :: teeth_t
     integer :: n = 0                              !< pairs in mesh
+    integer :: flank = 1                          !< side of theirs that the torque presses, 1 if it is positive, else -1
     real(dp), allocatable :: theta(:)             !< their places [rad]
     real(dp), allocatable :: gap(:)               !< clearance at the end of the assembly [m]
     real(dp), allocatable :: force(:)             !< along the normal [N]
@@ -53,13 +54,14 @@ contains
     integer :: i, n
     n = scene%tooth_pairs
     teeth%n = n
+    teeth%flank = merge(1, -1, scene%torque >= 0)
     teeth%theta = tooth_angles(scene)
-    teeth%gap = tooth_gaps(scene, merge(1, 2, scene%torque >= 0))
+    teeth%gap = tooth_gaps(scene, merge(1, 2, teeth%flank > 0))
     teeth%rate = scene%tooth_stiffness
     teeth%assembled = assembled
     allocate (teeth%force(n), teeth%closing(n), source=0._dp)
     allocate (teeth%pattern(3, drive%problem%n, n), teeth%compliance(n, n), teeth%response(n + 1))
-    call place_teeth(scene, drive, sign(1._dp, scene%torque), teeth)
+    call place_teeth(scene, drive, teeth)
     call drive_load(drive, 0._dp, 0._dp, 0._dp, rest)
     do i = 1, n + 1
       load = rest
@@ -76,10 +78,9 @@ contains
 
   !> Unit forces: even along the rim, between two meridians of the mesh by their shape functions, along the tooth's normal,
   !> with the arm of the rim's outside.
-  subroutine place_teeth(scene, drive, sense, teeth)
+  subroutine place_teeth(scene, drive, teeth)
     type(scene_t), intent(in) :: scene       !< scene
     type(drive_t), intent(in) :: drive       !< its cup
-    real(dp), intent(in) :: sense            !< sense of the torque, +1 or -1
     type(teeth_t), intent(inout) :: teeth    !< gets pattern
     real(dp) :: angle
     integer :: i
@@ -90,7 +91,7 @@ contains
         associate (line => teeth%pattern(:, first + 1:first + cup%nodes(), i))
           call add_tooth(scene, cup, drive%rim, teeth%theta(i)/(2*pi), line(2, :))
           line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(cup, line)
-          line = spread([sin(angle), sense*cos(angle), 0._dp], 2, cup%nodes())*spread(line(2, :), 1, 3)
+          line = spread([sin(angle), teeth%flank*cos(angle), 0._dp], 2, cup%nodes())*spread(line(2, :), 1, 3)
         end associate
       end do
     end associate

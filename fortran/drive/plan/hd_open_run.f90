@@ -5,7 +5,7 @@ module hd_open_run
   use hd_cost, only: check_memory
   use hd_error, only: error_t, raise, code_input
   use hd_joint_choice, only: choose_joint
-  use hd_load_path, only: path_end
+  use hd_load_path, only: place_t, operator(<), path_end
   use hd_log, only: say
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
@@ -18,9 +18,10 @@ module hd_open_run
   use hd_summary, only: record_t
   use hd_system, only: path_kind, path_absent
   use hd_text, only: percent, rounded, to_text
+  use hd_tolerance_runs, only: find_band
   implicit none
   private
-  public :: check_run, open_run, run_to_end
+  public :: check_run, open_run, advance_run, run_to_end
 
   character(len=1), parameter :: nl = new_line('a')
 
@@ -96,6 +97,16 @@ contains
     close (unit)
   end function is_complete
 
+  !> Solve load steps up to a place; at the end of the last one the band is found, where the scene asks for it.
+  subroutine advance_run(run, to, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(place_t), intent(in) :: to                   !< end of a load step
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
+    call march(run, to, error)
+    if (allocated(error) .or. run%scene%with_band == '.false.' .or. allocated(run%record%band%input)) return
+    if (.not. run%place < path_end(run%scene)) call find_band(run, error)
+  end subroutine advance_run
+
   !> Open a run, march to its end, close it.
   subroutine run_to_end(scene, input, folder, force, resume, error)
     type(scene_t), intent(inout) :: scene             !< checked scene
@@ -111,7 +122,7 @@ contains
     call open_run(scene, input, folder, force, resume, run, complete, error)
     if (complete) call say("the run in '"//folder//"' is complete: nothing to do")
     if (complete .or. allocated(error)) return
-    call march(run, path_end(run%scene), error)
+    call advance_run(run, path_end(run%scene), error)
     call close_run(run, trouble)
     call give_back(run%model)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)

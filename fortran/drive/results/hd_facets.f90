@@ -3,12 +3,12 @@
 module hd_facets
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp, pi
-  use hd_body, only: cartesian
+  use hd_body, only: body_t, cartesian, frame
   use hd_contact_edge, only: softening
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, evaluate_joint, pressure_power
-  use hd_mortar, only: facet_mean, add_nodal_forces, radial_force
+  use hd_mortar, only: mortar_t, facet_mean, add_nodal_forces, radial_force
   use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
@@ -24,8 +24,9 @@ module hd_facets
   type :: facets_t
     real(dp), allocatable :: theta(:)         !< reference angle of the centre [rad]
     real(dp), allocatable :: x(:, :)          !< deformed centre (3, facets) [m]
-    real(dp), allocatable :: normal(:, :)     !< deformed unit normal, outward (3, facets)
-    real(dp), allocatable :: area(:)          !< reference area [m^2]
+    real(dp), allocatable :: normal(:, :)     !< unit normal, outward, along which the pressure acts (3, facets)
+    real(dp), allocatable :: area(:)          !< area that it acts on, at rest [m^2]
+    real(dp), allocatable :: bent(:, :)       !< unit normal of the deformed face, outward, for Eq. 45 (3, facets)
     real(dp), allocatable :: gap(:)           !< [m]
     real(dp), allocatable :: traction(:, :)   !< pressure and shear along theta and z, on the flexspline (3, facets) [Pa]
     real(dp), allocatable :: slip(:, :)       !< displacement of the flexspline against the ring along theta, z (2, facets) [m]
@@ -71,13 +72,15 @@ module hd_facets
   end type sums_t
 
   !> Names of what `facet_row` returns, as in contact.csv and Python.
-  character(len=*), parameter :: facet_names = 'theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,area_m2,gap_m,pressure_pa,'// &
+  character(len=*), parameter :: facet_names = 'theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,area_m2,bent_n_x,bent_n_y,'// &
+    'bent_n_z,gap_m,pressure_pa,'// &
     'traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m,pressure_1_pa,shear_1_pa,'// &
     'pressure_2_pa,shear_2_pa,pressure_3_pa,shear_3_pa,pressure_4_pa,shear_4_pa'
   !> Names of what `sum_values` returns, as in steps.csv, summary.json and Python.
   character(len=*), parameter :: sum_names = 'rotation_rad,normal_force_n,reaction_force_n,facet_force_n,lobe_force_x_n,'// &
     'contact_area_m2,pressure_max_pa,pressure_mid_mean_pa,pressure_mid_max_pa,friction_torque_nm,friction_capacity_nm,'// &
-    'torque_balance_nm,axial_balance_n,friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_bonded_nm_per_rad,'// &
+    'torque_balance_nm,axial_balance_n,lateral_balance_x_n,lateral_balance_y_n,hub_force_x_n,hub_force_y_n,'// &
+    'friction,k_ts_nm_per_rad,k_ts_paper_n,k_ts_bonded_nm_per_rad,'// &
     'k_ts_contact_nm_per_rad,k_ts_secant_nm_per_rad,'// &
     'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
@@ -91,8 +94,8 @@ contains
     type(facets_t), intent(in) :: facets  !< fields
     integer, intent(in) :: f              !< facet
     real(dp), allocatable :: row(:)
-    row = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%gap(f), facets%traction(:, f), &
-      facets%slip(:, f), real(facets%state(f), dp), facets%k_n(f), facets%k_t(f), facets%corner(:, :, f)]
+    row = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%bent(:, f), facets%gap(f), &
+      facets%traction(:, f), facets%slip(:, f), real(facets%state(f), dp), facets%k_n(f), facets%k_t(f), facets%corner(:, :, f)]
   end function facet_row
 
   !> Sums in the order of `sum_names`.
@@ -101,6 +104,7 @@ contains
     real(dp), allocatable :: values(:)
     values = [s%rotation, s%normal_force, s%reaction_force, s%facet_force, s%lobe_force_x, s%contact_area, s%pressure_max, &
       s%pressure_middle, s%pressure_middle_max, s%friction_torque, s%friction_capacity, s%torque%balance, s%axial_balance, &
+      s%torque%lateral, s%torque%hub_force, &
       s%friction, s%k_ts, s%k_ts_paper, s%k_tangent, s%k_contact, s%k_secant, s%over_rotation, s%slip_area, s%slip_force, &
       s%slip_k_ts, s%edge_line_load, s%torque%hub, s%torque%wave_generator, s%torque%ring_springs]
   end function sum_values
@@ -117,7 +121,7 @@ contains
     real(dp) :: c(3, 4), d(3), e(3), unit
     integer :: f, i, n
     n = size(drive%face%nodes, 2)
-    allocate (facets%x(3, n), facets%normal(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
+    allocate (facets%x(3, n), facets%bent(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
     allocate (facets%corner(2, 4, n), facets%k_n(n), facets%k_t(n), facets%slipping(2, n), point(2, size(state%traction, 2)))
     allocate (response(size(point, 2)))
     point = effective(drive, joint, state%traction)
@@ -126,6 +130,7 @@ contains
       x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
       facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
       facets%area = sum(mortar%share, 1)
+      facets%normal = acting_normals(mortar, slave)
       facets%gap = facet_mean(mortar, state%gap)
       do i = 1, 3
         facets%traction(i, :) = facet_mean(mortar, state%traction(i, :))
@@ -138,8 +143,8 @@ contains
         facets%x(:, f) = sum(c, 2)/4
         d = c(:, 3) - c(:, 1)
         e = c(:, 4) - c(:, 2)
-        facets%normal(:, f) = cross(d, e)
-        facets%normal(:, f) = facets%normal(:, f)/norm2(facets%normal(:, f))
+        facets%bent(:, f) = cross(d, e)
+        facets%bent(:, f) = facets%bent(:, f)/norm2(facets%bent(:, f))
         associate (s => state%contact(mortar%facet(:, f)))
           facets%state(f) = open_state
           if (any(s == slip_state)) facets%state(f) = slip_state
@@ -156,6 +161,26 @@ contains
       end do
     end associate
   end subroutine evaluate_facets
+
+  !> Normals of the facets along which the equilibrium has their pressures act: those at rest, with large displacements those of the
+  !> faces as they are paired. Times pressure and area at rest they are the forces.
+  pure function acting_normals(mortar, slave) result(normal)
+    type(mortar_t), intent(in) :: mortar  !< interface
+    type(body_t), intent(in) :: slave     !< body that carries it
+    real(dp) :: normal(3, size(mortar%facet, 2)), along(3)
+    integer :: f, k
+    normal = 0
+    do f = 1, size(normal, 2)
+      do k = 1, 4
+        associate (j => mortar%facet(k, f))
+          along = [1, 0, 0]
+          if (allocated(mortar%turn)) along = mortar%turn(1, :, j)
+          normal(:, f) = normal(:, f) + matmul(frame(slave%angle(mortar%node(j))), along)
+        end associate
+      end do
+      normal(:, f) = normal(:, f)/norm2(normal(:, f))
+    end do
+  end function acting_normals
 
   !> Pressure and shear of the points (2, points) as the joint takes them: power means where contact ends along the axis and
   !> round it [Pa].
@@ -291,7 +316,7 @@ contains
       sums%k_ts_paper = sums%k_ts
       return
     end if
-    call facet_weights(facets%x, facets%normal, w_n, w_t)
+    call facet_weights(facets%x, facets%bent, w_n, w_t)
     sums%k_ts = sum(facets%k_n*w_n + facets%k_t*w_t)
     if (sums%k_ts > 0) sums%slip_k_ts = sum(facets%slipping(1, :)*w_n + facets%slipping(2, :)*w_t)/sums%k_ts
     call printed_weights(facets%theta, scene%bore_radius, scene%w, tan(scene%cone_angle_deg*pi/180), w_n, w_t)

@@ -7,20 +7,17 @@ module hd_loop
   use hd_contact_law, only: slip_state
   use hd_drive, only: drive_t
   use hd_error, only: error_t
-  use hd_fatigue, only: fatigue_t, judge_fatigue
+  use hd_fatigue, only: fatigue_t
   use hd_output, only: output_t, step_t, add_place
   use hd_energy, only: stored_energy
   use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress, von_mises
-  use hd_strut, only: push
-  use hd_supports, only: moment, moment_on_cam
+  use hd_supports, only: moment_on_cam
   use hd_text, only: rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, readings_t, book, book_stress, read_loop, loop_text, write_loop, bottom_turn, &
-    moments_of_struts, store_loop, recall_loop
+  public :: loop_t, readings_t, book, read_loop, loop_text, write_loop, bottom_turn, store_loop, recall_loop
 
   !> A ball that comes or goes between two steps.
   type :: jump_t
@@ -43,8 +40,6 @@ module hd_loop
     logical :: unloaded = .false.                         !< at some step no ball carried anything
     real(dp) :: play = 0                                  !< free turn of the bottom where no pair of teeth pushes [rad]
     type(jump_t) :: jump                                  !< the largest
-    real(dp) :: von_mises_max = 0                         !< at the Gauss points of both bodies, of all steps [Pa]
-    real(dp) :: von_mises_cup = 0                         !< at those of the flexspline [Pa]
     real(dp), allocatable :: turned_angle(:)              !< of the bottom at places of the turning wave generator [rad]
     real(dp), allocatable :: turned_stiffness(:)          !< there, from half to all of the torque [N m/rad]
     type(fatigue_t) :: fatigue                            !< of the flexspline
@@ -135,8 +130,7 @@ contains
     if (status == 0) write (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
-      loop%fatigue%torque, life
+      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
   end subroutine store_loop
 
   !> Read it back; the last booked step is that of a state.
@@ -153,8 +147,7 @@ contains
     read (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%von_mises_max, loop%von_mises_cup, &
-      loop%fatigue%torque, life
+      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
     if (status /= 0) return
     if (nodes > 0) then
       loop%fatigue%mean = life(:, 1)
@@ -205,51 +198,12 @@ contains
     end do
   end function larger_jump
 
-  !> Largest stresses, and the flexspline's life under the field of this step.
-  subroutine book_stress(loop, scene, drive, state, step, error)
-    type(loop_t), intent(inout) :: loop               !< gets them
-    type(scene_t), intent(in) :: scene                !< limits
-    type(drive_t), intent(in) :: drive                !< model
-    type(state_t), intent(in) :: state                !< converged state
-    type(step_t), intent(in) :: step                  !< where it stands
-    type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: stress(:, :), peak(:, :)
-    integer :: b
-    do b = 1, 2
-      associate (body => drive%problem%bodies(b))
-        allocate (stress(6, body%nodes()), peak(6, body%sectors*size(body%cells, 2)))
-        call body_stress(drive%problem, b, state%u, stress, peak, error)
-        if (allocated(error)) return
-        loop%von_mises_max = max(loop%von_mises_max, maxval(von_mises(peak)))
-        if (b == drive%b_cup) then
-          loop%von_mises_cup = max(loop%von_mises_cup, maxval(von_mises(peak)))
-          call judge_fatigue(scene, body, stress, step%torque, loop%fatigue)
-        end if
-        deallocate (stress, peak)
-      end associate
-    end do
-  end subroutine book_stress
-
   !> Turn of the cup's bottom since the assembly [rad].
   pure real(dp) function bottom_turn(drive, state) result(angle)
     type(drive_t), intent(in) :: drive  !< model
     type(state_t), intent(in) :: state  !< state
     angle = sum(state%u(2, drive%hub))/size(drive%hub)/drive%hub_radius
   end function bottom_turn
-
-  !> Moment about the axis of balls and teeth on the bodies [N m].
-  pure real(dp) function moments_of_struts(drive, state, force) result(m)
-    type(drive_t), intent(in) :: drive      !< model
-    type(state_t), intent(in) :: state      !< where its nodes are
-    real(dp), intent(in) :: force(:)        !< of all struts [N]
-    real(dp) :: f(3, drive%problem%n)
-    integer :: i
-    f = 0
-    do i = 1, size(force)
-      call push(drive%problem%struts(i), -force(i), f)
-    end do
-    m = moment(drive, state, f, 1) + moment(drive, state, f, 2)
-  end function moments_of_struts
 
   !> What a catalogue reads: chords of a rise, the last one through no torque or the first one, width at no torque, lost motion.
   pure type(readings_t) function read_loop(loop, scene) result(r)
@@ -321,6 +275,7 @@ contains
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
     character(len=:), allocatable :: text
+    real(dp), parameter :: minutes = 180*60/pi  !< arc minutes per radian
     type(readings_t) :: r
     integer :: i
     r = read_loop(loop, scene)
@@ -329,8 +284,8 @@ contains
       if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
-    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis)//' rad'
-    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion)//' rad'
+    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"
+    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion*minutes)//"'"
   end function loop_text
 
   !> Linear interpolation in rising x.
@@ -382,7 +337,7 @@ contains
     real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
     type(error_t), allocatable, intent(out) :: error  !< disk full
     real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
-    integer :: i, flank, n
+    integer :: i, n
     n = drive%balls
     rub = 0
     if (size(loop%force) > n + drive%flanks) rub = loop%force(n + drive%flanks + 1:)
@@ -409,17 +364,16 @@ contains
       end do
       place = tooth_angles(scene)
       if (.not. step%loaded) return
-      do i = 1, scene%tooth_pairs
+      do i = 1, drive%flanks
         if (allocated(error)) return
-        flank = n + 2*i - merge(1, 0, loop%closing(n + 2*i - 1) >= loop%closing(n + 2*i))
         call add_place(output%teeth, step)
-        call output%teeth%add(i)
-        call output%teeth%add(modulo(place(i) + pi, 2*pi) - pi)
-        call output%teeth%add(loop%force(flank))
-        call output%teeth%add(loop%force(flank)/max(sum(teeth), tiny(1._dp)))
-        call output%teeth%add(loop%closing(flank))
-        call output%teeth%add(merge(1, -1, flank == n + 2*i - 1))
-        call output%teeth%add(rub(flank - n))
+        call output%teeth%add((i + 1)/2)
+        call output%teeth%add(modulo(place((i + 1)/2) + pi, 2*pi) - pi)
+        call output%teeth%add(merge(1, -1, modulo(i, 2) == 1))
+        call output%teeth%add(teeth(i))
+        call output%teeth%add(teeth(i)/max(sum(teeth), tiny(1._dp)))
+        call output%teeth%add(loop%closing(n + i))
+        call output%teeth%add(rub(i))
         call output%teeth%end_row(error)
       end do
     end associate

@@ -10,6 +10,7 @@ module hd_loop_warnings
   public :: drive_warnings
 
   real(dp), parameter :: much_on_cam = 2      !< times the torque over the ratio above which it is warned of
+  real(dp), parameter :: usual_play = 2.9089e-4_dp  !< an arc minute: catalogues' bound of lost motion [rad]
   real(dp), parameter :: large_jump = 0.5_dp  !< share of the largest force of a ball above which it is warned of
 
 contains
@@ -37,9 +38,9 @@ contains
     end if
     if (loop%unloaded) call push(lines, 'at a load step no ball carries the ring: bearing.clearance is larger than the '// &
       'way of the cam, or the torque has lifted the ring off. Lower bearing.clearance or the torque')
-    if (loop%play > 0) call push(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
-      to_text(loop%play)//' rad there, which K1, hysteresis and lost motion contain. Lower load.tooth_clearance, raise '// &
-      'load.tooth_pairs, or leave out torques of 0')
+    if (loop%play > usual_play) call push(lines, 'no pair of teeth pushes at a load step: the bottom is free to turn by '// &
+      to_text(loop%play)//' rad there, above the arc minute of catalogues; K1, hysteresis and lost motion contain it. Lower '// &
+      'load.tooth_clearance or load.tooth_gaps, or raise load.tooth_pairs')
     if (loop%jump%force > large_jump*loop%ball_force_max) call push(lines, 'ball '//to_text(loop%jump%ball)// &
       ' comes or goes with '//to_text(loop%jump%force)//' N between '//to_text(loop%jump%before)//' and '// &
       to_text(loop%jump%after)//' N m: raise load.torque_steps to see where, or move bearing.cage_angle_deg')

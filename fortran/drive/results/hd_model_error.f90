@@ -5,6 +5,7 @@ module hd_model_error
   use hd_facets, only: sums_t
   use hd_promises, only: promise_t, promises, promises_of
   use hd_scene, only: scene_t
+  use hd_strength, only: strength_t, strength_text
   use hd_text, only: string_t, percent, push, to_text
   use hd_theory_trust, only: theory_error_t, in_words, steep
   implicit none
@@ -29,9 +30,10 @@ contains
   end function covered
 
   !> What no mesh mends.
-  function left_out(scene, sums) result(list)
+  function left_out(scene, sums, strength) result(list)
     type(scene_t), intent(in) :: scene  !< scene
-    type(sums_t), intent(in) :: sums    !< of the last step
+    type(sums_t), intent(in) :: sums    !< of the step that the results are of
+    type(strength_t), intent(in) :: strength  !< of all steps
     type(string_t), allocatable :: list(:)
     allocate (list(0))
     if (scene%support%contact) call add_contact(scene, sums, list)
@@ -47,8 +49,9 @@ contains
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')
       call push(list, 'gear: no play, no friction between teeth, the toothed rim as a smooth one')
     end if
-    call push(list, 'bodies elastic: peak pressure '//trim(merge('above', 'below', sums%pressure_max > scene%yield_strength))// &
-      ' the yield strength; von Mises stresses stand in bodies_*.vtu, at edges they grow with a finer mesh')
+    call push(list, 'bodies elastic: '//strength_text(strength, scene)//'; peak pressure '// &
+      trim(merge('above', 'below', sums%pressure_max > scene%yield_strength))//' that of the flexspline. At edges stresses '// &
+      'grow with a finer mesh; bodies_*.vtu has them all')
   end function left_out
 
   !> What concerns the contact and its joint.

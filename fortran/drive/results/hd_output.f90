@@ -79,7 +79,7 @@ contains
       'linear_error,seconds', error)
     if (.not. allocated(error)) call output%steps%open(folder//'/steps.csv', place//','//sum_names//',iterations,seconds', error)
     if (scene%support%against_teeth .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
-      place//',tooth,theta_rad,force_n,share,closing_m', error)
+      place//',tooth,theta_rad,flank,force_n,share,closing_m', error)
     if (scene%support%loop .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
     if (allocated(error)) call close_output(output)
   end subroutine open_output
@@ -91,7 +91,7 @@ contains
     type(scene_t), intent(in) :: scene                !< scene
     type(output_t), intent(inout) :: output           !< tables
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,force_n,share,closing_m,flank,friction_n', &
+    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,flank,force_n,share,closing_m,friction_n', &
       error)
     if (.not. allocated(error)) call output%loop%open(folder//'/loop.csv', place//',angle_rad,work_j,stored_j,dissipated_j,'// &
       'dissipated_teeth_j,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,'// &
@@ -185,7 +185,7 @@ contains
     call output%steps%end_row(error)
   end subroutine write_step
 
-  !> Rows of a converged step in teeth.csv, one per pair of teeth.
+  !> Rows of a converged step in teeth.csv, one per pair of teeth: the flank that the torque presses.
   subroutine write_teeth(output, step, teeth, error)
     type(output_t), intent(inout) :: output           !< tables
     type(step_t), intent(in) :: step                  !< step
@@ -196,6 +196,7 @@ contains
       call add_place(output%teeth, step)
       call output%teeth%add(i)
       call output%teeth%add(teeth%theta(i))
+      call output%teeth%add(teeth%flank)
       call output%teeth%add(teeth%force(i))
       call output%teeth%add(teeth%force(i)/max(sum(teeth%force), tiny(1._dp)))
       call output%teeth%add(teeth%closing(i))

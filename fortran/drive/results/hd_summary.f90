@@ -20,6 +20,8 @@ module hd_summary
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
+  use hd_strength, only: strength_t
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_theory_trust, only: theory_error_t, steep
@@ -59,13 +61,14 @@ module hd_summary
     type(string_t), allocatable :: reasons(:) !< what the plan chose, and why
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
     integer :: steps = 0               !< load steps of the run
+    type(tolerance_band_t) :: band     !< of a loop, if it was asked for
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
 contains
 
   !> Write the summary; `failure` is what ended the run early, if anything did.
-  subroutine write_summary(folder, scene, drive, joint, solver, step, sums, tally, record, loop, failure, error)
+  subroutine write_summary(folder, scene, drive, joint, solver, step, sums, strength, tally, record, loop, failure, error)
     character(len=*), intent(in) :: folder                    !< folder of the run
     type(scene_t), intent(in) :: scene                        !< scene
     type(drive_t), intent(in) :: drive                        !< drive
@@ -73,6 +76,7 @@ contains
     class(linear_solver_t), intent(in) :: solver              !< linear solver
     type(step_t), intent(in) :: step                          !< that the results are of: the last one, or the reference step of a loop
     type(sums_t), intent(in) :: sums                          !< its sums
+    type(strength_t), intent(in) :: strength                  !< stresses of all steps
     type(tally_t), intent(in) :: tally                        !< counts
     type(record_t), intent(in) :: record                      !< times, plan, warnings
     type(loop_t), intent(in) :: loop                          !< of the whole drive
@@ -89,7 +93,8 @@ contains
     call json%add('cut_backs', tally%cuts)
     call json%add('cycles', tally%cycles)
     call add_results(json, sums, record, scene%support%loop)
-    if (scene%support%loop) call add_loop(json, scene, loop, step, sums)
+    if (strength%flexspline > 0) call add_strength(json, scene, strength)
+    if (scene%support%loop) call add_loop(json, scene, loop, step, sums, record%band)
     call json%finish()
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
@@ -100,7 +105,7 @@ contains
     if (record%planned_tolerance > 0) call add_plan(json, scene, record)
     call json%begin('model_error')
     call add_lines(json, 'tolerance_covers', covered(scene, record%level > 0, record%limit))
-    call add_lines(json, 'left_out', left_out(scene, sums))
+    call add_lines(json, 'left_out', left_out(scene, sums, strength))
     call json%finish()
     call add_lines(json, 'warnings', record%warnings)
     call add_provenance(json, solver, record)
@@ -247,13 +252,25 @@ contains
     if (record%slip_torque > 0) call json%add('gross_slip_torque_nm', record%slip_torque)
   end subroutine add_results
 
+  !> Stresses and safeties of both bodies.
+  subroutine add_strength(json, scene, strength)
+    type(json_t), intent(inout) :: json          !< document
+    type(scene_t), intent(in) :: scene           !< yield strengths
+    type(strength_t), intent(in) :: strength     !< stresses of all steps
+    call json%add('von_mises_max_pa', max(strength%flexspline, strength%ring))
+    call json%add('flexspline_von_mises_max_pa', strength%flexspline)
+    call json%add('flexspline_yield_safety', strength%flexspline_safety(scene))
+    call json%add('ring_yield_safety', strength%ring_safety(scene))
+  end subroutine add_strength
+
   !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
-  subroutine add_loop(json, scene, loop, step, sums)
+  subroutine add_loop(json, scene, loop, step, sums, band)
     type(json_t), intent(inout) :: json    !< document
     type(scene_t), intent(in) :: scene     !< T1, T2, rated torque
     type(loop_t), intent(in) :: loop       !< booked steps
     type(step_t), intent(in) :: step       !< reference step
     type(sums_t), intent(in) :: sums       !< its sums
+    type(tolerance_band_t), intent(in) :: band       !< of the readings
     type(readings_t) :: readings
     integer :: i
     call json%add('reference_torque_nm', step%torque)
@@ -268,6 +285,7 @@ contains
     end do
     if (readings%has_hysteresis) call json%add('hysteresis_rad', readings%hysteresis)
     if (readings%has_lost_motion) call json%add('lost_motion_rad', readings%lost_motion)
+    if (allocated(band%input)) call add_band(json, band, banded_values(readings, sums))
     call json%add('loop_work_j', loop%work)
     call json%add('loop_dissipated_j', loop%dissipated)
     call json%add('loop_dissipated_teeth_j', loop%dissipated_teeth)
@@ -275,14 +293,35 @@ contains
     call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
     call json%add('ball_force_max_n', loop%ball_force_max)
     call json%add('tooth_force_max_n', loop%tooth_force_max)
-    call json%add('von_mises_max_pa', loop%von_mises_max)
-    call json%add('flexspline_von_mises_max_pa', loop%von_mises_cup)
     if (allocated(loop%fatigue%safety)) call json%add('goodman_safety_min', minval(loop%fatigue%safety))
     if (.not. allocated(loop%turned_angle)) return
     call json%add('turning_angle_error_rad', maxval(loop%turned_angle) - minval(loop%turned_angle))
     call json%add('turning_stiffness_min_nm_per_rad', minval(loop%turned_stiffness))
     call json%add('turning_stiffness_max_nm_per_rad', maxval(loop%turned_stiffness))
   end subroutine add_loop
+
+  !> Ends of the band, and the inputs that make it.
+  subroutine add_band(json, band, value)
+    type(json_t), intent(inout) :: json     !< document
+    type(tolerance_band_t), intent(in) :: band        !< with one input or more
+    real(dp), intent(in) :: value(banded)   !< of the run
+    type(string_t), allocatable :: keys(:)
+    real(dp), allocatable :: shares(:)
+    real(dp) :: factor(2, banded)
+    integer :: i
+    factor = band%bounds()
+    do i = 1, banded
+      if (.not. (value(i) > 0 .and. band%known(i))) cycle
+      call json%add(trim(banded_keys(i))//'_low', value(i)*factor(1, i))
+      call json%add(trim(banded_keys(i))//'_high', value(i)*factor(2, i))
+    end do
+    call band%ranked(keys, shares)
+    call json%begin('band_shares')
+    do i = 1, size(keys)
+      call json%add(keys(i)%s, shares(i))
+    end do
+    call json%finish()
+  end subroutine add_band
 
   !> Parameters that the joint results rest on.
   subroutine add_joint(json, scene, joint, theory)

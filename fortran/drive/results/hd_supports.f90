@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Where the torque leaves the scene: moments about the axis of the forces of each support.
+!> Where the torque leaves the scene: moments about the axis of the forces of each support, and the balance of all forces.
 module hd_supports
   use hd_kinds, only: dp
-  use hd_body, only: axial_moment
+  use hd_body, only: axial_moment, cartesian
   use hd_drive, only: drive_t
   use hd_mortar, only: add_nodal_forces
-  use hd_problem, only: state_t, load_t, internal_residual
+  use hd_problem, only: state_t, load_t, internal_residual, strut_forces
+  use hd_strut, only: push
   implicit none
   private
   public :: support_torques_t, moment_on_cam, support_torques, moment, contact_torque
@@ -15,7 +16,9 @@ module hd_supports
     real(dp) :: hub = 0             !< bottom of the cup, its soft springs included [N m]
     real(dp) :: wave_generator = 0  !< inner face of the ring: prescribed displacements, balls, the cam's pressure [N m]
     real(dp) :: ring_springs = 0    !< soft springs that hold a ring which is free on the cam [N m]
-    real(dp) :: balance = 0         !< all moments, the load's included: what is out of balance [N m]
+    real(dp) :: balance = 0         !< all moments, the load's, balls' and teeth's included: what is out of balance [N m]
+    real(dp) :: lateral(2) = 0      !< all forces along x and y: the same [N]
+    real(dp) :: hub_force(2) = 0    !< along x and y, that the bottom of the cup takes [N]
   end type support_torques_t
 
 contains
@@ -26,7 +29,9 @@ contains
     type(load_t), intent(in) :: load    !< load of the step
     type(state_t), intent(in) :: state  !< converged state
     type(support_torques_t) :: torque
-    real(dp), dimension(3, drive%problem%n) :: r, part
+    real(dp), dimension(3, drive%problem%n) :: r, part, all
+    real(dp), allocatable :: force(:)
+    integer :: i
     associate (problem => drive%problem)
       r = internal_residual(problem, load, state)
       where (.not. problem%fixed) r = 0
@@ -34,14 +39,24 @@ contains
       part(:, drive%hub) = r(:, drive%hub)
       part(:, drive%sprung) = part(:, drive%sprung) - problem%spring(:, drive%sprung)*state%u(:, drive%sprung)
       torque%hub = -moment(drive, state, part, drive%b_cup)
-      torque%wave_generator = -moment(drive, state, forces_of_cam(drive, load, state, r), drive%b_ring)
+      torque%hub_force = -lateral_force(drive, part)
+      all = part + load%force
+      part = forces_of_cam(drive, load, state, r)
+      torque%wave_generator = -moment(drive, state, part, drive%b_ring)
+      all = all + part
       part = 0
       part(2, drive%inner) = -problem%spring(2, drive%inner)*state%u(2, drive%inner)
       torque%ring_springs = -moment(drive, state, part, drive%b_ring)
-      part = load%force
-      part(1, drive%inner) = part(1, drive%inner) - problem%spring(1, drive%inner)*load%displacement(1, drive%inner)
-      torque%balance = moment(drive, state, part, 1) + moment(drive, state, part, 2) - torque%hub - torque%wave_generator - &
-        torque%ring_springs
+      all = all + part
+      all(1, drive%inner) = all(1, drive%inner) - problem%spring(1, drive%inner)*load%displacement(1, drive%inner)
+      if (allocated(problem%struts)) then
+        force = strut_forces(problem, load, state%u)
+        do i = 1, size(force)
+          call push(problem%struts(i), -force(i), all)
+        end do
+      end if
+      torque%balance = moment(drive, state, all, 1) + moment(drive, state, all, 2)
+      torque%lateral = lateral_force(drive, all)
     end associate
   end function support_torques
 
@@ -91,6 +106,21 @@ contains
       end if
     end associate
   end function moment
+
+  !> Sum along x and y of nodal forces on both bodies [N].
+  pure function lateral_force(drive, force) result(f)
+    type(drive_t), intent(in) :: drive     !< drive
+    real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
+    real(dp) :: f(2), v(3)
+    integer :: b
+    f = 0
+    do b = 1, 2
+      associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
+        v = sum(cartesian(body, force(:, first + 1:first + body%nodes())), 2)
+      end associate
+      f = f + v(:2)
+    end do
+  end function lateral_force
 
   !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].
   pure real(dp) function contact_torque(drive, state) result(m)

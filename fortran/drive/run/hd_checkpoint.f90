@@ -15,6 +15,7 @@ module hd_checkpoint
   use hd_promises, only: most_steps
   use hd_rub, only: memories
   use hd_scene, only: scene_t
+  use hd_strength, only: strength_t
   use hd_summary, only: tally_t
   use hd_system, only: rename_file, remove_file, path_kind, path_file
   use hd_text, only: string_t
@@ -55,13 +56,14 @@ module hd_checkpoint
     logical :: certain = .true.             !< the last step's tangent is
     type(tally_t) :: tally                  !< counts
     type(reference_t) :: reference          !< of a loop
+    type(strength_t) :: strength            !< largest stresses so far
     integer(int64) :: table_sizes(6) = 0    !< of the tables that are written [bytes]
     integer(int64) :: table_sums(6) = 0     !< their checksums
   end type mark_t
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint B'
+    character(len=21) :: magic = 'hdengine checkpoint C'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change

@@ -15,9 +15,9 @@ module hd_run
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
-  use hd_log, only: say
+  use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, book, book_stress, write_loop, bottom_turn, moments_of_struts
+  use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
@@ -28,11 +28,13 @@ module hd_run
   use hd_pressure_patches, only: patch_pressures
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_strength, only: book_stress, strength_text, strength_warnings
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
-  use hd_twist_shares, only: twist_shares
+  use hd_tolerance_band, only: banded_values
+  use hd_twist_shares, only: twist_shares, part_names
   implicit none
   private
   public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, leave_model
@@ -207,11 +209,10 @@ contains
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
-      if (run%scene%support%loop .and. .not. allocated(error)) then
-        call book_stress(run%loop, run%scene, run%model%drive, run%state, run%step, error)
-        if (.not. allocated(error)) call write_loop(run%output, run%step, run%scene, run%model%drive, run%loop, run%sums%k_ts, &
-          error)
-      end if
+      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
+        run%step%torque, error)
+      if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
+        run%model%drive, run%loop, run%sums%k_ts, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
@@ -243,7 +244,6 @@ contains
       if (.not. again) call book(run%loop, run%scene, run%model%drive, load, run%state, run%step)
       run%sums%rotation = bottom_turn(run%model%drive, run%state)
       run%sums%torque%wave_generator = run%loop%wave_generator_torque
-      run%sums%torque%balance = run%sums%torque%balance + moments_of_struts(run%model%drive, run%state, run%loop%force)
     end if
     call sum_stiffness(run%scene, run%model%drive, run%step%torque, run%state, run%facets, run%sums)
   end subroutine measure
@@ -368,7 +368,7 @@ contains
       if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
       if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
-        run%step, run%sums, run%tally, run%record, run%loop, run%failure, error)
+        run%step, run%sums, run%strength, run%tally, run%record, run%loop, run%failure, error)
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
     end if
@@ -380,34 +380,71 @@ contains
     type(run_t), intent(inout) :: run  !< gets warnings
     type(string_t), allocatable :: lines(:)
     integer :: i
-    if (run%step%number == 0 .or. .not. run%scene%support%contact) return  ! bonded there: no joint
-    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
-    do i = 1, size(lines)
-      call push(run%record%warnings, lines(i)%s)
-    end do
-    if (run%scene%support%loop) then
-      call drive_warnings(run%loop, run%scene, lines)
-      do i = 1, size(lines)
-        call push(run%record%warnings, lines(i)%s)
-      end do
+    if (run%step%number == 0) return
+    if (run%strength%flexspline > 0) then
+      call strength_warnings(run%strength, run%scene, lines)
+      call warn(run, lines)
+      call say('stress    '//strength_text(run%strength, run%scene))
     end if
-    call push_stiffness_warnings(run)
-    call judge_load_path(run)
-    associate (s => run%sums)
-      if (s%over_rotation == s%over_rotation) then
-        call say('K_TS      tangent '//rounded(s%k_tangent)//', secant '//rounded(s%k_secant)//', torque over rotation '// &
-          rounded(s%over_rotation)//' N m/rad')
-      else  ! no torque, as at the end of a loop
-        call say('K_TS      tangent '//rounded(s%k_tangent)//' N m/rad')
-      end if
-      call say('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
-        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
-      if (run%scene%support%loop) call say('drive     '//loop_text(run%loop, run%scene))
-    end associate
+    if (run%scene%support%contact) call judge_contact(run)  ! else bonded: no joint
     do i = 1, size(run%record%warnings)
       call say('warning: '//run%record%warnings(i)%s)
     end do
   end subroutine judge_results
+
+  !> The same of the contact.
+  subroutine judge_contact(run)
+    type(run_t), intent(inout) :: run  !< gets warnings
+    type(string_t), allocatable :: lines(:)
+    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
+    call warn(run, lines)
+    if (run%scene%support%loop) then
+      call drive_warnings(run%loop, run%scene, lines)
+      call warn(run, lines)
+    end if
+    call push_stiffness_warnings(run)
+    call judge_load_path(run)
+    if (run%scene%support%loop) then
+      call say('drive     '//loop_text(run%loop, run%scene))
+      call tell_twist(run)
+      if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
+        run%scene), run%sums)))
+    else
+      call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
+        ', contact alone '//rounded(run%sums%k_contact)//' N m/rad')
+    end if
+    associate (s => run%sums)
+      call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
+        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
+    end associate
+  end subroutine judge_contact
+
+  !> Keep warnings for the summary.
+  subroutine warn(run, lines)
+    type(run_t), intent(inout) :: run        !< its record grows
+    type(string_t), intent(in) :: lines(:)   !< one each
+    integer :: i
+    do i = 1, size(lines)
+      call push(run%record%warnings, lines(i)%s)
+    end do
+  end subroutine warn
+
+  !> What takes the twist of a drive at its reference step, and the two readings of K_TS there.
+  subroutine tell_twist(run)
+    type(run_t), intent(in) :: run  !< run at its end
+    character(len=:), allocatable :: line
+    integer :: i
+    associate (s => run%sums)
+      if (.not. s%shares(1) == s%shares(1)) return  ! no joint: none
+      line = 'twist     at '//rounded(run%step%torque)//' N m:'
+      do i = 1, size(part_names)
+        line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < size(part_names))
+      end do
+      call say(trim(line))
+      call say('K_TS      '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46): gaps, slip and joint; '// &
+        rounded(s%k_contact)//' of the contact alone')
+    end associate
+  end subroutine tell_twist
 
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(run)
@@ -416,8 +453,8 @@ contains
     associate (s => run%sums, scene => run%scene)
       if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
         'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
-      if (s%slip_k_ts > much_slip) call push(run%record%warnings, percent(s%slip_k_ts)//' of K_TS by Eq. 45 comes from points '// &
-        'that slip, which Eq. 45 counts as if they held. Quote the tangent, k_ts_bonded_nm_per_rad')
+      if (s%slip_k_ts > much_slip .and. .not. scene%support%loop) call push(run%record%warnings, percent(s%slip_k_ts)// &
+        ' of K_TS by Eq. 45 comes from points that slip, which Eq. 45 counts as if they held. Quote k_ts_bonded_nm_per_rad')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
         'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
       hard = s%pressure_max > run%joint%asperity%hardness

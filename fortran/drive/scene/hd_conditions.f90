@@ -101,6 +101,8 @@ contains
       'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
     call ask(faults, .not. s%support%against_teeth .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', &
       s%factors, "'auto' or 'exact' with load.support = 'teeth'")
+    call ask(faults, s%with_band == '.false.' .or. s%support%loop, 'run.band', s%with_band, &
+      "'.false.', but with load.support = 'drive'")
     call need(faults, s%turning_positions == 0 .or. s%support%struts, 'turning.positions', real(s%turning_positions, dp), &
       "0, but with load.support = 'drive'")
     call ask(faults, s%hard() .or. .not. s%bonded(), 'contact.law', s%contact_law, &

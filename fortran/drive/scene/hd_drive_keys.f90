@@ -2,7 +2,7 @@
 !> Keys of the whole drive, for the one table of hd_parameters.
 module hd_drive_keys
   use hd_kinds, only: dp
-  use hd_parameter_row, only: parameter_table_t, add_choice, add_integer, add_list, add_real
+  use hd_parameter_row, only: parameter_table_t, add_choice, add_integer, add_list, add_real, tolerate
   use hd_scene, only: scene_t
   implicit none
   private
@@ -23,10 +23,13 @@ contains
       'given: as the other keys say')
     call add_real(t, 'bearing', 'ball_diameter', 'model', s%ball_diameter, 'm', 0._dp, big, &
       'diameter of a ball')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'bearing', 'inner_conformity', 'model', s%inner_conformity, '', 0.5_dp, big, &
       'radius of the inner groove over the diameter of the ball')
+    call tolerate(t, 0.005_dp, '', '0.515 to 0.53 usual')
     call add_real(t, 'bearing', 'outer_conformity', 'model', s%outer_conformity, '', 0.5_dp, big, &
       'radius of the outer groove over the diameter of the ball')
+    call tolerate(t, 0.005_dp, '', '0.515 to 0.53 usual')
     call add_real(t, 'bearing', 'groove_depth', 'model', s%groove_depth, 'm', 0._dp, big, &
       "depth of the balls' groove in the outer ring, below its inner face; the groove has the radius outer_conformity times "// &
       'ball_diameter; 0: no groove', closed=.true.)

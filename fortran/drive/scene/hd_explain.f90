@@ -5,7 +5,7 @@ module hd_explain
   use hd_default_charts, only: chart_of
   use hd_parameters, only: parameter_table_t, parameter_t, new_table, groups_of, range_text
   use hd_scene, only: scene_t
-  use hd_text, only: string_t, push, join, lower, nearest_name
+  use hd_text, only: string_t, push, join, lower, nearest_name, percent, rounded
   implicit none
   private
   public :: explain
@@ -51,6 +51,7 @@ contains
     s = '&'//p%group//' '//p%key//' = '//p%default
     if (len(p%unit) > 0) s = s//' ['//p%unit//']'
     s = s//nl//'    '//p%meaning//nl//'    valid: '//valid(p)//nl
+    if (p%tolerance > 0) s = s//'    '//tolerance_text(p)//nl
     if (len(chart_of(p%group, p%key)) > 0) s = s//'    the default was chosen by the chart "'// &
       chart_of(p%group, p%key)//'" of docs/evidence/speed_accuracy.md'//nl
   end function entry_of
@@ -76,11 +77,30 @@ contains
         if (len(p%unit) > 0) s = s//' '//p%unit
         if (len(chart_of(group, p%key)) > 0) s = s//', chosen by the [chart](../evidence/speed_accuracy.md) "'// &
           chart_of(group, p%key)//'"'
-        s = s//'; valid: '//valid(p)//nl
+        s = s//'; valid: '//valid(p)
+        if (p%tolerance > 0) s = s//'; '//tolerance_text(p)
+        s = s//nl
       end associate
     end do
     s = s//'```'
   end function page
+
+  !> Tolerance in words.
+  function tolerance_text(p) result(s)
+    type(parameter_t), intent(in) :: p  !< row
+    character(len=:), allocatable :: s
+    s = 'tolerance (95 %): '
+    if (associated(p%text)) then
+      s = s//'the other choice is the other bound'
+    else if (p%tolerance_of == 'value') then
+      s = s//'+-'//percent(p%tolerance)
+    else if (p%tolerance_of == 'bore') then
+      s = s//'all +-'//rounded(p%tolerance)//' times geometry.bore_radius'
+    else
+      s = s//'+-'//trim(rounded(p%tolerance)//' '//p%unit)
+    end if
+    s = s//' ('//p%tolerance_source//')'
+  end function tolerance_text
 
   !> Valid values in words.
   function valid(p) result(s)

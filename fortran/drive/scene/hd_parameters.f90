@@ -3,7 +3,7 @@
 module hd_parameters
   use hd_kinds, only: dp, i8
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted
-  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice
+  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, tolerate
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
@@ -43,30 +43,42 @@ contains
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
       'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 and hysteresis of '// &
       'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
+    call add_choice(t, 'run', 'band', 'output', s%with_band, '.false. .true.', &
+      "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; it costs some thirty runs on a "// &
+      'coarse mesh, more than the run itself')
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &
       'wall of the cup behind the toothed rim')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'rim_thickness', 'model', s%rim_thickness, 'm', 0._dp, big, &
       'smooth rim as stiff as the toothed one, 1.67^(1/3) times the wall')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'rim_length', 'model', s%rim_length, 'm', 0._dp, big, 'rim, measured from the opening')
     call add_real(t, 'geometry', 'rim_taper', 'model', s%rim_taper, 'm', 0._dp, big, 'length over which the rim thins to the wall')
     call add_real(t, 'geometry', 'cup_length', 'model', s%cup_length, 'm', 0._dp, big, &
       'from the opening to the outside of the bottom')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'bottom_thickness', 'model', s%bottom_thickness, 'm', 0._dp, big, 'bottom of the cup')
+    call tolerate(t, 0.2_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'hub_radius', 'model', s%hub_radius, 'm', 0._dp, big, 'radius at which the bottom is held')
+    call tolerate(t, 0.05_dp, 'value', 'bolt circle, half a head')
     call add_real(t, 'geometry', 'ring_thickness', 'model', s%ring_thickness, 'm', 0._dp, big, 'outer ring of the flexible bearing')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'band_start', 'model', s%band_start, 'm', 0._dp, big, &
       'contact band: distance behind the opening', closed=.true.)
     call add_real(t, 'geometry', 'band_length', 'model', s%band_length, 'm', 0._dp, big, &
       'contact band: length, equal to the width of the ring')
+    call tolerate(t, 0.1_dp, 'value', 'widths of thin bearings')
     call add_cup_keys(s, t)
     call add_real(t, 'material', 'flexspline_e', 'model', s%flexspline_e, 'Pa', 0._dp, big, "Young's modulus of the flexspline")
     call add_real(t, 'material', 'flexspline_nu', 'model', s%flexspline_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the flexspline")
     call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
     call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
     call add_real(t, 'material', 'yield_strength', 'joint', s%yield_strength, 'Pa', 0._dp, big, &
-      'yield strength of the softer body; its hardness is 2.8 times that')
+      'yield strength of the flexspline, the softer body; its hardness is 2.8 times that')
+    call add_real(t, 'material', 'ring_yield_strength', 'load', s%ring_yield_strength, 'Pa', 0._dp, big, &
+      'yield strength of the ring (hardened bearing steel: 1.7e9 to 2.2e9)')
     call add_integer(t, 'mesh', 'divisions', 'model', s%divisions, 8, 100000, 'cells round the circumference')
     call add_integer(t, 'mesh', 'band_facets', 'model', s%band_facets, 1, 10000, 'contact facets along the band')
     call add_integer(t, 'mesh', 'ring_divisions', 'model', s%ring_divisions, 0, 100000, 'cells round the ring; 0: as divisions')
@@ -93,6 +105,7 @@ contains
     real(dp), parameter :: big = huge(1._dp)
     call add_real(t, 'wave_generator', 'w', 'cam', s%w, 'm', 0._dp, big, &
       'radial deformation (deformation coefficient)', closed=.true.)
+    call tolerate(t, 0.03_dp, 'value', 'estimate')
     call add_choice(t, 'wave_generator', 'cam', 'cam', s%cam, 'ellipse cosine arcs table', &
       'profile. ellipse: semi-axes r + w, r - w; cosine: radius r + w cos(lobes theta); arcs: four arcs of circles; table: '// &
       'measured, from cam_file. Ellipse and cosine differ by the order w^2/r, which small displacements leave out')
@@ -125,9 +138,11 @@ contains
       'direction of the shift, from the long axis', closed=.true.)
     call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', 0._dp, big, &
       'radial interference of ring and flexspline', closed=.true.)
+    call tolerate(t, 0.5_dp, 'value', 'estimate')
     call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
       'radial clearance of the bearing in the flexspline before it is bent; above 0 it takes the place of interference. H7 '// &
       'bore and normal bearing: 0 to 18 um to 50 mm, 0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
+    call tolerate(t, 1._dp, 'value', 'ISO 286 H7, ISO 492')
   end subroutine add_wave_generator_keys
 
   !> Contact and load.
@@ -138,6 +153,7 @@ contains
     call add_choice(t, 'contact', 'mode', 'assembly', s%contact_mode, 'frictional frictionless bonded', &
       'contact of ring and flexspline')
     call add_real(t, 'contact', 'friction', 'assembly', s%friction, '', 0._dp, 10._dp, 'Coulomb coefficient mu', closed=.true.)
+    call tolerate(t, 0.05_dp, '', 'steel, greased to dry')
     call add_real(t, 'contact', 'torque_friction', 'load', s%torque_friction, '', 0._dp, 10._dp, &
       'coefficient while the torque acts; a large one lets nothing slip, which tells slip from elasticity; 0: as friction', &
       closed=.true.)
@@ -157,11 +173,14 @@ contains
       'pairs in mesh at both ends of the long axis together')
     call add_real(t, 'load', 'pressure_angle_deg', 'model', s%pressure_angle_deg, 'deg', 0._dp, 60._dp, &
       'pressure angle of the teeth: the radial force, inward, is the tangential one times its tangent', closed=.true.)
+    call tolerate(t, 3._dp, '', 'estimate')
     call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
       'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
+    call tolerate(t, 0.3_dp, 'value', 'spread of ISO 6336 figures')
     call add_list(t, 'load', 'tooth_gaps', 'load', s%gaps, s%gap_count, 'm', 0._dp, big, &
       'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv, in the place of '// &
       'tooth_clearance; 0: none is given')
+    call tolerate(t, 1e-6_dp/17.5e-3_dp, 'bore', 'estimate')
     call add_list(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, s%gap_back_count, 'm', 0._dp, big, &
       'clearance of the other flank of every pair, that a negative torque presses, where it differs from tooth_gaps; as many '// &
       'values; 0: none is given')
@@ -172,6 +191,7 @@ contains
     call add_choice(t, 'load', 'spline', 'model', s%spline, 'free rigid', &
       "circular spline, with support 'drive'. free: an elastic ring of the flexspline's material under the forces of the "// &
       'teeth, which no housing holds round its outside; rigid: as a housing without play would hold it. A real one lies between')
+    call tolerate(t, 1._dp, '', 'housing without play')
     call add_real(t, 'load', 'spline_diameter', 'model', s%spline_diameter, 'm', 0._dp, big, &
       'outer diameter of the circular spline; 0: 1.4 times that of the bore, as catalogues have it (1.35 to 1.43)', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &

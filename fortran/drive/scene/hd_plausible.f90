@@ -30,6 +30,7 @@ module hd_plausible
     usual_t('geometry.band_length', 1e-3_dp, 0.1_dp), usual_t('material.flexspline_e', 1e9_dp, 5e11_dp), &
     usual_t('material.ring_e', 1e9_dp, 5e11_dp), usual_t('material.flexspline_nu', 0.15_dp, 0.49_dp), &
     usual_t('material.ring_nu', 0.15_dp, 0.49_dp), usual_t('material.yield_strength', 2e7_dp, 4e9_dp), &
+    usual_t('material.ring_yield_strength', 2e7_dp, 4e9_dp), &
     usual_t('wave_generator.w', 2e-5_dp, 3e-3_dp), usual_t('wave_generator.interference', 1e-8_dp, 1e-4_dp), &
     usual_t('wave_generator.clearance', 1e-8_dp, 1e-4_dp), &
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
@@ -46,7 +47,7 @@ module hd_plausible
     slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]
 
   ! What scenes of drives keep within, by the messages that are written beyond.
-  real(dp), parameter :: least_w = 0.1_dp, most_w = 2                  !< deformation over the wall
+  real(dp), parameter :: least_w = 0.1_dp, most_w = 4                  !< deformation over the wall
   real(dp), parameter :: overload = 5   !< torque over the momentary peak of catalogues, which a slip of units exceeds by far
   real(dp), parameter :: shortest_cup = 0.3_dp, longest_cup = 6        !< length over the bore radius
 
@@ -105,7 +106,7 @@ contains
     if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
       ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
     if (abs(s%w) > most_w*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < least_w*s%wall_thickness)) call push(lines, &
-      'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 2 times')
+      'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 4 times')
     most = 1e7_dp*s%bore_radius**3
     torque = s%torque
     key = 'load.torque'

@@ -21,6 +21,7 @@ module hd_scene
     integer :: version = 1
     character(len=title_length) :: title = ''
     real(dp) :: planned_tolerance = 0
+    character(len=name_length) :: with_band = '.false.'
     ! geometry
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
     real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
@@ -30,7 +31,7 @@ module hd_scene
     integer :: sections_count(4) = 1
     ! material
     real(dp) :: flexspline_e = 209e9_dp, flexspline_nu = 0.295_dp, ring_e = 219e9_dp, ring_nu = 0.30_dp
-    real(dp) :: yield_strength = 835e6_dp
+    real(dp) :: yield_strength = 835e6_dp, ring_yield_strength = 1.7e9_dp
     ! mesh
     integer :: divisions = 86, band_facets = 15, ring_divisions = 0, ring_facets = 0, wall_elements = 0
     integer :: bottom_elements = 0, through_wall = 1, through_ring = 1

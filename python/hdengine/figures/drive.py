@@ -40,7 +40,7 @@ def plot_loop(result: RunLike) -> Figure:
 
 @styled
 def plot_loads(result: RunLike) -> Figure:
-    """Force of every ball and every pair of teeth over the angle, at the end of the assembly and at the largest torque."""
+    """Force of every ball and of every pair of teeth, the larger of its flanks', over the angle, at the end of the assembly and at the largest torque."""
     figure, axes = new_axes(1, 2, figsize=(11, 4))
     for axis, table, title in zip(axes, (result.balls, result.teeth), ("force of a ball / N", "force of a pair of teeth / N")):
         if table is None:
@@ -50,10 +50,13 @@ def plot_loads(result: RunLike) -> Figure:
         for step, style in zip(steps, ("C0o-", "C3^-")):
             rows = table[table["step"] == step]
             label = f"{rows['torque_nm'][0]:.3g} N m"
+            place, of = np.unique(rows["theta_rad"], return_inverse=True)
+            force = np.zeros(len(place))
+            np.maximum.at(force, of, rows["force_n"])
             for end in (0, 180):
-                angle = (np.degrees(rows["theta_rad"]) - end + 180) % 360 - 180
+                angle = (np.degrees(place) - end + 180) % 360 - 180
                 near = np.argsort(angle)[abs(np.sort(angle)) <= 90]
-                axis.plot(angle[near], rows["force_n"][near], style if end == 0 else style.replace("-", "--"), ms=4,
+                axis.plot(angle[near], force[near], style if end == 0 else style.replace("-", "--"), ms=4,
                           label=label if end == 0 else None)
         axis.set_xlabel("angle from the nearer end of the long axis / degree\n(full: θ = 0, dashed: θ = 180°)")
         axis.set_title(title, fontsize=12)

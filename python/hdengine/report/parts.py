@@ -266,7 +266,17 @@ def _answer_of_drive(results, limits):
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
     mesh = f"These limits of fine meshes are known: {known}" if known else \
         "The error of the mesh is not known: run again with <code>run.tolerance</code>"
-    return text + f"<p>Band: {mesh}. The error of the inputs is not known: a study varies them.</p>"
+    return text + f"<p>Band: {mesh}. {_input_band(results, keys)}</p>"
+
+
+def _input_band(results, keys):
+    """What the tolerances of the inputs leave open."""
+    if "band_shares" not in results:
+        return "The error of the inputs is not known: run again with <code>run.band = .true.</code>"
+    ends = ", ".join(f"{name} from {_engineering(results[key + '_low'])} to {_engineering(results[key + '_high'])}"
+                     for name, key in keys.items() if key + "_low" in results)
+    most = ", ".join(f"{html.escape(key)} {100 * share:.2g} %" for key, share in list(results["band_shares"].items())[:3])
+    return f"By the tolerances of the inputs (95 %): {ends}; of the variance of ln K2 most by {most}."
 
 
 def _answer(result):

@@ -23,7 +23,7 @@ from ..results import long_axis
 def _row(step, run, scene):
     """One row of the table."""
     f = step.facets
-    place = np.stack([f["x_m"], f["y_m"], f["z_m"]], -1), np.stack([f["n_x"], f["n_y"], f["n_z"]], -1)
+    place = np.stack([f["x_m"], f["y_m"], f["z_m"]], -1), np.stack([f["bent_n_x"], f["bent_n_y"], f["bent_n_z"]], -1)
     normal = torsion.torsional_stiffness(f["k_n_n_per_m"], 0 * f["k_t_n_per_m"], *place)
     shape = run.facets // run.axial_facets, run.axial_facets
     stiffness = {

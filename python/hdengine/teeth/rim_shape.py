@@ -94,7 +94,7 @@ class RimShape:
             if grid.get("TimeValue", 0) >= 1 - 1e-9 and abs(grid.get("torque_nm", 1)) < 1e-9:
                 return cls._of(grid["Points"], grid["displacement_m"], scene)
         seen = f"grids at {', '.join(tried)} N m" if tried else "no bodies_*.vtu"
-        raise InputError(f"'{folder}' has {seen}: must have one of the whole assembly at 0 N m; run the scene with loop.torques=0 "
+        raise InputError(f"'{folder}' has {seen}: must have one of the whole assembly at 0 N m; run the scene with loop.torques=0,0 "
                          "load.torque_steps=1 output.vtu=last (support 'drive'), or load.torque_steps=0")
 
     @classmethod

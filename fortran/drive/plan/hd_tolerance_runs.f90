@@ -1,0 +1,265 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Runs that a band rests on (hd_tolerance_band): the drive on a coarse mesh, as it is and with one input at an end of its
+!> tolerance. Relative changes hold for the run itself. Nothing is written.
+module hd_tolerance_runs
+  use hd_kinds, only: dp
+  use hd_clock, only: wall_seconds
+  use hd_conditions, only: check_scene
+  use hd_cup_sections, only: has_sections
+  use hd_error, only: error_t, raise, code_stopped
+  use hd_load_path, only: path_end
+  use hd_log, only: say, set_log_level, quiet
+  use hd_loop, only: read_loop
+  use hd_march, only: march
+  use hd_mesh_series, only: small_displacements
+  use hd_model, only: model_t, give_back
+  use hd_parameter_row, only: stage_model
+  use hd_parameters, only: parameter_t, parameter_table_t, new_table, value_count, value_text
+  use hd_run, only: run_t, new_run, close_run, leave_model
+  use hd_scene, only: scene_t, most_gaps
+  use hd_section, only: band_rows
+  use hd_system, only: stop_requested
+  use hd_text, only: string_t, push, to_text
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_values, banded_words
+  use hd_tooth_flanks, only: tooth_gaps
+  implicit none
+  private
+  public :: find_band
+
+  integer, parameter :: divisions = 48, facets = 7, steps = 6  !< of the mesh, and of each leg of the loop, at most
+
+contains
+
+  !> Find the band of a loop that is over.
+  subroutine find_band(run, error)
+    type(run_t), intent(inout) :: run                 !< at its end; its record gets the band
+    type(error_t), allocatable, intent(out) :: error  !< a signal, the time limit
+    type(model_t), allocatable :: model
+    type(scene_t) :: coarse
+    real(dp) :: base(banded), begun
+    integer, allocatable :: rows(:), ends(:)
+    integer :: i
+    coarse = coarsened(run%scene)
+    call find_inputs(coarse, rows, ends)
+    begun = wall_seconds()
+    call try(coarse, run%clock, model, base, error)
+    if (allocated(error)) then
+      if (error%code /= code_stopped) then
+        call push(run%record%warnings, 'there is no band: the drive on a coarse mesh ended early: '//error%message)
+        deallocate (error)
+      end if
+    else
+      call say('band      '//to_text(sum(ends))//' runs on '//to_text(coarse%divisions)//' x '//to_text(band_rows(coarse))// &
+        ' facets, one input at an end of its tolerance in each: about '//to_text(ceiling(sum(ends)*(wall_seconds() - begun)))//' s')
+      do i = 1, size(rows)
+        call move_input(rows(i), coarse, base, model, run, error)
+        if (allocated(error)) exit
+        if (i < size(rows)) call say('          '//to_text(sum(ends(:i)))//' of '//to_text(sum(ends))//' runs, about '// &
+          to_text(ceiling((wall_seconds() - begun)/(1 + sum(ends(:i)))*sum(ends(i + 1:))))//' s left')
+      end do
+    end if
+    call give_back(model)
+    if (.not. allocated(error)) return
+    call raise(error, code_stopped, trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
+      ' before the band was found; all load steps are kept, --resume finds it')
+    run%record%interrupted = stop_requested()
+    run%failure = error
+    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
+  end subroutine find_band
+
+  !> Solve the drive with an input at its ends; a run that does not converge is left out.
+  subroutine move_input(row, scene, base, model, run, error)
+    integer, intent(in) :: row                             !< of the table
+    type(scene_t), intent(in) :: scene                     !< without a change
+    real(dp), intent(in) :: base(banded)                   !< its results
+    type(model_t), allocatable, intent(inout) :: model     !< of the run before
+    type(run_t), intent(inout) :: run                      !< gets its part of the band, and warnings
+    type(error_t), allocatable, intent(out) :: error       !< stopped
+    type(scene_t) :: at(2)
+    type(string_t), allocatable :: faults(:)
+    character(len=:), allocatable :: key, left_out
+    real(dp) :: value(banded), found(banded, 2)
+    integer :: i, k, ends, n
+    call move_to_ends(row, scene, key, at, ends)
+    n = 0
+    do i = 1, ends
+      allocate (faults(0))
+      call check_scene(at(i), faults)
+      left_out = ''
+      if (size(faults) > 0) left_out = faults(1)%s
+      deallocate (faults)
+      if (len(left_out) == 0) then
+        call try(at(i), run%clock, model, value, error)
+        if (allocated(error)) then
+          if (error%code == code_stopped) return
+          left_out = error%message
+          deallocate (error)
+        end if
+      end if
+      if (len(left_out) > 0) then
+        call push(run%record%warnings, 'the band leaves out an end of '//key//': '//left_out)
+        cycle
+      end if
+      n = n + 1
+      found(:, n) = value
+      do k = 1, banded
+        if (base(k) > 0 .and. .not. value(k) > 0) call push(run%record%warnings, 'the band of '//trim(banded_words(k))// &
+          ' leaves out an end of '//key//', where it has no value')
+      end do
+    end do
+    if (n > 0) call run%record%band%add(key, base, found(:, :n))
+  end subroutine move_input
+
+  !> Results of a scene.
+  subroutine try(scene, clock, model, value, error)
+    type(scene_t), intent(in) :: scene                     !< scene
+    real(dp), intent(in) :: clock                          !< when the run began that its time limit is for [s]
+    type(model_t), allocatable, intent(inout) :: model     !< of the run before, then of this one
+    real(dp), intent(out) :: value(banded)                 !< as banded_values
+    type(error_t), allocatable, intent(out) :: error       !< whatever ended it early
+    type(error_t), allocatable :: trouble
+    type(run_t), allocatable :: run
+    integer :: level
+    value = 0
+    call set_log_level(quiet, level)
+    allocate (run)
+    call move_alloc(model, run%model)
+    call new_run(scene, '', '', .false., run, error)
+    run%clock = clock
+    if (.not. allocated(error)) call march(run, path_end(run%scene), error)
+    if (.not. allocated(error)) value = banded_values(read_loop(run%loop, run%scene), run%reference%sums)
+    call close_run(run, trouble)
+    call leave_model(run, model)
+    call set_log_level(level)
+  end subroutine try
+
+  !> The scene on a coarse mesh, with few load steps and small displacements.
+  pure type(scene_t) function coarsened(scene) result(s)
+    type(scene_t), intent(in) :: scene  !< scene of the run
+    s = small_displacements(scene)
+    s%planned_tolerance = 0
+    s%turning_positions = 0
+    s%divisions = min(s%divisions, divisions)
+    if (.not. s%groove_depth > 0) s%band_facets = min(s%band_facets, facets)  ! a groove is wider than a cell of the ring
+    s%torque_steps = min(s%torque_steps, steps)
+    s%edge_length = 0
+    s%ring_divisions = 0
+    s%ring_facets = 0
+    s%through_wall = 1
+    s%through_ring = 1
+    if (s%clearance > 0) s%interference = 0  ! its lower end is 0
+  end function coarsened
+
+  !> Inputs that have a tolerance and a part in the drive; those that leave mesh and factors as they are come first.
+  subroutine find_inputs(scene, rows, ends)
+    type(scene_t), intent(in) :: scene               !< scene on its mesh
+    integer, allocatable, intent(out) :: rows(:)     !< of the table
+    integer, allocatable, intent(out) :: ends(:)     !< runs of each
+    type(scene_t), target :: copy
+    type(scene_t) :: at(2)
+    type(parameter_table_t) :: table
+    character(len=:), allocatable :: key
+    integer :: pass, i, n
+    copy = scene
+    call new_table(copy, table)
+    allocate (rows(0), ends(0))
+    do pass = 1, 2
+      do i = 1, size(table%rows)
+        if ((table%rows(i)%stage(.false., .false.) == stage_model) .neqv. pass == 2) cycle
+        if (.not. takes_part(table%rows(i), scene)) cycle
+        call move_to_ends(i, scene, key, at, n)
+        if (n == 0) cycle
+        rows = [rows, i]
+        ends = [ends, n]
+      end do
+    end do
+  end subroutine find_inputs
+
+  !> A key has a tolerance, and the drive depends on it.
+  pure logical function takes_part(p, scene)
+    type(parameter_t), intent(in) :: p   !< row
+    type(scene_t), intent(in) :: scene   !< scene
+    character(len=*), parameter :: of_cup = ' wall_thickness rim_thickness cup_length bottom_thickness hub_radius '
+    takes_part = p%tolerance > 0
+    if (p%key == 'tooth_gaps') takes_part = takes_part .and. scene%tooth_pairs <= most_gaps
+    if (p%group == 'bearing') takes_part = takes_part .and. scene%balls > 0
+    if (p%group == 'geometry' .and. has_sections(scene)) takes_part = takes_part .and. index(of_cup, ' '//p%key//' ') == 0
+  end function takes_part
+
+  !> The scene with a key at either end of its tolerance; an end that changes nothing is left out.
+  subroutine move_to_ends(row, scene, key, at, n)
+    integer, intent(in) :: row                              !< of the table
+    type(scene_t), intent(in) :: scene                      !< scene
+    character(len=:), allocatable, intent(out) :: key       !< group.key of the row
+    type(scene_t), intent(out) :: at(2)                     !< the key at its ends
+    integer, intent(out) :: n                               !< how many there are
+    type(scene_t), target :: moved
+    type(parameter_table_t) :: table
+    character(len=:), allocatable :: before
+    integer :: side
+    n = 0
+    do side = -1, 1, 2
+      moved = scene
+      call new_table(moved, table)
+      associate (p => table%rows(row))
+        key = p%group//'.'//p%key
+        if (key == 'load.tooth_gaps') call list_gaps(moved)
+        before = value_text(p)
+        if (key == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
+        call move(p, side, scene%bore_radius)
+        if (value_text(p) /= before) then
+          n = n + 1
+          at(n) = moved
+        end if
+        if (associated(p%text)) exit  ! there is one other bound
+      end associate
+    end do
+  end subroutine move_to_ends
+
+  !> Clearances of all pairs as lists of both flanks.
+  pure subroutine list_gaps(scene)
+    type(scene_t), intent(inout) :: scene  !< gets them
+    scene%gaps(:scene%tooth_pairs) = tooth_gaps(unturned(scene), 1)
+    scene%gaps_back(:scene%tooth_pairs) = tooth_gaps(unturned(scene), 2)
+    scene%gap_count = scene%tooth_pairs
+    scene%gap_back_count = scene%tooth_pairs
+  end subroutine list_gaps
+
+  !> The scene with a pair on, or beside, the long axis, as lists of clearances have it.
+  pure type(scene_t) function unturned(scene) result(s)
+    type(scene_t), intent(in) :: scene  !< scene
+    s = scene
+    s%tooth_phase = 0
+  end function unturned
+
+  !> Move a value to an end of its tolerance, within its valid range.
+  subroutine move(p, side, bore)
+    type(parameter_t), intent(in) :: p   !< row; its value is moved
+    integer, intent(in) :: side          !< -1 lower end, 1 upper end
+    real(dp), intent(in) :: bore         !< radius [m]
+    integer :: i
+    if (associated(p%text)) then
+      i = findloc([(p%choices(i)%s == p%text, i=1, size(p%choices))], .false., 1)
+      p%text = p%choices(i)%s
+    else if (associated(p%reals)) then
+      p%reals(:value_count(p)) = moved_value(p, p%reals(:value_count(p)), side, bore)
+    else
+      p%real = moved_value(p, p%real, side, bore)
+    end if
+  end subroutine move
+
+  !> A number at an end of its tolerance; where that leaves the valid range its bound, or half the way to it if that is not valid.
+  elemental real(dp) function moved_value(p, x, side, bore) result(y)
+    type(parameter_t), intent(in) :: p   !< row
+    real(dp), intent(in) :: x            !< value
+    integer, intent(in) :: side          !< -1 lower end, 1 upper end
+    real(dp), intent(in) :: bore         !< radius [m]
+    real(dp) :: width
+    width = p%tolerance
+    if (p%tolerance_of == 'value') width = width*abs(x)
+    if (p%tolerance_of == 'bore') width = width*bore
+    y = x + side*width
+    if (y <= p%low) y = merge((x + p%low)/2, p%low, p%open_low)
+    if (y >= p%high) y = merge((x + p%high)/2, p%high, p%open_high)
+  end function moved_value
+end module hd_tolerance_runs

@@ -1,0 +1,92 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> Von Mises stress of both bodies against their yield strengths: the largest at a Gauss point of any booked load step, for a drive
+!> must stand its whole path. What a formed flexspline keeps of being bent to its shape is not among it.
+module hd_strength
+  use hd_kinds, only: dp
+  use hd_drive, only: drive_t
+  use hd_error, only: error_t
+  use hd_fatigue, only: fatigue_t, judge_fatigue
+  use hd_problem, only: state_t
+  use hd_scene, only: scene_t
+  use hd_stress, only: body_stress, von_mises
+  use hd_text, only: string_t, push, rounded, to_text
+  implicit none
+  private
+  public :: strength_t, book_stress, strength_text, strength_warnings
+
+  type :: strength_t
+    real(dp) :: flexspline = 0   !< largest von Mises stress so far [Pa]
+    real(dp) :: ring = 0         !< the same [Pa]
+  contains
+    procedure :: flexspline_safety
+    procedure :: ring_safety
+  end type strength_t
+
+contains
+
+  !> Stresses of a converged step; with them, of a whole drive, the flexspline's life.
+  subroutine book_stress(strength, fatigue, scene, drive, state, torque, error)
+    type(strength_t), intent(inout) :: strength       !< gets them
+    type(fatigue_t), intent(inout) :: fatigue         !< of a whole drive
+    type(scene_t), intent(in) :: scene                !< limits
+    type(drive_t), intent(in) :: drive                !< model
+    type(state_t), intent(in) :: state                !< converged state
+    real(dp), intent(in) :: torque                    !< of the step [N m]
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    real(dp), allocatable :: stress(:, :), peak(:, :)
+    integer :: b
+    do b = 1, 2
+      associate (body => drive%problem%bodies(b))
+        allocate (stress(6, body%nodes()), peak(6, body%sectors*size(body%cells, 2)))
+        call body_stress(drive%problem, b, state%u, stress, peak, error)
+        if (allocated(error)) return
+        if (b == drive%b_ring) then
+          strength%ring = max(strength%ring, maxval(von_mises(peak)))
+        else
+          strength%flexspline = max(strength%flexspline, maxval(von_mises(peak)))
+          if (scene%support%loop) call judge_fatigue(scene, body, stress, torque, fatigue)
+        end if
+        deallocate (stress, peak)
+      end associate
+    end do
+  end subroutine book_stress
+
+  !> Yield strength of the flexspline over its largest stress.
+  pure real(dp) function flexspline_safety(self, scene) result(safety)
+    class(strength_t), intent(in) :: self  !< stresses
+    type(scene_t), intent(in) :: scene     !< yield strengths
+    safety = scene%yield_strength/max(self%flexspline, tiny(1._dp))
+  end function flexspline_safety
+
+  !> Yield strength of the ring over its largest stress.
+  pure real(dp) function ring_safety(self, scene) result(safety)
+    class(strength_t), intent(in) :: self  !< stresses
+    type(scene_t), intent(in) :: scene     !< yield strengths
+    safety = scene%ring_yield_strength/max(self%ring, tiny(1._dp))
+  end function ring_safety
+
+  !> Stresses and safeties in a line.
+  function strength_text(strength, scene) result(text)
+    type(strength_t), intent(in) :: strength  !< stresses
+    type(scene_t), intent(in) :: scene        !< yield strengths
+    character(len=:), allocatable :: text
+    text = 'largest von Mises stress '//rounded(strength%flexspline)//' Pa in the flexspline, safety against yield '// &
+      rounded(strength%flexspline_safety(scene))//'; '//rounded(strength%ring)//' Pa in the ring, safety '// &
+      rounded(strength%ring_safety(scene))
+  end function strength_text
+
+  !> Bodies that pass their yield strength.
+  subroutine strength_warnings(strength, scene, lines)
+    type(strength_t), intent(in) :: strength              !< stresses
+    type(scene_t), intent(in) :: scene                    !< yield strengths
+    type(string_t), allocatable, intent(out) :: lines(:)  !< one each
+    allocate (lines(0))
+    if (strength%flexspline > scene%yield_strength) call push(lines, 'the flexspline yields: its largest von Mises stress, '// &
+      rounded(strength%flexspline)//' Pa, is above material.yield_strength = '//to_text(scene%yield_strength)//' Pa, and '// &
+      'bodies are elastic here. Lower load.torque, wave_generator.w or the thickness of wall and rim, which are bent to the '// &
+      'cam. At a sharp step of the wall it grows with a finer mesh; cup.sections_fillet rounds it')
+    if (strength%ring > scene%ring_yield_strength) call push(lines, 'the ring yields: its largest von Mises stress, '// &
+      rounded(strength%ring)//' Pa, is above material.ring_yield_strength = '//to_text(scene%ring_yield_strength)//' Pa, and '// &
+      'bodies are elastic here. Lower load.torque, wave_generator.w or geometry.ring_thickness, which is bent to the cam')
+  end subroutine strength_warnings
+end module hd_strength

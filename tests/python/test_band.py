@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The band of a whole drive by the tolerances of its inputs (run.band)."""
+import json
+import re
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hdengine
+from conftest import ROOT, call
+from hdengine.report import write_report
+
+MESH = ["mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=3", "output.vtu=none"]  # coarse runs keep it
+KEYS = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad",
+        "k_ts_contact_nm_per_rad")
+
+
+def solve(exe, folder, *keys):
+    """Results of size 14 on a small mesh."""
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "-q")
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "summary.json").read_text())["results"]
+
+
+@pytest.fixture(scope="module")
+def folder(exe, tmp_path_factory):
+    out = tmp_path_factory.mktemp("band") / "a"
+    solve(exe, out, "run.band=.true.")
+    return out
+
+
+@pytest.fixture(scope="module")
+def banded(folder):
+    return json.loads((folder / "summary.json").read_text())["results"]
+
+
+def test_band_holds_its_value(banded):
+    """Every result that has a band lies in it; the shares of the inputs add up to 1, the largest first."""
+    for key in KEYS:
+        assert 0 < banded[key + "_low"] < banded[key] < banded[key + "_high"], key
+    shares = list(banded["band_shares"].values())
+    assert sum(shares) == pytest.approx(1, abs=1e-12) and shares == sorted(shares, reverse=True) and min(shares) >= 0
+
+
+def variance(change):
+    """What changes of ln K2 at the ends of an input add upwards and downwards, squared."""
+    return max(0.0, *change) ** 2 + max(0.0, *(-c for c in change)) ** 2
+
+
+def of_input(banded, key):
+    """The same by the band and the share of the input."""
+    whole = sum(np.log(banded["k2_nm_per_rad_" + end] / banded["k2_nm_per_rad"]) ** 2 for end in ("low", "high"))
+    return whole * banded["band_shares"][key]
+
+
+@pytest.mark.parametrize("key, ends", [
+    ("contact.friction", ("contact.friction=0.05", "contact.friction=0.15")),
+    ("load.pressure_angle_deg", ("load.pressure_angle_deg=17", "load.pressure_angle_deg=23")),
+    ("wave_generator.clearance", ("wave_generator.interference=0 wave_generator.clearance=0", "wave_generator.clearance=18e-6")),
+    ("load.spline", ("load.spline=rigid",))])
+def test_share_is_that_of_runs_with_the_input_moved(exe, banded, tmp_path, key, ends):
+    """What an input adds to the variance of ln K2 is what runs with it at its ends say."""
+    change = [np.log(solve(exe, tmp_path / str(i), *end.split())["k2_nm_per_rad"] / banded["k2_nm_per_rad"])
+              for i, end in enumerate(ends)]
+    assert of_input(banded, key) == pytest.approx(variance(change), rel=1e-3)
+
+
+def test_gaps_of_the_teeth_move_together(exe, banded, tmp_path):
+    """The lists of both flanks are shifted by 1 um at size 14, and stay at 0 or above."""
+    scene = hdengine.read_scene(ROOT / "data/drive14.nml")
+    change = []
+    for shift in (-1e-6, 1e-6):
+        lists = [f"load.{key}=" + ",".join(str(max(0, g + shift)) for g in scene[f"load.{key}"]) for key in ("tooth_gaps", "tooth_gaps_back")]
+        change.append(np.log(solve(exe, tmp_path / str(shift), *lists)["k2_nm_per_rad"] / banded["k2_nm_per_rad"]))
+    assert of_input(banded, "load.tooth_gaps") == pytest.approx(variance(change), rel=1e-3)
+
+
+def test_band_leaves_the_run_as_it_is(exe, folder, banded, tmp_path):
+    """Files, tables and results are those of a run without a band."""
+    alone = solve(exe, tmp_path / "b")
+    assert {p.name for p in folder.iterdir()} == {p.name for p in (tmp_path / "b").iterdir()}
+    for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv", "contact.csv"):
+        assert (folder / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    assert {k: banded[k] for k in alone if k != "seconds"} == {k: v for k, v in alone.items() if k != "seconds"}
+    assert set(banded) - set(alone) == {k + end for k in KEYS for end in ("_low", "_high")} | {"band_shares"}
+
+
+def test_stopped_band_is_found_by_a_resumed_run(exe, banded, tmp_path):
+    """A signal ends the band in order; --resume solves no load step again and finds it; a complete run has nothing to do."""
+    out = tmp_path / "c"
+    keys = [exe, ROOT / "data/drive14.nml", *MESH, "run.band=.true.", "--out", out]
+    process = subprocess.Popen(keys, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert any(line.startswith("band ") and process.send_signal(signal.SIGTERM) is None for line in process.stdout)
+    _, message = process.communicate()
+    assert process.returncode == 7 and "before the band was found" in message
+    before = json.loads((out / "summary.json").read_text())
+    assert before["status"] == "interrupted" and not any(k.endswith("_low") for k in before["results"])
+    done = call(*keys, "--resume")
+    assert done.returncode == 0 and not re.search(r"^ *\d+ torque", done.stdout, re.M), done.stdout
+    after = json.loads((out / "summary.json").read_text())["results"]
+    assert {k: after[k] for k in after if k[-4:] in ("_low", "high")} == pytest.approx(
+        {k: banded[k] for k in banded if k[-4:] in ("_low", "high")}, rel=1e-6)
+    assert "nothing to do" in call(*keys, "--resume").stdout
+
+
+def test_time_limit_ends_the_band(exe, tmp_path):
+    """A limit that passes while the band is found stops the run; its load steps are kept."""
+    solve(exe, tmp_path / "d")
+    seconds = json.loads((tmp_path / "d/summary.json").read_text())["timers_s"]["total"]
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, "run.band=.true.", f"solver.time_limit_s={3 * seconds}", "--out", tmp_path / "e")
+    assert done.returncode == 7 and "stopped at a limit before the band was found" in done.stderr
+
+
+@pytest.mark.parametrize("value", ["yes", "1", "true", "T", ".truely."])
+def test_bad_values_are_refused(exe, tmp_path, value):
+    """The key takes .true. and .false. alone, with the support of a drive."""
+    done = call(exe, ROOT / "data/drive14.nml", f"run.band={value}", "--out", tmp_path / "f")
+    assert done.returncode != 0 and "'band' has no choice" in done.stderr and not (tmp_path / "f").exists()
+
+
+def test_only_a_drive_has_a_band(exe, tmp_path):
+    """Another support is refused."""
+    done = call(exe, ROOT / "data/cd14.nml", "run.band=.true.", "--out", tmp_path / "g")
+    assert done.returncode != 0 and "load.support = 'drive'" in done.stderr
+
+
+def test_explain_shows_tolerances(exe):
+    """Half width and source stand in the text of a key; a key without one says nothing."""
+    assert "tolerance (95 %): +-0.05 (" in call(exe, "--explain", "contact.friction").stdout
+    assert "tolerance" not in call(exe, "--explain", "geometry.rim_length").stdout
+
+
+def test_report_gives_the_band(banded, folder, monkeypatch):
+    """The report's headline gives the ends of K2, and the input that makes most of it first."""
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    page = write_report(folder).read_text()
+    line = page[page.index("By the tolerances of the inputs"):].split("</p>")[0]
+    ends = [1e3 * float(x) for x in re.search(r"K2 from ([\d.]+) kN m/rad to ([\d.]+) kN", line.replace("\u00a0", " ")).groups()]
+    assert ends == pytest.approx([banded["k2_nm_per_rad_low"], banded["k2_nm_per_rad_high"]], rel=0.01)
+    first, second = list(banded["band_shares"])[:2]
+    assert 0 < line.index(first) < line.index(second)
+
+
+def test_python_takes_a_truth_value():
+    """True and False stand for .true. and .false.; a key that takes a number refuses them."""
+    for value, text in ((True, ".true."), (False, ".false.")):
+        assert hdengine.read_scene(ROOT / "data/drive14.nml", run__band=value)["run.band"] == text
+    with pytest.raises(hdengine.InputError, match="is not a number"):
+        hdengine.read_scene(contact__friction=True)

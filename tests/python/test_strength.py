@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Von Mises stress of both bodies beside their yield strengths, in every kind of run."""
+import json
+
+import meshio
+import pytest
+
+from conftest import ROOT, call
+from hdengine import Run
+
+MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=1", "load.assembly_steps=1"]
+KINDS = {"hub": ("data/cd14.nml", []), "bearing": ("data/cd14.nml", ["load.support=bearing"]), "teeth": ("data/teeth.nml", []),
+         "formed": ("data/cd14.nml", ["wave_generator.shape=as_formed"]), "large": ("data/cd14.nml", ["solver.kinematics=nonlinear"]),
+         "drive": ("tests/cases/pressed_drive.nml", ["bearing.balls=12", "load.tooth_pairs=12", "loop.torques=8,-3"])}
+
+
+def solve(exe, folder, scene, *keys):
+    """Summary of a small run, and its log."""
+    done = call(exe, ROOT / scene, *MESH, *keys, "--out", folder, "--force")
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "summary.json").read_text()), done.stdout
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_run_states_the_stress_of_both_bodies(exe, tmp_path, kind):
+    """The largest of all steps' grids, by body; the safeties are the yield strengths over them; the log and model_error say the same."""
+    scene, keys = KINDS[kind]
+    summary, log = solve(exe, tmp_path / "r", scene, *keys, "output.vtu=all")
+    r, largest = summary["results"], {1: 0.0, 2: 0.0}
+    for path in (tmp_path / "r").glob("bodies_*.vtu"):
+        grid = meshio.read(path)
+        stress, body = (grid.cell_data[name][0].ravel() for name in ("von_mises_max_of_gauss_points_pa", "body"))
+        largest = {b: max(most, stress[body == b].max()) for b, most in largest.items()}
+    ring, cup = largest[1], largest[2]
+    assert r["flexspline_von_mises_max_pa"] == pytest.approx(cup, rel=1e-6)
+    assert r["von_mises_max_pa"] == pytest.approx(max(cup, ring), rel=1e-6)
+    assert r["flexspline_yield_safety"] == pytest.approx(835e6 / cup, rel=1e-6)
+    assert r["ring_yield_safety"] == pytest.approx(1.7e9 / ring, rel=1e-6)
+    line = next(line for line in log.splitlines() if line.startswith("stress"))[10:]
+    assert any(f"bodies elastic: {line}" in text for text in summary["model_error"]["left_out"])
+
+
+def test_a_body_that_yields_is_warned_of(exe, tmp_path):
+    """Each body has its strength; below it nothing is said."""
+    strong = ["material.yield_strength=4e9", "material.ring_yield_strength=4e9", "joint.hardness=2.338e9", "output.vtu=none"]
+    for weak, body in ((None, None), ("material.yield_strength=2e8", "flexspline"), ("material.ring_yield_strength=1e8", "ring")):
+        warnings = [w for w in solve(exe, tmp_path / "r", "data/cd14.nml", *strong, *filter(None, [weak]))[0]["warnings"] if " yields: " in w]
+        assert [w.split()[1] for w in warnings] == [body][:len(warnings)] and len(warnings) == (body is not None)
+        assert all(weak.split("=")[0] in w and "Lower load.torque" in w for w in warnings)
+
+
+def test_a_stopped_run_keeps_its_largest_stress(exe, tmp_path):
+    """A loop that is stopped behind its peak and goes on states the stress of the whole."""
+    keys = ["bearing.balls=12", "load.tooth_pairs=12", "loop.torques=12,-1", "load.torque_steps=2", "output.vtu=none"]
+    whole = solve(exe, tmp_path / "w", "tests/cases/pressed_drive.nml", *keys)[0]
+    with Run(ROOT / "tests/cases/pressed_drive.nml", out=tmp_path / "r", **{k.replace(".", "__"): v for k, v in (
+            key.split("=") for key in [*MESH, *keys])}) as run:
+        for _ in range(4):
+            run.advance()
+    again = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", tmp_path / "r", "--resume")
+    assert again.returncode == 0, again.stderr
+    found = json.loads((tmp_path / "r/summary.json").read_text())["results"]
+    for key in ("von_mises_max_pa", "flexspline_von_mises_max_pa", "goodman_safety_min"):
+        assert found[key] == whole["results"][key]

@@ -228,7 +228,7 @@ def drive_kin():
 def drive_shares():
     """Shares of the twist at the rated torque [%]."""
     names = ("cup", "ring", "balls", "teeth", "spline", "gaps", "slip", "joint")
-    return ("drive", *names), [(r["drive"].replace("_", "-"), *(f"{100 * r['shares'][n]:.0f}" for n in names)) for r in drive_rows() if r["drive"] not in ("11", "25", "32")]
+    return ("drive", *names), [(r["drive"].replace("_", "-"), *(f"{100 * r['shares'][n]:.0f}" for n in names)) for r in drive_rows() if r["drive"] not in ("11", "17", "25", "32")]
 
 
 def drive_slopes():
@@ -251,7 +251,7 @@ def cause(size, row):
 READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "K_TS, bonded / contact")
 
 
-LEFT_OUT = ("clearance 9 µm", "clearance 13.5 µm", "clearance 30 µm", "clearance 4.5 µm, play 0.5 µm", "play of the closest pair 0.5 µm")
+LEFT_OUT = ("bonded", "clearance 9 µm", "clearance 13.5 µm", "clearance 30 µm", "clearance 0 µm, play 0.5 µm", "clearance 4.5 µm, play 0.5 µm", "play of the closest pair 0.5 µm")
 
 
 def drive_causes():

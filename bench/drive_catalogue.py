@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole drive beside the catalogue, and what its unknown inputs change. Writes bench/results/drive_catalogue.json and
-docs/figures/drive_catalogue.png.
+"""The whole drives of data/ beside the catalogue, and what makes their slopes: fit, play of the teeth, history, friction. Writes
+bench/results/drive_catalogue.json and docs/figures/slopes.png.
 
-Usage: python bench/drive_catalogue.py [sizes] [inputs] [draw]; without words the first two
+Usage: python bench/drive_catalogue.py [sizes] [slopes] [causes] [half] [history] [draw]; without words all
 """
+import re
 import sys
 import tempfile
 
@@ -14,101 +15,123 @@ from hdengine import load
 from hdengine.catalogue import UNITS
 from hdengine.figures.style import new_axes, styled
 
-SIZES = (11, 14, 17, 20, 25, 32, 40)
+DRIVES = ("11", "14", "17", "20", "25", "32", "40", "14_hat", "20_30", "20_50", "20_160")
+CATALOGUE = {name: (u.k1_nm_per_rad, u.k2_nm_per_rad, u.k3_nm_per_rad) for name, u in ((name, UNITS.get(int(name[:2]))) for name in DRIVES) if u}
+CATALOGUE |= {"11": (2.7e3, 3.4e3, 4.4e3), "20_50": (13e3, 18e3, 23e3)}   # typed from catalogues; docs/evidence/drive.md
+del CATALOGUE["20_30"]
 ARCMIN = np.degrees(1) * 60
-DRAWN = 14   # the size whose loop is drawn
-FAST = {"mesh.divisions": 48, "mesh.band_facets": 8}
-RISE = {**FAST, "loop.torques": 14, "load.torque_steps": 7}
-UNKNOWN = (
-    ("19 balls", {"bearing.balls": 19}), ("23 balls", {"bearing.balls": 23}), ("balls 2.8 mm", {"bearing.ball_diameter": 2.8e-3}),
-    ("balls 3.6 mm", {"bearing.ball_diameter": 3.6e-3}), ("outer conformity 0.515", {"bearing.outer_conformity": 0.515}),
-    ("outer conformity 0.60", {"bearing.outer_conformity": 0.60}), ("clearance of the balls 5 µm", {"bearing.clearance": 5e-6}),
-    ("teeth closed", {"load.tooth_clearance": 0}), ("outermost teeth 20 µm open", {"load.tooth_clearance": 20e-6}),
-    ("outermost teeth 40 µm open", {"load.tooth_clearance": 40e-6}), ("pairs half as stiff", {"load.tooth_stiffness": 6.25e7}),
-    ("pressure angle 20°", {"load.pressure_angle_deg": 20}), ("pressure angle 30°", {"load.pressure_angle_deg": 30}),
-    ("ring 0.8 mm thick", {"geometry.ring_thickness": 0.8e-3}), ("ring 1.2 mm thick", {"geometry.ring_thickness": 1.2e-3}),
-    ("ring and band 6 mm wide", {"geometry.band_length": 6e-3}), ("hub radius 6 mm", {"geometry.hub_radius": 6e-3}),
-    ("cup 26.7 mm long", {"geometry.cup_length": 26.7e-3}), ("bottom 0.4 mm", {"geometry.bottom_thickness": 0.4e-3}),
-    ("wall 0.32 mm", {"geometry.wall_thickness": 0.32e-3}), ("rim 0.36 mm", {"geometry.rim_thickness": 0.36e-3}),
-    ("interference 0", {"wave_generator.interference": 0}), ("friction 0.05", {"contact.friction": 0.05}))
+COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8}
+BONDED = {"contact.mode": "bonded"}
+FITS = (-10, 0, 4.5, 9, 13.5, 18, 30, 50)   # clearance [um]; below 0: interference
+READ = {"hysteresis_arcmin": ("hysteresis_rad", ARCMIN), "lost_motion_arcmin": ("lost_motion_rad", ARCMIN), "von_mises_mpa": ("von_mises_max_pa", 1e-6),
+        "k_ts_bonded": ("k_ts_bonded_nm_per_rad", 1e-3), "k_ts_contact": ("k_ts_contact_nm_per_rad", 1e-3)}
 
 
-def run(scene, keys):
-    """Summary and loop of a run."""
+def short(value):
+    """Four digits of a number, None as it is."""
+    return value if value is None else float(f"{value:.4g}")
+
+
+def run(name, keys):
+    """What a drive's loop reads [kN m/rad, minutes, MPa], and its steps."""
     with tempfile.TemporaryDirectory() as folder:
-        _, command = solve(DATA / scene, *(f"{k}={v}" for k, v in keys.items()), out=f"{folder}/r")
+        summary, command = solve(f"drive{name}.nml", *(f"{k}={v}" for k, v in keys.items()), out=f"{folder}/r")
         if command.code != 0:
-            raise SystemExit(command.text)
+            return {"failed": command.text.strip().splitlines()[0]}, None
+        r = summary["results"]
+        row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3) for i in (1, 2, 3)], "shares": {k: short(v) for k, v in (r.get("twist_shares") or {}).items()},
+               "cpu_s": short(command.cpu_s), "memory_mb": short(summary["peak_memory_mb"])}
         result = load(f"{folder}/r")
-        return result.summary | {"cpu_s": command.cpu_s}, result.loop
+        return row | {k: short(r[name] and r[name] * scale) for k, (name, scale) in READ.items()}, (result.loop, result.steps)
 
 
-def three(results):
-    """K1, K2, K3 [kN m/rad]."""
-    return [float(f"{results[f'k{i}_nm_per_rad'] / 1e3:.4g}") for i in (1, 2, 3)]
+def fit(clearance):
+    """Keys of a clearance [um]."""
+    return {"wave_generator.clearance": max(clearance, 0) * 1e-6, "wave_generator.interference": max(-clearance, 0) * 1e-6}
+
+
+def play(name, change):
+    """The clearances of the teeth, all changed by so much [m] round the axis at size 14."""
+    text = (DATA / f"drive{name}.nml").read_text()
+    change *= int(name[:2]) / 14 * np.cos(np.radians(float(re.search(r"pressure_angle_deg = (\S+)", text)[1])))
+    return {f"load.{key}": ", ".join(f"{max(float(x) + change, 0):.4g}" for x in re.search(rf" {key} = (.*)", text)[1].split(","))
+            for key in ("tooth_gaps", "tooth_gaps_back")}
 
 
 def sizes():
-    """The loop of every size on the paper's mesh."""
+    """Every shipped drive as it stands."""
+    return [{"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]] if name in CATALOGUE else None} | run(name, {})[0] for name in DRIVES]
+
+
+def slopes():
+    """Slope of the last rise of size 20 to 50 N m over each 2.5 N m, for each fit and bonded; K_TS there."""
     rows = []
-    for size in SIZES:
-        summary, loop = run(f"drive{size}.nml", {})
-        r, unit = summary["results"], UNITS.get(size)
-        row = {"hysteresis_arcmin": ARCMIN * r["hysteresis_rad"], "lost_motion_arcmin": ARCMIN * r["lost_motion_rad"],
-               "ball_force_max_n": r["ball_force_max_n"], "tooth_force_max_n": r["tooth_force_max_n"], "cpu_s": summary["cpu_s"],
-               "memory_mb": summary["peak_memory_mb"], "unbalanced": (r["loop_work_j"] - r["loop_stored_j"]) / r["loop_dissipated_j"] - 1}
-        rows.append({"size": size, "ours": three(r), "catalogue": [k / 1e3 for k in (unit.k1_nm_per_rad, unit.k2_nm_per_rad, unit.k3_nm_per_rad)] if unit else None}
-                    | {name: float(f"{value:.4g}") for name, value in row.items()})
-        if size == DRAWN:
-            rows[-1] |= {name: [float(f"{x:.6g}") for x in loop[name]] for name in ("torque_nm", "angle_rad")}
+    for label, keys in (("bonded", BONDED), *((f"{c:g}", fit(c)) for c in FITS[:6])):
+        row, (loop, steps) = run("20", {**keys, "load.torque": 50, "load.torque_steps": 20})
+        torque, angle = (np.array(loop[k][-21:]) for k in ("torque_nm", "angle_rad"))
+        k_ts = np.array(steps["k_ts_bonded_nm_per_rad"][-20:])
+        rows.append({"fit": label, "torque_nm": [short(t) for t in torque], "slope": [short(s) for s in np.diff(torque) / np.diff(angle) / 1e3],
+                     "k_ts_bonded": [short(k / 1e3) if np.isfinite(k) else None for k in k_ts]})
     return rows
 
 
-def inputs():
-    """K1 to K3 of size 14 with one input changed."""
-    base = three(run("drive14.nml", RISE)[0]["results"])
-    rows = [{"input": "as it stands", "k": base}]
-    rows += [{"input": name, "k": three(run("drive14.nml", {**RISE, **keys})[0]["results"])} for name, keys in UNKNOWN]
-    chain = {}
-    for name in ("hub radius 6 mm", "cup 26.7 mm long", "interference 0", "pressure angle 30°", "outermost teeth 20 µm open"):
-        chain.update(dict(UNKNOWN)[name])
-        rows.append({"input": f"+ {name}", "k": three(run("drive14.nml", {**RISE, **chain})[0]["results"])})
+def causes():
+    """Sizes 14 and 20 with one input changed, on a coarser mesh."""
+    cases = [("as built", {})] + [(f"clearance {c:g} µm" if c >= 0 else f"interference {-c:g} µm", fit(c)) for c in FITS]
+    cases += [(f"play of the closest pair {p:g} µm", {"play": p}) for p in (0, 0.5, 2)]
+    cases += [(f"friction {f:g}", {"contact.friction": f}) for f in (0.05, 0.15)] + [("bonded", BONDED)]
+    cases += [(f"clearance {c:g} µm, play 0.5 µm", {**fit(c), "play": 0.5}) for c in (0, 4.5)]
+    rows = []
+    for name in ("14", "20"):
+        for label, keys in cases:
+            teeth = play(name, 1e-6 * (keys["play"] - 1)) if "play" in keys else {}
+            rows.append({"drive": name, "case": label} | run(name, {**COARSE, **{k: v for k, v in keys.items() if k != "play"}, **teeth})[0])
     return rows
+
+
+def half():
+    """Drives with half the mean clearance of the fit, on their own mesh."""
+    rows = []
+    for name in ("17", "25", "32", "40", "20_50"):
+        mean = float(re.search(r" clearance = (\S+)", (DATA / f"drive{name}.nml").read_text())[1])
+        rows.append({"drive": name, "case": f"clearance {5e5 * mean:.3g} µm, own mesh"} | run(name, {"wave_generator.clearance": mean / 2})[0])
+    return rows
+
+
+def history():
+    """K1 to K3 after each history."""
+    return [{"drive": name, "history": h} | run(name, {"loop.history": h})[0] for name in ("14", "20") for h in ("loop", "assembled", "turned")]
 
 
 @styled
 def draw(rows):
-    """Loop of size 14 beside the catalogue's chords; K over the size."""
-    figure, axes = new_axes(1, 2, figsize=(11, 4.4))
-    row = next(r for r in rows if r["size"] == DRAWN)
-    torque = np.array(row["torque_nm"])
-    axes[0].plot(ARCMIN * np.array(row["angle_rad"]), torque, label="whole drive")
-    line = np.linspace(-14, 14, 200)
-    axes[0].plot(ARCMIN * UNITS[14].angle(line), line, "C3--", label="catalogue, K1 K2 K3")
-    axes[0].set_xlabel("angle / arc minute")
-    axes[0].set_ylabel("torque / N m")
-    axes[0].set_title("size 14, ratio 100", fontsize=12)
-    axes[0].legend()
-    for i, colour in enumerate(("C0", "C1", "C2")):
-        axes[1].loglog([r["size"] for r in rows], [r["ours"][i] for r in rows], "o-", color=colour, label=f"K{i + 1}")
-        known = [r for r in rows if r["catalogue"]]
-        axes[1].loglog([r["size"] for r in known], [r["catalogue"][i] for r in known], "s--", color=colour, mfc="none",
-                       label=f"K{i + 1}, catalogue")
-    axes[1].set_xlabel("size")
-    axes[1].set_ylabel("stiffness / (kN m/rad)")
-    axes[1].set_xticks(SIZES, [str(s) for s in SIZES])
-    axes[1].set_yticks((5, 10, 20, 50, 100, 200), ["5", "10", "20", "50", "100", "200"])
-    axes[1].minorticks_off()
-    axes[1].legend(fontsize=10, ncols=2, loc="upper left")
-    save_figure(figure, "drive_catalogue")
+    """Slope over torque of size 20: bonded, as built, over the fit, and the catalogue's three chords."""
+    found = {r["fit"]: np.array(r["slope"]) for r in rows}
+    edges = np.array(rows[0]["torque_nm"])
+    middle, unit = (edges[1:] + edges[:-1]) / 2, UNITS[20]
+    figure, axes = new_axes(figsize=(8, 4.8))
+    fits = np.array([found[f"{c:g}"] for c in FITS[1:6]])
+    axes.fill_between(middle, fits.min(axis=0), fits.max(axis=0), color="C0", alpha=0.2, lw=0, label="clearance of the fit 0 to 18 µm")
+    axes.annotate("play of the teeth", (1.6, 15), (4, 8), arrowprops={"arrowstyle": "->"}, fontsize=12)
+    axes.plot(middle, found["bonded"], "C1", lw=2.5, label="ring glued to the cup")
+    axes.plot(middle, found["9"], "C0", lw=2.5, label="contact with friction, clearance 9 µm")
+    axes.step((0, unit.t1_nm, unit.t2_nm, edges[-1]), np.array((unit.k1_nm_per_rad, *CATALOGUE["20"])) / 1e3, "k--", lw=2, label="catalogue, K1 K2 K3")
+    axes.set_title("whole drive, size 20, ratio 100", fontsize=13)
+    axes.set_xlabel("torque / N m")
+    axes.set_ylabel("slope / (kN m/rad)")
+    axes.set_xlim(0, edges[-1])
+    axes.set_ylim(0, 60)
+    axes.legend(loc="lower right", fontsize=12.5)
+    save_figure(figure, "slopes")
 
 
 def main():
     """Solve, write, draw."""
-    for name, part in (("sizes", sizes), ("inputs", inputs)):
-        if name in (sys.argv[1:] or ("sizes", "inputs")):
-            write_part("drive_catalogue", name, part(), threads=1)
-    draw(read_record("drive_catalogue")["sizes"])
+    parts = {"sizes": sizes, "slopes": slopes, "causes": causes, "half": half, "history": history}
+    for name in sys.argv[1:] or parts:
+        if name in parts:
+            write_part("drive_catalogue", name, parts[name](), threads=1)
+    draw(read_record("drive_catalogue")["slopes"])
 
 
 if __name__ == "__main__":

@@ -1,140 +1,114 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The figures that Hu et al. (2023) state beside ours, and their three trends in every reading of K_TS.
+"""The three trends of K_TS that Hu et al. (2023) print, premise by premise, and their bench beside the drive of size 14.
 
-Solves the studies of data/ it needs (a quarter of an hour; finished points are kept in --work). `hdengine report WORK` then makes
-one HTML file of the comparison and all its studies. Writes bench/results/paper_comparison.json.
+A premise is a scene and its keys; each is solved at five deformations w and with 10 um of eccentricity, at 1, 3 and 5 N m. Writes
+bench/results/paper_comparison.json.
 
-Usage: python bench/paper_comparison.py [--work DIR]
+Usage: python bench/paper_comparison.py [drive] [loose] [fine] [rigid] [cup] [formed]; without words all
 """
-import argparse
-import json
+import sys
 import tempfile
-from pathlib import Path
 
 import numpy as np
 
-import hdengine
-from common import ROOT, write_record
+from common import solve, write_part
+from hdengine import load
 from hdengine.paper import comparison as paper
 
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
+READINGS = {"eq45": "k_ts_nm_per_rad", "bonded": "k_ts_bonded_nm_per_rad"}
+COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1, "load.torque": 5, "load.torque_steps": 5, "joint.model": "hu2023",
+          "joint.asperity_radius": 5e-6}
+DRIVE = {"scene": "drive14", "loop.torques": 5}
+CUP = {"scene": "cd14"}
+FORMED = {**CUP, "wave_generator.shape": "as_formed", "load.torque_load": "teeth"}
+GROUPS = ("drive", "loose", "fine", "rigid", "cup", "formed")   # how the names of premises begin
 
 
-def study(name, work, suffix="", **fixed):
-    """A study of data/, solved or continued."""
-    chosen = hdengine.Study.read(ROOT / f"data/{name}.toml")
-    chosen.fixed.update({k.replace("__", "."): v for k, v in fixed.items()})
-    chosen.title += ", Eq. 28 as printed" if fixed.get("joint__closure") == "paper" else ""
-    return chosen.run(work / f"{name}{suffix}.out", jobs=1)
+def loose(um):
+    """Keys of a clearance [um]; below 0 an interference."""
+    return {"wave_generator.clearance": max(um, 0) * 1e-6, "wave_generator.interference": max(-um, 0) * 1e-6}
 
 
-def value(result, column="k_ts_nm_per_rad", **keys):
-    """One cell of a study's table; NaN where it was not solved."""
-    rows = result.select(**keys)
-    return rows[0].get(column, np.nan) if rows else np.nan
+def premises():
+    """Keys by name."""
+    found = {f"drive, clearance {c} µm": {**DRIVE, **loose(c)} for c in (0, 10, 20, 30, 40, 50)}
+    for c in (20, 50):
+        found |= {f"drive, clearance {c} µm, {words}": {**DRIVE, **loose(c), **keys} for words, keys in (
+            ("angle 30°", {"load.pressure_angle_deg": 30}), ("friction 0.05", {"contact.friction": 0.05}), ("friction 0.3", {"contact.friction": 0.3}),
+            ("ellipse", {"wave_generator.cam": "ellipse"}), ("rigid balls", {"bearing.balls": 0}))}
+    found |= {f"loose drive, clearance {c} µm": {**DRIVE, **loose(c)} for c in (35, 38, 42, 45)}
+    found |= {f"fine mesh, drive, clearance {c} µm": {**DRIVE, **loose(c), "mesh.divisions": 86, "mesh.band_facets": 10} for c in (40, 42)}
+    found |= {f"rigid balls, clearance {c} µm{words}": {**DRIVE, **loose(c), "bearing.balls": 0, **keys} for c, words, keys in (
+        (30, "", {}), (40, "", {}), (45, "", {}), (60, "", {}), (50, ", friction 0.3", {"contact.friction": 0.3}), (50, ", angle 30°", {"load.pressure_angle_deg": 30}))}
+    found |= {f"cup held, clearance {c} µm": {**CUP, **loose(c)} for c in (-10, 0, 20, 50)}
+    found |= {f"cup held, teeth, clearance {c} µm": {**CUP, **loose(c), "load.torque_load": "teeth"} for c in (0, 20, 50)}
+    found |= {f"formed, interference {i:g} µm, angle {a}°": {**FORMED, **loose(-i), "load.pressure_angle_deg": a} for i in (1.5, 5) for a in (20, 30)}
+    found |= {f"formed, interference {i:g} µm, angle 30°, friction {f:g}": {**FORMED, **loose(-i), "load.pressure_angle_deg": 30, "contact.friction": f}
+              for i, f in ((1.5, 0.3), (1, 0.15))}
+    return found
 
 
-def trend(name, result, column="k_ts_nm_per_rad", **keys):
-    """Rise from 1 to 5 N m, change by 10 um of eccentricity, place and height of the maximum over w, slip torque of one scene."""
-    varied = "wave_generator.w" in result.summary["swept"]
-
-    def k(torque, w=0.2e-3, e=0.0):
-        place = {"wave_generator__w": w, "wave_generator__eccentricity": e} if varied else {}
-        found = value(result, column, torque_nm=torque, **place, **keys) if varied or (w, e) == (0.2e-3, 0.0) else np.nan
-        return found if found > 0 else np.nan
-    curve = np.array([[k(t, w=w) for w in W] for t in paper.TORQUES_NM])
-    solved = np.all(np.isfinite(curve))
-    top = curve.argmax(axis=1)
-    slip = [r for r in result.failures if "gross slip" in r["reason"] and r.get("wave_generator.w", 0.2e-3) == 0.2e-3
-            and not r.get("wave_generator.eccentricity") and all(r[key.replace("__", ".")] == v for key, v in keys.items())]
-    return {"name": name, "rise_percent": 100 * (k(5.0) / k(1.0) - 1),
-            "fall_percent": [100 * (k(t, e=10e-6) / k(t) - 1) for t in paper.TORQUES_NM],
-            "top_mm": [1e3 * W[i] for i in top] if solved else None,
-            "gain_percent": (100 * (curve.max(axis=1) / curve.min(axis=1) - 1)).tolist() if solved else [np.nan] * 3,
-            "inside": bool(solved and np.all((top > 0) & (top < len(W) - 1))
-                           and np.all(curve.max(axis=1) / curve.min(axis=1) > 1.005)),
-            "slip_torque_nm": slip[0]["torque_nm"] if slip else None}
+def solved(keys):
+    """K_TS at 1, 3 and 5 N m by reading [N m/rad]; NaN where it was not solved."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [f"{k}={v}" for k, v in {**COARSE, **keys}.items() if k != "scene"]
+        _, command = solve(f"{keys['scene']}.nml", *words, out=f"{folder}/r", limit=10)
+        if command.code != 0:
+            return {name: [np.nan] * 3 for name in READINGS}
+        steps = load(f"{folder}/r").steps
+        at = [int(np.flatnonzero(np.abs(steps["torque_nm"] - t) < 1e-9)[0]) for t in paper.TORQUES_NM]
+        return {name: [float(steps[column][i]) for i in at] for name, column in READINGS.items()}
 
 
-def trends(work, column="k_ts_nm_per_rad"):
-    """All scenes explored, in one reading of K_TS."""
-    for name, shape in (("explore_trends", "pressed"), ("explore_formed", "formed")):
-        result = study(name, work)
-        keys = [k for k in ("load.support", "load.torque_load", "wave_generator.interference") if k in result.summary["swept"]]
-        for case in sorted(dict.fromkeys(tuple(row[k] for k in keys) for row in result.rows)):
-            chosen = dict(zip(keys, case))
-            place = chosen.get("load.support") or result.summary["scene"]["load.support"]
-            label = f"{shape}, {place}, {chosen['load.torque_load']}, {1e6 * chosen['wave_generator.interference']:g} µm"
-            yield trend(label, result, column, **{k.replace(".", "__"): v for k, v in chosen.items()})
+def judge(over_w, moved):
+    """A premise in one reading: K_TS at w = 0.2 mm, changes in per cent, and which of the three trends it has.
+
+    Parameters
+    ----------
+    over_w : (5, 3) array
+        K_TS over w and torque.
+    moved : (3,) array
+        With eccentricity.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        k = over_w[W.index(0.2e-3)]
+        rise, fall = 100 * (k[2] / k[0] - 1), 100 * (moved / k - 1)
+        gain, top = 100 * (over_w.max(axis=0) / over_w.min(axis=0) - 1), over_w.argmax(axis=0)
+        stated = 100 * (paper.STATED["k_ts_best_w"][2] / paper.STATED["k_ts_best_w"][0] - 1)
+        trends = {"torque": paper.judge_trend([stated], [rise]) != "does not agree",
+                  "eccentricity": paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree",
+                  "w": bool(np.all(np.isfinite(over_w)) and np.all((top > 0) & (top < len(W) - 1)) and np.all(gain > 0.5))}
+
+    def number(values):
+        return [float(f"{v:.4g}") if np.isfinite(v) else None for v in np.ravel(values)]
+    return {"k_nm_per_rad": number(k), "rise_percent": number(rise)[0], "fall_percent": number(fall), "gain_percent": number(gain),
+            "over_w": [number(row) for row in over_w], "top_mm": [1e3 * W[i] for i in top], "trends": [name for name, given in trends.items() if given]}
 
 
-READINGS = {"k_ts_nm_per_rad": "Eq. 45", "k_ts_paper_n": "Eq. 45 as printed", "k_ts_tangent_nm_per_rad": "tangent",
-            "k_ts_secant_nm_per_rad": "secant", "k_fe_secant_nm_per_rad": "torque over rotation"}
+def explore(keys):
+    """All places of one premise, by reading."""
+    found = [solved({**keys, "wave_generator.w": w}) for w in W]
+    moved = solved({**keys, "wave_generator.eccentricity": 10e-6})
+    return {name: judge(np.array([f[name] for f in found]), np.array(moved[name])) for name in READINGS}
 
 
-def reading_line(name, found):
-    """Row of the verdicts on one reading: scenes that give each trend, and the ranges of the figures."""
-    lines = [trend_line(t)[-1].split() for t in found]
-    rise, fall = [t["rise_percent"] for t in found], [v for t in found for v in t["fall_percent"]]
-    gain = [v for t in found if t["top_mm"] for v in t["gain_percent"]]
-    two = sum(line.count("yes") > 1 for line in lines)
-    return [name, *(sum(line[i] == "yes" for line in lines) for i in range(3)), spread(rise), spread(fall), spread(gain), two,
-            sum(line.count("yes") > 2 for line in lines)]
-
-
-def trend_line(t):
-    """Row of the table of trends."""
-    stated = 100 * (paper.STATED["k_ts_best_w"][2] / paper.STATED["k_ts_best_w"][0] - 1)
-    slips = t["slip_torque_nm"]
-    torque = paper.judge_trend([stated], [t["rise_percent"]])
-    fall = np.array(t["fall_percent"])
-    verdict = ["yes" if torque != "does not agree" else "no",
-               "yes" if paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree" else
-               "falls" if np.all(fall < -paper.RESOLVED) else "no", "yes" if t["inside"] else "no"]
-    rise = f"slips at {slips:.2f}" if slips else bare([t["rise_percent"]])
-    where = " / ".join(f"{1e3 * v:.0f}" for v in t["top_mm"]) if t["top_mm"] else "-"
-    return [*t["name"].removesuffix(" µm").split(", "), rise, bare(fall), where, bare(t["gain_percent"]), " ".join(verdict)]
-
-
-def bare(changes):
-    """Changes in per cent without the sign of it, those beyond a hundred without decimals."""
-    return paper.signed(changes, 0 if np.nanmax(np.abs(changes), initial=0) > 100 else 1).removesuffix(" %")
-
-
-def comparison(work, explored):
-    """Rows of the comparison and the facts behind them."""
-    torque, closure = study("fig11_torque", work), study("fig11_torque", work, "_closure", joint__closure="paper")
-    series = study("fig10_series", work)
-    drive = next(r for r in series.series() if r["tooth_clearance_m"] == 0 and abs(r["torque_nm"] - 0.5) < 1e-9)
-    hub = {"load__support": "hub"}
-    rows = paper.torque_rows(torque.select(**hub), closure.select(**hub), explored)
-    rows += paper.eccentricity_rows(study("fig12_eccentricity", work).select(**hub), explored)
-    rows += paper.w_rows(study("fig13_w", work).select(**hub), explored)
-    rows += paper.series_rows(drive["k_ts_nm_per_rad"], drive["k_fts_nm_per_rad"]) + paper.arithmetic_rows()
-    at = {s: {c: value(torque, c, torque_nm=5.0, load__support=s) for c in READINGS} for s in ("hub", "bearing")}
-    return rows, {"at_5_nm": at, "rows": [dict(zip(paper.Row.HEAD, r.cells())) for r in rows]}
-
-
-def spread(values):
-    """The range of changes in per cent; what is above 100 % without decimals, above 1000 % without its size."""
-    values = np.array([v for v in values if np.isfinite(v)])
-
-    def shown(v):
-        return "above +1000" if v > 1000 else f"{v:+.{1 if abs(v) < 100 else 0}f}"
-    return f"{shown(values.min())} to {shown(values.max())} %" if len(values) else "-"
+def bench():
+    """Slope of the drive of size 14 round 0.5 and 5 N m on its last rise, and the chord from 0 [N m/rad]."""
+    with tempfile.TemporaryDirectory() as folder:
+        solve("drive14.nml", "load.torque=5.25", "load.torque_steps=21", out=f"{folder}/r")
+        loop = load(f"{folder}/r").loop
+        torque, angle = (np.array(loop[k][-22:]) for k in ("torque_nm", "angle_rad"))
+        place = {t: int(np.flatnonzero(np.abs(torque - t) < 1e-9)[0]) for t in (0.5, 5.0)}
+        return {"torque_nm": [*place], "slope": [float(f"{(torque[i + 1] - torque[i - 1]) / (angle[i + 1] - angle[i - 1]):.4g}") for i in place.values()],
+                "chord": [float(f"{torque[i] / (angle[i] - angle[0]):.4g}") for i in place.values()]}
 
 
 def main():
     """Solve and write."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--work", help="folder for the studies")
-    work = Path(parser.parse_args().work or tempfile.mkdtemp())
-    work.mkdir(parents=True, exist_ok=True)
-    by_reading = {name: [*trends(work, column)] for column, name in READINGS.items()}
-    rows, facts = comparison(work, by_reading["Eq. 45"])
-    write_record("paper_comparison", facts | {"trends_by_reading": by_reading})
-    (work / "comparison.json").write_text(json.dumps(facts, indent=1))
-    print(paper.markdown(rows))
+    for group in sys.argv[1:] or GROUPS:
+        write_part("paper_comparison", group, [{"premise": name} | explore(keys) for name, keys in premises().items() if name.startswith(group)], threads=1)
+    write_part("paper_comparison", "bench", bench(), threads=1)
 
 
 if __name__ == "__main__":

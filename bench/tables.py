@@ -162,10 +162,10 @@ def joints():
 def shares():
     """The contact's share of the angle of size 14, by K_TS."""
     found = read_record("readings")["default_scene"]
-    high, low = (next(s for s in found["drive"] if abs(s["torque_nm"] - t) < 1e-6) for t in (14, 1.4))
+    low, *_, high = found["drive"]
     rows = ((found["tangent_nm_per_rad"], "tangent, ring on a rigid cam (`data/cd14.nml`)"),
-            (high["tangent_nm_per_rad"], "tangent in the whole drive at 14 N m (`data/drive14.nml`)"),
-            (low["tangent_nm_per_rad"], "the same at 1.4 N m"), (found["eq45_nm_per_rad"], "Eq. 45 in the scene of the first row"))
+            (high["tangent_nm_per_rad"], f"tangent in the whole drive at {high['torque_nm']:g} N m (`data/drive14.nml`)"),
+            (low["tangent_nm_per_rad"], f"the same at {low['torque_nm']:g} N m"), (found["eq45_nm_per_rad"], "Eq. 45 in the scene of the first row"))
     return ("K_TS of the contact", "where it comes from", "share of the drive's angle"), [
         (f"{power(k)} N m/rad", source, f"{digits(100 * found['k2_catalogue_nm_per_rad'] / k)} %") for k, source in rows]
 
@@ -189,47 +189,105 @@ def indices():
 
 # --- the drive and the paper
 
-MOVES = 0.1   # of K1, K2 or K3: inputs that change none of them by so much are left out
+def over(row, other):
+    """K1 to K3 over those of a catalogue or of another drive, and both ratios over its own."""
+    k = np.array(row["k"]) / other
+    return triple(k, "{:.2f}"), triple(k[1:] / k[0], "{:.2f}")
+
+
+def drive_rows(part="sizes"):
+    """Rows of a part of the record that were solved, by what they are of."""
+    return [r for r in read_record("drive_catalogue")[part] if "failed" not in r]
 
 
 def drive_sizes():
-    """Seven sizes beside the catalogue."""
-    return ("size", "K1 / K2 / K3 in kN m/rad", "over the catalogue's", "hysteresis", "time"), [
-        (r["size"], triple(r["ours"], "{:.3g}"),
-         triple([a / b for a, b in zip(r["ours"], r["catalogue"])], "{:.2f}") if r["catalogue"] else "-", f"{r['hysteresis_arcmin']:.2f}'",
-         f"{r['cpu_s']:.1f} s") for r in read_record("drive_catalogue")["sizes"]]
+    """Shipped drives beside the catalogue."""
+    return ("drive", "K1 / K2 / K3 in kN m/rad", "over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "von Mises / MPa", "time, memory"), [
+        (r["drive"].replace("_", "-"), triple(r["k"], "{:.3g}"), *(over(r, r["catalogue"]) if r["catalogue"] else ("-", "-")),
+         f"{r['hysteresis_arcmin']:.2f}', {r['lost_motion_arcmin']:.2f}'", f"{r['von_mises_mpa']:.0f}", f"{r['cpu_s']:.1f} s, {r['memory_mb']:.0f} MB")
+        for r in drive_rows()]
 
 
-def drive_inputs():
-    """Inputs that move the stiffness of the drive."""
-    rows = read_record("drive_catalogue")["inputs"]
-    base = rows[0]["k"]
-    return ("input", "change of K1 / K2 / K3 in %"), [
-        (r["input"], triple([100 * (k / b - 1) for k, b in zip(r["k"], base)], "{:+.0f}"))
-        for r in rows if max(abs(k / b - 1) for k, b in zip(r["k"], base)) >= MOVES]
+def drive_similar():
+    """K over the cube of the size [N m/rad]."""
+    def cubes(k, size):
+        return triple([1e3 * v / int(size) ** 3 for v in k], "{:.2f}")
+    return ("size", "ours, K1 / K2 / K3 over size³", "catalogue"), [
+        (r["drive"], cubes(r["k"], r["drive"]), cubes(r["catalogue"], r["drive"])) for r in drive_rows() if r["drive"].isdigit()]
 
 
-def magnitude():
-    """K_TS in every reading beside the paper's."""
-    from hdengine.paper.comparison import STATED
-    at, names = read_record("paper_comparison")["at_5_nm"], {"k_ts_nm_per_rad": "Eq. 45", "k_ts_paper_n": "Eq. 45 as printed"} | {
-        k: KINDS[k][0] for k in [*KINDS][1:]}
-    return ("reading", "cup bottom held", "paper's load path", "over the paper's"), [
-        (name, *(f"{at[s][key] / 1e6:.3g}" for s in ("hub", "bearing")), "a force" if key == "k_ts_paper_n" else f"{at['bearing'][key] / STATED['k_ts_5_nm']:.0f}")
-        for key, name in names.items()]
+def drive_kin():
+    """Ratio 50 over 100 and hat over cup."""
+    found = {r["drive"]: r for r in drive_rows()}
+    return ("drives", "K1 / K2 / K3", "catalogue"), [
+        (words, over(found[one], found[other]["k"])[0], over({"k": found[one]["catalogue"]}, found[other]["catalogue"])[0])
+        for words, one, other in (("size 20, ratio 50 over 100", "20_50", "20"), ("size 20, ratio 160 over 100", "20_160", "20"),
+                                  ("size 14, hat over cup", "14_hat", "14")) if one in found]
 
 
-def trends():
-    """Scenes that give the paper's trends, by reading."""
-    from paper_comparison import reading_line
-    return ("reading", "rise", "fall", "inside", "1 to 5 N m", "e = 10 µm", "over w"), [
-        reading_line(name, found)[:-2] for name, found in read_record("paper_comparison")["trends_by_reading"].items() if "printed" not in name]
+def drive_shares():
+    """Shares of the twist at the rated torque [%]."""
+    names = ("cup", "ring", "balls", "teeth", "spline", "gaps", "slip", "joint")
+    return ("drive", *names), [(r["drive"].replace("_", "-"), *(f"{100 * r['shares'][n]:.0f}" for n in names)) for r in drive_rows() if r["drive"] not in ("11", "17", "25", "32")]
 
 
-def verdicts():
-    """The printed figures beside ours, but for those that cannot agree."""
-    return ("quantity", "paper", "ours", "verdict"), [
-        tuple(r[k] for k in ("quantity", "paper", "ours", "verdict")) for r in read_record("paper_comparison")["rows"] if "cannot" not in r["verdict"]]
+def drive_slopes():
+    """Slope of size 20 over each 5 N m, by fit, and K_TS as built."""
+    def halves(slope):
+        return [2 / (1 / a + 1 / b) for a, b in zip(slope[::2], slope[1::2])]
+    rows = drive_rows("slopes")
+    out = [("bonded" if r["fit"] == "bonded" else f"{r['fit']} µm", *(f"{v:.0f}" for v in halves(r["slope"]))) for r in rows]
+    built = next(r for r in rows if r["fit"] == "9")
+    return ("clearance", *(f"to {t:g}" for t in built["torque_nm"][2::2])), [*out, ("K_TS, 9 µm", *(f"{k:.0f}" for k in built["k_ts_bonded"][1::2]))]
+
+
+def cause(size, row):
+    """K1 to K3 of a case over the catalogue and what else it reads."""
+    from drive_catalogue import CATALOGUE
+    return *over(row, np.array(CATALOGUE[size]) / 1e3), f"{row['hysteresis_arcmin']:.2f}', {row['lost_motion_arcmin']:.2f}'", \
+        "-" if row["k_ts_bonded"] is None else f"{digits(row['k_ts_bonded'], 3)} / {digits(row['k_ts_contact'], 3)}"
+
+
+READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "K_TS, bonded / contact")
+
+
+LEFT_OUT = ("bonded", "clearance 9 µm", "clearance 13.5 µm", "clearance 30 µm", "clearance 0 µm, play 0.5 µm", "clearance 4.5 µm, play 0.5 µm", "play of the closest pair 0.5 µm")
+
+
+def drive_causes():
+    """What fit, play, friction and gluing change, on a coarser mesh."""
+    return ("size", "case", *READ), [(r["drive"].replace("_", "-"), r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") + drive_rows("half")
+                                        if r["case"] not in LEFT_OUT]
+
+
+def drive_history():
+    """What the drive has been through."""
+    return ("size", "history", *READ), [(r["drive"], f"`{r['history']}`", *cause(r["drive"], r)) for r in drive_rows("history")]
+
+
+def premises():
+    """Trends of the paper by premise, in both readings of K_TS: plain drives and cups, fine meshes, and all that give two trends; then counts."""
+    from paper_comparison import GROUPS, READINGS
+
+    def shown(found):
+        changes = [found["rise_percent"], found["fall_percent"][2], found["gain_percent"][2]]
+        return [*("-" if v is None else f"{v:+.0f}" for v in changes), " ".join(t[0].upper() for t in found["trends"]) or "-"]
+    record = read_record("paper_comparison")
+    rows = [r for group in GROUPS for r in record[group]]
+    out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded"]["k_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
+           for r in rows if r["premise"].startswith("fine") or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
+           or any(len(r[reading]["trends"]) > 1 for reading in READINGS)]
+    counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'] for r in rows)}" for name in ("torque", "eccentricity", "w"))
+              for reading in READINGS}
+    return ("premise", "bonded reading at 1 / 3 / 5 N m", "torque", "e", "w", "has", "Eq. 45: torque", "e", "w", "has"), [
+        *out, (f"all {len(rows)}", *[""] * 4, counts["bonded"], *[""] * 3, counts["eq45"])]
+
+
+def paper_bench():
+    """The paper's test beside the drive of size 14."""
+    found = read_record("paper_comparison")["bench"]
+    return ("torque / N m", "paper / (kN m/rad)", "slope", "chord from 0"), [
+        (f"{t:g}", f"{p / 1e3:.2f}", f"{s / 1e3:.2f}", f"{c / 1e3:.2f}") for t, p, s, c in zip(found["torque_nm"], (2723.75, 5294), found["slope"], found["chord"])]
 
 
 # --- surfaces and joints
@@ -428,15 +486,19 @@ TABLES = {  # marker: page from docs on, records, builder
     "peer-drive": ("evidence/peers", ["peer_drive"], peer_drive),
     "court": ("evidence/peers", ["court"], court),
     "heights": ("evidence/peers", ["height_peers"], heights),
-    "magnitude": ("evidence/comparison", ["paper_comparison"], magnitude),
-    "trends": ("evidence/comparison", ["paper_comparison"], trends),
-    "verdicts": ("evidence/comparison", ["paper_comparison"], verdicts),
-    "drive-sizes": ("evidence/comparison", ["drive_catalogue"], drive_sizes),
+    "premises": ("evidence/comparison", ["paper_comparison"], premises),
+    "paper-bench": ("evidence/comparison", ["paper_comparison"], paper_bench),
+    "drive-sizes": ("evidence/drive", ["drive_catalogue"], drive_sizes),
+    "drive-similar": ("evidence/drive", ["drive_catalogue"], drive_similar),
+    "drive-kin": ("evidence/drive", ["drive_catalogue"], drive_kin),
+    "drive-shares": ("evidence/drive", ["drive_catalogue"], drive_shares),
+    "drive-slopes": ("evidence/drive", ["drive_catalogue"], drive_slopes),
+    "drive-causes": ("evidence/drive", ["drive_catalogue"], drive_causes),
+    "drive-history": ("evidence/drive", ["drive_catalogue"], drive_history),
     "frictions": ("evidence/inputs", ["readings"], frictions),
     "joints": ("evidence/inputs", ["readings"], joints),
     "shares": ("evidence/inputs", ["readings"], shares),
     "indices": ("evidence/inputs", ["sensitivity"], indices),
-    "drive-inputs": ("evidence/inputs", ["drive_catalogue"], drive_inputs),
     "records": ("evidence/index", [], records),
 }
 

@@ -30,7 +30,6 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN = {"docs/start/install.md": "conda-forge is not reachable from the machine that runs the tests"}
 PROVED = "tools/prove_install.sh"
 BUILT = ROOT / ".venv/stamp-package"
-LONG_ROWS = {"comparison.md": 160}  # figures of the paper and ours, as their record has them
 
 
 def blocks(page):
@@ -169,7 +168,7 @@ def test_cells_fit_a_line():
     for page in (ROOT / "README.md", *kept_pages()):
         for rows in tables(page):
             longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
-            assert sum(longest) + 2 * len(longest) <= LONG_ROWS.get(page.name, 150), (page, longest)
+            assert sum(longest) + 2 * len(longest) <= 150, (page, longest)
             assert max(longest) <= 90, (page, longest)
 
 

@@ -32,7 +32,7 @@ CASES = {  # name: what it holds, scene, keys
     "apart": ("non-matching meshes, mortar segments", "cd14.nml", (*SMALL, "mesh.ring_divisions=30", "mesh.ring_facets=5")),
     "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14")),
     "teeth": ("bonded ring against teeth", "teeth.nml", (*SMALL,)),
-    "product": ("heights, same bits on every processor; fit of ridges", "surface.nml", ("surface.nx=192", "surface.ny=192")),
+    "product": ("heights by matrix products; fit of ridges", "surface.nml", ("surface.nx=192", "surface.ny=192")),
     "transform": ("heights by the NUFFT", "surface.nml", ("surface.nx=256", "surface.ny=256", "surface.ridges=200", "surface.method=nufft",
                                                          "surface.tolerance=1e-6", "fit.model=none")),
     "map": ("blind fit of a map of 64 x 64 points", "surface.nml", ("fit.first_file=map.npy", "fit.dx=1e-6")),

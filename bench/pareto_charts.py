@@ -188,7 +188,7 @@ def planner(quick):
         for run in promises.judged(row):
             asked = f"{100 * run['tolerance']:g} % asked"
             errors = {n: e for n, e in run["true_error"].items() if data == "cd14.nml" or n == "k_fe_secant_nm_per_rad"}
-            points += [Point(promises.NAMES[n], asked, max(e, 1e-6), run["seconds"], default=n == "k_ts_tangent_nm_per_rad") for n, e in errors.items()]
+            points += [Point(promises.NAMES[n], asked, max(e, 1e-6), run["seconds"], default=n == "k_ts_bonded_nm_per_rad") for n, e in errors.items()]
             beyond += [f"{promises.NAMES[n]} at {100 * run['tolerance']:g} %" for n, e in errors.items() if e > run["tolerance"]]
             if data == "cd14.nml":
                 points.append(Point("tolerance asked", asked, run["tolerance"], run["seconds"], peer=True))

@@ -32,7 +32,7 @@ from common import DATA, ROOT, add_row, mesh_of_level, read_rows
 STEPS, FIELD = "k_ts_tangent_steps_nm_per_rad", "pressure_field_pa"   # several numbers each
 ALL_FROM = 2717   # seed from which every eighth scene is one against the teeth
 BAND = tuple(mesh_of_level(level)["mesh.band_facets"] for level in range(1, 14))
-NAMES = {"k_ts_tangent_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", "normal_force_n": "normal force",
+NAMES = {"k_ts_bonded_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", "normal_force_n": "normal force",
          "pressure_mid_mean_pa": "mid-band pressure", "k_fe_secant_nm_per_rad": "K_FTS", "pressure_mid_max_pa": "mid-band peak",
          STEPS: "K_TS of all steps", FIELD: "pressure field"}
 DRIVE_NAMES = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad")
@@ -123,7 +123,7 @@ def reference(data, keys, made, folder):
             "mesh.edge_length": band / (16 * BAND[k - 1]), "mesh.through_wall": layers, "mesh.through_ring": layers,
             "solver.tolerance": 1e-6, "solver.time_limit_s": LONGEST if k == level else 2 * LIMIT_S, "load.assembly_steps": steps[0], "load.torque_steps": steps[1]}, folder)
         several = {} if names is DRIVE_NAMES or result.against_teeth else {
-            STEPS: result.steps["k_ts_tangent_nm_per_rad"][-1 - steps[1]:].tolist(), FIELD: patch_pressures(result)}
+            STEPS: result.steps["k_ts_bonded_nm_per_rad"][-1 - steps[1]:].tolist(), FIELD: patch_pressures(result)}
         return {n: result.summary["results"].get(n) or None for n in names} | several | {"seconds": seconds}
     found = {level: solved(level)}
     for k in (level + 1, level + 2):

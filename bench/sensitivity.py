@@ -21,7 +21,7 @@ from hdengine import uncertainty
 FIXED = {"joint.model": "spectrum", "mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
 JOINT = {key: uncertainty.JOINT[key] for key in ("joint.fractal_dimension", "joint.roughness", "joint.hardness")}  # what the model spectrum takes
 RANGES = JOINT | uncertainty.DRIVE
-COLUMN = "k_ts_tangent_nm_per_rad"
+COLUMN = "k_ts_bonded_nm_per_rad"
 
 
 def tangent(scene, keys, work):

@@ -110,7 +110,7 @@ def heights():
 
 # --- K_TS in scenes
 
-KINDS = {"k_ts_nm_per_rad": ("Eq. 45", 2), "k_ts_tangent_nm_per_rad": ("tangent", 3), "k_ts_secant_nm_per_rad": ("secant", 3),
+KINDS = {"k_ts_nm_per_rad": ("Eq. 45", 2), "k_ts_bonded_nm_per_rad": ("tangent", 3), "k_ts_secant_nm_per_rad": ("secant", 3),
          "k_fe_secant_nm_per_rad": ("torque over rotation", 4)}
 
 
@@ -132,7 +132,7 @@ def steps():
     found = {}
     for name, s in read_record("readings")["steps"].items():
         found.setdefault(tuple(name.split(", ")[:2]), []).append(s)
-    kinds = ("k_ts_tangent_nm_per_rad", "k_fe_secant_nm_per_rad")
+    kinds = ("k_ts_bonded_nm_per_rad", "k_fe_secant_nm_per_rad")
     return ("support", "contact law", *(KINDS[k][0] for k in kinds)), [
         (*case, *(triple([reading(s, k) for s in sums], "{}") for k in kinds)) for case, sums in found.items()]
 
@@ -171,13 +171,10 @@ def shares():
 
 
 def headline():
-    """The default scene in three rows."""
-    found = read_record("readings")["default_scene"]
-    tangent, k2 = found["tangent_nm_per_rad"], found["k2_catalogue_nm_per_rad"]
-    return ("number", "what it says"), [
-        (f"tangent, {power(tangent)} N m/rad", "slope of torque over the angle that the contact adds: what a test would measure"),
-        ("catalogue, K2 of this size", f"{power(k2)} N m/rad: slope of the whole drive"),
-        ("quotient", f"the contact is {round(tangent / k2, -1):.0f} times as stiff as the drive; in series it takes {digits(100 * k2 / tangent)} % of its twist")]
+    """K1 to K3 of two shipped drives beside the catalogue."""
+    found = {r["drive"]: r for r in drive_rows()}
+    return ("reading", "size 14", "catalogue", "size 20", "catalogue"), [
+        (f"K{i + 1} in kN m/rad", *(digits(v, 3) for size in ("14", "20") for v in (found[size]["k"][i], found[size]["catalogue"][i]))) for i in range(3)]
 
 
 def indices():
@@ -401,7 +398,7 @@ def random_runs():
 def planned():
     """Meshes, times and limits by tolerance."""
     return ("tolerance", "facets", "layers", "time / s", "limit of the tangent / (MN m/rad)"), [
-        (f"{r['tolerance']:g}", f"{r['mesh'][0]} x {r['mesh'][1]}", r["layers"], digits(r["cpu_s"]), f"{r['k_ts_tangent_nm_per_rad'] / 1e6:.3f}")
+        (f"{r['tolerance']:g}", f"{r['mesh'][0]} x {r['mesh'][1]}", r["layers"], digits(r["cpu_s"]), f"{r['k_ts_bonded_nm_per_rad'] / 1e6:.3f}")
         for r in read_record("readings")["planned"]]
 
 
@@ -462,7 +459,7 @@ def records():
 
 
 TABLES = {  # marker: page from docs on, records, builder
-    "headline": ("../README", ["readings"], headline),
+    "headline": ("../README", ["drive_catalogue"], headline),
     "elements": ("evidence/accuracy", ["elements"], elements),
     "closed": ("evidence/accuracy", ["court"], closed),
     "meshes": ("evidence/accuracy", ["readings"], meshes),

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Flexspline and ring that turn under the wave generator by a facet: every material point takes displacement, traction and slip along
-!> to where it stands then. Seen from the wave generator, the bodies turn backwards and its support stays.
+!> Flexspline and ring that turn under the wave generator by a facet: every material point takes displacement, traction and slip
+!> along to where it stands then. Seen from the wave generator, the bodies turn backwards and its support stays.
 module hd_rolling
   use hd_drive, only: drive_t
   use hd_problem, only: state_t

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Torsional flexibility of the drive with the rough joint between its bodies, from any converged state, and that of the same
-!> drive with the faces glued, open ones too. Their difference is what the contact adds: its inverse is K_TS with the bonded drive as
-!> reference, that of Eq. 46. Most of it may be gaps, and where the contact carries no torque a softer body makes it grow: no share of
-!> a chain of springs then. `contact_alone` is of the contact only.
+!> drive with the faces glued, open ones too. Their difference is what the contact adds: its inverse is K_TS with the bonded drive
+!> as reference, that of Eq. 46. Most of it may be gaps, and where the contact carries no torque a softer body makes it grow: no
+!> share of a chain of springs then. `contact_alone` is of the contact only.
 !>
 !> The joint's stiffness is taken at the pressure and shear of the state, also where the contact law of the run is hard: the bodies
 !> are in equilibrium there, and the joint answers to what is added.
@@ -92,9 +92,9 @@ contains
     call turn(drive, solver, load, sense, state, 0._dp, answer, error)
   end subroutine glued_response
 
-  !> Stiffness of the contact alone: the torque by which the faces, held rigid, turn against each other by a further unit angle, over
-  !> that angle. A point that sticks answers with the joint's stiffness along and across its shear, one that slips across it alone,
-  !> an open one not at all. The oval's lever of the pressure, w/r squared, is left out.
+  !> Stiffness of the contact alone: the torque by which the faces, held rigid, turn against each other by a further unit angle,
+  !> over that angle. A point that sticks answers with the joint's stiffness along and across its shear, one that slips across it
+  !> alone, an open one not at all. The oval's lever of the pressure, w/r squared, is left out.
   pure real(dp) function contact_alone(drive, answer) result(k)
     type(drive_t), intent(in) :: drive     !< drive
     type(answer_t), intent(in) :: answer   !< has its points in the states of a further torque

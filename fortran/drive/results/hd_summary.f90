@@ -74,7 +74,7 @@ contains
     type(drive_t), intent(in) :: drive                        !< drive
     type(joint_t), intent(in) :: joint                        !< joint
     class(linear_solver_t), intent(in) :: solver              !< linear solver
-    type(step_t), intent(in) :: step                          !< that the results are of: the last one, or the reference step of a loop
+    type(step_t), intent(in) :: step                          !< of the results: the last one, or a loop's reference step
     type(sums_t), intent(in) :: sums                          !< its sums
     type(strength_t), intent(in) :: strength                  !< stresses of all steps
     type(tally_t), intent(in) :: tally                        !< counts

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> One turn of the wave generator in the assembled drive, without torque: flexspline and ring move on by a facet at a time (hd_rolling)
-!> and come to equilibrium again, with the friction of where they were. What the assembly left in the contact is so worn off. Balls
-!> and cam keep their places; the cage, which lags behind, is left out.
+!> One turn of the wave generator in the assembled drive, without torque: flexspline and ring move on by a facet at a time
+!> (hd_rolling) and come to equilibrium again, with the friction of where they were. What the assembly left in the contact is so
+!> worn off. Balls and cam keep their places; the cage, which lags behind, is left out.
 module hd_first_turn
   use hd_drive, only: drive_t
   use hd_error, only: error_t, raise, code_not_converged, code_stopped

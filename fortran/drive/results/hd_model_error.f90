@@ -38,8 +38,9 @@ contains
     allocate (list(0))
     if (scene%support%contact) call add_contact(scene, sums, list)
     if (.not. scene%large() .and. scene%w > 0) call push(list, 'second order of the cam: w^2/r = '// &
-      to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside an interference of '// &
-      to_text(scene%interference)//" m; solver.kinematics = 'nonlinear' has it")
+      to_text(scene%w**2/(scene%bore_radius - scene%ring_thickness))//' m beside '// &
+      trim(merge('a clearance of    ', 'an interference of', scene%clearance > 0))//' '// &
+      to_text(merge(scene%clearance, scene%interference, scene%clearance > 0))//" m; solver.kinematics = 'nonlinear' has it")
     if (scene%support%struts) then
       call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
         scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K1 to K3 of the shipped sizes are '// &

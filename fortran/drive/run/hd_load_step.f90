@@ -359,7 +359,8 @@ contains
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
     if (run%scene%support%struts .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
       ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
-      'wave_generator.eccentricity or mesh.divisions a little, or raise wave_generator.interference'
+      'wave_generator.eccentricity or mesh.divisions a little, lower '// &
+      'wave_generator.clearance or raise interference'
     if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
       "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'

@@ -452,7 +452,8 @@ contains
     logical :: hard                    !< the hardness is exceeded
     associate (s => run%sums, scene => run%scene)
       if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
-        'nothing is in contact: K_TS is that of the supports alone. Raise wave_generator.interference or wave_generator.w')
+        'nothing is in contact: K_TS is that of the supports alone. Raise '// &
+        'wave_generator.interference (or lower clearance) or wave_generator.w')
       if (s%slip_k_ts > much_slip .and. .not. scene%support%loop) call push(run%record%warnings, percent(s%slip_k_ts)// &
         ' of K_TS by Eq. 45 comes from points that slip, which Eq. 45 counts as if they held. Quote k_ts_bonded_nm_per_rad')
       if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &

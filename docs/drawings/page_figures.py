@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures of the pages that the package draws by itself: joint of the paper, two specimens, a record, tooth gaps, a turning drive, shapes of the cup.
 
-The README's picture of the drive comes from pressure_cup.py, where PyVista is installed. Usage: docs/drawings/page_figures.py
+Usage: docs/drawings/page_figures.py
 """
 import sys
 import tempfile

@@ -337,8 +337,8 @@ def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
 def test_large_displacements_of_a_drive(exe, tmp_path):
     """Balls slide along the deformed ring: torques balance, energy as under small displacements (to 1 % of friction's), both solvers
     agree, and a shallow cam gives what small displacements give."""
-    keys = ["solver.kinematics=nonlinear", "load.torque=8"]
-    small, *_ = solve(exe, tmp_path / "s", "load.torque=8")
+    keys = ["solver.kinematics=nonlinear", "loop.torques=8,0,-8,0"]
+    small, *_ = solve(exe, tmp_path / "s", keys[1])
     large, loop, *_ = solve(exe, tmp_path / "a", *keys)
     exact, other, *_ = solve(exe, tmp_path / "b", *keys, "solver.factors=exact")
     np.testing.assert_allclose(other["angle_rad"], loop["angle_rad"], atol=1e-8*np.ptp(loop["angle_rad"]))

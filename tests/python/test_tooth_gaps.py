@@ -169,7 +169,7 @@ def test_a_later_wave_is_a_place_between(involute):
 def test_lines_are_a_scene(involute, tmp_path):
     """The lines, pasted under &load, give the scene that the keys give; each clearance is that of the table to four digits."""
     keys = involute.keys()
-    text = SCENE.read_text().replace("  tooth_pairs = 40\n", "").replace("  tooth_clearance = 1e-05   ! of the outermost pairs\n", involute.lines())
+    text = SCENE.read_text().replace("  tooth_pairs = 40\n  pressure_angle_deg = 25\n", "").replace("  tooth_clearance = 1e-05   ! of the outermost pairs\n", involute.lines())
     (tmp_path / "scene.nml").write_text(text)
     scene = hdengine.read_scene(tmp_path / "scene.nml")
     assert {name: scene[name] for name in keys} == keys
@@ -203,7 +203,7 @@ def test_what_is_not_valid_is_named(act, message):
 def assembled(tmp_path_factory):
     """Folder of a run of the assembly alone."""
     folder = tmp_path_factory.mktemp("rim") / "r"
-    hdengine.run(SCENE, folder, **{"mesh.divisions": 44, "mesh.band_facets": 6, "loop.torques": 0, "load.torque_steps": 1, "output.vtu": "last"})
+    hdengine.run(SCENE, folder, **{"mesh.divisions": 44, "mesh.band_facets": 6, "loop.torques": [0, 0], "load.torque_steps": 1, "output.vtu": "last"})
     return folder
 
 

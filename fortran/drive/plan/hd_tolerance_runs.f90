@@ -45,7 +45,8 @@ contains
     call try(coarse, run%clock, model, base, error)
     if (allocated(error)) then
       if (error%code /= code_stopped) then
-        call push(run%record%warnings, 'there is no band: the drive on a coarse mesh ended early: '//error%message)
+        call push(run%record%warnings, 'there is no band, for the drive on a coarse mesh '// &
+          'ended early: '//error%message//'. Raise mesh.divisions or mend that')
         deallocate (error)
       end if
     else
@@ -97,14 +98,15 @@ contains
         end if
       end if
       if (len(left_out) > 0) then
-        call push(run%record%warnings, 'the band leaves out an end of '//key//': '//left_out)
+        call push(run%record%warnings, 'the band leaves out an end of '//key//': '//left_out// &
+          '. Take the other end for both, or move the input yourself')
         cycle
       end if
       n = n + 1
       found(:, n) = value
       do k = 1, banded
         if (base(k) > 0 .and. .not. value(k) > 0) call push(run%record%warnings, 'the band of '//trim(banded_words(k))// &
-          ' leaves out an end of '//key//', where it has no value')
+          ' leaves out an end of '//key//', where it has no value: take the other end for both')
       end do
     end do
     if (n > 0) call run%record%band%add(key, base, found(:, :n))

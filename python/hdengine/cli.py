@@ -119,6 +119,7 @@ def _completion(args):
 
 
 def _study(args):
+    from .studies import shard
     from .studies.study import Study
 
     study = Study.read(args.input)
@@ -127,6 +128,15 @@ def _study(args):
         print(f"{args.input} is valid: {study}")
         return 0
     out = args.out or _folder(args.input)
+    if args.shard:
+        number, shards = shard.number_of(args.shard)
+        points = shard.run_shard(study, out, number, shards, args.jobs, args.force, args.retry, not args.quiet)
+        print(f"shard {args.shard}: {points} points in {out}/part-{number}.jsonl; after the last shard: "
+              f"hdengine study {args.input} --collect --out {out}")
+        return 0
+    if args.collect:
+        shard.collect(study, out, args.force)
+        return _plot(argparse.Namespace(folder=out))
     study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
     return _plot(argparse.Namespace(folder=out))
 
@@ -249,6 +259,9 @@ def make_parser() -> argparse.ArgumentParser:
     study.add_argument("--check", action="store_true", help="check the study and the scene of a point, then stop")
     study.add_argument("-q", "--quiet", action="store_true", help="no progress")
     study.add_argument("--retry", action="store_true", help="solve failed points again")
+    part = study.add_mutually_exclusive_group()
+    part.add_argument("--shard", metavar="I/N", help="solve shard I of N into part-I.jsonl: each on a machine of its own")
+    part.add_argument("--collect", action="store_true", help="one table of all parts")
     study.add_argument("--other-version", action="store_true", help="keep rows that another version of hdengine solved")
     for sub in (run, study):
         sub.add_argument("--out", help="folder for the results")

@@ -188,7 +188,7 @@ def run(folder, test, limit, left_out=(), first=False, **env):
     start = time.monotonic()
     try:
         done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", capture_output=True, text=True, errors="replace",
-                              env=os.environ | {"HDENGINE_EXE": f"{folder}/site/bin/hdengine.x", "PYTHONPATH": f"{folder}/site", "OMP_NUM_THREADS": "1",
+                              env=os.environ | {"HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site", "OMP_NUM_THREADS": "1",
                                                 "OPENBLAS_NUM_THREADS": "1"} | env)
     except OSError as error:
         return False, 0, str(error)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib.util
 import os
 import re
 import signal
@@ -80,7 +81,7 @@ def _run(args):
         print(planner.plan(args.input, None, keys))
         return 0
     if _run_surface_alone(args.input, out, args.force, keys):
-        return _plot(argparse.Namespace(folder=out))
+        return _finish(out)
     try:
         with Run(args.input, out, args.force, args.resume, **keys) as run:
             told = 0
@@ -96,7 +97,7 @@ def _run(args):
     except (NotConvergedError, StoppedError):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
-    return _plot(argparse.Namespace(folder=out))
+    return _finish(out)
 
 
 def _tell_iterations(out, told):
@@ -136,9 +137,17 @@ def _study(args):
         return 0
     if args.collect:
         shard.collect(study, out, args.force)
-        return _plot(argparse.Namespace(folder=out))
+        return _finish(out)
     study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
-    return _plot(argparse.Namespace(folder=out))
+    return _finish(out)
+
+
+def _finish(folder):
+    """Results and figures of what was just solved; a machine that computes only may lack matplotlib."""
+    if importlib.util.find_spec("matplotlib"):
+        return _plot(argparse.Namespace(folder=folder))
+    print(f"written: {folder}; figures need matplotlib: pip install 'hdengine[plot]'", file=sys.stderr)
+    return 0
 
 
 def _plot(args):

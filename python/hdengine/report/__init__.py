@@ -7,8 +7,6 @@ import html
 import os
 from pathlib import Path
 
-import jinja2
-
 from .. import _engine
 from .._engine import InputError
 from .._types import PathLike
@@ -21,6 +19,10 @@ Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 
 
 def _render(title, parts):
     """The page of some sections."""
+    try:
+        import jinja2
+    except ModuleNotFoundError:
+        raise InputError("a report needs Jinja2: pip install 'hdengine[plot]'") from None
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     page = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
     made = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")

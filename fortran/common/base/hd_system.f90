@@ -181,7 +181,7 @@ contains
     character(len=:), allocatable :: text
     integer, parameter :: first_of_library = 5000  !< gfortran's own numbers; below are the system's
     character(len=200) :: words
-    text = ': is the disk full?'
+    text = ': is the disk full, or the size of files limited (ulimit -f)?'
     if (status <= 0 .or. status >= first_of_library) return
     call c_words(int(status, c_int), words, len(words))
     text = ': '//trim(words)

@@ -28,7 +28,6 @@ def commands(exe, folder):
         "press fit": [exe, CD14, *WORDS, "output.vtu=all", "--out", "r"],
         "surface": [exe, ROOT / "data/surface.nml", *SURFACE, "--out", "r"],
         "drive": [exe, ROOT / "tests/cases/pressed_drive.nml", *DRIVE, "--out", "r"],
-        "run": [*FILL, "run", CD14, *WORDS, "--out", "r"],
         "study": [*FILL, "study", "s.toml", "--out", "r", "-q"],
         "record": [*FILL, "record", ROOT / "data/torque_record.csv", "--out", "r"],
         "joint": [*FILL, "joint", ROOT / "data/specimen_flexspline.sdf", "--out", "r"],
@@ -50,8 +49,8 @@ def claims(folder):
     """The records of a folder that say that it is complete."""
     found = []
     for path in folder.glob("**/*.json"):
-        text = path.read_text()
-        found += [path.name] if json.loads(text).get("status") == "complete" else []
+        if path.is_file() and not path.is_symlink():
+            found += [path.name] if json.loads(path.read_text()).get("status") == "complete" else []
     return found
 
 
@@ -89,7 +88,7 @@ def special(place, kind, outside):
         os.mkfifo(place)
 
 
-@pytest.mark.parametrize("name", ["press fit", "surface", "record"])
+@pytest.mark.parametrize("name", ["press fit", "surface"])
 def test_outputs_follow_no_links_and_wait_for_no_pipe(exe, tmp_path, name):
     """A link, a pipe or a second name in the place of any output, with --force too: nothing outside changes or appears, nothing hangs, and
     the command ends with its own files or with code 3 and the name."""
@@ -175,7 +174,7 @@ def test_optimised_python(tmp_path):
     assert done.returncode == 0 and (tmp_path / "r/newton.png").is_file(), done.stderr
 
 
-@pytest.mark.parametrize("command", ["press fit", "surface", "run", "study", "record"])
+@pytest.mark.parametrize("command", ["press fit", "surface", "study", "record"])
 def test_paths_that_are_no_utf8(exe, tmp_path, command):
     """Input and output in folders whose names are no UTF-8: the JSON is, and plot and report read the folder."""
     words = commands(exe, tmp_path)[command]
@@ -188,10 +187,9 @@ def test_paths_that_are_no_utf8(exe, tmp_path, command):
     assert done.returncode == 0, done.stderr
     for path in (odd / "r").glob("*.json"):
         json.loads(path.read_bytes().decode("utf-8")).__repr__().encode("utf-8")
-    if command != "record":
-        for more in (["plot"], ["report", "--no-picture"]):
-            done = run_in(tmp_path, [*FILL, *more, odd / "r"], errors="replace")
-            assert done.returncode == 0, done.stderr
+    for more in {"press fit": ["plot", "report"], "surface": ["plot"]}.get(command, []):
+        done = run_in(tmp_path, [*FILL, more, odd / "r"], errors="replace")
+        assert done.returncode == 0, done.stderr
 
 
 def test_the_working_folder_may_change_between_steps(tmp_path, monkeypatch):

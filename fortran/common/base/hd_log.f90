@@ -3,7 +3,6 @@
 !> columns at most, broken between words; a file keeps each message on its line. Silent unless the application switches it on.
 module hd_log
   use, intrinsic :: iso_c_binding, only: c_char, c_int
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use hd_error, only: error_t, raise, code_file
   use hd_system, only: system_text
   implicit none
@@ -15,7 +14,7 @@ module hd_log
   integer, parameter :: verbose = 2  !< Newton iterations too
   integer, save :: level = quiet
   logical, save :: keeps = .false.   !< lines are kept, not printed
-  integer, save :: failure = 0       !< of the first line that could not be written
+  integer, save :: failure = 0       !< of the first line that could not be written, the system's number
   integer, parameter :: columns = 80, indent = 10  !< of a terminal; of the lines that a message goes on in
 
   interface
@@ -24,6 +23,11 @@ module hd_log
       character(kind=c_char), intent(in) :: text(*)
       integer(c_int), value :: n
     end subroutine c_keep_line
+    integer(c_int) function c_print_line(text, n) bind(c, name='hd_print_line')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: text(*)
+      integer(c_int), value :: n
+    end function c_print_line
     integer(c_int) function c_take_line(text, size) bind(c, name='hd_take_line')
       import :: c_char, c_int
       character(kind=c_char), intent(out) :: text(*)
@@ -73,8 +77,7 @@ contains
   !> One line on standard output; nothing once that cannot be written.
   subroutine print_text(text)
     character(len=*), intent(in) :: text  !< line
-    if (failure == 0) write (output_unit, '(a)', iostat=failure) text
-    if (failure == 0) flush (output_unit, iostat=failure)
+    if (failure == 0) failure = c_print_line(text, len(text))
   end subroutine print_text
 
   !> The end of the log: an error where lines of it are lost.

@@ -69,10 +69,13 @@ contains
     class(table_t), intent(inout) :: self             !< table
     integer(int64), intent(out) :: bytes              !< that stand in the file
     type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer(int64) :: next
     bytes = 0
     if (self%file%unit == -1) return
     flush (self%file%unit, iostat=self%file%status)
+    inquire (unit=self%file%unit, pos=next)
     inquire (unit=self%file%unit, size=bytes)
+    if (bytes /= next - 1) self%file%status = -1   ! the compiler's library does not tell
     call tell(self, error)
   end subroutine find_bytes
 

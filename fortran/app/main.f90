@@ -10,9 +10,9 @@ program main
   type(command_t) :: command
   type(error_t), allocatable :: error
   integer :: status
+  call fill_streams()
   call wait_passively()
   call catch_signals()
-  call fill_streams()
   call keep_memory()
   call read_command_line(command, error)
   if (.not. allocated(error)) call obey(command, error)

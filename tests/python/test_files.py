@@ -73,6 +73,10 @@ def test_a_full_disk_is_an_error(exe, tmp_path, name):
         assert "File too large" in done.stderr or "is the disk full" in done.stderr, (size, done.stderr)
         assert ".png" in done.stderr or not (out.exists() and claims(out)), (size, done.stderr)
         assert not [path for path in out.rglob("*") if path.name == "hdengine.lock" or path.suffix == ".part"]
+    if name in ("press fit", "drive"):
+        done = run_in(tmp_path, ["r3" if word == "r" else word for word in [*words, "--resume"]])
+        assert done.returncode == 0, done.stderr
+        assert (tmp_path / "r3/contact.csv").read_bytes() == (tmp_path / "r/contact.csv").read_bytes()
 
 
 def special(place, kind, outside):

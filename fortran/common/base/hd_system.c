@@ -167,7 +167,7 @@ void hd_wait_passively(void)
   char path[PATH_MAX], *words[4096];
   if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
   ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
-  FILE *file = fopen("/proc/self/cmdline", "rb");
+  FILE *file = fopen("/proc/self/cmdline", "rbe");
   if (n > 0 && file) {
     static char text[1 << 20];
     size_t size = fread(text, 1, sizeof text, file);

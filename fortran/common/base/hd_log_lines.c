@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of the log for a program that calls the engine: one thread writes, another reads; the oldest are lost first. */
 #include <errno.h>
+#include <poll.h>
 #include <pthread.h>
 #include <string.h>
 #include <sys/uio.h>
@@ -17,7 +18,8 @@ int hd_print_line(const char *text, int n)
   struct iovec parts[2] = {{(void *)text, (size_t)n}, {"\n", 1}};
   while (parts[1].iov_len > 0) {
     ssize_t done = writev(STDOUT_FILENO, parts, 2);
-    if (done < 0 && errno != EINTR) return errno;
+    if (done < 0 && errno == EAGAIN) poll(&(struct pollfd){STDOUT_FILENO, POLLOUT, 0}, 1, -1); /* others made it not wait */
+    else if (done < 0 && errno != EINTR) return errno;
     for (int i = 0; i < 2 && done > 0; i++) {
       size_t part = (size_t)done < parts[i].iov_len ? (size_t)done : parts[i].iov_len;
       parts[i].iov_base = (char *)parts[i].iov_base + part;

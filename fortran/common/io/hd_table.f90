@@ -72,7 +72,7 @@ contains
     integer(int64) :: next
     bytes = 0
     if (self%file%unit == -1) return
-    flush (self%file%unit, iostat=self%file%status)
+    if (self%file%status == 0) flush (self%file%unit, iostat=self%file%status)
     inquire (unit=self%file%unit, pos=next)
     inquire (unit=self%file%unit, size=bytes)
     if (bytes /= next - 1) self%file%status = -1   ! the compiler's library does not tell

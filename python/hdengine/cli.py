@@ -243,7 +243,7 @@ def _command(commands, name, action, text, example):
 
 def make_parser() -> argparse.ArgumentParser:
     """The command with its subcommands."""
-    parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
+    parser = argparse.ArgumentParser(prog="hdengine", description="The command `hdengine`.",
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
     parser.add_argument("--version", action="version", version=f"hdengine {_engine.version()}")
     commands = parser.add_subparsers(dest="command", required=True)
@@ -325,8 +325,9 @@ def _arguments(argv):
 
 @contextlib.contextmanager
 def _orderly():
-    """SIGTERM (a batch system, `kill`) and SIGHUP (a closed terminal) end the command as Ctrl-C does; ignored ones stay so."""
-    taken = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) == signal.SIG_DFL]
+    """Signals that end hdengine.x in order (of a batch system, `kill`, a closed terminal) end the command as Ctrl-C does; ignored
+    ones stay so."""
+    taken = [s for s in _engine.stop_signals() if signal.getsignal(s) == signal.SIG_DFL]
     if threading.current_thread() is not threading.main_thread():
         taken = []
     for s in taken:
@@ -346,17 +347,82 @@ def _for_the_shell(message):
     return message.replace("leave out spacing=", "leave out --spacing")
 
 
+class _Stream:
+    """A standard stream that takes every letter and, closed or full, every line: the work goes on, and its end tells the fault."""
+
+    def __init__(self, stream):
+        self._stream, self.fault = stream, None
+
+    def write(self, text):
+        """As of a file; letters that the stream does not know are written as escapes."""
+        if self._stream is not None:
+            coding = getattr(self._stream, "encoding", None) or "utf-8"
+            self._try(self._stream.write, text.encode(coding, "backslashreplace").decode(coding))
+        return len(text)
+
+    def flush(self):
+        """As of a file."""
+        if self._stream is not None:
+            self._try(self._stream.flush)
+
+    def isatty(self):
+        """As of a file."""
+        return self._stream is not None and self.fault is None and self._stream.isatty()
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def _try(self, action, *args):
+        if self.fault is None:
+            try:
+                action(*args)
+            except (OSError, ValueError) as fault:   # full, its reader gone; closed
+                self.fault = fault
+
+    def drop(self):
+        """What the stream still holds goes nowhere: Python would try it again as it ends."""
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+
+
+def _fill_streams():
+    """Standard streams that are closed lead nowhere: the next file opened would get their place."""
+    with contextlib.suppress(OSError):
+        while (file := os.open(os.devnull, os.O_RDWR)) <= 2:
+            os.set_inheritable(file, True)
+        os.close(file)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the command; returns the exit code of hdengine.x."""
+    _fill_streams()
+    out, err, left = _Stream(sys.stdout), _Stream(sys.stderr), None
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = _obey(argv)
+        except SystemExit as end:   # --help, --version, a wrong option
+            left, code = end, end.code
+        out.flush()
+        if out.fault is not None:
+            out.drop()
+            if not code:
+                code, left = FileError.code, None
+                why = getattr(out.fault, "strerror", None) or out.fault
+                print(f"error: cannot write the standard output: {why}; files of results are not concerned", file=err)
+        err.flush()
+        if err.fault is not None:
+            err.drop()
+    if left is not None:
+        raise left
+    return code
+
+
+def _obey(argv):
+    """Do what is asked."""
     args = _arguments(argv)
     try:
         with _orderly():
-            code = args.action(args)
-        sys.stdout.flush()
-        return code
-    except BrokenPipeError:  # who read the output, as head, has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FileError.code
+            return args.action(args)
     except HdengineError as error:
         print(_for_the_shell(_line(error)), file=sys.stderr)
         return error.code
@@ -367,6 +433,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"error: not enough memory: {error}", file=sys.stderr)
         return EngineMemoryError.code
     except KeyboardInterrupt:
-        print("\nstopped; what was solved is kept: the same command goes on with a study, with --resume also with a run",
+        print("error: interrupted; what was solved is kept: the same command goes on with a study, with --resume also with a run",
               file=sys.stderr)
         return StoppedError.code

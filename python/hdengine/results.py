@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import html
-import json
-import os
+import io
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from ._check import path as a_path
 from ._engine import FileError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
+from .files import read_json, regular, write_files
 from .joint import Joint, JointWarning
 
 WORD = 24   # characters beyond which a table is left to the slow reader
@@ -25,7 +25,7 @@ WORD = 24   # characters beyond which a table is left to the slow reader
 
 def _table(path):
     """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    with open(path, encoding="utf-8") as file:
+    with open(regular(path), encoding="utf-8") as file:
         head = [line for line, _ in zip(file, range(20))]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
@@ -87,26 +87,6 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     if not path.is_file():
         raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
     return read_json(path, *needed)
-
-
-def read_json(path: PathLike, *needed: str) -> dict:
-    """A JSON object; entries that are needed must be there.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, holds no JSON object, or lacks an entry.
-    """
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as e:
-        raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
-    if not isinstance(found, dict):
-        raise FileError(f"'{path}' is not what hdengine writes: no JSON object")
-    missing = [name for name in needed if name not in found]
-    if missing:
-        raise FileError(f"'{path}' is not what hdengine writes: no entry {', '.join(missing)}")
-    return found
 
 
 def _number(value):
@@ -371,11 +351,11 @@ class Result:
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""
         k, paper = self.torsional_stiffness()
         path = self.folder / "torsion.csv"
+        text = io.StringIO()
         rows = np.column_stack([self.steps["step"], self.torque_nm, k, paper, self.steps["rotation_rad"]])
-        part = path.with_suffix(".part")
-        np.savetxt(part, rows, delimiter=",", comments="", fmt=["%d"] + ["%.17g"] * 4,
+        np.savetxt(text, rows, delimiter=",", comments="", fmt=["%d"] + ["%.17g"] * 4,
                    header="step,torque_nm,k_ts_nm_per_rad,k_ts_paper_n,rotation_rad")
-        os.replace(part, path)
+        write_files({path: text.getvalue()})
         return path
 
     @property

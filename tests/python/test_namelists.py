@@ -94,3 +94,11 @@ def test_an_input_is_a_file(exe):
     """What cannot be read twice is no input: code 3 names it."""
     done = call(exe, "/dev/null", "--check")
     assert done.returncode == 3 and "/dev/null" in done.stderr
+
+
+@pytest.mark.parametrize("coding", ["utf-16", "utf-16-be", "utf-32"])
+def test_other_codings_are_one_error(exe, tmp_path, coding):
+    """A scene in UTF-16 or UTF-32 ends with one line, of code 2, that says how to save it."""
+    (tmp_path / "a.nml").write_text((ROOT / "data/cd14.nml").read_text(), encoding=coding)
+    done = call(exe, tmp_path / "a.nml", "--check")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "save it as UTF-8" in done.stderr

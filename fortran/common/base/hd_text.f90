@@ -151,6 +151,11 @@ contains
       case default; return
       end select
       if (i + n > len(s)) return
+      if (n > 1) then  ! no letter in more bytes than it needs, no half of a pair, none beyond the last plane
+        k = iachar(s(i + 1:i + 1))
+        if ((byte == 224 .and. k < 160) .or. (byte == 237 .and. k > 159) .or. (byte == 240 .and. k < 144) .or. &
+          (byte == 244 .and. k > 143)) return
+      end if
       do k = i + 1, i + n
         if (iand(iachar(s(k:k)), 192) /= 128) return
       end do

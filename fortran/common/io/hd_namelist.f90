@@ -4,7 +4,7 @@
 !> (A compiler's own reader answers "End of file" to most mistakes, and names the wrong line for others.)
 module hd_namelist
   use, intrinsic :: iso_fortran_env, only: int64
-  use hd_error, only: error_t, raise, code_file
+  use hd_error, only: error_t, raise, code_file, code_input
   use hd_system, only: path_kind, path_directory, path_absent, path_file
   use hd_text, only: string_t, push, join, to_text, lower, is_utf8
   implicit none
@@ -54,6 +54,8 @@ contains
     list%text = ''
     list%first = 1
     call read_text(path, list%text, error)
+    if (.not. allocated(error) .and. index(list%text, achar(0)) > 0) call raise(error, code_input, "'"//path// &
+      "' holds bytes of 0, as UTF-16 does: save it as UTF-8")
     if (allocated(error)) return
     call find_lines(list)
     call tokenize(list, tokens, n)

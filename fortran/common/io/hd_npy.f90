@@ -3,6 +3,7 @@
 module hd_npy
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
+  use hd_new_file, only: new_file_t
   use hd_text, only: to_text
   implicit none
   private
@@ -19,11 +20,11 @@ contains
     character(len=*), intent(in) :: path              !< file
     real(dp), intent(in), contiguous :: a(:, :)       !< array
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: unit, status
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, iostat=status) header('<f8', shape(a)), a
-    if (status == 0) close (unit, iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+    type(new_file_t) :: file
+    call file%open(path, error)
+    if (allocated(error)) return
+    write (file%unit, iostat=file%status) header('<f8', shape(a)), a
+    call file%close(error)
   end subroutine write_double
 
   !> The same in single precision.
@@ -31,11 +32,11 @@ contains
     character(len=*), intent(in) :: path              !< file
     real(sp), intent(in), contiguous :: a(:, :)       !< array
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: unit, status
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, iostat=status) header('<f4', shape(a)), a
-    if (status == 0) close (unit, iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+    type(new_file_t) :: file
+    call file%open(path, error)
+    if (allocated(error)) return
+    write (file%unit, iostat=file%status) header('<f4', shape(a)), a
+    call file%close(error)
   end subroutine write_single
 
   !> Magic string, version, length and a dictionary, filled up to a multiple of 64 bytes.

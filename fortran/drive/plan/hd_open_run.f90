@@ -16,7 +16,7 @@ module hd_open_run
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
-  use hd_system, only: path_kind, path_absent
+  use hd_system, only: path_kind, path_absent, path_file
   use hd_text, only: percent, rounded, to_text
   use hd_tolerance_runs, only: find_band
   implicit none
@@ -88,6 +88,7 @@ contains
     character(len=200) :: line
     integer :: unit, status
     is_complete = .false.
+    if (path_kind(folder//'/summary.json') /= path_file) return
     open (newunit=unit, file=folder//'/summary.json', action='read', status='old', iostat=status)
     if (status /= 0) return
     do while (status == 0 .and. .not. is_complete)

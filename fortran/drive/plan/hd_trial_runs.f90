@@ -12,13 +12,14 @@ module hd_trial_runs
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
   use hd_model, only: model_t
+  use hd_new_file, only: new_file_t
   use hd_pressure_patches, only: patch_pressures
   use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
   use hd_run, only: run_t, new_run, close_run, leave_model
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
-  use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
+  use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, stop_requested
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
@@ -227,12 +228,12 @@ contains
   subroutine keep(self, error)
     type(trial_runs_t), intent(in) :: self                 !< results
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    character(len=:), allocatable :: path
+    type(new_file_t) :: file
     character(len=25*(values + 8)) :: line
-    integer :: unit, status, i, k
+    integer :: i, k
     if (len(self%folder) == 0) return
-    path = self%folder//'/plan.csv'
-    open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
+    call file%open(self%folder//'/plan.csv', error)
+    if (allocated(error)) return
     line = 'mesh,'
     do i = 1, promises
       do k = 0, self%promised(i)%last - self%promised(i)%first
@@ -241,19 +242,13 @@ contains
         line = trim(line)//','
       end do
     end do
-    if (status == 0) write (unit, '(a)', iostat=status) trim(line)//'seconds,ball_stiffness_n_per_m,checksum'
+    call file%put(trim(line)//'seconds,ball_stiffness_n_per_m,checksum'//new_line('a'))
     do i = 1, size(self%known)
-      if (status /= 0) exit
-      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q(:maxval(self%promised%last)), &
+      write (line, '(a,99(:,",",es24.16))') self%name(i)%s, self%known(i)%q(:maxval(self%promised%last)), &
         self%known(i)%seconds, self%known(i)%balls
-      if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
+      call file%put(trim(line)//','//hexadecimal(checksum(trim(line)))//new_line('a'))
     end do
-    if (status == 0) close (unit, iostat=status)
-    if (status == 0) then
-      call rename_file(path//'.part', path, error)
-    else
-      call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
-    end if
+    call file%close(error)
   end subroutine keep
 
   !> Results of a plan that was stopped.
@@ -263,6 +258,7 @@ contains
     type(probe_t) :: one
     character(len=25*(values + 8)) :: line
     integer :: unit, status, comma, last
+    if (path_kind(self%folder//'/plan.csv') /= path_file) return
     open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
     if (status /= 0) return
     read (unit, '(a)', iostat=status) line

@@ -3,6 +3,7 @@
 module hd_input
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_new_file, only: write_text
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
@@ -12,7 +13,6 @@ module hd_input
   use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
   use hd_text, only: string_t, push, to_text, lower, suggestion
-  use hd_text_file, only: write_text
   implicit none
   private
   public :: read_scene, holds_study, write_echo, surface_scene_of

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from .._types import StudyLike
 from ..catalogue import UNITS
+from ..files import write_files
 from ..paper.comparison import STATED
 from .style import new_axes, styled
 
@@ -184,7 +185,7 @@ def plot_study(result: StudyLike) -> list:
 
 def _save(figure, result):
     path = result.folder / "study.png"
-    figure.savefig(path)
+    write_files({path: figure})
     return path
 
 

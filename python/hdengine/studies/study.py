@@ -7,7 +7,6 @@ import hashlib
 import io
 import itertools
 import json
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
+from ..files import json_text, regular, write_files
 from ..results import preformatted
 from . import study_file
 from .progress import Progress
@@ -124,7 +124,7 @@ class Study:
         text = Path(self.scene).read_bytes() if self.scene else b""
         identity = {"scene_sha256": hashlib.sha256(text).hexdigest(), "grid": list(self.grid.items()),
                     "together": list(self.together.items()), "fixed": self.fixed, "rows": self.rows}
-        return json.loads(json.dumps(identity, default=float))
+        return json.loads(json_text(identity))
 
     def check(self) -> dict:
         """Let the engine read the scene of every point.
@@ -238,17 +238,14 @@ class Study:
         writer.writeheader()
         for i in sorted(rows):
             writer.writerows({**row, "point": i, **points[i]} for row in rows[i])
-        data = text.getvalue().encode()
+        data = text.getvalue().encode("utf-8", "replace")
         summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
                    "hdengine": _engine.version(), "versions": versions, "points": len(points), "done": len(rows), "failed": failed,
                    "swept": [*self.together, *self.grid], "figure": self.figure, "identity": identity, "scene": scene,
                    "table_sha256": hashlib.sha256(data).hexdigest()}
-        summary = json.loads(json.dumps(summary, default=float))
+        summary = json.loads(json_text(summary))
         summary["checksum"] = _checksum(summary)
-        (out / "study.csv.part").write_bytes(data)
-        (out / "study.json.part").write_text(json.dumps(summary, indent=1), encoding="utf-8")
-        os.replace(out / "study.csv.part", out / "study.csv")
-        os.replace(out / "study.json.part", out / "study.json")
+        write_files({out / "study.csv": data, out / "study.json": json_text(summary)})
 
 
 def _checksum(summary):
@@ -279,7 +276,7 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     if not (folder / "study.json").is_file():
         raise FileError(f"'{folder}' holds no study: study.json is missing")
     try:
-        table = hashlib.sha256((folder / "study.csv").read_bytes()).hexdigest()
+        table = hashlib.sha256(regular(folder / "study.csv").read_bytes()).hexdigest()
     except OSError as e:
         raise FileError(f"'{folder / 'study.csv'}' cannot be read: {e}") from None
     cause = "study.json"

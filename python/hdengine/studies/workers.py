@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import torsion
+from .. import _engine, torsion
 from .._engine import HdengineError, InternalError
 from ..contact import Run, read_scene
 from ..results import long_axis
@@ -76,7 +76,8 @@ def work(file: int) -> None:
     file : int
         Number of the open file that is the worker's end of the pipe.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study ends its workers
+    for number in set(_engine.stop_signals()) - {signal.SIGTERM, signal.SIGXCPU}:  # a batch system sends them to all processes,
+        signal.signal(number, signal.SIG_IGN)                                      # and the study ends its workers
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError), Connection(file) as pipe:
         pipe.send("ready")
         while (task := pipe.recv()) is not None:

@@ -19,6 +19,7 @@ from .._check import array, checked, fields, flag, integer, kind, text
 from .._check import path as a_path
 from .._engine import FileError, InputError
 from .._types import PathLike, Spacing
+from ..files import write_files
 from . import roughness
 
 if TYPE_CHECKING:
@@ -317,10 +318,7 @@ def save(path: PathLike, specimen: Specimen) -> None:
     dates = (b" " * 12, b" " * 12)
     head = _HEADER.pack(b"bISO-1.0", b"hdengine  ", *dates, z.shape[1], z.shape[0], specimen.spacing[1], specimen.spacing[0], step,
                         -1.0, 0, 5, 0)
-    try:
-        Path(path).write_bytes(head + steps.tobytes())
-    except OSError as e:
-        raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
+    write_files({Path(path): head + steps.tobytes()})
 
 
 @checked(specimen=kind(Specimen), outliers=flag, fill=flag, seams=flag)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked
+from ._check import MOST_BYTES, checked, input_file
 from ._check import path as a_path
 from ._engine import FileError
 from ._types import PathLike
@@ -44,6 +44,18 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
+def _table_with_gaps(path):
+    """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
+    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
+    table = np.atleast_1d(np.genfromtxt(path, dtype=None, **options))
+    names = table.dtype.names or ()
+    if not any(table.dtype[name].kind == "i" for name in names):
+        return table
+    floats = [(name, float if table.dtype[name].kind == "i" else table.dtype[name]) for name in names]
+    wide = np.atleast_1d(np.genfromtxt(path, dtype=floats, **options))
+    return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
+
+
 def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
@@ -53,13 +65,16 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
         The file cannot be read, or is no table.
     """
     try:
+        with open(input_file(path), "rb") as file:
+            if b"\0" in file.read(4096):
+                raise ValueError("it holds bytes that are no text")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             try:
                 table = _table(path)
             except (ValueError, Warning, IndexError):
-                table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+                table = _table_with_gaps(path)
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
@@ -98,7 +113,7 @@ def read_json(path: PathLike, *needed: str) -> dict:
         The file cannot be read, holds no JSON object, or lacks an entry.
     """
     try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
+        found = json.loads(input_file(path, MOST_BYTES).read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
         raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
     if not isinstance(found, dict):

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import checked, fields, flag, integer, mapping, text
+from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
@@ -121,7 +121,7 @@ class Study:
 
     def _identity(self):
         """What a table must have been made from to be continued."""
-        text = Path(self.scene).read_bytes() if self.scene else b""
+        text = input_file(self.scene, MOST_BYTES).read_bytes() if self.scene else b""
         return {"scene_sha256": hashlib.sha256(text).hexdigest(), "points": self.points, "fixed": self.fixed, "rows": self.rows}
 
     def check(self) -> dict:
@@ -305,7 +305,7 @@ def _number(text):
 def read_rows(path: PathLike) -> list:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(input_file(path), newline="", encoding="utf-8") as file:
             return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None

@@ -6,6 +6,7 @@ import re
 import sys
 from pathlib import Path
 
+from .._check import MOST_BYTES, input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
@@ -68,7 +69,7 @@ def read(path: PathLike) -> dict[str, dict[str, list]]:
 def _text(path):
     """A text file."""
     try:
-        return path.read_text(encoding="utf-8")
+        return input_file(path, MOST_BYTES).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None
 

@@ -64,8 +64,9 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     FileError
         The file cannot be read, or is no table.
     """
+    input_file(path)
     try:
-        with open(input_file(path), "rb") as file:
+        with open(path, "rb") as file:
             if b"\0" in file.read(4096):
                 raise ValueError("it holds bytes that are no text")
         with warnings.catch_warnings():
@@ -112,8 +113,9 @@ def read_json(path: PathLike, *needed: str) -> dict:
     FileError
         The file cannot be read, holds no JSON object, or lacks an entry.
     """
+    path = input_file(path, MOST_BYTES)
     try:
-        found = json.loads(input_file(path, MOST_BYTES).read_text(encoding="utf-8"))
+        found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
         raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
     if not isinstance(found, dict):

@@ -3,7 +3,7 @@
 module hd_columns
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_input_file, only: read_text, next_line
+  use hd_input_file, only: read_text, next_line, line_count
   use hd_text, only: string_t, to_text, to_number, split, join
   implicit none
   private
@@ -45,7 +45,7 @@ contains
       if (.not. allocated(columns%names)) then
         columns%names = [(string_t(trim(adjustl(cells(i)%s))), i=1, size(cells))]
         columns%header_line = number
-        allocate (columns%values(size(cells), lines_of(text(at:))), columns%lines(lines_of(text(at:))))
+        allocate (columns%values(size(cells), line_count(text(at:))), columns%lines(line_count(text(at:))))
         cycle
       end if
       rows = rows + 1
@@ -60,13 +60,6 @@ contains
     columns%values = columns%values(:, :rows)
     columns%lines = columns%lines(:rows)
   end subroutine read_columns
-
-  !> How many lines a text has at most.
-  pure integer function lines_of(text) result(n)
-    character(len=*), intent(in) :: text  !< text
-    integer :: i
-    n = 1 + count([(text(i:i) == new_line('a'), i=1, len(text))])
-  end function lines_of
 
   !> Numbers of a row.
   subroutine read_row(columns, cells, row, error)

@@ -7,7 +7,7 @@ module hd_input_file
   use hd_text, only: to_text
   implicit none
   private
-  public :: open_input, read_text, next_line
+  public :: open_input, read_text, next_line, line_count
 
   integer(int64), parameter :: most_bytes = 2_int64**30  !< of a text
 
@@ -76,4 +76,14 @@ contains
     if (len(line) == 0) return
     if (line(len(line):) == achar(13)) line = line(:len(line) - 1)
   end subroutine next_line
+
+  !> Lines of a text, the one that its end cuts among them.
+  pure integer function line_count(text) result(n)
+    character(len=*), intent(in) :: text  !< text
+    integer :: i
+    n = 1
+    do i = 1, len(text)
+      if (text(i:i) == new_line('a')) n = n + 1
+    end do
+  end function line_count
 end module hd_input_file

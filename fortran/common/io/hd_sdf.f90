@@ -5,7 +5,7 @@ module hd_sdf
   use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
-  use hd_input_file, only: open_input, read_text, next_line
+  use hd_input_file, only: open_input, read_text, next_line, line_count
   use hd_text, only: to_text, to_number, lower, next_word
   implicit none
   private
@@ -35,6 +35,7 @@ contains
     type(header_t) :: h
     integer :: unit, status
     integer(int64) :: bytes
+    logical :: binary
     dx = 0
     dy = 0
     call open_input(path, unit, bytes, error)
@@ -42,18 +43,19 @@ contains
     version = ''
     why = ''
     read (unit, iostat=status) version
-    select case (version)
-    case ('bISO-1.0', 'bBCR-1.0')
-      call read_binary(unit, bytes, h, z, why)
-    case ('aISO-1.0', 'aBCR-1.0')
+    binary = version == 'bISO-1.0' .or. version == 'bBCR-1.0'
+    if (binary) call read_binary(unit, bytes, h, z, why)
+    close (unit)
+    if (version == 'aISO-1.0' .or. version == 'aBCR-1.0') then
       call read_text(path, text, error)
       if (.not. allocated(error)) call read_lines(text, h, z, why)
-    case default
+    else if (status /= 0) then
       why = 'it is too short'
-      if (status == 0) why = "its version is '"//version//"'; valid: bISO-1.0, aISO-1.0, bBCR-1.0, aBCR-1.0"
-      if (status == 0 .and. verify(version, printable) > 0) why = 'it does not begin with a version as bISO-1.0'
-    end select
-    close (unit)
+    else if (verify(version, printable) > 0) then
+      why = 'it does not begin with a version as bISO-1.0'
+    else if (.not. binary) then
+      why = "its version is '"//version//"'; valid: bISO-1.0, aISO-1.0, bBCR-1.0, aBCR-1.0"
+    end if
     if (allocated(error)) return
     if (len(why) > 0) then
       call raise(error, code_file, "'"//path//"' is no surface data file (ISO 25178-71): "//why)
@@ -201,7 +203,6 @@ contains
     character(len=*), intent(in) :: text  !< text
     integer, intent(in) :: at             !< place
     character(len=:), allocatable :: words
-    integer :: i
-    words = ' in line '//to_text(1 + count([(text(i:i) == new_line('a'), i=1, min(at - 1, len(text)))]))
+    words = ' in line '//to_text(line_count(text(:min(at - 1, len(text)))))
   end function line_of
 end module hd_sdf

@@ -419,7 +419,7 @@ contains
       associate (s => words(i)%s)
         star = index(s, '*')
         times = 1
-        ok = star <= 11
+        ok = star <= 11 .and. scan(s(:max(0, star - 1)), '+-') == 0
         if (star > 0 .and. ok) call to_number(s(:star - 1), times, ok)
         if (ok) call to_number(s(star + 1:), number, ok)
         if (.not. ok .or. times < 1) then

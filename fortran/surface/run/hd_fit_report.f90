@@ -44,7 +44,7 @@ module hd_fit_report
   end type found_t
 
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
-  real(dp), parameter :: longest = 10           !< of a map, and of a height: no instrument sees more, a wrong unit or a mark for holes does [m]
+  real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains

@@ -304,8 +304,9 @@ def _number(text):
 
 def read_rows(path: PathLike) -> list:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
+    input_file(path)
     try:
-        with open(input_file(path), newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8") as file:
             return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None

@@ -68,8 +68,9 @@ def read(path: PathLike) -> dict[str, dict[str, list]]:
 
 def _text(path):
     """A text file."""
+    path = input_file(path, MOST_BYTES)
     try:
-        return input_file(path, MOST_BYTES).read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None
 

@@ -37,6 +37,8 @@ def read(path: Path, unit: str | tuple[str, str] | None, spacing: Spacing | None
     path = input_file(path)
     with open(path, "rb") as file:
         head = file.read(2000)
+    if not head:
+        raise FileError(f"{path.name} is empty")
     if head[1:5] in (b"ISO-", b"BCR-") and head[:1] in b"ab":
         if unit is not None:
             raise InputError(f"{path.name} states its unit, m: leave out unit={unit!r}")
@@ -86,6 +88,8 @@ def _foreign(path, unit, spacing, channel):
     try:
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):      # its readers print what they stumble over
             reader = SurfaceTopography.open_topography(str(path))
+            if reader.format() == "hgt" and path.suffix.lower() != ".hgt":      # it takes any bytes
+                raise ValueError("tried all")
             info = reader.channels[channel] if channel is not None else reader.default_channel
             sized = info.physical_sizes is not None
             _check_room(path, info.nb_grid_pts)
@@ -174,7 +178,7 @@ def _softgauge(path, unit, spacing):
     text = re.sub(r"<\?.*?\?>|<!DOCTYPE[^>]*>", "", path.read_text(errors="replace"), flags=re.S)
     try:
         data: Any = ElementTree.fromstring(text).find("DATAFILE")
-        values = [_number(v) for v in data.findtext("DATA_POINT_VALUES").split()]
+        values = [_number(v, "DATA_POINT_VALUES") for v in data.findtext("DATA_POINT_VALUES").split()]
         count = int(data.findtext("NUMPOINTS"))
         step = data.findtext("SPACING")
     except (ElementTree.ParseError, AttributeError, TypeError, ValueError) as e:
@@ -190,9 +194,9 @@ def _softgauge(path, unit, spacing):
         raise InputError(f"{path.name} states no lateral size: say spacing= in m")
     lateral, height = (_factor(u, path) for u in _units(stated or unit))
     try:
-        step = roughness._spacing(spacing)[0] if step is None else _number(step.strip()) * lateral
+        step = roughness._spacing(spacing)[0] if step is None else _number(step.strip(), "SPACING") * lateral
     except ValueError as e:
-        raise FileError(f"{path.name}: <SPACING> {e}") from e
+        raise FileError(f"{path.name}: {e}") from e
     others = text.count("POINT_VALUES>") // 2 - 1
     notes = [f"{others} more curve{'s' * (others > 1)} of the file left out: the first raw one is read"] if others > 0 else []
     return np.array(values) * height, (step, step), notes
@@ -228,7 +232,10 @@ def _array(file, size):
     """The array of an open .npy; ValueError where its header states other than the bytes there are, before it takes memory."""
     version = np.lib.format.read_magic(file)
     read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, kind = read_header(file)
+    try:
+        shape, _, kind = read_header(file)
+    except Exception as e:      # what Python's parser finds, too
+        raise ValueError("its header states no array") from e
     if math.prod(shape) * kind.itemsize != size - file.tell():
         raise ValueError(f"it states shape {shape} of {kind.itemsize} bytes each and holds {size - file.tell()}")
     file.seek(0)
@@ -258,30 +265,29 @@ def _plain(path, table, unit, spacing):
     return (z.ravel() if line else z) * height, tuple(s * lateral for s in steps), notes + more
 
 
-_WORD = re.compile(r"[-+.\deE]+", re.ASCII)
-
-
-def _number(word):
-    """A number of the text form: digits, a point, an exponent; ValueError for all else that `float` takes."""
-    if not _WORD.fullmatch(word):
-        raise ValueError(f"'{word}' is no number")
+def _number(word, place):
+    """A number of a text: digits, a point, an exponent; ValueError with its line or key for all else, also what `float` takes."""
+    if not plain.NUMBER.fullmatch(word):
+        raise ValueError(f"{f'line {place}' if isinstance(place, int) else place}: '{word}'; valid: a number")
     return float(word)
 
 
 def _load_text(path):
-    """Text form of ISO 25178-71, metres: lines 'key = value' up to a star, then numbers or BAD up to a star."""
+    """Text form of ISO 25178-71, metres: lines 'key = value' up to a star, then numbers, or BAD or NaN, up to a star."""
     head, _, body = input_file(path, MOST_BYTES).read_text(errors="replace").partition("*")
     keys = {k.strip().lower(): v.strip() for k, _, v in (line.partition("=") for line in head.splitlines()) if v}
     try:
-        nx, ny = (int(_number(keys[k])) if keys[k].isdigit() else 0 for k in ("numpoints", "numprofiles"))
-        dx, dy, dz = (_number(keys[k]) for k in ("xscale", "yscale", "zscale"))
-        z = np.array([np.nan if w.lower() in ("bad", "nan") else _number(w) for w in body.partition("*")[0].split()])
-    except (KeyError, ValueError) as e:
+        nx, ny, dx, dy, dz = (_number(keys.get(k, ""), k) for k in ("numpoints", "numprofiles", "xscale", "yscale", "zscale"))
+        z = []
+        for word in re.finditer(r"\S+", body.partition("*")[0]):
+            hole = word[0].lower() in ("bad", "nan")
+            z.append(np.nan if hole else _number(word[0], (head + body[:word.start()]).count("\n") + 1))
+    except ValueError as e:
         raise FileError(f"{path.name} is a damaged surface data file (ISO 25178-71): {e}") from e
-    if z.size != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
-        raise FileError(f"{path.name} states {nx} x {ny} points and holds {z.size}, or a scale is not positive: damaged or cut")
-    z = z.reshape(ny, nx) * dz
-    return z if ny > 1 else z[0], (dy if ny > 1 else dx, dx), []
+    if len(z) != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
+        raise FileError(f"{path.name} states {nx:g} x {ny:g} points and holds {len(z)}, or a scale is not positive: damaged or cut")
+    heights = np.reshape(z, (int(ny), int(nx))) * dz
+    return heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), []
 
 
 def _profile(path, x, heights, lateral, height, spacing, notes):

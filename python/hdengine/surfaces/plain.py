@@ -11,7 +11,7 @@ import numpy as np
 from .._engine import FileError
 
 _ROW = re.compile(r"[\d\s,;.eE+-]+", re.ASCII)
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _HOLES = ("bad", "nan")  # the words of SDF and of C
 _UNITS = re.compile(r"#\s*(Lateral|Value) units:\s*(\S+)")  # of Gwyddion's XYZ export
 _VALUED = re.compile(r"#[^:=]*[:=]\s*[-+.\d]")  # a comment that gives a size: of a matrix, which SurfaceTopography reads
@@ -40,7 +40,7 @@ def _row(line):
             return [float(w) for w in words]
         except ValueError:
             return None
-    found = [float("nan") if w.lower() in _HOLES else float(w) if _NUMBER.fullmatch(w) else None for w in words]
+    found = [float("nan") if w.lower() in _HOLES else float(w) if NUMBER.fullmatch(w) else None for w in words]
     return None if None in found or all(x != x for x in found) else found
 
 
@@ -88,7 +88,7 @@ def read_table(path: Path) -> Table | None:
     for row, number in zip(rows, lines):
         if len(row) != len(rows[0]):
             raise FileError(f"{path.name}, line {number}: {len(row)} numbers; valid: {len(rows[0])}, as in line {lines[0]}")
-    if header and any(_NUMBER.fullmatch(w) for w in re.split(r"[\s,;]+", header[0][1])):
+    if header and any(NUMBER.fullmatch(w) for w in re.split(r"[\s,;]+", header[0][1])):
         raise FileError(f"{path.name}, line {header[0][0]}: '{_short(header[0][1])}' is neither names of columns nor numbers")
     return Table(np.array(rows), lines, units)
 

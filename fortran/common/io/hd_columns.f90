@@ -45,7 +45,9 @@ contains
       if (.not. allocated(columns%names)) then
         columns%names = [(string_t(trim(adjustl(cells(i)%s))), i=1, size(cells))]
         columns%header_line = number
-        allocate (columns%values(size(cells), line_count(text(at:))), columns%lines(line_count(text(at:))))
+        rows = min(line_count(text(at:)), (len(text) - at)/(2*size(cells)) + 2)   ! a cell takes a digit and what parts it
+        allocate (columns%values(size(cells), rows), columns%lines(rows))
+        rows = 0
         cycle
       end if
       rows = rows + 1

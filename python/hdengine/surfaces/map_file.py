@@ -274,12 +274,13 @@ def _number(word, place):
 
 def _load_text(path):
     """Text form of ISO 25178-71, metres: lines 'key = value' up to a star, then numbers, or BAD or NaN, up to a star."""
-    head, _, body = input_file(path, MOST_BYTES).read_text(errors="replace").partition("*")
+    head, *parts = re.split(r"(?<!\S)\*", input_file(path, MOST_BYTES).read_text(errors="replace"), maxsplit=2)
+    body = parts[0] if parts else ""
     keys = {k.strip().lower(): v.strip() for k, _, v in (line.partition("=") for line in head.splitlines()) if v}
     try:
         nx, ny, dx, dy, dz = (_number(keys.get(k, ""), k) for k in ("numpoints", "numprofiles", "xscale", "yscale", "zscale"))
         z = []
-        for word in re.finditer(r"\S+", body.partition("*")[0]):
+        for word in re.finditer(r"\S+", body):
             hole = word[0].lower() in ("bad", "nan")
             z.append(np.nan if hole else _number(word[0], (head + body[:word.start()]).count("\n") + 1))
     except ValueError as e:

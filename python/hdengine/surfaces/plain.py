@@ -78,7 +78,7 @@ def read_table(path: Path) -> Table | None:
             lines.append(number)
         elif not rows:
             header.append((number, line))
-        elif len(rows[-1]) == len(_words(line)):
+        elif len(rows[-1]) == len(_words(line)) or (len(rows[0]) < 4 and len(header) < 2 and not valued):
             raise FileError(f"{path.name}, line {number}: '{_short(line)}' stands among rows of numbers; valid: numbers, Bad or "
                             "NaN for a hole")
         else:

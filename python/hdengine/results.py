@@ -113,9 +113,9 @@ def read_json(path: PathLike, *needed: str) -> dict:
     FileError
         The file cannot be read, holds no JSON object, or lacks an entry.
     """
-    path = input_file(path, MOST_BYTES)
+    file = input_file(path, MOST_BYTES)
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
         raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
     if not isinstance(found, dict):

@@ -39,9 +39,9 @@ def plan(path: PathLike, tolerance: float | None = None, keys: dict | None = Non
     InputError, FileError
         The input is not valid or cannot be read.
     """
-    path, keys = input_file(path), dict(keys or {})
+    file, keys = input_file(path), dict(keys or {})
     head = ""
-    if path.suffix.lower() == ".toml":
+    if file.suffix.lower() == ".toml":
         study = Study.read(path)
         head = f"{len(study.points)} points; the first of them:\n"
         path, keys = study.scene, {**study.fixed, **study.points[0], **keys}

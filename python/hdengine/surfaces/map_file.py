@@ -268,7 +268,7 @@ def _plain(path, table, unit, spacing):
 def _number(word, place):
     """A number of a text: digits, a point, an exponent; ValueError with its line or key for all else, also what `float` takes."""
     if not plain.NUMBER.fullmatch(word):
-        raise ValueError(f"{f'line {place}' if isinstance(place, int) else place}: '{word}'; valid: a number")
+        raise ValueError(f"{place}: '{word}'; valid: a number")
     return float(word)
 
 
@@ -279,10 +279,8 @@ def _load_text(path):
     keys = {k.strip().lower(): v.strip() for k, _, v in (line.partition("=") for line in head.splitlines()) if v}
     try:
         nx, ny, dx, dy, dz = (_number(keys.get(k, ""), k) for k in ("numpoints", "numprofiles", "xscale", "yscale", "zscale"))
-        z = []
-        for word in re.finditer(r"\S+", body):
-            hole = word[0].lower() in ("bad", "nan")
-            z.append(np.nan if hole else _number(word[0], (head + body[:word.start()]).count("\n") + 1))
+        z = [np.nan if word.lower() in ("bad", "nan") else _number(word, f"line {number}")
+             for number, line in enumerate(body.split("\n"), head.count("\n") + 1) for word in line.split()]
     except ValueError as e:
         raise FileError(f"{path.name} is a damaged surface data file (ISO 25178-71): {e}") from e
     if len(z) != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):

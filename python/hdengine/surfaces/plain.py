@@ -15,6 +15,7 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _HOLES = ("bad", "nan")  # the words of SDF and of C
 _UNITS = re.compile(r"#\s*(Lateral|Value) units:\s*(\S+)")  # of Gwyddion's XYZ export
 _VALUED = re.compile(r"#[^:=]*[:=]\s*[-+.\d]")  # a comment that gives a size: of a matrix, which SurfaceTopography reads
+_FAR = 2**31  # places of a grid along a side
 _EVEN = 0.05  # of a step: points off a grid by less belong to it
 
 
@@ -34,7 +35,7 @@ def _words(line):
 
 def _row(line):
     """Numbers of a line, or None."""
-    words = _words(line)
+    words = line.split() if "," not in line and ";" not in line else _words(line)
     if _ROW.fullmatch(line):
         try:
             return [float(w) for w in words]
@@ -71,7 +72,7 @@ def read_table(path: Path) -> Table | None:
             continue
         row = _row(line)
         if row is not None:
-            if re.search(r"\d,\d", line) and (";" in line or re.search(r"\d\s+[-+.\d]", line)):
+            if "," in line and re.search(r"\d,\d", line) and (";" in line or re.search(r"\d\s+[-+.\d]", line)):
                 raise FileError(f"{path.name}, line {number}: '{_short(line)}' has decimal commas or two separators; valid: "
                                 "decimal points, one separator")
             rows.append(row)
@@ -124,18 +125,18 @@ def profile(path: Path, table: Table) -> tuple:
                     "that fall, from line to line (an overhang is no height profile)")
 
 
-def lattice(x: np.ndarray) -> tuple | None:
-    """Place of each position on an even grid, and its step (0: all are one); None where there is none."""
+def lattice(x: np.ndarray) -> tuple:
+    """Place of each position on an even grid, and its step (0: all are one), infinite where there is no such grid."""
     lines = np.unique(x)
     if lines.size == 1:
         return np.zeros(x.size, int), 0.0
     d = np.diff(lines)
     k = np.concatenate(([0], np.cumsum(np.rint(d / np.median(d)))))
-    if (np.diff(k) < 1).any():
-        return None
+    if (np.diff(k) < 1).any() or k[-1] > _FAR:
+        return np.zeros(x.size, int), np.inf
     step = (lines[-1] - lines[0]) / k[-1]
     if np.max(abs(lines - lines[0] - k * step)) > _EVEN * step:
-        return None
+        return np.zeros(x.size, int), np.inf
     return k[np.searchsorted(lines, x)].astype(int), float(step)
 
 
@@ -158,8 +159,8 @@ def points(path: Path, table: Table) -> tuple:
     if not np.isfinite(table.values[:, :2]).all():
         raise FileError(f"{path.name}, line {table.lines[int(np.argmax(~np.isfinite(x + y)))]}: a position is missing")
     found = [lattice(v) for v in (x, y)]
-    size = [0 if f is None else int(f[0].max()) + 1 for f in found]
-    if found[0] is None or found[1] is None or size[0] * size[1] > 2 * len(z):
+    size = [int(k.max()) + 1 for k, _ in found]
+    if np.inf in (found[0][1], found[1][1]) or size[0] * size[1] > 2 * len(z):
         raise FileError(f"{path.name}: three columns are x, y and height, and its {len(z)} points lie on no grid; valid: points of "
                         "an even grid, of which some may be missing, or a matrix of four columns or more")
     (i, dx), (j, dy) = found

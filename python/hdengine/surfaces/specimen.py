@@ -68,15 +68,14 @@ class Specimen:
         return roughness.structure_function(self.heights, self.spacing, lags, direction, second)
 
 
-
 @checked(path=a_path, channel=integer(0, optional=True))
 def read(path: PathLike, unit: str | tuple[str, str] | None = None, spacing: Spacing | None = None,
          channel: int | None = None) -> Specimen:
     """Read a height map or profile.
 
-    SDF (ISO 25178-71, binary; `save` writes it) is read as it is; every other format by the package SurfaceTopography
-    (`pip install hdengine[io]`): VK4, VK6, X3P, OPD, PLU, AL3D, SUR, plain text and more. Nothing is guessed: a unit or size
-    that the file lacks must be given.
+    SDF (ISO 25178-71, `save` writes it; BCR), .npy, .npz and text of one to three columns (heights; x and height; x, y and
+    height) are read as they are; every other format by the package SurfaceTopography (`pip install hdengine[io]`): VK4, VK6,
+    X3P, OPD, PLU, AL3D, SUR, matrices of text and more. Nothing is guessed: a unit or size that the file lacks must be given.
 
     Parameters
     ----------
@@ -96,13 +95,12 @@ def read(path: PathLike, unit: str | tuple[str, str] | None = None, spacing: Spa
     Raises
     ------
     FileError
-        The file is missing or cannot be read.
+        The file is missing or cannot be read, or states more than it can hold.
     InputError
-        Unit or size is missing, or given though the file states it; SurfaceTopography is missing.
+        Unit or size is missing, or given though the file states it; wider or taller than 10 m; SurfaceTopography is missing.
     """
-    path = Path(path)
-    heights, steps, notes = map_file.read(path, unit, spacing, channel)
-    return _doubt(Specimen(heights, steps, path.stem, tuple(notes)))
+    heights, steps, notes = map_file.read(Path(path), unit, spacing, channel)
+    return _doubt(Specimen(heights, steps, Path(path).stem, tuple(notes)))
 
 
 def _doubt(s):

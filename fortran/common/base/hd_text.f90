@@ -6,7 +6,7 @@ module hd_text
   implicit none
   private
   public :: to_text, lower, nearest_name, suggestion, string_t, push, join, exact, percent, split, is_utf8, unquoted, rounded
-  public :: to_number, next_word
+  public :: to_number, next_word, printable
 
   !> One entry of a list of texts.
   type :: string_t
@@ -27,6 +27,7 @@ module hd_text
   integer, parameter :: smallest = -3, largest = 5    !< powers of ten from and below which a number has no exponent
   character(len=*), parameter :: figures = '0123456789'
   integer, parameter :: longest = 100                 !< characters of a number
+  integer, parameter :: most_shown = 800              !< characters of a foreign text that a message shows
 
 contains
 
@@ -332,4 +333,17 @@ contains
     end do
     call push(parts, text(first:))
   end function split
+
+  !> A text without control characters, in UTF-8, and no longer than a message may be.
+  pure function printable(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=:), allocatable :: t
+    integer :: i, last
+    t = s(:min(len(s), most_shown))
+    if (len(t) < len(s)) t = t//' ...'
+    last = merge(255, 126, is_utf8(t))
+    do i = 1, len(t)
+      if (iachar(t(i:i)) < 32 .or. iachar(t(i:i)) == 127 .or. iachar(t(i:i)) > last) t(i:i) = '?'
+    end do
+  end function printable
 end module hd_text

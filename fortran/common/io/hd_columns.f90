@@ -4,7 +4,7 @@ module hd_columns
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_input_file, only: read_text, next_line, line_count
-  use hd_text, only: string_t, to_text, to_number, split, join
+  use hd_text, only: string_t, to_text, to_number, split, join, printable
   implicit none
   private
   public :: columns_t, read_columns
@@ -79,8 +79,8 @@ contains
     do i = 1, size(cells)
       call to_number(trim(adjustl(cells(i)%s)), columns%values(i, row), ok)
       if (ok) cycle
-      call raise(error, code_input, columns%place(columns%lines(row))//'column '//columns%names(i)%s//": '"// &
-        trim(adjustl(cells(i)%s))//"'; valid: a number")
+      call raise(error, code_input, columns%place(columns%lines(row))//'column '//printable(columns%names(i)%s)//": '"// &
+        printable(trim(adjustl(cells(i)%s)))//"'; valid: a number")
       return
     end do
   end subroutine read_row
@@ -117,6 +117,6 @@ contains
         return
       end if
     end do
-    call raise(error, code_input, "'"//self%path//"' has no column '"//name//"'; it has "//join(self%names, ', '))
+    call raise(error, code_input, "'"//self%path//"' has no column '"//name//"'; it has "//printable(join(self%names, ', ')))
   end subroutine take
 end module hd_columns

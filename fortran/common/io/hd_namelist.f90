@@ -5,7 +5,7 @@
 module hd_namelist
   use hd_error, only: error_t
   use hd_input_file, only: read_text
-  use hd_text, only: string_t, push, join, to_text, lower, is_utf8
+  use hd_text, only: string_t, push, join, to_text, lower, is_utf8, printable
   implicit none
   private
   public :: assignment_t, namelist_t, read_namelist, report, faults_text
@@ -357,17 +357,4 @@ contains
     text = join(list%faults, nl)
     if (list%more > 0) text = text//nl//'and '//to_text(list%more)//' more mistakes in '//list%path
   end function faults_text
-
-  !> A text without control characters, in UTF-8, and no longer than a message may be.
-  pure function printable(s) result(t)
-    character(len=*), intent(in) :: s  !< text
-    character(len=:), allocatable :: t
-    integer :: i, last
-    t = s(:min(len(s), 4*widest))
-    if (len(t) < len(s)) t = t//' ...'
-    last = merge(255, 126, is_utf8(t))
-    do i = 1, len(t)
-      if (iachar(t(i:i)) < 32 .or. iachar(t(i:i)) == 127 .or. iachar(t(i:i)) > last) t(i:i) = '?'
-    end do
-  end function printable
 end module hd_namelist

@@ -5,7 +5,7 @@ module hd_npy
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
   use hd_input_file, only: open_input
-  use hd_text, only: to_text, to_number, split, string_t
+  use hd_text, only: to_text, to_number, split, string_t, printable
   implicit none
   private
   public :: write_npy, read_npy
@@ -125,7 +125,8 @@ contains
       if (ok) extent(2 - size(parts) + i) = int(number)
     end do
     if (.not. ok) then
-      call raise(error, code_file, "'"//path//"' has shape ("//list//'): heights are rows x points, or one row of points')
+      call raise(error, code_file, "'"//path//"' has shape ("//printable(list)// &
+        '): heights are rows x points, or one row of points')
     else if (extent(2) > bytes/size_of/extent(1) .or. extent(1)*size_of*extent(2) /= bytes) then
       call raise(error, code_file, "'"//path//"' states "//to_text(extent(1))//' x '//to_text(extent(2))//' heights of '// &
         to_text(size_of)//' bytes and holds '//to_text(bytes)//' bytes of them: damaged or cut')

@@ -6,7 +6,7 @@ module hd_sdf
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
   use hd_input_file, only: open_input, read_text, next_line, line_count
-  use hd_text, only: to_text, to_number, lower, next_word
+  use hd_text, only: to_text, to_number, lower, next_word, printable
   implicit none
   private
   public :: read_sdf
@@ -18,7 +18,6 @@ module hd_sdf
     real(dp) :: dx = 0, dy = 0, dz = 0            !< spacing, height of a step [m]
   end type header_t
 
-  character(len=*), parameter :: printable = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.- '
   real(dp), parameter :: infinite = 1e30_dp     !< scale that is none [m]
   integer, parameter :: binary_header = 81        !< bytes
 
@@ -51,10 +50,8 @@ contains
       if (.not. allocated(error)) call read_lines(text, h, z, why)
     else if (status /= 0) then
       why = 'it is too short'
-    else if (verify(version, printable) > 0) then
-      why = 'it does not begin with a version as bISO-1.0'
     else if (.not. binary) then
-      why = "its version is '"//version//"'; valid: bISO-1.0, aISO-1.0, bBCR-1.0, aBCR-1.0"
+      why = "its version is '"//printable(version)//"'; valid: bISO-1.0, aISO-1.0, bBCR-1.0, aBCR-1.0"
     end if
     if (allocated(error)) return
     if (len(why) > 0) then
@@ -172,7 +169,7 @@ contains
       case ('zscale'); call to_number(word, h%dz, ok)
       end select
       if (.not. ok) then
-        why = 'line '//to_text(number)//': '//trim(adjustl(line(:equal - 1)))//" is '"//word//"'; valid: a number"
+        why = 'line '//to_text(number)//': '//trim(adjustl(line(:equal - 1)))//" is '"//printable(word)//"'; valid: a number"
         return
       end if
     end do
@@ -186,13 +183,15 @@ contains
         if (ok) cycle
         z(i, j) = ieee_value(z(i, j), ieee_quiet_nan)
         if (lower(word) == 'bad' .or. lower(word) == 'nan') cycle
-        why = 'height '//to_text(i)//' of row '//to_text(j)//" is '"//word//"'"//line_of(text, at)//'; valid: a number, BAD'
+        why = 'height '//to_text(i)//' of row '//to_text(j)//" is '"//printable(word)//"'"//line_of(text, at)// &
+          '; valid: a number, BAD'
         return
       end do
     end do
     call next_word(text, at, word)
     if (len(word) > 0 .and. index(word, '*') /= 1) then
-      why = "'"//word//"' stands behind its "//to_text(h%nx)//' x '//to_text(h%ny)//' heights'//line_of(text, at)//'; valid: *'
+      why = "'"//printable(word)//"' stands behind its "//to_text(h%nx)//' x '//to_text(h%ny)//' heights'// &
+        line_of(text, at)//'; valid: *'
       return
     end if
     z = z * h%dz

@@ -5,7 +5,7 @@ module hd_cam_table
   use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_input
-  use hd_text, only: to_text, join
+  use hd_text, only: to_text, join, printable
   implicit none
   private
   public :: cam_table_t, read_cam_table, radius_deviation
@@ -41,7 +41,7 @@ contains
     end if
     names = join(columns%names, ',')
     if (names /= 'theta_deg,radius_m' .and. names /= 'theta_rad,radius_m') then
-      call raise(error, code_input, columns%place(columns%header_line)//"the header is '"//names// &
+      call raise(error, code_input, columns%place(columns%header_line)//"the header is '"//printable(names)// &
         "'; valid: theta_deg,radius_m or theta_rad,radius_m")
       return
     end if

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from .._check import MOST_BYTES, input_file
+from .._check import MOST_BYTES, input_file, seen
 from .._engine import FileError, InputError
 from .._types import Spacing
 from . import plain, roughness
@@ -268,7 +268,7 @@ def _plain(path, table, unit, spacing):
 def _number(word, place):
     """A number of a text: digits, a point, an exponent; ValueError with its line or key for all else, also what `float` takes."""
     if not plain.NUMBER.fullmatch(word):
-        raise ValueError(f"{place}: '{word}'; valid: a number")
+        raise ValueError(f"{place}: {seen(word)}; valid: a number")
     return float(word)
 
 

@@ -73,14 +73,14 @@ def read_table(path: Path) -> Table | None:
         row = _row(line)
         if row is not None:
             if "," in line and re.search(r"\d,\d", line) and (";" in line or re.search(r"\d\s+[-+.\d]", line)):
-                raise FileError(f"{path.name}, line {number}: '{_short(line)}' has decimal commas or two separators; valid: "
+                raise FileError(f"{path.name}, line {number}: {_short(line)} has decimal commas or two separators; valid: "
                                 "decimal points, one separator")
             rows.append(row)
             lines.append(number)
         elif not rows:
             header.append((number, line))
         elif len(rows[-1]) == len(_words(line)) or (len(rows[0]) < 4 and len(header) < 2 and not valued):
-            raise FileError(f"{path.name}, line {number}: '{_short(line)}' stands among rows of numbers; valid: numbers, Bad or "
+            raise FileError(f"{path.name}, line {number}: {_short(line)} stands among rows of numbers; valid: numbers, Bad or "
                             "NaN for a hole")
         else:
             return None
@@ -90,13 +90,13 @@ def read_table(path: Path) -> Table | None:
         if len(row) != len(rows[0]):
             raise FileError(f"{path.name}, line {number}: {len(row)} numbers; valid: {len(rows[0])}, as in line {lines[0]}")
     if header and any(NUMBER.fullmatch(w) for w in re.split(r"[\s,;]+", header[0][1])):
-        raise FileError(f"{path.name}, line {header[0][0]}: '{_short(header[0][1])}' is neither names of columns nor numbers")
+        raise FileError(f"{path.name}, line {header[0][0]}: {_short(header[0][1])} is neither names of columns nor numbers")
     return Table(np.array(rows), lines, units)
 
 
 def _short(line):
     line = " ".join(line.split())
-    return line if len(line) <= 60 else line[:57] + "..."
+    return repr(line if len(line) <= 60 else line[:57] + "...")
 
 
 def profile(path: Path, table: Table) -> tuple:

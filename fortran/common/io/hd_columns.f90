@@ -43,7 +43,10 @@ contains
       if (len_trim(line) == 0 .or. index(adjustl(line), '#') == 1) cycle
       cells = split(line)
       if (.not. allocated(columns%names)) then
-        columns%names = [(string_t(trim(adjustl(cells(i)%s))), i=1, size(cells))]
+        allocate (columns%names(size(cells)))
+        do i = 1, size(cells)
+          columns%names(i)%s = trim(adjustl(cells(i)%s))
+        end do
         columns%header_line = number
         rows = min(line_count(text(at:)), (len(text) - at)/(2*size(cells)) + 2)   ! a cell takes a digit and what parts it
         allocate (columns%values(size(cells), rows), columns%lines(rows))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from . import _engine
+from ._check import MOST_BYTES, input_file
 from ._engine import FileError
 from ._types import PathLike
 
@@ -185,20 +186,6 @@ def csv_text(columns: dict) -> str:
     return "\n".join([",".join(columns), *(",".join(map(cell, row)) for row in zip(*columns.values()))]) + "\n"
 
 
-def regular(path: PathLike) -> Path:
-    """A path that may be read without waiting for ever: that of a file, or of nothing.
-
-    Raises
-    ------
-    FileError
-        A pipe, a device or a folder stands there.
-    """
-    path = Path(path)
-    if path.exists() and not path.is_file():
-        raise FileError(f"'{path}' is no regular file")
-    return path
-
-
 def read_json(path: PathLike, *needed: str) -> dict:
     """A JSON object; entries that are needed must be there.
 
@@ -207,10 +194,9 @@ def read_json(path: PathLike, *needed: str) -> dict:
     FileError
         The file cannot be read, holds no JSON object, or lacks an entry.
     """
+    file = input_file(path, MOST_BYTES)
     try:
-        found = json.loads(regular(path).read_text(encoding="utf-8"))
-    except FileError:
-        raise
+        found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
         raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
     if not isinstance(found, dict):

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked
+from ._check import checked, input_file
 from ._check import path as a_path
 from ._engine import FileError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
-from .files import read_json, regular, write_files
+from .files import read_json, write_files
 from .joint import Joint, JointWarning
 
 WORD = 24   # characters beyond which a table is left to the slow reader
@@ -25,7 +25,7 @@ WORD = 24   # characters beyond which a table is left to the slow reader
 
 def _table(path):
     """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    with open(regular(path), encoding="utf-8") as file:
+    with open(path, encoding="utf-8") as file:
         head = [line for line, _ in zip(file, range(20))]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
@@ -44,6 +44,18 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
+def _table_with_gaps(path):
+    """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
+    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
+    table = np.atleast_1d(np.genfromtxt(path, dtype=None, **options))
+    names = table.dtype.names or ()
+    if not any(table.dtype[name].kind == "i" for name in names):
+        return table
+    floats = [(name, float if table.dtype[name].kind == "i" else table.dtype[name]) for name in names]
+    wide = np.atleast_1d(np.genfromtxt(path, dtype=floats, **options))
+    return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
+
+
 def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
@@ -52,14 +64,18 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     FileError
         The file cannot be read, or is no table.
     """
+    input_file(path)
     try:
+        with open(path, "rb") as file:
+            if b"\0" in file.read(4096):
+                raise ValueError("it holds bytes that are no text")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             try:
                 table = _table(path)
             except (ValueError, Warning, IndexError):
-                table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+                table = _table_with_gaps(path)
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers

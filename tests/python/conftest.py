@@ -40,7 +40,7 @@ def exe():
 
 def call(exe, *args, **options):
     """Run hdengine.x and return the finished process."""
-    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=600, **options)
+    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, **{"timeout": 600} | options)
 
 
 def stopped_and_whole(exe, keys, rows, tmp_path):

@@ -25,6 +25,9 @@ PIECES = ["&load", "&mesh", "&", "&end", "/", "=", ",", "!", "torque", "division
     ("&run title = '\xff\xfe' /", "not UTF-8"),
     ("&load torque = " + 100000 * "7" + " /", "is not a number"),
     ("&load /" * 5000, "more mistakes"),
+    ("&loop torques = 5, , -5 /", "an empty place in 'torques'"), ("&loop torques = ,5 /", "an empty place in 'torques'"),
+    ("&loop torques = 5,\n, -5 /", "an empty place in 'torques'"), ("&load torque = 1+13 /", "is not a number: '1+13'"),
+    ("&loop torques = 1;2 /", "is not a number: '1;2'"),
 ])
 def test_crafted_namelists_are_told(exe, tmp_path, text, what):
     """Repeat counts of any size, long lines, strange bytes and endless mistakes end with code 2 and a message of bearable length."""
@@ -34,6 +37,13 @@ def test_crafted_namelists_are_told(exe, tmp_path, text, what):
     assert done.returncode == 2 and what in done.stderr.decode() and len(done.stderr) < 200000
     with pytest.raises(hdengine.InputError):
         hdengine.read_scene(path)
+
+
+@pytest.mark.parametrize("value", ["5, , -5", ",5", "5,-5,", "1;2", "1+13", "5 / -5", "", "5,'7'"])
+def test_lists_on_the_command_line_have_no_empty_place(value):
+    """A list in an assignment is as strict as in a file: an empty place, or what is no number, is an error that shows it."""
+    with pytest.raises(hdengine.InputError, match="is not a number: '"):
+        hdengine.read_scene(**{"loop.torques": value})
 
 
 def test_quotes_in_texts_survive_the_echo(exe, tmp_path):

@@ -8,6 +8,7 @@ module hd_trial_runs
   use hd_clock, only: wall_seconds
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
+  use hd_input_file, only: read_text, next_line
   use hd_load_path, only: path_end
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
@@ -20,7 +21,7 @@ module hd_trial_runs
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
   use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, stop_requested
-  use hd_text, only: string_t, push, rounded, to_text
+  use hd_text, only: string_t, push, rounded, split, to_number, to_text
   implicit none
   private
   public :: trial_runs_t, new_trial_runs, growth
@@ -256,26 +257,36 @@ contains
     type(trial_runs_t), intent(inout) :: self         !< gets them
     type(error_t), allocatable, intent(out) :: error  !< a row is not as it was written
     type(probe_t) :: one
-    character(len=25*(values + 8)) :: line
-    integer :: unit, status, comma, last
+    type(string_t), allocatable :: cells(:)
+    character(len=:), allocatable :: text, line
+    real(dp) :: row(values + 2)
+    integer :: at, i, n, last
+    logical :: ok
     if (path_kind(self%folder//'/plan.csv') /= path_file) return
-    open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
-    if (status /= 0) return
-    read (unit, '(a)', iostat=status) line
-    do while (status == 0)
-      read (unit, '(a)', iostat=status) line
-      if (status /= 0) exit
-      comma = index(line, ',')
+    call read_text(self%folder//'/plan.csv', text, error)
+    if (allocated(error)) return
+    n = maxval(self%promised%last)
+    at = 1
+    call next_line(text, at, line)
+    do while (at <= len(text))
+      call next_line(text, at, line)
+      cells = split(line)
       last = index(line, ',', back=.true.)
-      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q(:maxval(self%promised%last)), one%seconds, one%balls
-      if (comma >= last .or. status /= 0 .or. line(last + 1:) /= hexadecimal(checksum(line(:last - 1)))) then
+      ok = size(cells) == n + 4
+      if (ok) ok = cells(n + 4)%s == hexadecimal(checksum(line(:last - 1)))
+      do i = 1, n + 2
+        if (ok) call to_number(trim(adjustl(cells(1 + i)%s)), row(i), ok)
+      end do
+      if (.not. ok) then
         call raise(error, code_file, "'"//self%folder//"/plan.csv' is not as the plan left it (row "// &
           to_text(size(self%name) + 1)//"): begin anew with --force")
-        exit
+        return
       end if
-      call push(self%name, line(:comma - 1))
+      one%q(:n) = row(:n)
+      one%seconds = row(n + 1)
+      one%balls = row(n + 2)
+      call push(self%name, cells(1)%s)
       self%known = [self%known, one]
     end do
-    close (unit)
   end subroutine read_known
 end module hd_trial_runs

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Fit of D and G in a surface run: specimens from files or generated, two of them as one equivalent surface; table and summary.
 module hd_fit_report
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
@@ -45,6 +46,7 @@ module hd_fit_report
 
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
   real(dp), parameter :: least_mb = 16          !< of a fit
+  real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -89,6 +91,7 @@ contains
     type(specimen_t), intent(inout) :: s                        !< specimen
     type(error_t), allocatable, intent(out) :: error            !< file, spacing missing
     character(len=:), allocatable :: ending
+    real(dp) :: widest
     ending = path(index(path, '.', back=.true.) + 1:)
     select case (ending)
     case ('sdf')
@@ -111,6 +114,14 @@ contains
     end select
     if (allocated(error)) return
     if (s%dy <= 0) s%dy = s%dx
+    widest = max((size(s%z, 1, kind=int64) - 1)*s%dx, (size(s%z, 2, kind=int64) - 1)*s%dy)
+    if (widest > longest) then
+      call raise(error, code_input, "'"//path//"' is "//to_text(widest)//' m wide; valid: up to '//to_text(longest)//' m')
+    else if (any(abs(s%z) > longest)) then
+      call raise(error, code_input, "'"//path//"' has heights up to "//to_text(maxval(abs(s%z), mask=abs(s%z) > longest))// &
+        ' m; valid: up to '//to_text(longest)//' m, NaN for a hole')
+    end if
+    if (allocated(error)) return
     call say('specimen  '//path//', '//to_text(size(s%z, 1))//' x '//to_text(size(s%z, 2))//' points')
   end subroutine read_specimen
 

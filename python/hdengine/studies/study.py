@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import checked, fields, flag, integer, mapping, text
+from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
-from ..files import json_text, regular, write_files
+from ..files import json_text, write_files
 from ..results import preformatted
 from . import study_file
 from .progress import Progress
@@ -121,7 +121,7 @@ class Study:
 
     def identity(self) -> dict[str, Any]:
         """What a table must have been made from to be continued."""
-        text = Path(self.scene).read_bytes() if self.scene else b""
+        text = input_file(self.scene, MOST_BYTES).read_bytes() if self.scene else b""
         identity = {"scene_sha256": hashlib.sha256(text).hexdigest(), "grid": list(self.grid.items()),
                     "together": list(self.together.items()), "fixed": self.fixed, "rows": self.rows}
         return json.loads(json_text(identity))
@@ -275,10 +275,7 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     folder = Path(folder)
     if not (folder / "study.json").is_file():
         raise FileError(f"'{folder}' holds no study: study.json is missing")
-    try:
-        table = hashlib.sha256(regular(folder / "study.csv").read_bytes()).hexdigest()
-    except OSError as e:
-        raise FileError(f"'{folder / 'study.csv'}' cannot be read: {e}") from None
+    table = hashlib.sha256(input_file(folder / "study.csv").read_bytes()).hexdigest()
     cause = "study.json"
     for name in ("study.json", "study.json.part"):
         try:
@@ -303,6 +300,7 @@ def _number(text):
 
 def read_rows(path: PathLike) -> list:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
+    input_file(path)
     try:
         with open(path, newline="", encoding="utf-8") as file:
             return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]

@@ -185,7 +185,7 @@ subroutine theory_rule(limits, touching, scatter, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_persson_error, only: trust, steep, touching_waves, scatter_of_maps
   implicit none
-  real(c_double), intent(out) :: limits(2), touching(10), scatter(10)
+  real(c_double), intent(out) :: limits(2), touching(8), scatter(8)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   limits = [trust, steep]

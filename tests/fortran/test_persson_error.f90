@@ -54,6 +54,7 @@ contains
     type(theory_surface_t) :: surface
     type(theory_error_t) :: found
     real(dp) :: edge
+    integer :: i
     surface%pressure = [1e6_dp, 1e8_dp]
     surface%area = [1e-3_dp, 1e-1_dp]
     surface%waves_per_area = 1e8_dp
@@ -68,7 +69,9 @@ contains
     call check_close(found%share, 5e-4_dp, 1e-15_dp, 'contact in proportion below the first pressure')
     found = theory_error_of(surface, [0._dp, -1e6_dp], [1e-6_dp, 1e-6_dp], [.true., .true.])
     call check(.not. may_be_taken(found), 'nothing is pressed')
-    edge = exp(log(1.8_dp) + log(5.6_dp/1.8_dp)*(0.15_dp - trust/1.96_dp)/(0.15_dp - 0.073_dp))  ! A N at which 1.96 e = trust
+    i = count(scatter_of_maps > trust/1.96_dp)
+    edge = touching_waves(i)*(touching_waves(i + 1)/touching_waves(i))**((scatter_of_maps(i) - trust/1.96_dp)/ &
+      (scatter_of_maps(i) - scatter_of_maps(i + 1)))  ! waves at which 1.96 e = trust
     surface%waves_per_area = 1.001_dp*edge/(1e-2_dp*1e-6_dp)
     found = theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])
     call check(may_be_taken(found), 'just enough waves touch')

@@ -19,10 +19,10 @@ module hd_persson
   public :: contact_at, mean_gap_at
 
   real(dp), parameter :: rounding = 1e-18_dp !< what further terms of the series add is below rounding
-  real(dp), parameter :: share_at_no_contact(2) = [0.37_dp, 0.13_dp]  !< a_0, a_1
-  real(dp), parameter :: narrowness = 14      !< n
-  real(dp), parameter :: share_power = 0.15_dp   !< e
-  real(dp), parameter :: rise = 3.4_dp           !< m
+  real(dp), parameter :: share_at_no_contact(2) = [0.35_dp, 0.15_dp]  !< a_0, a_1
+  real(dp), parameter :: narrowness = 9      !< n
+  real(dp), parameter :: share_power = 0.17_dp   !< e
+  real(dp), parameter :: rise = 3.15_dp          !< m
   real(dp), parameter :: stiffest = 1e-6_dp !< full contact: k_N <= P / (stiffest h_rms)
   real(dp), parameter :: narrow = 0.04_dp   !< V/H^2 below which the two boundaries do not see each other
   real(dp), parameter :: clear = 6          !< standard deviations to the nearer boundary beyond which all touches elastically

@@ -20,9 +20,8 @@ module hd_persson_error
   real(dp), parameter :: in_95 = 1.96_dp  !< standard deviations
   real(dp), parameter :: valley = 3       !< open valleys that tell as much as a crest that touches
   !> rms error of ln k_N of single maps over their waves that count (bench/joint_law.py train).
-  real(dp), parameter :: touching_waves(10) = [0.025_dp, 0.066_dp, 0.2_dp, 0.6_dp, 1.8_dp, 5.6_dp, 18._dp, 55._dp, 170._dp, 520._dp]
-  real(dp), parameter :: scatter_of_maps(10) = [0.31_dp, 0.28_dp, 0.27_dp, 0.17_dp, 0.15_dp, 0.073_dp, 0.056_dp, 0.054_dp, &
-    0.053_dp, 0.049_dp]
+  real(dp), parameter :: touching_waves(8) = [0.059_dp, 0.2_dp, 0.57_dp, 1.8_dp, 5.8_dp, 18._dp, 54._dp, 110._dp]
+  real(dp), parameter :: scatter_of_maps(8) = [0.39_dp, 0.29_dp, 0.22_dp, 0.18_dp, 0.13_dp, 0.051_dp, 0.033_dp, 0.03_dp]
 
   !> What the theory knows of a surface.
   type :: theory_surface_t

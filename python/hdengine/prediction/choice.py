@@ -8,12 +8,16 @@ from .. import _engine
 
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
+WORN, PEAKED = 0.5, 1.9   # height of the crests over that of random waves where a map is none of them (of 77 random maps: 0.53 to 1.7)
 # The engine's rule (hd_persson_error): TRUST, ln k_N within which the theory must hold 95 of 100 single maps to be taken; STEEP,
 # E* slope over hardness beyond which boundary elements may not converge; rms errors of ln k_N over touching waves
 (TRUST, STEEP), *_errors = _engine.call("theory_rule")
 SCATTER = tuple(zip(*_errors))
-# ln k_N within which 95 of 100 skewed maps lie, per unit of skewness, over true contact (bench/joint_law.py fit)
-SKEWED = ((0.0026, 0.02, 0.13, 0.49, 0.83, 0.93, 0.98), (1.3, 0.9, 0.65, 0.35, 0.4, 1.0, 2.3))
+# ln k_N within which 95 of 100 maps lie per ln of their crests' height, over true contact (bench/joint_law.py fit); from CLOSING on a crest
+# counts as worn to a third at most, since the valleys decide
+SKEWED = ((0.0027, 0.0067, 0.02, 0.054, 0.13, 0.27, 0.49, 0.67, 0.83, 0.93, 0.98),
+          (1.2, 1.1, 0.86, 0.84, 0.72, 0.48, 0.35, 0.19, 0.53, 1.2, 2.7))
+CLOSING = 0.75
 
 
 def scatter_of(area: np.ndarray, waves: float) -> np.ndarray:
@@ -31,17 +35,18 @@ def scatter_of(area: np.ndarray, waves: float) -> np.ndarray:
     return _engine.call("theory_scatters", np.atleast_1d(np.asarray(area, dtype=float)), float(waves))
 
 
-def half_width_of(area: np.ndarray, waves: float, skewness: float = 0.0) -> np.ndarray:
-    """Half width of ln k_N by theory that holds 95 of 100 single maps: the phases of few waves, and heights that are skewed.
+def half_width_of(area: np.ndarray, waves: float, crests: float = 1.0) -> np.ndarray:
+    """Half width of ln k_N by theory that holds 95 of 100 single maps: the phases of few waves, and crests that are not those of random waves.
 
     Parameters
     ----------
     area, waves :
         As of `scatter_of`.
-    skewness : float
-        Of the heights of the equivalent surface.
+    crests : float
+        Height of the crests over that of random waves (`spectrum.crests`).
     """
-    return np.hypot(1.96 * scatter_of(area, waves), abs(skewness) * np.interp(area, *SKEWED))
+    worn = abs(np.log(crests))
+    return np.hypot(1.96 * scatter_of(area, waves), np.where(area < CLOSING, worn, min(worn, 1.0)) * np.interp(area, *SKEWED))
 
 
 def doubts(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> list[str]:
@@ -68,6 +73,8 @@ def doubts(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: flo
                      "directions, and k_N may differ by a factor of 3")
     if abs(skew) > SKEW:
         found.append(f"skewness {skew:.2f}: not the heights of random waves, which the theory takes")
+    elif not WORN < (crests := max((f["crests"] for f in facts), key=lambda x: abs(np.log(x)))) < PEAKED:
+        found.append(f"crests {crests:.2f} times as high as those of random waves, which the theory takes")
     half = 1.96 * scatter_of(area, waves)
     if half.max() > TRUST:
         at, enough = int(half.argmax()), pressure[half <= TRUST]

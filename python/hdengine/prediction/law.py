@@ -246,7 +246,7 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
             parts = _spread(*spread)
     outside = ()
     if wanted == "spectrum":
-        law = half_width_of(area, waves, _skewness(facts))
+        law = half_width_of(area, waves, _crests(facts))
         parts["law"] = (law, law, *(law * (1 - area),) * 2)
         outside = tuple(doubts(*against))
         notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 maps)",)
@@ -286,10 +286,10 @@ def _pair(m, number):
     return heights, (dy, dx)
 
 
-def _skewness(facts):
-    """Skewness of the sum of independent heights."""
-    rms = np.array([f["h_rms_m"] for f in facts])
-    return float((rms**3 * [f["skewness"] for f in facts]).sum() / (rms**2).sum() ** 1.5)
+def _crests(facts):
+    """Height of the crests of the sum of independent heights, over that of random waves."""
+    h = np.array([f["h_rms_m"] for f in facts])
+    return float(np.sqrt(((h * [f["crests"] for f in facts])**2).sum() / (h**2).sum()))
 
 
 def _percent(log):

@@ -247,7 +247,7 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     outside = ()
     if wanted == "spectrum":
         law = half_width_of(area, waves, _crests(facts))
-        parts["law"] = (law, law, *(law * (1 - area),) * 2)
+        parts["law"] = (law,) * 4
         outside = tuple(doubts(*against))
         notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 maps)",)
     bias = parts.get("longer waves", (0.0,))[0]   # only ever down: added, not a root of squares

@@ -27,7 +27,7 @@ E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
 DX = (1e-6, 1e-6)
 CONTACT = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
 WHOLE = (0.002, 0.005, 0.015, 0.04, 0.1, 0.2, 0.4, 0.6, 0.8, 0.92, 0.98)   # from first touch to nearly full contact
-WIDE = (0.01, 0.05, 0.3, 0.7, 0.92)                                        # of the widest map, which takes minutes
+WIDE = (0.01, 0.05, 0.3, 0.7, 0.92)                                        # of the widest maps, which take minutes
 USED = (0.35, 0.15, 0.17, 3.15, 9.0)                                       # a_0, a_1, e, m, n of hd_persson
 KINDS = [(d, n) for d in (2.1, 2.3, 2.5, 2.7, 2.9) for n in (1, 2, 4)] + [(d, "cut") for d in (2.1, 2.5, 2.9)]
 SEEDS = range(3001, 3009)
@@ -120,7 +120,7 @@ TRAINING = [
 JUDGES = {
     "narrow, 2 to 8": [(128, 0.6, 8 * w, 8, s, 8 * w, 0, None) for w in (2, 2.5, 5, 8) for s in (901, 902)],
     "roll-off, 20 to 200": [*((128, h, 25.6, 6.4, s, 128, 0, None) for h in (0.3, 0.7) for s in (903, 904)),
-                            *((256, h, 42, 4, 905, 256, 0, None) for h in (0.4, 0.7)), (1024, 0.7, 128, 5.12, 906, 1024, 0, None)],
+                            *((256, h, 42, 4, 905, 256, 0, None) for h in (0.4, 0.7)), *((512, 0.7, 64, x, 906, 512, 0, None) for x in (5.12, 2.56))],
     "no roll-off, 20 to 64": [*((128, h, 128, 6.4, s, 128, 0, None) for h in (0.3, 0.7) for s in (907, 908)),
                               *((256, h, 256, 4, 909, 256, 0, None) for h in (0.4, 0.7))],
     "skewed": [(128, 0.6, 30, 8, s, 90, k, None) for k in (-0.3, -0.7, -1.7, -2.8) for s in (920, 921)],
@@ -160,7 +160,7 @@ def judge():
     rows = []
     for kind, maps in JUDGES.items():
         for numbers in maps:
-            row = solved(numbers, WIDE if numbers[0] > 512 else WHOLE)
+            row = solved(numbers, WIDE if numbers[0] == 512 else WHOLE)
             errors, half, waves, _, facts = theory(row)
             rows.append({"kind": kind, **row, **facts, "waves": round(waves, 1), "half_width": short(half, 3)}
                         | {f"ln_{k}": short(e, 3) for k, e in zip(("k", "contact", "gap", "square"), errors)})
@@ -242,14 +242,12 @@ def levels(row):
     for i, q in enumerate(s.q):
         edges = np.linspace(full[i] ** 0.5, full[i + 1] ** 0.5, 2 + int(20 * (1 - (full[i] / full[i + 1]) ** 0.5))) ** 2
         for low, high in itertools.pairwise(edges):
-            for at in ((low**0.5 + high**0.5) ** 2 / 4, high):   # midpoint rule
-                a, slope = touching(v0, by_p0) if at == high else touching(v, by_p)
-                power, power_by_p = (5 - 2 * a**2 + 6 * a**4) / 9, (24 * a**3 - 4 * a) / 9 * slope
-                if at == high:
-                    v, by_p = v + (high - low) * power, by_p + (high - low) * power_by_p
-                    out.append((a, slope, q * s.height_variance[i] / 4 * (high - low) / (full[i + 1] - full[i])))
-                else:
-                    v0, by_p0 = v + (at - low) * power, by_p + (at - low) * power_by_p
+            middle, (at, by_at) = (low**0.5 + high**0.5) ** 2 / 4, (v, by_p)
+            for end in (middle, high):   # midpoint rule
+                a, slope = touching(at, by_at)
+                at, by_at = v + (end - low) * (5 - 2 * a**2 + 6 * a**4) / 9, by_p + (end - low) * (24 * a**3 - 4 * a) / 9 * slope
+            v, by_p = at, by_at
+            out.append((a, slope, q * s.height_variance[i] / 4 * (high - low) / (full[i + 1] - full[i])))
     area, slope, weight = map(np.array, zip(*out))
     moments = [(s.q**k * s.height_variance).sum() for k in range(3)]
     return area, slope, weight[:, None], moments[1] ** 2 / (moments[0] * moments[2])

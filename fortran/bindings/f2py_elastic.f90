@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: elastic joints. A law is a table of rising pressures with k_N and k_T per area.
 
-!> Stiffness per area, true contact and variance of the pressures from a spectrum: variance of the heights in bands about q; with_gap = 1:
-!> mean gap too.
+!> Stiffness per area, true contact and variance of the pressures from a spectrum: variance of the heights in bands about q;
+!> with_gap = 1: mean gap too.
 subroutine spectrum_joint(q, height, e_star, hardness, pressure, with_gap, k, area, variance, gap, n, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t

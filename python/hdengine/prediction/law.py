@@ -172,7 +172,8 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     Raises
     ------
     InputError
-        No map, another thing than a map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+        No map, another thing than a map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is
+        asked for.
     NotConvergedError, StoppedError
         Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
@@ -244,12 +245,13 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
             wanted, reason = "spectrum", f"{reason}; but {why}"
             effort.tell(f"{why}: the theory is taken")
             parts = _spread(*spread)
-    outside = ()
+    outside: tuple[str, ...] = ()
     if wanted == "spectrum":
         law = half_width_of(area, waves, _crests(facts))
         parts["law"] = (law,) * 4
         outside = tuple(doubts(*against))
-        notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 maps)",)
+        notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 "
+                  "maps)",)
     bias = parts.get("longer waves", (0.0,))[0]   # only ever down: added, not a root of squares
     low, high, area_low, area_high = (np.sqrt(sum(part[i]**2 for name, part in parts.items() if name != "longer waves"))
                                       for i in range(4))
@@ -279,8 +281,8 @@ def _pair(m, number):
         heights, spacing = m
         dy, dx = np.broadcast_to(np.asarray(spacing, float), 2).tolist()
     except (TypeError, ValueError):
-        raise InputError(f"map {number} is {type(m).__name__} {str(m)[:40]!r}; valid: (heights, spacing) with the spacing in m, or what "
-                         "specimen.read gives") from None
+        raise InputError(f"map {number} is {type(m).__name__} {str(m)[:40]!r}; valid: (heights, spacing) with the spacing in m, or "
+                         "what specimen.read gives") from None
     if not (0 < dy < np.inf and 0 < dx < np.inf):
         raise InputError(f"map {number} has a spacing of {dy:g}, {dx:g} m; valid: above 0")
     return heights, (dy, dx)

@@ -160,8 +160,10 @@ def waves(z: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.n
 
 
 def crests(z: np.ndarray) -> float:
-    """Height of the crests, from where a tenth of the points is higher to where one in two hundred is, over that of random waves of the same rms
-    height: 1 there, less where crests are worn off or few valleys hold the height, more where few peaks do."""
+    """Height of the crests, from where a tenth of the points is higher to where one in two hundred is, over that of random waves.
+
+    The waves have the same rms height. Less than 1: crests are worn off, or few valleys hold the height; more: few peaks do.
+    """
     low, high = np.quantile(z, CRESTS[:2])
     return float(max((high - low) / (CRESTS[2] * z.std()), 1e-3))
 
@@ -180,8 +182,9 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     -------
     spectrum : Spectrum
     facts : dict
-        holes, skewness, kurtosis, crests (`crests`), isotropy (smaller over larger principal variance of the slope), noise_variance_m2 (white noise
-        that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves that matter).
+        holes, skewness, kurtosis, crests (`crests`), isotropy (smaller over larger principal variance of the slope),
+        noise_variance_m2 (white noise that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves
+        that matter).
 
     Raises
     ------

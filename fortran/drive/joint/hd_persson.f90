@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Contact of a rough half space by Persson's theory: true contact, pressures, stiffness and mean gap from the spectrum alone.
 !>
-!> Roughness up to wavenumber q spreads the pressure with a variance V_p(q) about P. In full contact dV = (pi E*^2/2) q^3 C dq; where a
-!> share A touches, dV_p = S(A) dV with S = 5/9 - 2/9 A^2 + 6/9 A^4 (Wang and Mueser 2017). Then A(q) = erf(P / sqrt(2 V_p)), and
+!> Roughness up to wavenumber q spreads the pressure with a variance V_p(q) about P. In full contact dV = (pi E*^2/2) q^3 C dq;
+!> where a share A touches, dV_p = S(A) dV, S = 5/9 - 2/9 A^2 + 6/9 A^4 (Wang and Mueser 2017). Then A(q) = erf(P/sqrt(2 V_p)), and
 !> the density of the pressures is that of a Gauss curve about P less its image about -P (Persson 2001).
 !> The elastic energy per area is U(P) = (pi E*/2) int q^2 C W(A(q)) dq, and k_N = P / (dU/dP). Here
 !>   W(A) = A (a A^e + (1 - a) A^m),  a = a_0 + a_1 r^n,

@@ -327,10 +327,10 @@ def joint_law():
         e = np.concatenate([np.array(r[name])[(np.array(r["contact"]) > low) & (np.array(r["contact"]) <= high)] for r in maps])
         return " to ".join(f"{x:.2f}" for x in np.exp(np.quantile(e, (0.05, 0.95))))
 
-    for kind in [*dict.fromkeys(r["kind"] for r in rows), ""]:
-        maps = [r for r in rows if kind in r["kind"]]
+    for kind in dict.fromkeys(r["kind"] for r in rows):
+        maps = [r for r in rows if r["kind"] == kind]
         held = np.concatenate([abs(np.array(r["ln_k"])) <= r["half_width"] for r in maps])
-        out.append((kind or "all", len(maps), *(nine(maps, "ln_k", *ends) for ends in ((0, 0.05), (0.05, 0.6), (0.6, 0.9))),
+        out.append((kind, len(maps), *(nine(maps, "ln_k", *ends) for ends in ((0, 0.05), (0.05, 0.6), (0.6, 0.9))),
                     nine(maps, "ln_contact", 0, 1), nine(maps, "ln_gap", 0, 0.9), f"{100 * held.mean():.0f} %"))
     return ("maps", "number", "k_N to 5 %", "k_N, 5 to 60 %", "k_N, 60 to 90 %", "contact", "gap to 90 %", "inside"), out
 

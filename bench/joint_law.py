@@ -4,7 +4,7 @@
 
 train   boundary elements on the training maps, then `fit`: a_0, a_1, e, m, n of hd_persson by least squares of ln k_N; the rms error over the waves
         that count (hd_persson_error), and the error of skewed and worn maps per ln of their crests' height (`choice.SKEWED`)
-judge   35 maps that set nothing: longest over shortest wave from 2 to 200, with and without roll-off, skewness to -3; k_N, contact, gap, pressures
+judge   36 maps that set nothing: longest over shortest wave from 2 to 200, with and without roll-off, skewness to -3; k_N, contact, gap, pressures
 rule    144 maps of few long waves: where the planner takes the theory, and how far that is off; *cut* are pieces of maps four times as long
 fewer   boundary elements on averaged maps, with and without the theory of the waves that averaging takes
 Writes bench/results/joint_law_training.json, joint_law.json, joint_choice.json and docs/figures/joint_law.png.

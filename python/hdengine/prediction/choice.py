@@ -13,8 +13,8 @@ WORN, PEAKED = 0.5, 1.9   # height of the crests over that of random waves where
 # E* slope over hardness beyond which boundary elements may not converge; rms errors of ln k_N over touching waves
 (TRUST, STEEP), *_errors = _engine.call("theory_rule")
 SCATTER = tuple(zip(*_errors))
-# ln k_N within which 95 of 100 maps lie per ln of their crests' height, over true contact (bench/joint_law.py fit); from CLOSING on a
-# crest counts as worn to a third at most, since the valleys decide
+# ln k_N within which 95 of 100 maps lie per ln of their crests' height, over true contact (bench/joint_law.py fit); from CLOSING on
+# a crest counts as worn to a third at most, since the valleys decide
 SKEWED = ((0.0027, 0.0067, 0.02, 0.054, 0.13, 0.27, 0.49, 0.67, 0.83, 0.93, 0.98),
           (1.2, 1.1, 0.86, 0.84, 0.72, 0.48, 0.35, 0.19, 0.53, 1.2, 2.7))
 CLOSING = 0.75

@@ -3,7 +3,7 @@
 !>
 !> (A compiler's own reader answers "End of file" to most mistakes, and names the wrong line for others.)
 module hd_namelist
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_input
   use hd_input_file, only: read_text
   use hd_text, only: string_t, push, join, to_text, lower, is_utf8, printable
   implicit none

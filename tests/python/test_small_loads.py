@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes at the lower end: little torque, no contact, nothing that holds; and first steps that take long."""
+"""Scenes at the ends: little torque, no contact, nothing that holds, a torque that no drive bears; and first steps that take long."""
 import csv
 
 import pytest
@@ -81,3 +81,13 @@ def test_first_step_is_not_halved(exe, tmp_path):
     with (tmp_path / "p/history.csv").open() as f:
         history = list(csv.DictReader(f))
     assert max(int(row["iteration"]) for row in history) > 3 and {row["attempt"] for row in history} == {"0"}
+
+
+@pytest.mark.parametrize("interference", [0, 10e-6])
+def test_a_torque_that_no_drive_bears_ends(exe, tmp_path, interference):
+    """A cup at its hub under 1e5 N m turns without end: said after the halvings that a load step has, not after 50 000 attempts whose
+    shares differ in the last place."""
+    done, _ = solve(exe, tmp_path / "b", "load.torque=1e5", f"wave_generator.interference={interference}")
+    assert done.returncode == 4 and "bodies move by more than" in done.stderr and "lower load.torque" in done.stderr
+    with (tmp_path / "b/history.csv").open() as f:
+        assert max(int(row["attempt"]) for row in csv.DictReader(f)) < 100

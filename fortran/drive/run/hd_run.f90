@@ -54,6 +54,7 @@ module hd_run
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
+    logical :: far = .false.                !< the last iterate that failed has bodies far away
     type(facets_t) :: facets                !< of the last converged step
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'

@@ -53,7 +53,6 @@ module hd_loop
     real(dp) :: k(3) = 0             !< K1, K2, K3 [N m/rad]
     real(dp) :: hysteresis = 0       !< width of the loop at no torque [rad]
     real(dp) :: lost_motion = 0      !< turn of the loop's middle between -4 and 4 % of the rated torque [rad]
-    real(dp) :: loop_area = 0        !< work of the torque over the whole path [J]
     logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
 
@@ -71,12 +70,19 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(step_t), intent(in) :: step        !< where it stands
     real(dp) :: angle, shear(2)
-    real(dp), allocatable :: force(:)
+    real(dp), allocatable :: force(:), closing(:)
     integer :: i, n
     associate (problem => drive%problem, flanks => [(drive%balls + i, i=1, drive%flanks)])
-      loop%closing = strut_closings(problem, load, state%u)
-      force = forces_at(problem, load, loop%closing)
-      if (step%loaded) loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+      closing = strut_closings(problem, load, state%u)
+      force = forces_at(problem, load, closing)
+      if (step%loaded) then
+        loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+        i = size(loop%torque)
+        angle = bottom_turn(drive, state)
+        loop%work = loop%work + (loop%torque(i) + step%torque)/2*loaded_turn(scene, angle - loop%angle(i), loop%tooth_force_max, &
+          loop%force(flanks), loop%closing(flanks), force(flanks), closing(flanks))
+      end if
+      loop%closing = closing
       loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
@@ -90,9 +96,6 @@ contains
         loop%angle = [0._dp]
         loop%stored_assembled = loop%stored
       else
-        angle = bottom_turn(drive, state)
-        i = size(loop%torque)
-        loop%work = loop%work + (loop%torque(i) + step%torque)/2*(angle - loop%angle(i))
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
           if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
@@ -171,18 +174,46 @@ contains
       sin(scene%pressure_angle_deg*pi/180)
   end function lifted
 
-  !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the way of the nearest flanks of both
-  !> sides over their arm [rad].
+  !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the ways to the nearest flanks of both
+  !> sides [rad].
   pure real(dp) function free_turn(scene, force, closing, most) result(play)
     type(scene_t), intent(in) :: scene               !< scene
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
-    real(dp), parameter :: rounding = 1e-6_dp
     play = 0
-    if (maxval(force) > rounding*most) return
-    play = -(maxval(closing(1::2)) + maxval(closing(2::2)))/(cos(scene%pressure_angle_deg*pi/180)* &
-      (scene%bore_radius + scene%rim_thickness))
+    if (.not. any(pushes(force, most))) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
   end function free_turn
+
+  !> Part of a step's turn under torque: all but the way to the flanks it nears, where none pushed before, or from those that it
+  !> leaves, where none does after [rad].
+  pure real(dp) function loaded_turn(scene, turn, most, force_0, closing_0, force, closing) result(loaded)
+    type(scene_t), intent(in) :: scene                !< scene
+    real(dp), intent(in) :: turn                      !< of the bottom [rad]
+    real(dp), intent(in) :: most                      !< largest force of a flank before [N]
+    real(dp), intent(in) :: force_0(:), closing_0(:)  !< of the flanks before [N], [m]
+    real(dp), intent(in) :: force(:), closing(:)      !< and after
+    integer :: nears
+    nears = merge(1, 2, turn > 0)
+    loaded = abs(turn)
+    if (.not. any(pushes(force_0, most))) loaded = loaded - turn_to(scene, closing_0(nears::2))
+    if (.not. any(pushes(force, most))) loaded = loaded - turn_to(scene, closing(3 - nears::2))
+    loaded = sign(max(0._dp, loaded), turn)
+  end function loaded_turn
+
+  !> A flank pushes, by more than rounding.
+  elemental logical function pushes(force, most)
+    real(dp), intent(in) :: force   !< of the flank [N]
+    real(dp), intent(in) :: most    !< largest of all so far [N]
+    real(dp), parameter :: rounding = 1e-6_dp
+    pushes = force > rounding*most
+  end function pushes
+
+  !> Turn of the bottom to the nearest flank of a side that does not push [rad].
+  pure real(dp) function turn_to(scene, closing)
+    type(scene_t), intent(in) :: scene      !< scene
+    real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]
+    turn_to = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*(scene%bore_radius + scene%rim_thickness))
+  end function turn_to
 
   !> The ball that comes or goes with the largest force, in this step or in one before.
   pure function larger_jump(loop, force, torque) result(jump)
@@ -212,7 +243,6 @@ contains
     real(dp) :: place(4), turn(4), sense
     integer :: i, first, last, top
     if (.not. allocated(loop%torque)) return
-    r%loop_area = loop%work
     if (size(loop%torque) < 2) return
     sense = sign(1._dp, loop%torque(2))
     call find_rise(sense*loop%torque, .false., first, last)

@@ -28,6 +28,7 @@ module hd_newton
     integer :: full_steps = 12         !< undamped iterations before the line search sets in
     real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
     real(dp) :: torque = 0             !< amount of the torque [N m]
+    logical :: anew = .false.          !< the step goes another way than the last: its beginning is no solution, however near
   end type newton_options_t
 
   !> One row of the convergence history.
@@ -91,6 +92,7 @@ module hd_newton
   real(dp), parameter :: stiff = 1.5_dp
   integer, parameter :: easy = 2                !< iterations of an easy outer step
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
+  integer, parameter :: few = 10                    !< iterations in which a step that begins within the tolerance finds its states
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
   real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
   real(dp), parameter :: turn_left = 1e-5_dp        !< turn of normals that may be left [rad],
@@ -218,6 +220,8 @@ contains
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
       converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
+      if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
+        row%iteration > 0 .and. (row%changes == 0 .or. row%iteration >= few)
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)

@@ -56,6 +56,7 @@ module hd_loop
     logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
 
+  real(dp), parameter :: no_torque = 1e-9_dp !< share of the largest torque that is none
   real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
 
 contains
@@ -79,8 +80,9 @@ contains
         loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
         i = size(loop%torque)
         angle = bottom_turn(drive, state)
-        loop%work = loop%work + (loop%torque(i) + step%torque)/2*loaded_turn(scene, angle - loop%angle(i), loop%tooth_force_max, &
-          loop%force(flanks), loop%closing(flanks), force(flanks), closing(flanks))
+        loop%work = loop%work + (loop%torque(i) + step%torque)/2*loaded_turn(scene, angle - loop%angle(i), &
+          abs([loop%torque(i), step%torque]) <= no_torque*maxval(abs([loop%torque, step%torque])), loop%closing(flanks), &
+          closing(flanks))
       end if
       loop%closing = closing
       loop%force = force
@@ -180,35 +182,27 @@ contains
     type(scene_t), intent(in) :: scene               !< scene
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
+    real(dp), parameter :: rounding = 1e-6_dp
     play = 0
-    if (.not. any(pushes(force, most))) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
+    if (.not. maxval(force) > rounding*most) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
   end function free_turn
 
-  !> Part of a step's turn under torque: all but the way to the flanks it nears, where none pushed before, or from those that it
-  !> leaves, where none does after [rad].
-  pure real(dp) function loaded_turn(scene, turn, most, force_0, closing_0, force, closing) result(loaded)
-    type(scene_t), intent(in) :: scene                !< scene
-    real(dp), intent(in) :: turn                      !< of the bottom [rad]
-    real(dp), intent(in) :: most                      !< largest force of a flank before [N]
-    real(dp), intent(in) :: force_0(:), closing_0(:)  !< of the flanks before [N], [m]
-    real(dp), intent(in) :: force(:), closing(:)      !< and after
+  !> Part of a step's turn under torque: all but the way to the flanks that it nears from a step without torque, or from those that
+  !> it leaves to one [rad].
+  pure real(dp) function loaded_turn(scene, turn, free, before, after) result(loaded)
+    type(scene_t), intent(in) :: scene              !< scene
+    real(dp), intent(in) :: turn                    !< of the bottom [rad]
+    logical, intent(in) :: free(2)                  !< there is no torque before, after
+    real(dp), intent(in) :: before(:), after(:)     !< closings of the flanks [m]
     integer :: nears
     nears = merge(1, 2, turn > 0)
     loaded = abs(turn)
-    if (.not. any(pushes(force_0, most))) loaded = loaded - turn_to(scene, closing_0(nears::2))
-    if (.not. any(pushes(force, most))) loaded = loaded - turn_to(scene, closing(3 - nears::2))
+    if (free(1)) loaded = loaded - max(0._dp, turn_to(scene, before(nears::2)))
+    if (free(2)) loaded = loaded - max(0._dp, turn_to(scene, after(3 - nears::2)))
     loaded = sign(max(0._dp, loaded), turn)
   end function loaded_turn
 
-  !> A flank pushes, by more than rounding.
-  elemental logical function pushes(force, most)
-    real(dp), intent(in) :: force   !< of the flank [N]
-    real(dp), intent(in) :: most    !< largest of all so far [N]
-    real(dp), parameter :: rounding = 1e-6_dp
-    pushes = force > rounding*most
-  end function pushes
-
-  !> Turn of the bottom to the nearest flank of a side that does not push [rad].
+  !> Turn of the bottom to the nearest flank of a side [rad].
   pure real(dp) function turn_to(scene, closing)
     type(scene_t), intent(in) :: scene      !< scene
     real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]

@@ -199,6 +199,7 @@ contains
     step%number = run%step%number + 1
     call place_step(run%scene, place, step)
     if (step%loaded) options%torque = largest_torque(run%scene)
+    options%anew = step%loaded .and. .not. stretch(run%scene, run%place_before, run%place, place) > 0
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded

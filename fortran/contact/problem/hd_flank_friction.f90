@@ -165,13 +165,13 @@ contains
     real(dp), intent(inout) :: closing(:)      !< (struts) [m]
     integer, parameter :: most = 100, halvings = 10
     real(dp), parameter :: rounding = 1e-13_dp
-    real(dp), dimension(size(closing)) :: left, force, rate, aim, way
+    real(dp), dimension(size(closing)) :: left, force, rate, aim, way, begun
     logical :: yields(size(closing))
     type(rub_t) :: now
-    real(dp) :: share, before, missed
+    real(dp) :: before, missed
     integer :: i, j, k, n
     n = size(struts) - size(law%partner)
-    yields = [(give(i, i) > 0, i=1, size(closing))]
+    yields = [(give(i, i) > 0 .and. closing(i) > -1, i=1, size(closing))]
     now = law
     left = closing
     call look(missed)
@@ -184,24 +184,21 @@ contains
           (force(n + i) - now%lean(i)*force(law%partner(i)))/rate(n + i)
       end do
       way = closing - matmul(give, rubbed_answers(rate, now, aim, give)) - left
+      begun = left
       before = missed
-      share = 1
-      do j = 1, halvings
-        left = left + share*way
+      do j = 0, halvings
+        left = begun + way/2**modulo(j, halvings)  ! where none lowers it, the whole step
         call look(missed)
         if (missed < before) exit
-        left = left - share*way
-        share = share/2
       end do
-      if (.not. missed < before) exit
     end do
-    where (yields .and. closing > -1) closing = left
+    where (yields) closing = left
   contains
     !> Forces and tangents at the present closings, and the largest amount by which these miss their equation.
     subroutine look(missed)
       real(dp), intent(out) :: missed
       call strut_laws(struts, law, past, left, force, rate, now%lean, now%slides)
-      missed = maxval(abs(left - closing + matmul(give, force)), mask=yields .and. closing > -1)
+      missed = maxval(abs(left - closing + matmul(give, force)), mask=yields)
     end subroutine look
   end subroutine give_way_rubbing
 end module hd_flank_friction

@@ -219,7 +219,8 @@ contains
       sliding = here%merit < merge(clear, small, row%open == problem%mortar%n) .and. &
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
-      converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
+      converged = (here%merit <= options%tolerance .or. here%distance <= epsilon(1._dp)*here%stiffness*norm2(state%u)) .and. &
+        .not. here%law%softness > 0
       if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
         row%iteration > 0 .and. (row%changes == 0 .or. row%iteration >= few)
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0

@@ -63,3 +63,23 @@ def test_friction_of_the_flanks_heats_and_leaves_hysteresis(exe, tmp_path):
     teeth = read_csv(Path(tmp_path / "run/teeth.csv"))
     rest = abs(teeth["torque_nm"]) < 1e-9
     assert teeth["force_n"][rest].max() < 1e-2 * teeth["force_n"].max()
+
+
+@pytest.mark.parametrize("torque", [10, 30])
+def test_shares_of_the_twist_are_those_of_the_loop(exe, tmp_path, torque):
+    """With the joint as contact law the loop's own slope is the drive's flexibility: what gaps, slip and joint take of it, the inverse of
+    k_ts_bonded over that slope, is the sum of their shares, to 0.3 %."""
+    found = loop(exe, tmp_path / "run", "contact.law=joint", f"loop.torques={torque},{1.01 * torque}")
+    table = read_csv(tmp_path / "run/loop.csv")
+    slope = (table["angle_rad"][-1] - table["angle_rad"][-2]) / (table["torque_nm"][-1] - table["torque_nm"][-2])
+    contact = sum(found["twist_shares"][name] for name in ("gaps", "slip", "joint"))
+    assert contact == pytest.approx(1 / (found["k_ts_bonded_nm_per_rad"] * slope), rel=3e-3)
+
+
+def test_no_softer_part_stiffens_the_contact(exe, tmp_path):
+    """A softer body moves the forces, so by 1 % at most; beside the bonded drive, whose gaps close, a softer ring is stiffer by 5 %."""
+    stiff, *soft = (loop(exe, tmp_path / "run", "loop.torques=30", *key) for key in (
+        [], ["material.ring_e=103e9"], ["material.flexspline_e=100e9"], ["load.tooth_stiffness=6e7"], ["load.spline_diameter=64e-3"],
+        ["bearing.ball_rate=5e9"], ["geometry.wall_thickness=0.4e-3"]))
+    assert max(found["k_ts_contact_nm_per_rad"] for found in soft) < 1.01 * stiff["k_ts_contact_nm_per_rad"]
+    assert soft[0]["k_ts_bonded_nm_per_rad"] > 1.03 * stiff["k_ts_bonded_nm_per_rad"]

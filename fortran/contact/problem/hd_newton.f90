@@ -50,6 +50,7 @@ module hd_newton
     logical, allocatable :: idle(:, :)   !< components whose dofs are all prescribed: their traction stays 0
     real(dp) :: merit = 0                !< relative residual
     real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
+    logical :: forceless = .false.       !< all forces, those of supports too, are rounding
     real(dp) :: stiffness = 0            !< largest of the bodies, for what rounding leaves of forces that cancel [N/m]
     type(contact_law_t) :: law           !< the law, softened or not
     real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
@@ -84,6 +85,7 @@ module hd_newton
   real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
   real(dp), parameter :: forcing = 1e-2_dp   !< accuracy over the residual while pairs still move (Dembo, Eisenstat, Steihaug 1982)
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
+  real(dp), parameter :: rounding = 10*epsilon(1._dp)  !< of forces, over that product: none in the bodies is seen
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8           !< iterations without a new lowest residual before the law is softened, by judgement
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law: two tenths from 1
@@ -219,8 +221,7 @@ contains
       sliding = here%merit < merge(clear, small, row%open == problem%mortar%n) .and. &
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
-      converged = (here%merit <= options%tolerance .or. here%distance <= epsilon(1._dp)*here%stiffness*norm2(state%u)) .and. &
-        .not. here%law%softness > 0
+      converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0
       if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
         row%iteration > 0 .and. (row%changes == 0 .or. row%iteration >= few)
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
@@ -443,6 +444,7 @@ contains
     law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
     scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
+    here%forceless = scale <= rounding*here%stiffness*norm2(state%u)
     scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))

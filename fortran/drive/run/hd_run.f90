@@ -54,6 +54,7 @@ module hd_run
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
+    logical :: far = .false.                !< the last iterate that failed has bodies far away
     type(facets_t) :: facets                !< of the last converged step
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
@@ -257,7 +258,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< linear solver
     type(load_t) :: load
     type(answer_t) :: now, bonded
-    real(dp) :: sense, start
+    real(dp) :: sense, start, friction
     integer :: threads
     if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
     if (run%place < assembled(run%scene) .or. .not. run%asks_tangent) return
@@ -279,8 +280,10 @@ contains
       call glued_response(run%model%drive, run%model%solver, load, sense, run%state, bonded, error)
       run%flexibility%glued = bonded%flexibility
     end if
-    if (.not. allocated(error)) call coupled_response(run%model%drive, run%model%solver, at_friction(run%joint, &
-      step_friction(run%scene, .true.)), load, sense, run%state, now, error)
+    friction = step_friction(run%scene, .true.)
+    if (friction <= run%scene%tolerance) friction = 0  ! less than forces are solved to
+    if (.not. allocated(error)) call coupled_response(run%model%drive, run%model%solver, at_friction(run%joint, friction), load, &
+      sense, run%state, now, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
     run%certain = now%settled .and. bonded%settled
@@ -307,7 +310,7 @@ contains
     run%sums%shares = run%sums%k_tangent
     associate (f => run%flexibility)
       if (.not. f%known) return
-      run%sums%k_contact = f%contact
+      if (f%contact > 0) run%sums%k_contact = f%contact  ! else no point of it takes torque
       if (run%scene%support%loop) run%sums%shares = f%shares
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
       if (run%scene%support%loop) return  ! a loop has no secant
@@ -425,7 +428,7 @@ contains
         run%scene), run%sums)))
     else
       call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
-        ', contact alone '//rounded(run%sums%k_contact)//' N m/rad')
+        ', contact alone '//contact_text(run)//' N m/rad')
     end if
     associate (s => run%sums)
       call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
@@ -456,9 +459,17 @@ contains
       end do
       call say(trim(line))
       call say('K_TS      '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46): gaps, slip and joint; '// &
-        rounded(s%k_contact)//' of the contact alone')
+        contact_text(run)//' of the contact alone')
     end associate
   end subroutine tell_twist
+
+  !> Stiffness of the contact alone, or that it has none.
+  function contact_text(run) result(text)
+    type(run_t), intent(in) :: run  !< run
+    character(len=:), allocatable :: text
+    text = 'none'
+    if (run%sums%k_contact > 0) text = rounded(run%sums%k_contact)
+  end function contact_text
 
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(run)

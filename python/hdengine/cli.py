@@ -18,6 +18,7 @@ import numpy as np
 from . import _engine, completion
 from ._engine import EngineMemoryError, FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .contact import Run, doubts, read_scene
+from .export import command as export_command
 from .files import check_folder
 from .prediction import command as joint_command
 from .results import Result, read_csv, read_summary
@@ -167,6 +168,11 @@ def _report(args):
     return 0
 
 
+def _export(args):
+    print(f"written: {export_command.export(Result(args.folder), args.to, args.out)}")
+    return 0
+
+
 def _sensitivity(args):
     from .uncertainty import analyse
 
@@ -260,6 +266,8 @@ def make_parser() -> argparse.ArgumentParser:
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
     report.add_argument("--no-picture", action="store_true", help="without the 3-D picture")
+    export_command.add_options(_command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
+                                        "export drive14.out --to mujoco --out joint.xml"))
     sensitivity = _command(commands, "sensitivity", _sensitivity, "tornado, bands and shares of the variance of K_TS of a run",
                            "sensitivity cd14.out --drive")
     sensitivity.add_argument("folder", help="folder of a run")

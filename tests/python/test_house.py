@@ -22,7 +22,7 @@ MOST_FILES, MOST_LINES = 15, 450
 PACKAGE = ROOT / "python/hdengine"
 PYTHON_FLOORS = [["_engine", "_types"], ["_check"], ["torsion", "catalogue", "smoothing", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
                  ["elastic"], ["results"], ["files"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction"],
-                 ["uncertainty", "completion"], ["report"], ["cli"], ["__main__"],
+                 ["uncertainty", "completion"], ["report", "export"], ["cli"], ["__main__"],
                  ["__init__"]]
 PYTHON_FLOOR = {room: floor for floor, rooms in enumerate(PYTHON_FLOORS) for room in rooms}
 SOURCES = sorted((ROOT / "fortran").rglob("*.f90"))

@@ -61,3 +61,50 @@ def contact_cards(method: str, stiffness: float, friction: float, stick: float, 
     if clearance is not None:
         cards += [f"*CLEARANCE, SLAVE=SLAVE, MASTER=MASTER, VALUE={1e3 * clearance:.9g}"]
     return cards
+
+
+def strut_cards(count: int, body: int, laws: Sequence[tuple]) -> tuple[list, np.ndarray, np.ndarray]:
+    """Springs that push by a law: from an end, whose displacement along x is minus the way of what it stands for, to a ground.
+
+    A ground that moves by -way closes its strut by way less what the end stands for. A plastic cube apart, at rest, makes CalculiX
+    solve the step as nonlinear even where nothing else is.
+
+    Parameters
+    ----------
+    count : int
+        Nodes before.
+    body : int
+        Elements before.
+    laws : list of (name, number of struts, forces [N], closings [mm])
+        Force and closing rise from 0.
+
+    Returns
+    -------
+    lines : list of str
+        Sets STRUTS, GROUND and CUBE must be held in y and z, the cube in x too.
+    ends, ground : ndarray of int
+        Their nodes, from 1.
+    """
+    total = sum(law[1] for law in laws)
+    ends = count + 1 + np.arange(total)
+    ground = ends + total
+    lines = ["*NODE, NSET=STRUTS", *(f"{e}, 0., {i}., 0." for i, e in enumerate(ends)),
+             "*NODE, NSET=GROUND", *(f"{g}, 10., {i}., 0." for i, g in enumerate(ground))]
+    first = 0
+    for name, number, force, closing in laws:
+        lines.append(f"*ELEMENT, TYPE=SPRINGA, ELSET={name}")
+        lines += [f"{body + 1 + i}, {ends[i]}, {ground[i]}" for i in range(first, first + number)]
+        lines += [f"*SPRING, ELSET={name}, NONLINEAR", ""]
+        lines += [f"{-f:.12e}, {-x:.12e}" for f, x in zip(force[::-1], closing[::-1])] + ["0., 2.0"]
+        first += number
+    corner = 1 + count + 2 * total
+    lines += ["*NODE, NSET=CUBE", *(f"{corner + i}, {100 + (i in (1, 2, 5, 6))}., {i in (2, 3, 6, 7):d}., {i // 4}." for i in range(8))]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=CUBE", f"{body + 1 + total}, " + ", ".join(str(corner + i) for i in range(8)),
+              "*MATERIAL, NAME=MCUBE", "*ELASTIC", "200000., 0.3", "*PLASTIC", "1000., 0.", "1001., 1.",
+              "*SOLID SECTION, ELSET=CUBE, MATERIAL=MCUBE"]
+    return lines, ends, ground
+
+
+def equation_cards(terms: Sequence) -> list:
+    """An equation of (node from 1, direction, factor) whose sum is 0; the first one is eliminated."""
+    return ["*EQUATION", str(len(terms)), *wrapped([f"{n}, {d}, {f:.14g}" for n, d, f in terms], 4)]

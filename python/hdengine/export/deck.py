@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A run as a CalculiX deck on its own mesh: what the run loads it with, and in its head what the run found.
 
-The ring's inner face and the bottom of the cup move as in the run; forces of the teeth, or the even shear of the rim, come from the
-run. CalculiX is asked for the forces that these ways take: torque at the bottom, force of every ball.
+The places under the loaded balls, or without balls the ring's inner face, move as in the run, and so does the bottom of the cup. Forces
+of the teeth, or the even shear of the rim, are those of the run. CalculiX is asked for the forces of the balls and at the bottom.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from .._engine import FileError, InputError
 from .._types import RunLike
-from .cards import SIDES, body_cards, contact_cards, node_cards, set_cards, surface_cards
+from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
 STIFF = 2e6   # slope of pressure over closure in place of hard contact [N/mm3]
 STICK = 2e5   # slope of shear over slip before it slips [N/mm3]
@@ -144,31 +144,67 @@ def _rim_forces(run, mesh, step):
 
 
 def _sets(run, mesh):
-    """Nodes that the deck moves, and of them those beside each ball."""
+    """Nodes that the deck moves."""
     inside = mesh.nodes(mesh.facing(1, -1))
+    heights = np.unique(np.round(mesh.points[inside, 2], 9))
     cup = np.unique(mesh.cells[mesh.body == 2])
     r = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
     bottom = cup[mesh.points[cup, 2] > 0.5 * mesh.points[cup, 2].max()]
     end = r[bottom].max() if r[bottom].max() > run.scene["geometry.bore_radius"] * 1.2 else r[bottom].min()  # a hat's hub is outside
-    sets = {"INSIDE": inside, "HUB": bottom[abs(r[bottom] - end) < 1e-7]}
-    if run.balls is not None:
-        places = np.unique(run.balls["theta_rad"])
-        theta = np.arctan2(mesh.points[inside, 1], mesh.points[inside, 0])
-        nearest = np.argmax(np.cos(theta[:, None] - places), 1)
-        sets |= {f"BALL{i + 1}": inside[nearest == i] for i in range(len(places)) if np.any(nearest == i)}
-    return sets
+    middle = inside[abs(mesh.points[inside, 2] - heights[len(heights) // 2]) < 1e-8]
+    return {"INSIDE": inside, "MIDDLE": middle, "HUB": bottom[abs(r[bottom] - end) < 1e-7]}
+
+
+def _patch(mesh, inside, scene, theta):
+    """Weights of the ring's inner corner nodes under a ball: the mean over its patch, at least a facet either way."""
+    points = mesh.points[inside]
+    heights, of_height = np.unique(np.round(points[:, 2], 9), return_inverse=True)
+    sectors = len(inside) // len(heights)
+    sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * sectors).astype(int) % sectors
+    node = np.empty((sectors, len(heights)), int)
+    node[sector, of_height] = inside
+    radius = scene["geometry.bore_radius"] - scene["geometry.ring_thickness"]
+    angle = (scene["bearing.patch_length"] / radius) or 2 * np.pi / sectors
+    width = scene["bearing.patch_width"] or np.ptp(heights) / (len(heights) - 1)
+    weight: dict = {}
+    even = (np.arange(12) + 0.5) / 12 - 0.5
+    for place in ((theta + angle * even) / (2 * np.pi) % 1) * sectors:
+        for z in heights.mean() + width * even:
+            i, row = int(place) % sectors, min(max(int(np.searchsorted(heights, z)) - 1, 0), len(heights) - 2)
+            x, y = place - int(place), (z - heights[row]) / (heights[row + 1] - heights[row])
+            for n, w in ((node[i, row], (1 - x) * (1 - y)), (node[i, row + 1], (1 - x) * y),
+                         (node[(i + 1) % sectors, row], x * (1 - y)), (node[(i + 1) % sectors, row + 1], x * y)):
+                weight[int(n)] = weight.get(int(n), 0.0) + w / 144
+    return {n: w for n, w in weight.items() if w > 1e-9}
+
+
+def _balls(run, step=None):
+    """Rows of the balls of a step, or of all."""
+    table = run.balls
+    return None if table is None else table if step is None else table[table["step"] == run.steps["step"][step]]
 
 
 def _found(run, step):
     """What the run says of a step, as lines of the head."""
-    s = run.steps[step]
+    s, balls = run.steps[step], _balls(run, step)
     lines = [f"step {s['step']}: torque {s['torque_nm'] * MM:.6g} N mm, turn of the bottom {s['rotation_rad']:.6g} rad, "
              f"contact's normal force {s['normal_force_n']:.6g} N"]
-    if run.balls is not None:
-        balls = run.balls[run.balls["step"] == s["step"]]
-        order = np.argsort(balls["theta_rad"])
-        lines += [f"  BALL{i + 1}: {force:.6g} N" for i, force in enumerate(balls["force_n"][order]) if force > 0]
-    return lines
+    return lines if balls is None else [*lines, f"  forces of the balls: {', '.join(f'{f:.5g}' for f in balls['force_n'])} N"]
+
+
+def _ball_struts(run, mesh):
+    """Struts of the balls on the ring: cards, ground nodes, and the weights of each ball's patch."""
+    balls = _balls(run)
+    closed = balls["closing_m"] > 1e-7
+    rate = float(np.median(balls["force_n"][closed] / (MM * balls["closing_m"][closed]) ** 1.5)) if closed.any() else 0.0
+    places = [float(theta) for theta in balls["theta_rad"][balls["step"] == balls["step"][0]]]
+    closing = 2 * MM * max(balls["closing_m"].max(), 1e-6) * np.linspace(0, 1, 801) ** 2
+    lines, ends, ground = strut_cards(len(mesh.points), len(mesh.cells), [("BALLS", len(places), rate * closing**1.5, closing)])
+    corners = np.unique(mesh.sides[mesh.facing(1, -1)])
+    patches = [_patch(mesh, corners, run.scene, theta) for theta in places]
+    equations = [line for e, patch in zip(ends, patches) for line in equation_cards(
+        [(e, 1, -1.0), *((n + 1, 1, -w) for n, w in patch.items())])]
+    return lines, equations, ground, patches
 
 
 def to_deck(run: RunLike) -> str:
@@ -196,36 +232,50 @@ def to_deck(run: RunLike) -> str:
     steps = [int(np.flatnonzero(run.steps["step"] == int(Path(path).stem.split("_")[1]))[0]) for path in grids]
     scene, mesh = run.scene, _Mesh(read[0], run.scene)
     sets = _sets(run, mesh)
-    band = scene["geometry.band_start"], scene["geometry.band_start"] + scene["geometry.band_length"]
-    told = [line for step in steps for line in _found(run, step)]
+    struts, equations, ground, patches = _ball_struts(run, mesh) if run.balls is not None else ([], [], [], [])
     lines = ["** " + line for line in (
-        f"{run.summary['title'] or run.folder.name}: the run's mesh, ways and forces, by hdengine; mm, N, MPa",
-        "The .dat file holds the forces that the ways take: HUB 2 times its radius is the torque, BALLn 1 less the force of a ball.",
-        "A slip path needs every step: output.vtu = 'all'. The run found:", *told)]
+        f"{run.summary['title'] or run.folder.name}: mesh, ways and forces of its run, by hdengine; mm, N, MPa",
+        "In the .dat file the sum of HUB's second forces times HUB's radius is the torque at the bottom, GROUND's first ones are the balls'.", "A slip path needs every step: output.vtu = 'all'. The run found:",
+        *(line for step in steps for line in _found(run, step)))]
     lines += node_cards(MM * mesh.points, "ALL")
     for number, name, of in ((1, "RING", "ring"), (2, "CUP", "flexspline")):
         own = np.flatnonzero(mesh.body == number)
         lines += body_cards(name, own, mesh.cells[own], mesh.element, scene[f"material.{of}_e"] / 1e6, scene[f"material.{of}_nu"])
-    lines += set_cards(sets)
-    lines += ["*TRANSFORM, NSET=INSIDE, TYPE=C", "0., 0., 0., 0., 0., 1.", "*TRANSFORM, NSET=HUB, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    lines += set_cards(sets) + struts
+    for name in ("INSIDE", "HUB"):
+        lines += [f"*TRANSFORM, NSET={name}, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    lines += equations
+    band = scene["geometry.band_start"], scene["geometry.band_start"] + scene["geometry.band_length"]
     for name, of in (("SLAVE", mesh.facing(1, 1)), ("MASTER", mesh.facing(2, -1, *band))):
         lines += surface_cards(name, zip(mesh.of[of], mesh.number[of]))
-    if scene["contact.mode"] == "bonded" or scene["load.support"] == "teeth":
+    friction = scene["contact.friction"] * (scene["contact.mode"] == "frictional")
+    bonded = scene["contact.mode"] == "bonded" or scene["load.support"] == "teeth"
+    if bonded:
         lines += ["*TIE, NAME=GLUE, POSITION TOLERANCE=0.1", "SLAVE, MASTER"]
     else:
-        friction = scene["contact.friction"] * (scene["contact.mode"] == "frictional")
         lines += contact_cards("s2s", STIFF, friction, STICK, scene["wave_generator.clearance"] or -scene["wave_generator.interference"])
-    moved = np.unique(np.r_[sets["INSIDE"], sets["HUB"]])
-    theta = np.arctan2(mesh.points[moved, 1], mesh.points[moved, 0])
+    held = [(n, d) for n in sets["HUB"] for d in range(3)] + [(n, 2) for n in sets["MIDDLE"]]
+    if not struts:
+        held += [(n, 0) for n in sets["INSIDE"]]
+        if scene["wave_generator.ring_tangent"] == "follow" or scene["load.support"] == "bearing":
+            held += [(n, 1) for n in sets["INSIDE"]]
+    if not (friction or bonded):
+        held += [(sets["MIDDLE"][0], 1)]
+    theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
     large = ", NLGEOM" if scene["solver.kinematics"] == "nonlinear" else ""
     for step, grid in zip(steps, read):
-        u = MM * grid.point_data["displacement_m"][moved]
-        polar = np.stack([u[:, 0] * np.cos(theta) + u[:, 1] * np.sin(theta), u[:, 1] * np.cos(theta) - u[:, 0] * np.sin(theta), u[:, 2]], 1)
+        u = MM * grid.point_data["displacement_m"]
+        way = np.stack([u[:, 0] * np.cos(theta) + u[:, 1] * np.sin(theta), u[:, 1] * np.cos(theta) - u[:, 0] * np.sin(theta), u[:, 2]], 1)
         force = _rim_forces(run, mesh, step)
-        lines += [f"*STEP, INC=200{large}", "*STATIC", "0.2, 1., 1e-6, 0.5", "*BOUNDARY"]
-        lines += [f"{n + 1}, {d + 1}, {d + 1}, {polar[i, d]:.12g}" for i, n in enumerate(moved) for d in range(3)]
-        loaded = np.argwhere(abs(force) > 0)
-        lines += ["*CLOAD, OP=NEW", *(f"{n + 1}, {d + 1}, {force[n, d]:.9g}" for n, d in loaded)] if len(loaded) else []
-        lines += [line for name in sets for line in (f"*NODE PRINT, NSET={name}, TOTALS=ONLY, GLOBAL=NO, FREQUENCY=200", "RF")]
+        lines += [f"*STEP, INC=200{large}", "*STATIC", "0.2, 1., 1e-6, 0.5", "*BOUNDARY, OP=NEW"]
+        lines += [f"{n + 1}, {d + 1}, {d + 1}, {way[n, d]:.12g}" for n, d in dict.fromkeys(held)]
+        if struts:
+            lines += ["STRUTS, 2, 3", "GROUND, 2, 3", "CUBE, 1, 3"]
+            lines += [f"{g}, 1, 1, {-MM * c - sum(w * way[n, 0] for n, w in patch.items()):.12g}"
+                      for g, c, patch in zip(ground, _balls(run, step)["closing_m"], patches)]
+        rim = np.argwhere(abs(force) > 0)
+        lines += ["*CLOAD, OP=NEW", *(f"{n + 1}, {d + 1}, {force[n, d]:.9g}" for n, d in rim)] if len(rim) else []
+        for name in ("HUB", "GROUND" if struts else "INSIDE"):
+            lines += [f"*NODE PRINT, NSET={name}, FREQUENCY=200", "RF"]
         lines += ["*NODE FILE, FREQUENCY=200", "U", "*END STEP"]
     return "\n".join(lines) + "\n"

@@ -22,7 +22,7 @@ def node_cards(points: np.ndarray, name: str) -> list:
     return [f"*NODE, NSET={name}", *(f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(points))]
 
 
-def body_cards(name: str, numbers: Sequence, cells: np.ndarray, element: str, young: float, poisson: float) -> list:
+def body_cards(name: str, numbers: Iterable, cells: np.ndarray, element: str, young: float, poisson: float) -> list:
     """Elements of a body with their numbers from 0 on, its material [MPa] and its section."""
     lines = [f"*ELEMENT, TYPE={ELEMENTS[element]}, ELSET={name}"]
     for number, nodes in zip(numbers, cells):
@@ -98,7 +98,8 @@ def strut_cards(count: int, body: int, laws: Sequence[tuple]) -> tuple[list, np.
         lines += [f"{-f:.12e}, {-x:.12e}" for f, x in zip(force[::-1], closing[::-1])] + ["0., 2.0"]
         first += number
     corner = 1 + count + 2 * total
-    lines += ["*NODE, NSET=CUBE", *(f"{corner + i}, {100 + (i in (1, 2, 5, 6))}., {i in (2, 3, 6, 7):d}., {i // 4}." for i in range(8))]
+    lines += ["*NODE, NSET=CUBE"]
+    lines += [f"{corner + i}, {100 + (i in (1, 2, 5, 6))}., {i in (2, 3, 6, 7):d}., {i // 4}." for i in range(8)]
     lines += ["*ELEMENT, TYPE=C3D8, ELSET=CUBE", f"{body + 1 + total}, " + ", ".join(str(corner + i) for i in range(8)),
               "*MATERIAL, NAME=MCUBE", "*ELASTIC", "200000., 0.3", "*PLASTIC", "1000., 0.", "1001., 1.",
               "*SOLID SECTION, ELSET=CUBE, MATERIAL=MCUBE"]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A run as a CalculiX deck on its own mesh: what the run loads it with, and in its head what the run found.
 
-The places under the loaded balls, or without balls the ring's inner face, move as in the run, and so does the bottom of the cup. Forces
-of the teeth, or the even shear of the rim, are those of the run. CalculiX is asked for the forces of the balls and at the bottom.
+Balls press by their law against the cam of the run; without balls the ring's inner face moves as in the run. The bottom of the cup
+moves as in the run, forces of the teeth or the even shear of the rim are its own. CalculiX is asked for the forces of the balls and
+at the bottom.
 """
 from __future__ import annotations
 
@@ -150,7 +151,8 @@ def _sets(run, mesh):
     cup = np.unique(mesh.cells[mesh.body == 2])
     r = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
     bottom = cup[mesh.points[cup, 2] > 0.5 * mesh.points[cup, 2].max()]
-    end = r[bottom].max() if r[bottom].max() > run.scene["geometry.bore_radius"] * 1.2 else r[bottom].min()  # a hat's hub is outside
+    hat = r[bottom].max() > 1.2 * run.scene["geometry.bore_radius"]
+    end = r[bottom].max() if hat else r[bottom].min()
     middle = inside[abs(mesh.points[inside, 2] - heights[len(heights) // 2]) < 1e-8]
     return {"INSIDE": inside, "MIDDLE": middle, "HUB": bottom[abs(r[bottom] - end) < 1e-7]}
 
@@ -227,7 +229,8 @@ def to_deck(run: RunLike) -> str:
     """
     grids = sorted(run.folder.glob("bodies_*.vtu"), key=lambda p: int(p.stem.split("_")[1]))
     if not grids:
-        raise FileError(f"'{run.folder}' has no bodies_*.vtu: run again with output.vtu = 'last', or 'all' for a deck of every step")
+        raise FileError(f"'{run.folder}' has no bodies_*.vtu: run again with output.vtu = 'last', or 'all' "
+                        "for a deck of every step")
     read = [_grid(path) for path in grids]
     steps = [int(np.flatnonzero(run.steps["step"] == int(Path(path).stem.split("_")[1]))[0]) for path in grids]
     scene, mesh = run.scene, _Mesh(read[0], run.scene)
@@ -235,7 +238,8 @@ def to_deck(run: RunLike) -> str:
     struts, equations, ground, patches = _ball_struts(run, mesh) if run.balls is not None else ([], [], [], [])
     lines = ["** " + line for line in (
         f"{run.summary['title'] or run.folder.name}: mesh, ways and forces of its run, by hdengine; mm, N, MPa",
-        "In the .dat file the sum of HUB's second forces times HUB's radius is the torque at the bottom, GROUND's first ones are the balls'.", "A slip path needs every step: output.vtu = 'all'. The run found:",
+        "In the .dat file the sum of HUB's second forces times HUB's radius is the torque at the bottom, GROUND's first ones",
+        "are those of the balls. A slip path needs every step: output.vtu = 'all'. The run found:",
         *(line for step in steps for line in _found(run, step)))]
     lines += node_cards(MM * mesh.points, "ALL")
     for number, name, of in ((1, "RING", "ring"), (2, "CUP", "flexspline")):
@@ -253,7 +257,8 @@ def to_deck(run: RunLike) -> str:
     if bonded:
         lines += ["*TIE, NAME=GLUE, POSITION TOLERANCE=0.1", "SLAVE, MASTER"]
     else:
-        lines += contact_cards("s2s", STIFF, friction, STICK, scene["wave_generator.clearance"] or -scene["wave_generator.interference"])
+        apart = scene["wave_generator.clearance"] or -scene["wave_generator.interference"]
+        lines += contact_cards("s2s", STIFF, friction, STICK, apart)
     held = [(n, d) for n in sets["HUB"] for d in range(3)] + [(n, 2) for n in sets["MIDDLE"]]
     if not struts:
         held += [(n, 0) for n in sets["INSIDE"]]
@@ -262,10 +267,11 @@ def to_deck(run: RunLike) -> str:
     if not (friction or bonded):
         held += [(sets["MIDDLE"][0], 1)]
     theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+    along, around = (np.stack(way, 1) for way in ((np.cos(theta), np.sin(theta)), (-np.sin(theta), np.cos(theta))))
     large = ", NLGEOM" if scene["solver.kinematics"] == "nonlinear" else ""
     for step, grid in zip(steps, read):
         u = MM * grid.point_data["displacement_m"]
-        way = np.stack([u[:, 0] * np.cos(theta) + u[:, 1] * np.sin(theta), u[:, 1] * np.cos(theta) - u[:, 0] * np.sin(theta), u[:, 2]], 1)
+        way = np.stack([(u[:, :2] * along).sum(1), (u[:, :2] * around).sum(1), u[:, 2]], 1)
         force = _rim_forces(run, mesh, step)
         lines += [f"*STEP, INC=200{large}", "*STATIC", "0.2, 1., 1e-6, 0.5", "*BOUNDARY, OP=NEW"]
         lines += [f"{n + 1}, {d + 1}, {d + 1}, {way[n, d]:.12g}" for n, d in dict.fromkeys(held)]

@@ -82,7 +82,7 @@ def joint_law(run: RunLike) -> JointLaw:
     for a, b in zip(turns, turns[1:]):
         if min(torque[a], torque[b]) < -0.1 * top and max(torque[a], torque[b]) > 0.1 * top:
             through[np.sign(torque[b] - torque[a])] = (torque[a:b + 1], angle[a:b + 1])
-    positive = np.unique(np.round(abs(torque[torque != 0]) / top, 9)) * top
+    positive = np.unique(np.round(abs(torque[abs(torque) > 1e-9 * top]) / top, 9)) * top
     if len(through) == 2:
         positive = positive[positive <= min(max(t.max(), -t.min()) for t, _ in through.values()) * (1 + 1e-9)]
         grid = np.r_[-positive[::-1], 0.0, positive]

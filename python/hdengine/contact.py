@@ -71,6 +71,8 @@ class Run:
         Replace earlier results in the folder.
     resume : bool
         Go on with a stopped run of the same scene in the folder; begin it if there is none.
+    allow_implausible : bool
+        Solve also where a value is some thousand times off, as 17.5 for a radius in m.
     **keys
         Scene keys as group__key=value (`load__torque=3`), or one dict per group (`load={'torque': 3}`).
 
@@ -87,9 +89,9 @@ class Run:
 
     _handle = None
 
-    @checked(path=a_path, out=a_path, force=flag, resume=flag)
+    @checked(path=a_path, out=a_path, force=flag, resume=flag, allow_implausible=flag)
     def __init__(self, path: PathLike | None = "", out: PathLike | None = "", force: bool = False,
-                 resume: bool = False, **keys: Value) -> None:
+                 resume: bool = False, allow_implausible: bool = False, **keys: Value) -> None:
         self._process = os.getpid()
         lines = "\n".join(_assignments(keys))
         if out:
@@ -97,7 +99,8 @@ class Run:
                 Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
             except OSError as e:
                 raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
-        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
+        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume),
+                                     int(allow_implausible))
         self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False

@@ -2,6 +2,7 @@
 """Results of a run, read from its folder."""
 from __future__ import annotations
 
+import functools
 import html
 import json
 import os
@@ -25,8 +26,11 @@ WORD = 24   # characters beyond which a table is left to the slow reader
 
 def _table(path):
     """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    with open(path, encoding="utf-8") as file:
-        head = [line for line, _ in zip(file, range(20))]
+    if isinstance(path, list):
+        head = path[:20]
+    else:
+        with open(path, encoding="utf-8") as file:
+            head = [line for line, _ in zip(file, range(20))]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
         raise ValueError("neither numbers nor words")
@@ -44,8 +48,16 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
-def read_csv(path: PathLike, *needed: str) -> np.ndarray:
+def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
+
+    Parameters
+    ----------
+    path : str or Path
+    *needed : str
+        Columns.
+    rows : slice, optional
+        Read no others as numbers; default: all.
 
     Raises
     ------
@@ -56,10 +68,14 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
+            source: Any = path
+            if rows is not None:
+                head, *lines = Path(path).read_bytes().splitlines()
+                source = [line.decode("utf-8") for line in (head, *lines[rows])]
             try:
-                table = _table(path)
+                table = _table(source)
             except (ValueError, Warning, IndexError):
-                table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+                table = np.atleast_1d(np.genfromtxt(source, delimiter=",", names=True, dtype=None, encoding="utf-8"))
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
@@ -197,13 +213,32 @@ class Result:
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa")
-        facets = int(table["facet"].max())
+        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", rows=slice(-1, None))
+        self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
+
+    @functools.cached_property
+    def contact(self) -> dict:
+        """Columns of contact.csv, (steps, facets) each; read when they are first asked for."""
+        path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
+        table = read_csv(path, "facet", "i_theta", "i_z", "pressure_pa")
         if len(table) != facets * len(self.steps):
-            raise FileError(f"'{self.folder / 'contact.csv'}' has {len(table)} rows: must be {facets} facets times "
-                            f"{len(self.steps)} load steps")
-        self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
-        self.shape = int(table["i_theta"].max()), int(table["i_z"].max())
+            raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
+        return {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
+
+    def contact_at(self, step: int) -> Mapping[str, np.ndarray]:
+        """Columns of contact.csv of one load step, counted from 0, (facets,) each; the other steps are not read.
+
+        Raises
+        ------
+        IndexError
+            There is no such step.
+        """
+        step = range(len(self.steps))[step]
+        if "contact" in self.__dict__:
+            return {name: column[step] for name, column in self.contact.items()}
+        facets = self.shape[0] * self.shape[1]
+        table = read_csv(self.folder / "contact.csv", rows=slice(step * facets, (step + 1) * facets))
+        return {name: table[name] for name in table.dtype.names or ()}
 
     @property
     def scene(self) -> dict:

@@ -161,7 +161,7 @@ def _plot(args):
 def _report(args):
     from .report import write_pdf, write_report
 
-    path = write_report(args.folder, args.out, not args.no_picture)
+    path = write_report(args.folder, args.out, args.picture, args.animation)
     print(f"written: {path}")
     if args.pdf:
         print(f"written: {write_pdf(path)}")
@@ -265,7 +265,9 @@ def make_parser() -> argparse.ArgumentParser:
     report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
-    report.add_argument("--no-picture", action="store_true", help="without the 3-D picture")
+    report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")
+    report.add_argument("--no-picture", action="store_true", help=argparse.SUPPRESS)  # the default, once was none
+    report.add_argument("--animation", action="store_true", help="with the pressure step by step, as a GIF")
     export_command.add_options(_command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
                                         "export drive14.out --to mujoco --out joint.xml"))
     sensitivity = _command(commands, "sensitivity", _sensitivity, "tornado, bands and shares of the variance of K_TS of a run",

@@ -316,7 +316,7 @@ class Result:
 
     def row_edges(self) -> np.ndarray:
         """Ends of the facet rows, from the front edge of the band [m]."""
-        return row_edges(self.contact["area_m2"][0], self.shape, self.scene["geometry.band_length"])
+        return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
 
     def rows(self) -> list:
         """One dict per load step with the columns of a study's table."""

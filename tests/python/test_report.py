@@ -68,7 +68,7 @@ def test_pdf_without_weasyprint(folder, monkeypatch):
 def test_pdf(folder):
     """`report --pdf` writes a PDF beside the HTML file."""
     pytest.importorskip("weasyprint")
-    assert main(["report", str(folder), "--no-picture", "--pdf"]) == 0
+    assert main(["report", str(folder), "--pdf"]) == 0
     assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
 
 

@@ -8,17 +8,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from .._types import RunLike
-from ..catalogue import UNITS
+from ..catalogue import unit_of
 from .style import COLOURS, PARTS, PRESSURE, REFERENCE, new_axes, new_figure, styled
 
 ARCMIN = np.degrees(1) * 60
 NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalogue (docs/evidence/drive.md)
-
-
-def catalogue_unit(scene: dict):
-    """The catalogue's unit whose T1 and T2 a scene has, if there is one."""
-    return next((u for u in UNITS.values() if abs(u.t1_nm - scene["loop.torque_1"]) < 1e-9
-                 and abs(u.t2_nm - scene["loop.torque_2"]) < 1e-9), None)
 
 
 def reference_step(result: RunLike) -> int:
@@ -35,7 +29,7 @@ def plot_loop(result: RunLike) -> Figure:
     figure, axis = new_axes(figsize=(7.5, 5))
     results, scene = result.summary["results"], result.scene
     torque, angle = loop["torque_nm"], ARCMIN * loop["angle_rad"]
-    unit, top = catalogue_unit(scene), abs(torque).max()
+    unit, top = unit_of(scene), abs(torque).max()
     if unit:
         t = np.unique(np.r_[0, unit.t1_nm, unit.t2_nm, top].clip(0, top))
         stated = ARCMIN * unit.angle(t)

@@ -44,7 +44,18 @@ class StyledFigure(Figure):
     """A figure that pyplot does not know of: nothing to close, no window; ticks made while it is drawn keep the style too."""
 
     draw = styled(Figure.draw)
-    savefig = styled(Figure.savefig)
+
+    @styled
+    def savefig(self, *args: Any, **keys: Any) -> None:
+        """Save the figure; it is laid out once, where matplotlib does so twice."""
+        engine = self.get_layout_engine()
+        if engine is not None:
+            engine.execute(self)
+            self.set_layout_engine(None)
+        try:
+            super().savefig(*args, **keys)
+        finally:
+            self.set_layout_engine(engine)
 
 
 @styled

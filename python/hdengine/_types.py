@@ -23,9 +23,10 @@ class RunLike(Protocol):
     summary: dict
     steps: np.ndarray
     history: np.ndarray
-    contact: dict
     shape: tuple
 
+    @property
+    def contact(self) -> dict: ...
     @property
     def scene(self) -> dict: ...
     @property

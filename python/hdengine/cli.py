@@ -71,8 +71,9 @@ def _keys(assignments):
 
 def _run(args):
     out, keys = args.out or _folder(args.input), _keys(args.assignments)
-    for line in doubts(args.input, **keys):
-        print(f"warning: {line}", file=sys.stderr)
+    if args.check or args.plan:  # a run says them at its end, with the others
+        for line in doubts(args.input, **keys):
+            print(f"warning: {line}", file=sys.stderr)
     if args.check:
         read_scene(args.input, **keys)
         print(f"{args.input} is valid")
@@ -81,9 +82,9 @@ def _run(args):
         print(planner.plan(args.input, None, keys))
         return 0
     if _run_surface_alone(args.input, out, args.force, keys):
-        return _plot(argparse.Namespace(folder=out))
+        return _plot(argparse.Namespace(folder=out, debug=False))
     try:
-        with Run(args.input, out, args.force, args.resume, **keys) as run:
+        with Run(args.input, out, args.force, args.resume, args.allow_implausible, **keys) as run:
             told = 0
             for step in run:
                 if args.verbose:
@@ -97,7 +98,7 @@ def _run(args):
     except (NotConvergedError, StoppedError):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
-    return _plot(argparse.Namespace(folder=out))
+    return _plot(argparse.Namespace(folder=out, debug=False))
 
 
 def _tell_iterations(out, told):
@@ -129,7 +130,7 @@ def _study(args):
         return 0
     out = args.out or _folder(args.input)
     study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
-    return _plot(argparse.Namespace(folder=out))
+    return _plot(argparse.Namespace(folder=out, debug=False))
 
 
 def _plot(args):
@@ -148,7 +149,7 @@ def _plot(args):
         from .figures.run import plot_run
 
         result = Result(folder)
-        paths = [result.write_torsion(), *plot_run(result)]
+        paths = [result.write_torsion(), *plot_run(result, args.debug)]
     else:
         raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
                         "valid: a folder that hdengine.x or hdengine study wrote")
@@ -247,6 +248,7 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--explain", metavar="KEY", action=_Explain, help="meaning, unit and default of a key (group.key, group, all)")
     run.add_argument("-q", "--quiet", action="store_true", help="no line per load step")
     run.add_argument("-v", "--verbose", action="store_true", help="also a line per Newton iteration")
+    run.add_argument("--allow-implausible", action="store_true", help="solve also where a value is some thousand times off")
     run.add_argument("--resume", action="store_true", help="go on with a stopped run of the same input")
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
                      "study data/fig13_w.toml --jobs 2")
@@ -261,6 +263,7 @@ def make_parser() -> argparse.ArgumentParser:
         sub.add_argument("--force", action="store_true", help="replace earlier results")
     plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
     plot.add_argument("folder", help="folder of a run or a study")
+    plot.add_argument("--debug", action="store_true", help="also what is read to mend a run: iterations, pressures of every torque")
     report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
     report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
     report.add_argument("--out", help="file (default: report.html in the folder)")

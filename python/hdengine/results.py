@@ -2,14 +2,16 @@
 """Results of a run, read from its folder."""
 from __future__ import annotations
 
+import base64
 import functools
 import html
+import io
 import json
 import os
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -207,6 +209,8 @@ class Result:
         Facets round the circumference, facets along the band.
     """
 
+    reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
+
     @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
@@ -326,11 +330,23 @@ class Result:
             row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
         return steps
 
-    def frame(self) -> Any:
-        """The load steps as a pandas.DataFrame (needs pandas)."""
+    def frame(self, table: str = "steps") -> Any:
+        """A table of the run as a pandas.DataFrame (needs pandas).
+
+        Parameters
+        ----------
+        table : str
+            'steps' with the pressures at Positions I-III; or a CSV file of the folder without its suffix: 'loop', 'balls', 'teeth',
+            'fatigue', 'history', 'contact', 'turning'.
+
+        Raises
+        ------
+        FileError
+            The run has no such table.
+        """
         import pandas
 
-        return pandas.DataFrame(self.rows())
+        return pandas.DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
 
     def dataset(self) -> Any:
         """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).
@@ -352,7 +368,71 @@ class Result:
             {"title": self.summary["title"], "status": self.summary["status"]})
 
     def _repr_html_(self):
-        return preformatted(self)
+        found = self.summary["results"]
+        rows = [(f"K{i} / (kN m/rad)", k / 1e3) for i, k in enumerate((self.k1, self.k2, self.k3), 1) if np.isfinite(k)]
+        rows += [(f"{name.replace('_', ' ')} / arcmin", np.degrees(60 * found[f"{name}_rad"]))
+                 for name in ("hysteresis", "lost_motion") if found.get(f"{name}_rad") is not None]
+        rows += [("K_TS, tangent / (MN m/rad)", self.k_ts / 1e6), ("normal force / N", found["normal_force_n"]),
+                 ("torque / N m", self.torque_nm[-1])]
+        cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{value:.4g}</td></tr>" for name, value in rows)
+        picture, buffer = "", io.BytesIO()
+        if self.scene["load.support"] == "drive" and (self.folder / "loop.csv").exists():
+            from .figures.drive import plot_loop
+
+            plot_loop(self).savefig(buffer, format="png", dpi=70)
+            picture = f'<img alt="loop" src="data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}">'
+        notes = "".join(f"<p>warning: {html.escape(w)}</p>" for w in self.summary["warnings"])
+        title = html.escape(f"{self.summary['title'] or self.folder}: {self.summary['status']}")
+        return f"<table><caption>{title}</caption>{cells}</table>{picture}{notes}"
+
+    def _reading(self, name):
+        """A number of the summary's results, NaN where it has none."""
+        value = self.summary["results"].get(name)
+        return float("nan") if value is None else float(value)
+
+    @property
+    def k1(self) -> float:
+        """K1 of a whole drive: chord of its loop from 0 to T1 [N m/rad]; NaN where the run has none."""
+        return self._reading("k1_nm_per_rad")
+
+    @property
+    def k2(self) -> float:
+        """K2 of a whole drive: chord from T1 to T2 [N m/rad]; NaN where the run has none."""
+        return self._reading("k2_nm_per_rad")
+
+    @property
+    def k3(self) -> float:
+        """K3 of a whole drive: chord from T2 to the largest torque [N m/rad]; NaN where the run has none."""
+        return self._reading("k3_nm_per_rad")
+
+    @property
+    def k_ts(self) -> float:
+        """Torsional stiffness of the contact, the tangent beside bonded faces [N m/rad]; NaN where the run has none."""
+        return self._reading("k_ts_bonded_nm_per_rad")
+
+    def plot(self, debug: bool = False) -> list:
+        """Make the run's figures in its folder; returns their paths.
+
+        Parameters
+        ----------
+        debug : bool
+            Also what is read to mend a run.
+        """
+        from .figures.run import plot_run
+
+        return plot_run(self, debug)
+
+    def report(self, path: PathLike | None = None, **options: bool) -> Path:
+        """Write the run's report, one HTML file; returns its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Default: report.html in the folder.
+        **options
+            picture, animation: of `hdengine.report.write_report`.
+        """
+        return Result.reporter(self.folder, path, **options)
 
     @property
     def joint(self) -> Joint | ElasticJoint:

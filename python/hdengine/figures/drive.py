@@ -45,7 +45,8 @@ def plot_loop(result: RunLike) -> Figure:
         axis.plot(*zip(at, end), "-", color=COLOURS[1], lw=2.5, solid_capstyle="butt", label="chords" if i == 1 else None)
         low, high = (results.get(f"k{i}_nm_per_rad_{side}") for side in ("low", "high"))
         band = f" ({low / 1e3:.3g} to {high / 1e3:.3g})" if low and high else ""
-        axis.annotate(f"K{i} {k / 1e3:.3g}{band}", (at + end) / 2, (10, -14), textcoords="offset points", color=COLOURS[1], fontsize=11)
+        axis.annotate(f"K{i} {k / 1e3:.3g}{band}", (at + end) / 2, (10, -14), textcoords="offset points",
+                      color=COLOURS[1], fontsize=11)
         at = end
     widths = ", ".join(f"{key[:-4].replace('_', ' ')} {ARCMIN * results[key]:.2f}'" for key in ("hysteresis_rad", "lost_motion_rad")
                        if results.get(key) is not None)
@@ -91,11 +92,13 @@ def plot_contact(result: RunLike) -> Figure:
     """Pressure and slip at the largest torque: on the unrolled band, and round the ellipse, whose deformation is drawn larger."""
     step = reference_step(result)
     facets = result.contact_at(step)
-    field = {name: np.asarray(facets[name]).reshape(result.shape) for name in ("pressure_pa", "slip_theta_m", "slip_z_m", "area_m2")}
+    names = ("pressure_pa", "slip_theta_m", "slip_z_m", "area_m2")
+    field = {name: np.asarray(facets[name]).reshape(result.shape) for name in names}
     closed = field["pressure_pa"] > 0
     pressure = np.where(closed, field["pressure_pa"] / 1e6, np.nan)
     slip = np.where(closed, 1e6 * np.hypot(field["slip_theta_m"], field["slip_z_m"]), np.nan)
-    load = 1e-3 * (field["pressure_pa"] * field["area_m2"]).sum(1) / (2 * np.pi * result.scene["geometry.bore_radius"] / len(pressure))
+    arc = 2 * np.pi * result.scene["geometry.bore_radius"] / len(pressure)
+    load = 1e-3 * (field["pressure_pa"] * field["area_m2"]).sum(1) / arc
     moved = np.nan_to_num(slip).max(1)
     theta = (np.arange(len(load)) + 0.5) * 2 * np.pi / len(load)
     figure = new_figure(figsize=(10, 5.4))
@@ -111,7 +114,7 @@ def plot_contact(result: RunLike) -> Figure:
         left.set_ylabel("from front edge / mm")
         figure.colorbar(image, ax=left, label=label, extend="max")
         outline = _ellipse(theta)
-        lines = LineCollection(np.stack([outline, np.roll(outline, -1, 0)], 1), cmap=PRESSURE, lw=7, norm=Normalize(
+        lines = LineCollection(list(np.stack([outline, np.roll(outline, -1, 0)], 1)), cmap=PRESSURE, lw=7, norm=Normalize(
             0, along.max() or 1), array=along)
         lines.set_edgecolor("0.92") if not along.any() else None
         right.add_collection(lines)
@@ -119,7 +122,8 @@ def plot_contact(result: RunLike) -> Figure:
         right.set_axis_off()
         right.text(0, 0, f"{around}\nup to {along.max():.3g}", ha="center", va="center", fontsize=11)
     axes[1, 0].set_xlabel("angle from the long axis / degree")
-    figure.suptitle(f"contact at {result.torque_nm[step]:.3g} N m, {100 * closed.mean():.0f} % of the facets closed; grey: open", fontsize=12)
+    figure.suptitle(f"contact at {result.torque_nm[step]:.3g} N m, {100 * closed.mean():.0f} % of the facets closed; grey: open",
+                    fontsize=12)
     return figure
 
 
@@ -139,14 +143,14 @@ def plot_loads(result: RunLike) -> Figure:
         if table is None:
             continue
         assembled = table["step"][table["phase"] == "assembly"]
-        for at, style in ((assembled[-1:].tolist(), {"color": REFERENCE, "marker": "o"}), ([step], {"color": COLOURS[1], "marker": "o"})):
+        for at, colour in ((assembled[-1:].tolist(), REFERENCE), ([step], COLOURS[1])):
             for number in at:
                 rows = table[table["step"] == number]
                 place, of = np.unique(np.round(rows["theta_rad"] % (2 * np.pi), 9), return_inverse=True)
                 force = np.zeros(len(place))
                 np.maximum.at(force, of, rows["force_n"])
-                axis.vlines(place, 0, force, color=style["color"], lw=1.5)
-                axis.plot(place, force, ls="", ms=4, label=f"{rows['torque_nm'][0]:.3g} N m", **style)
+                axis.vlines(place, 0, force, color=colour, lw=1.5)
+                axis.plot(place, force, "o", ms=4, color=colour, label=f"{rows['torque_nm'][0]:.3g} N m")
         axis.set_thetagrids(range(0, 360, 45))
         axis.set_rlabel_position(67)
         axis.tick_params(labelsize=10)
@@ -162,7 +166,8 @@ def plot_fatigue(result: RunLike) -> Figure:
     strength, limit, notch = (result.scene[f"fatigue.{k}"] for k in ("tensile_strength", "fatigue_limit", "notch_factor"))
     figure, axes = new_axes(1, 2, figsize=(10, 4.2))
     axes[0].plot([0, strength / 1e6], [limit / 1e6, 0], "-", color=COLOURS[1], label="limit (Goodman)")
-    axes[0].plot(table["mean_pa"] / 1e6, notch * table["amplitude_pa"] / 1e6, "o", ms=4, color=COLOURS[0], label="points of the cup")
+    axes[0].plot(table["mean_pa"] / 1e6, notch * table["amplitude_pa"] / 1e6, "o", ms=4, color=COLOURS[0],
+                 label="points of the cup")
     worst = int(np.argmin(table["safety"]))
     axes[0].plot(table["mean_pa"][worst] / 1e6, notch * table["amplitude_pa"][worst] / 1e6, "s", ms=8, color=COLOURS[2],
                  label=f"least safety {table['safety'][worst]:.2f}")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import IO, Any, TypeVar
 
 import matplotlib
+from cycler import cycler
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from .._types import PathLike
 
 F = TypeVar("F", bound=Callable)
 # One family of colours: of lines, of a drive's parts, of maps.
@@ -18,7 +21,7 @@ PARTS = {"cup": "#2f6690", "ring": "#c8963e", "balls": "#e3c27e", "teeth": "#4f8
 REFERENCE = "#6b7280"   # what stands beside a result
 PRESSURE, SIGNED = "viridis", "RdBu_r"
 STYLE: Any = {"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "savefig.dpi": 110,
-              "axes.prop_cycle": matplotlib.cycler(color=COLOURS)}
+              "axes.prop_cycle": cycler(color=COLOURS)}
 
 
 def styled(function: F) -> F:
@@ -46,14 +49,14 @@ class StyledFigure(Figure):
     draw = styled(Figure.draw)
 
     @styled
-    def savefig(self, *args: Any, **keys: Any) -> None:
+    def savefig(self, fname: PathLike | IO[bytes], **keys: Any) -> None:
         """Save the figure; it is laid out once, where matplotlib does so twice."""
         engine = self.get_layout_engine()
         if engine is not None:
             engine.execute(self)
             self.set_layout_engine(None)
         try:
-            super().savefig(*args, **keys)
+            super().savefig(fname, **keys)
         finally:
             self.set_layout_engine(engine)
 

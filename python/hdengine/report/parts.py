@@ -35,7 +35,8 @@ _CAPTIONS = {
     "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",
     "torsion.png": "Stiffness and rotation over the torque.",
 }
-OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points", "Figure")  # the other sections fold away
+OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
+        "Figure")  # the other sections fold away
 
 
 @dataclass(frozen=True)
@@ -272,7 +273,8 @@ def _answer_of_drive(result):
     unit = unit_of(result.scene)
     stated = {name: getattr(unit, key) for name, key in keys.items()} if unit else {}
     banded = "band_shares" in results
-    head = ["/ (kN m/rad)", "computed", *(["95 % band"] if banded else []), *([f"catalogue, size {unit.size}", "computed over it"] if unit else [])]
+    head = ["/ (kN m/rad)", "computed", *(["95 % band"] if banded else []),
+            *([f"catalogue, size {unit.size}", "ratio"] if unit else [])]
     rows = []
     for name, k in slopes.items():
         if not k:
@@ -301,13 +303,16 @@ def _strength(result):
             strength = scene["material.yield_strength" if of.startswith("flex") else "material.ring_yield_strength"]
             rows.append((name, f"{strength / results[of] / 1e6:.4g}", f"yield {strength / 1e6:.4g} MPa", results[of]))
     if results.get("goodman_safety_min") is not None:
-        rows.append(("fatigue of the cup", "", f"Goodman, limit {scene['fatigue.fatigue_limit'] / 1e6:.4g} MPa", results["goodman_safety_min"]))
+        rows.append(("fatigue of the cup", "", f"Goodman, limit {scene['fatigue.fatigue_limit'] / 1e6:.4g} MPa",
+                     results["goodman_safety_min"]))
     cells = "".join(f'<tr class="{"good" if safety >= 1 else "failed"}"><td>{name}</td><td>{value}</td><td>{beside}</td>'
-                    f"<td>{safety:.3g} {'holds' if safety >= 1 else 'does not hold'}</td></tr>" for name, value, beside, safety in rows)
+                    f"<td>{safety:.3g} {'holds' if safety >= 1 else 'does not hold'}</td></tr>"
+                    for name, value, beside, safety in rows)
     loads = "".join(f"<tr><td>{name}</td><td>{results[key]:.4g}</td><td></td><td></td></tr>" for name, key in (
         ("largest force of a ball / N", "ball_force_max_n"), ("largest force of a pair's flank / N", "tooth_force_max_n"),
         ("torque on the wave generator / N m", "wave_generator_torque_nm")) if results.get(key) is not None)
-    return '<div class="scroll"><table><thead><tr><th>of all load steps</th><th>value</th><th>beside</th><th>safety</th></tr></thead>' \
+    head = "".join(f"<th>{word}</th>" for word in ("of all load steps", "value", "beside", "safety"))
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead>' \
         f"<tbody>{loads}{cells}</tbody></table></div>"
 
 
@@ -315,9 +320,10 @@ def _glance(scene):
     """The inputs that a designer changes, in mm."""
     def mm(*keys):
         return [(key.split(".")[1].replace("_", " "), f"{1e3 * scene[key]:.4g}") for key in keys if scene.get(key)]
-    rows = mm("geometry.bore_radius", "geometry.wall_thickness", "geometry.rim_thickness", "geometry.rim_length", "geometry.cup_length",
-              "geometry.bottom_thickness", "geometry.hub_radius", "geometry.ring_thickness", "geometry.band_length", "wave_generator.w",
-              "wave_generator.clearance", "wave_generator.interference", "bearing.ball_diameter", "load.spline_diameter")
+    rows = mm(*(f"geometry.{key}" for key in ("bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length",
+                                              "bottom_thickness", "hub_radius", "ring_thickness", "band_length")),
+              "wave_generator.w", f"wave_generator.{'clearance' if scene['wave_generator.clearance'] else 'interference'}",
+              "bearing.ball_diameter", "load.spline_diameter")
     rows += [(name, f"{scene[key]:g}") for name, key in (
         ("balls", "bearing.balls"), ("teeth", "load.teeth"), ("pairs in mesh", "load.tooth_pairs"),
         ("friction", "contact.friction"), ("torque / N m", "load.torque")) if scene.get(key)]

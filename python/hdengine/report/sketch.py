@@ -123,12 +123,12 @@ def draw_scene(scene: dict) -> str:
         _ellipse(centre, half, a + 1, b + 1, _BAND, 1.5),
         f'<line x1="{centre - a - 16:.1f}" y1="{half:.1f}" x2="{centre + a + 16:.1f}" y2="{half:.1f}" stroke="#445" '
         'stroke-dasharray="9 3 2 3"/>',
-        _text(centre, half - 5, "cam, long axis θ = 0" if scene.get("bearing.balls") else "long axis, θ = 0"),
-        _text(centre, half + 15, f'bore radius {1e3 * r:.4g} mm'),
-        _text(centre, half + b + 26, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
+        _text(centre, half - 5, "cam" if scene.get("bearing.balls") else "long axis, θ = 0"),
+        _text(centre, half + b + 28, f'bore radius {1e3 * r:.4g} mm; θ = 0 to the right'),
+        _text(centre, half + b + 44, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
               f'torque {scene["load.torque"]:.4g} N m'),
     ]
-    height = max(axis + 12, half + b + 38)
+    height = max(axis + 12, half + b + 56)
     views = (("cut along the axis", parts), ("front view", front))
     return '<div class="views">' + "".join(
         f'<svg viewBox="0 0 320 {height:.0f}" role="img" aria-label="{name}" font-size="13" '

@@ -103,7 +103,9 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     """
     path = Path(folder) / "summary.json"
     if not path.is_file():
-        raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
+        what = "a study: read it by hdengine.StudyResult" if (Path(folder) / "study.json").is_file() else \
+            "no finished run: summary.json is missing"
+        raise FileError(f"'{folder}' holds {what}")
     return read_json(path, *needed)
 
 

@@ -47,7 +47,9 @@ module hd_warning_list
     warning_t('the band of ', 'a result has no value at an end. Take the other end for both'), &
     warning_t('nothing is known of the error', 'no finer mesh was run. The log says why'), &
     warning_t('the tolerance is not met: the estimated', 'raise mesh.memory_limit_mb or run.tolerance'), &
-    warning_t('what large displacements would change', 'they do not converge. Results are of small displacements')]
+    warning_t('what large displacements would change', 'they do not converge. Results are of small displacements'), &
+    warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
+    warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth')]
 
 contains
 

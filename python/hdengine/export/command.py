@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
-from .._engine import FileError, InputError
+from .._engine import InputError
 from .._types import PathLike, RunLike
+from ..files import write_files
 from .deck import to_deck
 from .formats import FORMATS
 from .law import joint_law
@@ -43,12 +43,7 @@ def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
         write, suffix = FORMATS[kind]
         text, name = write(joint_law(run)), f"joint{suffix}"
     path = Path(path) if path else run.folder / name
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
-    except OSError as e:
-        raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
+    write_files({path: text})
     return path
 
 

@@ -2,6 +2,7 @@
 """Figures of a run."""
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 
 from .. import _engine
 from .._types import PathLike, RunLike
+from ..files import write_files
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
 from .style import PRESSURE, SIGNED, new_axes, styled
 
@@ -47,21 +49,24 @@ def plot_run(result: RunLike, debug: bool = False) -> list:
     if debug:
         figures["newton.png"] = plot_newton
     made = f"hdengine {_engine.version()}"
-    paths = []
+    paths, drawn = [], {}
     for name, draw in figures.items():
         path = result.folder / name
         if not _is_fresh(path, result.folder / "summary.json", made):
             figure = draw(result)
             if figure is None:
                 continue
-            figure.savefig(path, metadata={"Software": made})
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format="png", metadata={"Software": made})
+            drawn[path] = buffer.getvalue()
         paths.append(path)
+    write_files(drawn)
     return paths
 
 
 def _is_fresh(path, summary, made):
     """A figure that this version made after the summary was written."""
-    if not path.exists() or path.stat().st_mtime <= summary.stat().st_mtime:
+    if not path.is_file() or path.is_symlink() or path.stat().st_mtime <= summary.stat().st_mtime:
         return False
     with open(path, "rb") as file:
         return made.encode() in file.read(400)

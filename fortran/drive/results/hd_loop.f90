@@ -294,10 +294,11 @@ contains
     end associate
   end function passes
 
-  !> The readings in a line of the log: those that the torques reach.
-  function loop_text(loop, scene) result(text)
+  !> The readings in a line of the log: those that the torques reach, with their bands where those are known.
+  function loop_text(loop, scene, band) result(text)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
+    real(dp), intent(in), optional :: band(:, :)  !< lower and upper end over the value, of K1, K2, K3 first
     character(len=:), allocatable :: text
     real(dp), parameter :: minutes = 180*60/pi  !< arc minutes per radian
     type(readings_t) :: r
@@ -305,7 +306,10 @@ contains
     r = read_loop(loop, scene)
     text = ''
     do i = 1, 3
-      if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
+      if (.not. r%k(i) > 0) cycle
+      text = text//'K'//to_text(i)//' '//rounded(r%k(i))
+      if (present(band)) text = text//' ('//rounded(r%k(i)*band(1, i))//' to '//rounded(r%k(i)*band(2, i))//')'
+      text = text//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
     if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"
@@ -352,13 +356,14 @@ contains
   end function middle
 
   !> Rows of a booked step in loop.csv, balls.csv and teeth.csv.
-  subroutine write_loop(output, step, scene, drive, loop, k_ts, error)
+  subroutine write_loop(output, step, scene, drive, loop, k_ts, shares, error)
     type(output_t), intent(inout) :: output           !< tables
     type(step_t), intent(in) :: step                  !< step
     type(scene_t), intent(in) :: scene                !< scene
     type(drive_t), intent(in) :: drive                !< its model
     type(loop_t), intent(in) :: loop                  !< booked
     real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
+    real(dp), intent(in) :: shares(:)                 !< of a further twist by part
     type(error_t), allocatable, intent(out) :: error  !< disk full
     real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
     integer :: i, n
@@ -374,6 +379,9 @@ contains
       end do
       call output%loop%add(count(loop%force(:n) > 0))
       call output%loop%add(count(teeth(1::2) + teeth(2::2) > 0))
+      do i = 1, size(shares)
+        call output%loop%add(shares(i))
+      end do
       call output%loop%end_row(error)
       theta = ball_angles(scene)
       do i = 1, n

@@ -34,7 +34,8 @@ module hd_run
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
   use hd_tolerance_band, only: banded_values
-  use hd_twist_shares, only: twist_shares, part_names
+  use hd_twist_shares, only: twist_shares, part_names, in_contact
+  use hd_warning_list, only: numbered
   implicit none
   private
   public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, kept_text, leave_model
@@ -214,7 +215,7 @@ contains
       if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
         run%step%torque, error)
       if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
-        run%model%drive, run%loop, run%sums%k_ts, error)
+        run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
@@ -405,7 +406,7 @@ contains
     end if
     if (run%scene%support%contact) call judge_contact(run)  ! else bonded: no joint
     do i = 1, size(run%record%warnings)
-      call say('warning: '//run%record%warnings(i)%s)
+      call say('warning: '//numbered(run%record%warnings(i)%s))
     end do
   end subroutine judge_results
 
@@ -422,13 +423,10 @@ contains
     call push_stiffness_warnings(run)
     call judge_load_path(run)
     if (run%scene%support%loop) then
-      call say('drive     '//loop_text(run%loop, run%scene))
-      call tell_twist(run)
-      if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
-        run%scene), run%sums)))
+      call tell_drive(run)
     else
-      call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
-        ', contact alone '//contact_text(run)//' N m/rad')
+      call say('K_TS      '//rounded(run%sums%k_tangent)//' N m/rad, the tangent beside bonded faces')
+      call detail('          secant '//rounded(run%sums%k_secant)//', contact alone '//contact_text(run)//' N m/rad')
     end if
     associate (s => run%sums)
       call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
@@ -446,22 +444,38 @@ contains
     end do
   end subroutine warn
 
-  !> What takes the twist of a drive at its reference step, and the two readings of K_TS there.
-  subroutine tell_twist(run)
+  !> The answer of a whole drive: its readings with their band, what takes its twist at the reference step, what to quote.
+  subroutine tell_drive(run)
     type(run_t), intent(in) :: run  !< run at its end
-    character(len=:), allocatable :: line
+    character(len=:), allocatable :: line, quote
+    type(string_t), allocatable :: keys(:)
+    real(dp), allocatable :: part(:)
     integer :: i
-    associate (s => run%sums)
-      if (.not. s%shares(1) == s%shares(1)) return  ! no joint: none
-      line = 'twist     at '//rounded(run%step%torque)//' N m:'
-      do i = 1, size(part_names)
-        line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < size(part_names))
-      end do
-      call say(trim(line))
-      call say('K_TS      '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46): gaps, slip and joint; '// &
-        contact_text(run)//' of the contact alone')
+    associate (s => run%sums, band => run%record%band)
+      quote = 'variants beside each other; K1 to K3 with their band, which run.band = .true. finds'
+      if (allocated(band%input)) then
+        call say('drive     '//loop_text(run%loop, run%scene, band%bounds()))
+        call band%ranked(keys, part)
+        quote = 'K1 to K3 with these 95 % bands, made most by '//keys(1)%s//' ('//percent(part(1))//')'
+      else
+        call say('drive     '//loop_text(run%loop, run%scene))
+      end if
+      if (s%shares(1) == s%shares(1)) then  ! else no joint: none
+        line = 'twist     the contact takes '//percent(sum(s%shares(in_contact:)))//' at '//rounded(run%step%torque)//' N m:'
+        do i = in_contact, size(part_names)
+          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ';', i < size(part_names))
+        end do
+        do i = 1, in_contact - 1
+          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < in_contact - 1)
+        end do
+        call say(trim(line))
+        call detail('          K_TS '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46), '// &
+          contact_text(run)//' of the contact alone')
+      end if
+      call say('quote     '//quote//'; no K_TS without its fit')
+      if (allocated(band%input)) call detail('band      '//band%text(banded_values(read_loop(run%loop, run%scene), s)))
     end associate
-  end subroutine tell_twist
+  end subroutine tell_drive
 
   !> Stiffness of the contact alone, or that it has none.
   function contact_text(run) result(text)

@@ -18,6 +18,7 @@ module hd_open_run
   use hd_summary, only: record_t
   use hd_system, only: path_kind, path_absent
   use hd_text, only: percent, rounded, to_text
+  use hd_timers, only: in_band
   use hd_tolerance_runs, only: find_band
   implicit none
   private
@@ -105,6 +106,7 @@ contains
     call march(run, to, error)
     if (allocated(error) .or. run%scene%with_band == '.false.' .or. allocated(run%record%band%input)) return
     if (.not. run%place < path_end(run%scene)) call find_band(run, error)
+    call run%record%timers%book(in_band)
   end subroutine advance_run
 
   !> Open a run, march to its end, close it.
@@ -126,7 +128,7 @@ contains
     call close_run(run, trouble)
     call give_back(run%model)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
+    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(sum(run%record%timers%seconds))// &
       ' s, results in '//folder)
     if (run%record%level > 0 .and. .not. allocated(error)) call say_limits(promises_of(scene), run%record)
   end subroutine run_to_end

@@ -22,17 +22,14 @@ module hd_summary
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
+  use hd_timers, only: timers_t, add_timers
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_persson_error, only: theory_error_t, steep
   use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
   implicit none
   private
-  public :: timers_t, tally_t, record_t, write_summary, add_scene
-
-  type :: timers_t
-    real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, turning = 0, total = 0   !< wall clock [s]
-  end type timers_t
+  public :: tally_t, record_t, write_summary, add_scene
 
   !> What a run counts from its first load step on, also where it was stopped in between.
   type :: tally_t
@@ -159,21 +156,6 @@ contains
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
   end subroutine add_model
-
-  !> Where the time went.
-  subroutine add_timers(json, timers)
-    type(json_t), intent(inout) :: json                       !< document
-    type(timers_t), intent(in) :: timers                      !< wall clock
-    call json%begin('timers_s')
-    call json%add('setup', timers%setup)
-    call json%add('coarser', timers%coarser)
-    call json%add('newton', timers%newton)
-    call json%add('stiffness', timers%stiffness)
-    call json%add('output', timers%output)
-    if (timers%turning > 0) call json%add('turning', timers%turning)
-    call json%add('total', timers%total)
-    call json%finish()
-  end subroutine add_timers
 
   !> What was promised, and whether it is kept.
   subroutine add_plan(json, scene, record)

@@ -16,12 +16,13 @@ module hd_load_step
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
-  use hd_run, only: run_t, accept, place_step
+  use hd_run, only: run_t, accept, keep_checkpoint, place_step
   use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
+  use hd_timers, only: in_newton, in_output, in_setup, in_turn
   implicit none
   private
   public :: solve_step
@@ -148,7 +149,7 @@ contains
     text = 'stopped at a limit after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on'
     if (run%step%number == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
       ' s before a load step was done ('//to_text(run%step%number)//' before; setting up took '// &
-      rounded(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
+      rounded(run%record%timers%seconds(in_setup))//' s): --resume gets on only with a longer solver.time_limit_s'
   end function stopped_text
 
   !> The wall-clock limit of the scene has passed.
@@ -187,7 +188,6 @@ contains
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    real(dp) :: start
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
@@ -200,7 +200,6 @@ contains
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
-    start = wall_seconds()
     call first_guess(run, place, step, trial)
     if (run%model%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support%against_teeth .and. step%loaded) then
@@ -216,23 +215,29 @@ contains
       sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
     end if
     if (run%model%solver%own_threads) threads = blas_threads(threads)
-    run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
+    call run%record%timers%book(in_newton)
     if (allocated(error)) return
     taken = history(size(history))%iteration
     run%tally%iterations = run%tally%iterations + taken
     if (run%writes) call write_history(run%output, step, attempt, history, error)
+    call run%record%timers%book(in_output)
     if (allocated(error)) return
     call note_iterations(run, history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
-        if (run%scene%history == 'turned') call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+        if (run%scene%history == 'turned') then
+          call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+          call run%record%timers%book(in_turn)
+        end if
         if (allocated(error)) return
         call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
         call remember(run%model%drive%problem, load, trial)
       end if
+      if (place%share > 0) call keep_checkpoint(run, error)  ! the state of the last whole step is left
+      if (allocated(error)) return
       run%before = run%state
       run%state = trial
       run%place_before = run%place

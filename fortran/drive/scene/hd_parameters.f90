@@ -202,6 +202,9 @@ contains
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
     call add_integer(t, 'load', 'assembly_steps', 'assembly', s%assembly_steps, 1, 100000, 'load steps of the assembly')
     call add_integer(t, 'load', 'torque_steps', 'load', s%torque_steps, 0, 100000, 'load steps of the torque')
+    call add_choice(t, 'load', 'tangent_steps', 'load', s%tangent_steps, 'needed all last none', &
+      'load steps that get a tangent K_TS. needed: those that a result needs, in a loop the one that its results are of, else '// &
+      'all from the end of the assembly on; all: these all; last: the last one alone, without a secant')
     call add_drive_keys(s, t)
   end subroutine add_load_keys
 

@@ -58,6 +58,7 @@ module hd_scene
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5
+    character(len=name_length) :: tangent_steps = 'needed'
     ! bearing: balls of the whole drive
     integer :: balls = 21
     real(dp) :: ball_diameter = 3.2e-3_dp, inner_conformity = 0.52_dp, outer_conformity = 0.52_dp, ball_clearance = 0

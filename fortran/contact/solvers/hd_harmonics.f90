@@ -214,7 +214,13 @@ contains
     !$omp end do
     !$omp do schedule(static)
     do k = 0, n/2
-      phase = amplitude(k*stride, harmonics%angle, 1)
+      do a = 1, m  ! the nodes of a sector share their angle
+        phase(a) = phase(max(1, a - 1))
+        if (a > 1) then
+          if (.not. abs(harmonics%angle(a) - harmonics%angle(a - 1)) > 0) cycle
+        end if
+        phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
+      end do
       do a = 1, m
         do d = 1, 3
           e = harmonics%equation(d, a)

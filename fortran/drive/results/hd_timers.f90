@@ -8,14 +8,14 @@ module hd_timers
   private
   public :: timers_t, add_timers
   public :: in_plan, in_setup, in_coarser, in_newton, in_turn, in_stiffness, in_fields, in_stress, in_output, in_checkpoint, &
-    in_turning, in_band, outside
+    in_turning, in_band, in_gradient, outside
 
   enum, bind(c)
     enumerator :: in_plan = 1, in_setup, in_coarser, in_newton, in_turn, in_stiffness, in_fields, in_stress, in_output, &
-      in_checkpoint, in_turning, in_band, outside
+      in_checkpoint, in_turning, in_band, in_gradient, outside
   end enum
-  character(len=10), parameter :: names(13) = [character(len=10) :: 'plan', 'setup', 'coarser', 'newton', 'turn', 'stiffness', &
-    'fields', 'stress', 'output', 'checkpoint', 'turning', 'band', 'outside']
+  character(len=10), parameter :: names(14) = [character(len=10) :: 'plan', 'setup', 'coarser', 'newton', 'turn', 'stiffness', &
+    'fields', 'stress', 'output', 'checkpoint', 'turning', 'band', 'gradient', 'outside']
 
   type :: timers_t
     real(dp) :: seconds(size(names)) = 0     !< wall clock by part [s]

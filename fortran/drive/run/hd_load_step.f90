@@ -22,7 +22,7 @@ module hd_load_step
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
-  use hd_timers, only: in_newton, in_output, in_setup, in_turn
+  use hd_timers, only: in_gradient, in_newton, in_output, in_setup, in_turn
   implicit none
   private
   public :: solve_step
@@ -245,6 +245,13 @@ contains
       if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
+      if (allocated(run%gradient)) then
+        if (run%model%solver%own_threads) threads = blas_threads(1)
+        call run%gradient%follow(run%model%solver, run%model%drive, load, run%before, run%state, place, step%loaded, error)
+        if (run%model%solver%own_threads) threads = blas_threads(threads)
+        call run%record%timers%book(in_gradient)
+        if (allocated(error)) return
+      end if
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then

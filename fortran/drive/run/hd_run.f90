@@ -9,6 +9,7 @@ module hd_run
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
+  use hd_gradient, only: gradient_t, new_gradient
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
   use hd_joint, only: joint_t, at_friction
   use hd_joint_range, only: check_stiffness, range_warnings
@@ -33,12 +34,14 @@ module hd_run
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
-  use hd_timers, only: in_checkpoint, in_fields, in_newton, in_output, in_setup, in_stiffness, in_stress, outside
+  use hd_timers, only: in_checkpoint, in_fields, in_gradient, in_newton, in_output, in_setup, &
+    in_stiffness, in_stress, outside
   use hd_tolerance_band, only: banded_values
   use hd_twist_shares, only: twist_shares, part_names
   implicit none
   private
-  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, place_step, close_run, leave_model
+  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, place_step, ask_gradient, &
+    close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
   real(dp), parameter :: rest = 50           !< from a checkpoint to the next, over what writing it took: 2 % of a run
@@ -60,6 +63,7 @@ module hd_run
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
+    type(gradient_t), allocatable :: gradient   !< for derivatives of the results, if they were asked for
     type(output_t) :: output
     type(folder_lock_t) :: lock             !< of its folder, where it is stepped from outside
     logical :: writes = .false.             !< has an output folder
@@ -193,6 +197,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< files
     character(len=100) :: line
+    real(dp) :: stress
     call run%record%timers%book(in_newton)
     run%step%number = run%step%number + 1
     run%step%seconds = wall_seconds() - run%step_clock
@@ -215,6 +220,7 @@ contains
     end associate
     call say(trim(line))
     if (run%scene%support%loop) call note_reference(run)
+    stress = max(run%strength%flexspline, run%strength%ring)
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
@@ -238,7 +244,38 @@ contains
       end if
     end if
     call run%record%timers%book(in_output)
+    if (.not. allocated(run%gradient) .or. allocated(error)) return
+    call run%gradient%book(run%place, run%step%loaded, .not. run%scene%support%loop .or. &
+      (run%reference%known .and. run%reference%step%number == run%step%number), &
+      max(run%strength%flexspline, run%strength%ring) > stress)
+    call run%record%timers%book(in_gradient)
   end subroutine accept
+
+  !> Let the run, at rest, find the derivatives of its results.
+  subroutine ask_gradient(run, error)
+    type(run_t), intent(inout) :: run                 !< gets its companions
+    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
+    allocate (run%gradient)
+    call new_gradient(run%scene, run%model%drive, run%joint, run%gradient, error)
+    call run%record%timers%book(in_gradient)
+  end subroutine ask_gradient
+
+  !> Derivatives of the results of a run that is over.
+  subroutine find_gradient(run)
+    type(run_t), intent(inout) :: run  !< its record gets them
+    type(error_t), allocatable :: error
+    type(place_t) :: place
+    integer :: threads
+    if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
+    place = place_t(run%step%number, 0)
+    threads = 0
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    call run%gradient%differentiate(run%model%solver, run%model%drive, place, &
+      run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message)
+    call run%record%timers%book(in_gradient)
+  end subroutine find_gradient
 
   !> Write the checkpoint of the last whole load step, if it has none: seldom enough to cost little, before its state is left, and
   !> where the run ends.
@@ -405,6 +442,8 @@ contains
       code_stopped, 'closed after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on')
     if (allocated(run%failure)) call keep_checkpoint(run, error)
     call take_reference(run)
+    call run%record%timers%book(in_fields)
+    call find_gradient(run)
     call judge_results(run)
     call run%record%timers%book(in_fields)
     if (run%writes) then

@@ -47,6 +47,9 @@ contains
     call add_choice(t, 'run', 'band', 'output', s%with_band, '.false. .true.', &
       "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; it costs some thirty runs on a "// &
       'coarse mesh, more than the run itself')
+    call add_choice(t, 'run', 'gradient', 'control', s%with_gradient, '.false. .true.', &
+      'derivatives of the results by every number of the drive that is in use, by direct differentiation along the load steps, '// &
+      'under small displacements')
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &

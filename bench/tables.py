@@ -448,6 +448,20 @@ def figures():
     return "\n\n".join(map(section, read_record("pareto")["charts"]))
 
 
+def loop_time():
+    """Processor time of drive14 by part, before and now."""
+    found = read_record("gradient")
+    before, now = found["before"], found["now"]
+    return ("part", "before / s", "now / s"), [(part, *(digits(t[part]) if part in t else "-" for t in (before, now)))
+                                              for part in dict.fromkeys([*(p for p in before if p != "total"), *now])]
+
+
+def gradient_cost():
+    """Cost of a gradient by scene, in runs, beside two runs a key."""
+    return ("scene", "keys", "with a part", "run / s", "gradient / runs", "central differences / runs"), [
+        (r["scene"], r["keys"], r["with_part"], digits(r["run_s"]), digits(r["gradient_over_run"]), 2 * r["keys"]) for r in read_record("gradient")["cost"]]
+
+
 def records():
     """Every record and the engines that made its parts."""
     rows = []
@@ -477,6 +491,8 @@ TABLES = {  # marker: page from docs on, records, builder
     "promises": ("evidence/planner", ["promised_scenes", "promised_drives"], promises),
     "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
     "figures": ("evidence/speed_accuracy", ["pareto"], figures),
+    "loop-time": ("evidence/speed_accuracy", ["gradient"], loop_time),
+    "gradient-cost": ("evidence/speed_accuracy", ["gradient"], gradient_cost),
     "maps": ("evidence/stability", ["stability"], maps),
     "random": ("evidence/stability", ["random_runs"], random_runs),
     "peer-hub": ("evidence/peers", ["peer_hub"], peer_hub),

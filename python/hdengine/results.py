@@ -21,7 +21,8 @@ from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .joint import Joint, JointWarning
 
-_GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\nload.tangent_steps=needed"
+_GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
+            "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
 WORD = 24   # characters beyond which a table is left to the slow reader
 
 
@@ -372,13 +373,13 @@ class Result:
     def gradient(self) -> dict[str, dict[str, float]]:
         """Derivatives of the results by every number of the drive that is in use.
 
-        They are those of a run with `run.gradient`; another run is solved once more with it, from its echo.nml. Each is found by direct
-        differentiation along the load steps, contact states kept: where a change turns one it holds on one side.
+        They are those of a run with `run.gradient`; another run is solved once more with it, from its echo.nml. Each is found by
+        direct differentiation along the load steps, contact states kept: where a change turns one it holds on one side.
 
         Returns
         -------
         dict of dict
-            result: {'group.key': derivative}, in SI units; by a list of numbers where all of them change alike. NaN: no such result.
+            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result.
 
         Raises
         ------

@@ -51,8 +51,8 @@ contains
     integer :: i
     call json%begin('timers_s')
     do i = 1, size(names)
-      if (timers%seconds(i) > 0 .or. any(i == [in_setup, in_newton, in_stiffness, in_output])) &
-        call json%add(trim(names(i)), timers%seconds(i))
+      if (.not. (timers%seconds(i) > 0 .or. any(i == [in_setup, in_newton, in_stiffness, in_output]))) cycle
+      call json%add(trim(names(i)), timers%seconds(i))
     end do
     call json%add('total', sum(timers%seconds))
     call json%finish()

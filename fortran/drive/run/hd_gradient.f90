@@ -22,20 +22,25 @@ module hd_gradient
   use hd_newton, only: linear_equations
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
   use hd_parameters, only: new_table, value_count
-  use hd_problem, only: state_t, load_t, apply_stiffness, gap_and_slip, new_state, strut_forces, update_struts
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, gap_and_slip, linear_forces, new_state, strut_closings, &
+    strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t, rate_glued
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_strength, only: strength_t, book_stress
-  use hd_strut_step, only: ahead_t, count_ahead, remember
+  use hd_strut, only: push
+  use hd_strut_step, only: ahead_t, count_ahead, remember, straight
   use hd_summary, only: derivatives_t
   use hd_text, only: string_t, split
   implicit none
   private
   public :: gradient_t, new_gradient
 
-  real(dp), parameter :: share = 1e-7_dp      !< of its value by which a key is changed; of these where it is 0:
+  !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
+  !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
+  real(dp), parameter :: share = 1e-7_dp, share_of_shape = 5e-7_dp, share_of_material = 3e-6_dp
+  !> In the place of a value that is 0.
   real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
 
   !> Results of a loop, and of other runs.
@@ -60,7 +65,8 @@ module hd_gradient
   end type companion_t
 
   type :: gradient_t
-    type(companion_t), allocatable :: of(:)          !< the run itself, then one for each key
+    integer :: n = 0
+    type(companion_t), allocatable :: of(:)          !< the run itself, then one for each key: n, and room
   contains
     procedure :: follow
     procedure :: book
@@ -78,10 +84,9 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
     type(scene_t), target :: copy
     type(parameter_table_t) :: table
-    type(companion_t) :: other
     integer, allocatable :: rows(:)
     logical :: fits
-    integer :: i, n
+    integer :: i
     copy = scene
     call new_table(copy, table)
     rows = pack([(i, i=1, size(table%rows))], [(is_real(table%rows(i), scene), i=1, size(table%rows))])
@@ -89,16 +94,13 @@ contains
     gradient%of(1)%scene = scene
     gradient%of(1)%drive = drive
     gradient%of(1)%joint = joint
-    n = 1
+    gradient%n = 1
     do i = 1, size(rows)
-      call change_key(scene, rows(i), drive, other, fits, error)
+      call change_key(scene, rows(i), drive, joint, gradient%of(gradient%n + 1), fits, error)
       if (allocated(error)) return
-      if (.not. fits) cycle
-      n = n + 1
-      gradient%of(n) = other
+      if (fits) gradient%n = gradient%n + 1
     end do
-    gradient%of = gradient%of(:n)
-    do i = 1, n
+    do i = 1, gradient%n
       call new_state(drive%problem, gradient%of(i)%state)
       gradient%of(i)%before = gradient%of(i)%state
     end do
@@ -123,10 +125,11 @@ contains
   end function is_real
 
   !> The drive with a key changed, upwards if that is valid.
-  subroutine change_key(scene, row, drive, other, fits, error)
+  subroutine change_key(scene, row, drive, joint, other, fits, error)
     type(scene_t), intent(in) :: scene                !< of the run
     integer, intent(in) :: row                        !< of the table
     type(drive_t), intent(in) :: drive                !< of the run
+    type(joint_t), intent(in) :: joint                !< of the run
     type(companion_t), intent(out) :: other           !< companion
     logical, intent(out) :: fits                      !< it is valid, on the same mesh
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
@@ -160,7 +163,8 @@ contains
         deallocate (faults)
         if (.not. fits) cycle
         other%scene = moved
-        call scene_joint(moved, other%joint, error)
+        other%joint = joint
+        if (any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])) call scene_joint(moved, other%joint, error)
         if (allocated(error) .or. other%idle) return
         if (p%stage(scene%formed(), .not. scene%hard()) == stage_model) then
           call new_drive(moved, other%drive, error)
@@ -191,9 +195,14 @@ contains
   pure real(dp) function change_of(p, size) result(change)
     type(parameter_t), intent(in) :: p   !< row
     real(dp), intent(in) :: size         !< amount of its value
-    change = share*size
-    if (change > 0) return
-    change = share*merge(typical_m, merge(typical_deg, typical_other, p%unit == 'deg'), p%unit == 'm')
+    change = share
+    if (p%group == 'geometry') change = share_of_shape
+    if (p%group == 'material') change = share_of_material
+    if (size > 0) then
+      change = change*size
+      return
+    end if
+    change = change*merge(typical_m, merge(typical_deg, typical_other, p%unit == 'deg'), p%unit == 'm')
   end function change_of
 
   !> Take all companions to a place that the run has reached.
@@ -214,19 +223,19 @@ contains
     real(dp), allocatable, dimension(:, :, :) :: by_w, by_t, unused_w, unused_t
     integer :: i, j
     next = state
-    call begin_many(solver, size(self%of), drive, load, before, error)
+    call begin_many(solver, self%n, drive, load, before, error)
     if (allocated(error)) return
     call update_struts(drive%problem, load, state%u)
     call linear_equations(drive%problem, load, before, next, left_u, left_c, by_w, by_t)
-    du = left_u
-    call count_ahead(drive%problem, load, state%u, any(state%contact == stick_state), ahead, du)  ! so that flanks that just touch hold
+    du = left_u  ! flanks that just touch hold
+    call count_ahead(drive%problem, load, state%u, any(state%contact == stick_state), ahead, du)
     call solver%update(drive%problem, by_w, by_t, error)
     if (allocated(error)) return
     self%of(1)%before = before
     self%of(1)%state = state
     if (self%of(1)%scene%support%loop) call note_forces(self%of(1), load, state)
     allocate (dt, mold=state%traction)
-    do i = 2, size(self%of)
+    do i = 2, self%n
       if (self%of(i)%idle) cycle
       associate (c => self%of(i))
         call drive_load(c%drive, assembly_at(c%scene, place), torque_at(c%scene, place), step_friction(c%scene, loaded), &
@@ -240,6 +249,8 @@ contains
         was%slip = next%slip - (state%slip - before%slip)
         slip = was%slip - c%state%slip
         call linear_equations(c%drive%problem, other_load, was, next, r_u, r_c, unused_w, unused_t)
+        if (drive%problem%wheel_turns .and. c%scene%support%struts) call hold_flanks(c%drive%problem, drive%problem%strut_rate, &
+          other_load, next%u, r_u)
         r_u = r_u - left_u
         r_c = r_c - left_c
         do j = 1, size(slip, 2)
@@ -266,6 +277,26 @@ contains
     end do
     solver%sides = 1
   end subroutine follow
+
+  !> Flanks that push on the run pull on a companion that a change has taken off them: in the run their way is that of the wheel,
+  !> also where the torque is 0 and they only just touch.
+  subroutine hold_flanks(problem, rate, load, u, r)
+    type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
+    real(dp), intent(in) :: rate(:)             !< of the run [N/m]
+    type(load_t), intent(in) :: load            !< of the companion
+    real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
+    real(dp), intent(inout) :: r(:, :)          !< out-of-balance forces (3, n), get the pull [N]
+    real(dp) :: closing(size(rate)), pull(size(rate))
+    integer :: i
+    closing = strut_closings(problem, load, u)
+    pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
+    if (.not. any(abs(pull) > 0)) return
+    problem%strut_rate = rate
+    pull = linear_forces(problem, pull)
+    do i = 1, size(pull)
+      if (abs(pull(i)) > 0) call push(problem%struts(i), pull(i), r)
+    end do
+  end subroutine hold_flanks
 
   !> Note the forces of balls and teeth.
   subroutine note_forces(c, load, state)
@@ -306,7 +337,7 @@ contains
     logical, intent(in) :: reference           !< the run's results are those of this step, so far
     logical, intent(in) :: worst               !< its von Mises stress is the largest so far
     integer :: i
-    do i = 1, size(self%of)
+    do i = 1, self%n
       associate (c => self%of(i))
         if (c%idle) cycle
         if (reference) c%top = c%state
@@ -343,10 +374,10 @@ contains
       if (scene%support%loop) found%results = split(of_loop//of_all)
       if (.not. scene%support%loop) found%results = [found%results, split('rotation_rad')]
     end associate
-    allocate (value(size(found%results), size(self%of)), tangent(size(self%of)))
+    allocate (value(size(found%results), self%n), tangent(self%n))
     call find_tangents(self, solver, drive, place, certain, tangent, error)
     if (allocated(error)) return
-    do i = 1, size(self%of)
+    do i = 1, self%n
       if (self%of(i)%idle) then
         self%of(i)%top = self%of(1)%top
         self%of(i)%loop = self%of(1)%loop
@@ -356,7 +387,7 @@ contains
         value(:, i) = results_of(self%of(i), self%of(i)%drive, self%of(i)%strained, place, tangent(i))
       end if
     end do
-    found%keys = self%of(2:)%key
+    found%keys = self%of(2:self%n)%key
     allocate (found%value(size(found%keys), size(found%results)))
     do i = 1, size(found%keys)
       do j = 1, size(found%results)
@@ -420,7 +451,7 @@ contains
       sense = sign(1._dp, torque_at(run%scene, place))
       images = solver%most_images
       solver%most_images = 1
-      solver%sides = size(self%of)
+      solver%sides = self%n
       call at_top(run, drive, place, load)
       allocate (du, mold=run%state%u)
       allocate (dt, mold=run%state%traction)
@@ -429,7 +460,7 @@ contains
         if (k == 2) call coupled_response(drive, solver, at_friction(run%joint, step_friction(run%scene, .true.)), load, sense, &
           run%top, answer(k), error)
         if (allocated(error)) exit
-        do i = 1, size(self%of)
+        do i = 1, self%n
           if (self%of(i)%idle) then
             call leave(self%of(i), drive, run%top, answer(k), k == 1, sense, place, left_u, left_c)
           else

@@ -113,6 +113,8 @@ contains
     if (allocated(error)) return
     run%writes = .true.
     run%record%resumed = .true.
+    if (scene%with_gradient == '.true.') call push(run%record%warnings, 'no gradient: it is found along all load '// &
+      'steps of a run that is not resumed. Call hdengine.load(folder).gradient()')
     run%first_step = run%step%number
     call pair_bodies(run%model%drive%problem, run%state%u)
     call measure(run, again=.true.)
@@ -291,8 +293,8 @@ contains
     call run%record%timers%book(in_checkpoint)
   end subroutine keep_checkpoint
 
-  !> The last load step gets a tangent K_TS: none before the assembly's end, else by choice those that a result needs. In a loop that
-  !> is the step its results are of; elsewhere secant and K_TS over the torque need all of them.
+  !> The last load step gets a tangent K_TS: none before the assembly's end, else by choice those that a result needs. In a loop
+  !> that is the step its results are of; elsewhere secant and K_TS over the torque need all of them.
   pure logical function wants_tangent(run) result(wants)
     type(run_t), intent(in) :: run  !< run
     wants = run%asks_tangent .and. .not. run%place < assembled(run%scene)

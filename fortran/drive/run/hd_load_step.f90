@@ -245,13 +245,8 @@ contains
       if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
-      if (allocated(run%gradient)) then
-        if (run%model%solver%own_threads) threads = blas_threads(1)
-        call run%gradient%follow(run%model%solver, run%model%drive, load, run%before, run%state, place, step%loaded, error)
-        if (run%model%solver%own_threads) threads = blas_threads(threads)
-        call run%record%timers%book(in_gradient)
-        if (allocated(error)) return
-      end if
+      if (allocated(run%gradient)) call lead_companions(run, load, error)
+      if (allocated(error)) return
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
@@ -260,6 +255,19 @@ contains
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
+
+  !> Take the companions of a gradient to where the run stands.
+  subroutine lead_companions(run, load, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(load_t), intent(in) :: load                  !< of the part that ends here
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    integer :: threads
+    threads = 0
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    call run%gradient%follow(run%model%solver, run%model%drive, load, run%before, run%state, run%place, run%step%loaded, error)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    call run%record%timers%book(in_gradient)
+  end subroutine lead_companions
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
   subroutine first_guess(run, place, step, trial)

@@ -452,8 +452,8 @@ def loop_time():
     """Processor time of drive14 by part, before and now."""
     found = read_record("gradient")
     before, now = found["before"], found["now"]
-    return ("part", "before / s", "now / s"), [(part, *(digits(t[part]) if part in t else "-" for t in (before, now)))
-                                              for part in dict.fromkeys([*(p for p in before if p != "total"), *now])]
+    return ("part", "before / s", "now / s"), [(part, digits(before[part]), digits(now[part]))
+                                              for part in sorted(before, key="total".__eq__)]
 
 
 def gradient_cost():

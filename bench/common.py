@@ -20,6 +20,7 @@ from pathlib import Path
 from statistics import median
 
 import hdengine
+import hdengine_x
 from hdengine.figures.style import new_axes, new_figure, styled  # noqa: F401  (the scripts take them from here)
 from hdengine.studies.planner import mesh_of_level  # noqa: F401
 
@@ -171,6 +172,8 @@ def take_turns(calls, turns=5, limit=60.0, clock=time.perf_counter):
 
 def program(name, hint="./hd setup"):
     """Path of a program, that of this tree's .venv first; ends the script where there is none."""
+    if name == "hdengine.x":
+        return hdengine_x.PROGRAM
     places = os.pathsep.join([str(ROOT / ".venv/bin"), str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     return shutil.which(name, path=places) or sys.exit(f"{name} not found: {hint}")
 

@@ -238,7 +238,7 @@ def theory(contact):
             z = 1e-7 * law.rough(256, 3 - d, 256 / times, 6, int(1000 * d) + times)
             spectrum = law.scaled(law.lattice(z))
             p = law.pressures(spectrum.slope_rms, (contact,))
-            k, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, law.E_STAR, 1e15)
+            k, area, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, law.E_STAR, 1e15)
             seen, facts = of_map(z, law.DX)
             model, reason = choose([facts], p, area, seen.waves)
             if model != "spectrum":

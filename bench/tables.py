@@ -320,14 +320,19 @@ def faults():
 
 
 def joint_law():
-    """k_N by theory over boundary elements: range over D, by contact and roll-off."""
-    found = {}
-    for s in read_record("joint_law")["surfaces"]:
-        found.setdefault(s["surface"], []).append(s["ratio"])
-    means = {kind: [np.sqrt(np.prod(maps, axis=0)) for name, maps in found.items() if name.endswith(f", {kind}")] for kind in ("roll-off", "no roll-off")}
-    return ("true contact / %", "roll-off at 1/6 of the map", "no roll-off"), [
-        (share, *(f"{min(r[i] for r in rows):.2f} to {max(r[i] for r in rows):.2f}" for rows in means.values()))
-        for i, share in enumerate(("0.2", "0.5", "1.5", "4", "13", "36"))]
+    """Theory over boundary elements on maps that set nothing: nine of ten ratios by kind and contact."""
+    rows, out = read_record("joint_law")["maps"], []
+
+    def nine(maps, name, low, high):
+        e = np.concatenate([np.array(r[name])[(np.array(r["contact"]) > low) & (np.array(r["contact"]) <= high)] for r in maps])
+        return " to ".join(f"{x:.2f}" for x in np.exp(np.quantile(e, (0.05, 0.95))))
+
+    for kind in dict.fromkeys(r["kind"] for r in rows):
+        maps = [r for r in rows if r["kind"] == kind]
+        held = np.concatenate([abs(np.array(r["ln_k"])) <= r["half_width"] for r in maps])
+        out.append((kind, len(maps), *(nine(maps, "ln_k", *ends) for ends in ((0, 0.05), (0.05, 0.6), (0.6, 0.9))),
+                    nine(maps, "ln_contact", 0, 1), nine(maps, "ln_gap", 0, 0.9), f"{100 * held.mean():.0f} %"))
+    return ("maps", "number", "k_N to 5 %", "k_N, 5 to 60 %", "k_N, 60 to 90 %", "contact", "gap to 90 %", "inside"), out
 
 
 LIGHT = (0, 1, 2, 3)   # the contacts up to 4 %

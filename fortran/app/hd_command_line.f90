@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The command line of hdengine.x: what is asked, and doing it.
 module hd_command_line
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use hd_error, only: error_t, raise, code_input
   use hd_help, only: help_text, license_text, citation_text, version_text
   use hd_explain, only: explain
   use hd_input, only: read_scene, holds_study, surface_scene_of
-  use hd_log, only: set_log_level, quiet, normal, verbose, say
+  use hd_log, only: set_log_level, quiet, normal, verbose, say, print_text
   use hd_surface_run, only: check_surface_run, run_surface
   use hd_joint_choice, only: choose_joint
   use hd_plausible, only: implausible
@@ -214,9 +213,4 @@ contains
     dot = index(s, '.', back=.true.)
     if (dot > 1) s = s(:dot - 1)
   end function stem
-
-  subroutine print_text(text)
-    character(len=*), intent(in) :: text
-    write (output_unit, '(a)') text
-  end subroutine print_text
 end module hd_command_line

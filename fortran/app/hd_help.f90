@@ -2,7 +2,7 @@
 !> Texts of hdengine.x: help, version, licences, citation.
 module hd_help
   use, intrinsic :: iso_fortran_env, only: compiler_version
-  use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
+  use hd_version, only: version, lapack_version, fftw_version, metis_version, build_type
   implicit none
   private
   public :: help_text, version_text, license_text, citation_text
@@ -34,7 +34,7 @@ contains
   function version_text() result(s)
     character(len=:), allocatable :: s
     s = 'hdengine '//version//' ('//build_type//', '//compiler_version()//')'//nl// &
-      'METIS '//metis_version//', OpenBLAS '//openblas_version//', FFTW '//fftw_version
+      'METIS '//metis_version//', '//lapack_version//', FFTW '//fftw_version
   end function version_text
 
   function license_text() result(s)

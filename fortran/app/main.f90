@@ -4,16 +4,19 @@ program main
   use, intrinsic :: iso_fortran_env, only: error_unit
   use hd_command_line, only: command_t, read_command_line, obey
   use hd_error, only: error_t
-  use hd_system, only: catch_signals, keep_memory, wait_passively
+  use hd_log, only: check_log
+  use hd_system, only: catch_signals, fill_streams, keep_memory, wait_passively
   implicit none
   type(command_t) :: command
   type(error_t), allocatable :: error
   integer :: status
+  call fill_streams()
   call wait_passively()
   call catch_signals()
   call keep_memory()
   call read_command_line(command, error)
   if (.not. allocated(error)) call obey(command, error)
+  if (.not. allocated(error)) call check_log(error)
   if (.not. allocated(error)) stop 0, quiet=.true.
   if (index(error%message, 'error: ') /= 1) error%message = 'error: '//error%message
   write (error_unit, '(a)', iostat=status) error%message

@@ -1,17 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 ! Flat entries for Python: elastic joints. A law is a table of rising pressures with k_N and k_T per area.
 
-!> Stiffness per area and true contact from a spectrum: variance of the heights in bands about q.
-subroutine spectrum_joint(q, height, e_star, hardness, pressure, k, area, n, m, status, message)
+!> Stiffness per area, true contact and variance of the pressures from a spectrum: variance of the heights in bands about q;
+!> with_gap = 1: mean gap too.
+subroutine spectrum_joint(q, height, e_star, hardness, pressure, with_gap, k, area, variance, gap, n, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_persson, only: contact_at
+  use hd_persson, only: contact_at, mean_gap_at
   use hd_roughness_spectrum, only: power_spectrum_t, sampled_spectrum
   use hd_status, only: tell
   implicit none
-  integer(c_int), intent(in) :: n, m
+  integer(c_int), intent(in) :: n, m, with_gap
   real(c_double), intent(in) :: q(n), height(n), e_star, hardness, pressure(m)
-  real(c_double), intent(out) :: k(m), area(m)
+  real(c_double), intent(out) :: k(m), area(m), variance(m), gap(m)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   !f2py integer(c_int), intent(hide), depend(q) :: n = len(q)
@@ -21,12 +22,15 @@ subroutine spectrum_joint(q, height, e_star, hardness, pressure, k, area, n, m, 
   type(error_t), allocatable :: error
   k = 0
   area = 0
+  variance = 0
+  gap = 0
   call sampled_spectrum(q, height, spectrum, error)
-  if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area)
+  if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area, variance)
+  if (with_gap == 1 .and. .not. allocated(error)) call mean_gap_at(spectrum, e_star, pressure, gap, error)
   call tell(error, status, message)
 end subroutine spectrum_joint
 
-!> The same from the continuum of Eq. 1: surface holds D, G, L, L_s.
+!> The same without the gap from the continuum of Eq. 1: surface holds D, G, L, L_s.
 subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
@@ -43,10 +47,11 @@ subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status
   !f2py threadsafe
   type(power_spectrum_t) :: spectrum
   type(error_t), allocatable :: error
+  real(c_double) :: variance(m)
   k = 0
   area = 0
   call fractal_spectrum(surface(1), surface(2), surface(3), surface(4), spectrum, error)
-  if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area)
+  if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area, variance)
   call tell(error, status, message)
 end subroutine fractal_joint
 
@@ -180,7 +185,7 @@ subroutine theory_rule(limits, touching, scatter, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_persson_error, only: trust, steep, touching_waves, scatter_of_maps
   implicit none
-  real(c_double), intent(out) :: limits(2), touching(10), scatter(10)
+  real(c_double), intent(out) :: limits(2), touching(8), scatter(8)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
   limits = [trust, steep]
@@ -190,18 +195,18 @@ subroutine theory_rule(limits, touching, scatter, status, message)
   message = ''
 end subroutine theory_rule
 
-!> rms error of ln k_N by theory at touching waves.
-subroutine theory_scatters(touching, scatter, n, status, message)
+!> rms error of ln k_N by theory at shares of contact of so many independent waves.
+subroutine theory_scatters(area, waves, scatter, n, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
-  use hd_persson_error, only: theory_scatter
+  use hd_persson_error, only: counted_share, theory_scatter
   implicit none
   integer(c_int), intent(in) :: n
-  real(c_double), intent(in) :: touching(n)
+  real(c_double), intent(in) :: area(n), waves
   real(c_double), intent(out) :: scatter(n)
   integer(c_int), intent(out) :: status
   character(len=8192), intent(out) :: message
-  !f2py integer(c_int), intent(hide), depend(touching) :: n = len(touching)
-  scatter = theory_scatter(touching)
+  !f2py integer(c_int), intent(hide), depend(area) :: n = len(area)
+  scatter = theory_scatter(waves*counted_share(area))
   status = 0
   message = ''
 end subroutine theory_scatters

@@ -59,6 +59,16 @@ subroutine signals_unwatch(number)
   number = unwatch_signals()
 end subroutine signals_unwatch
 
+!> Numbers of the signals that end a run in order; 0 behind the last.
+subroutine signals_list(numbers)
+  use, intrinsic :: iso_c_binding, only: c_int
+  use hd_system, only: stop_signal
+  implicit none
+  integer(c_int), intent(out) :: numbers(16)
+  integer :: i
+  numbers = [(stop_signal(int(i, c_int)), i=0, size(numbers) - 1)]
+end subroutine signals_list
+
 !> Keep the log in memory instead of printing it.
 subroutine log_keep()
   use hd_log, only: keep_log, set_log_level, normal

@@ -8,13 +8,16 @@ import functools
 import inspect
 import operator
 import os
+import stat
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ._engine import InputError
+from ._engine import FileError, InputError
 
+MOST_BYTES = 2**30  # of a file that is read as a whole, as in the engine
 F = TypeVar("F", bound=Callable)
 
 
@@ -177,6 +180,26 @@ def path(name, value):
         if isinstance(found, str) and "\0" not in found:
             return value
     return _fail(name, value, "a path: a text or a pathlib.Path")
+
+
+def input_file(path, most=None):
+    """The path of a file to read, as `pathlib.Path`; pipes and devices, which may have no end, are refused before they are opened.
+
+    Raises
+    ------
+    FileError
+        Absent, a folder, no regular file, or longer than `most` bytes.
+    """
+    try:
+        found = os.stat(path)
+    except OSError as e:
+        raise FileError(f"'{path}' cannot be read: {e.strerror}") from None
+    if not stat.S_ISREG(found.st_mode):
+        raise FileError(f"'{path}' is a folder, not an input file" if stat.S_ISDIR(found.st_mode) else
+                        f"'{path}' is no file that can be read twice, as an input must be: copy it into one")
+    if most is not None and found.st_size > most:
+        raise FileError(f"'{path}' holds {found.st_size} bytes; valid: up to {most}")
+    return Path(path)
 
 
 def kind(*classes, optional=False):

@@ -200,6 +200,11 @@ def _forward_log(wanted):
         line, found = _hdengine.log_take()
 
 
+def stop_signals() -> list[int]:
+    """Signals that end a run in order: one list for hdengine.x, the command and the engine in a program of others."""
+    return [int(number) for number in _hdengine.signals_list() if number]
+
+
 class FolderLock:
     """A folder that this process alone writes into, as a context.
 

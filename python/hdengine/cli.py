@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib.util
 import os
 import re
 import signal
@@ -80,7 +81,7 @@ def _run(args):
         print(planner.plan(args.input, None, keys))
         return 0
     if _run_surface_alone(args.input, out, args.force, keys):
-        return _plot(argparse.Namespace(folder=out))
+        return _finish(out)
     try:
         with Run(args.input, out, args.force, args.resume, **keys) as run:
             told = 0
@@ -96,7 +97,7 @@ def _run(args):
     except (NotConvergedError, StoppedError):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
-    return _plot(argparse.Namespace(folder=out))
+    return _finish(out)
 
 
 def _tell_iterations(out, told):
@@ -119,6 +120,7 @@ def _completion(args):
 
 
 def _study(args):
+    from .studies import shard
     from .studies.study import Study
 
     study = Study.read(args.input)
@@ -127,8 +129,25 @@ def _study(args):
         print(f"{args.input} is valid: {study}")
         return 0
     out = args.out or _folder(args.input)
+    if args.shard:
+        number, shards = shard.number_of(args.shard)
+        points = shard.run_shard(study, out, number, shards, args.jobs, args.force, args.retry, not args.quiet)
+        print(f"shard {args.shard}: {points} points in {out}/part-{number}.jsonl; after the last shard: "
+              f"hdengine study {args.input} --collect --out {out}")
+        return 0
+    if args.collect:
+        shard.collect(study, out, args.force)
+        return _finish(out)
     study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
-    return _plot(argparse.Namespace(folder=out))
+    return _finish(out)
+
+
+def _finish(folder):
+    """Results and figures of what was just solved; a machine that computes only may lack matplotlib."""
+    if importlib.util.find_spec("matplotlib"):
+        return _plot(argparse.Namespace(folder=folder))
+    print(f"written: {folder}; figures need matplotlib: pip install 'hdengine[plot]'", file=sys.stderr)
+    return 0
 
 
 def _plot(args):
@@ -224,7 +243,7 @@ def _command(commands, name, action, text, example):
 
 def make_parser() -> argparse.ArgumentParser:
     """The command with its subcommands."""
-    parser = argparse.ArgumentParser(prog="hdengine", description=__doc__.strip(),
+    parser = argparse.ArgumentParser(prog="hdengine", description="The command `hdengine`.",
                                      epilog="example: hdengine run data/cd14.nml load.torque=3")
     parser.add_argument("--version", action="version", version=f"hdengine {_engine.version()}")
     commands = parser.add_subparsers(dest="command", required=True)
@@ -249,6 +268,9 @@ def make_parser() -> argparse.ArgumentParser:
     study.add_argument("--check", action="store_true", help="check the study and the scene of a point, then stop")
     study.add_argument("-q", "--quiet", action="store_true", help="no progress")
     study.add_argument("--retry", action="store_true", help="solve failed points again")
+    part = study.add_mutually_exclusive_group()
+    part.add_argument("--shard", metavar="I/N", help="solve shard I of N into part-I.jsonl: each on a machine of its own")
+    part.add_argument("--collect", action="store_true", help="one table of all parts")
     study.add_argument("--other-version", action="store_true", help="keep rows that another version of hdengine solved")
     for sub in (run, study):
         sub.add_argument("--out", help="folder for the results")
@@ -303,8 +325,9 @@ def _arguments(argv):
 
 @contextlib.contextmanager
 def _orderly():
-    """SIGTERM (a batch system, `kill`) and SIGHUP (a closed terminal) end the command as Ctrl-C does; ignored ones stay so."""
-    taken = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) == signal.SIG_DFL]
+    """Signals that end hdengine.x in order (of a batch system, `kill`, a closed terminal) end the command as Ctrl-C does; ignored
+    ones stay so."""
+    taken = [s for s in _engine.stop_signals() if signal.getsignal(s) == signal.SIG_DFL]
     if threading.current_thread() is not threading.main_thread():
         taken = []
     for s in taken:
@@ -324,17 +347,82 @@ def _for_the_shell(message):
     return message.replace("leave out spacing=", "leave out --spacing")
 
 
+class _Stream:
+    """A standard stream that takes every letter and, closed or full, every line: the work goes on, and its end tells the fault."""
+
+    def __init__(self, stream):
+        self._stream, self.fault = stream, None
+
+    def write(self, text):
+        """As of a file; letters that the stream does not know are written as escapes."""
+        if self._stream is not None:
+            coding = getattr(self._stream, "encoding", None) or "utf-8"
+            self._try(self._stream.write, text.encode(coding, "backslashreplace").decode(coding))
+        return len(text)
+
+    def flush(self):
+        """As of a file."""
+        if self._stream is not None:
+            self._try(self._stream.flush)
+
+    def isatty(self):
+        """As of a file."""
+        return self._stream is not None and self.fault is None and self._stream.isatty()
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def _try(self, action, *args):
+        if self.fault is None:
+            try:
+                action(*args)
+            except (OSError, ValueError) as fault:   # full, its reader gone; closed
+                self.fault = fault
+
+    def drop(self):
+        """What the stream still holds goes nowhere: Python would try it again as it ends."""
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+
+
+def _fill_streams():
+    """Standard streams that are closed lead nowhere: the next file opened would get their place."""
+    with contextlib.suppress(OSError):
+        while (file := os.open(os.devnull, os.O_RDWR)) <= 2:
+            os.set_inheritable(file, True)
+        os.close(file)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the command; returns the exit code of hdengine.x."""
+    _fill_streams()
+    out, err, left = _Stream(sys.stdout), _Stream(sys.stderr), None
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = _obey(argv)
+        except SystemExit as end:   # --help, --version, a wrong option
+            left, code = end, end.code
+        out.flush()
+        if out.fault is not None:
+            out.drop()
+            if not code:
+                code, left = FileError.code, None
+                why = getattr(out.fault, "strerror", None) or out.fault
+                print(f"error: cannot write the standard output: {why}; files of results are not concerned", file=err)
+        err.flush()
+        if err.fault is not None:
+            err.drop()
+    if left is not None:
+        raise left
+    return code
+
+
+def _obey(argv):
+    """Do what is asked."""
     args = _arguments(argv)
     try:
         with _orderly():
-            code = args.action(args)
-        sys.stdout.flush()
-        return code
-    except BrokenPipeError:  # who read the output, as head, has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FileError.code
+            return args.action(args)
     except HdengineError as error:
         print(_for_the_shell(_line(error)), file=sys.stderr)
         return error.code
@@ -345,6 +433,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"error: not enough memory: {error}", file=sys.stderr)
         return EngineMemoryError.code
     except KeyboardInterrupt:
-        print("\nstopped; what was solved is kept: the same command goes on with a study, with --resume also with a run",
+        print("error: interrupted; what was solved is kept: the same command goes on with a study, with --resume also with a run",
               file=sys.stderr)
         return StoppedError.code

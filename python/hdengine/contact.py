@@ -94,7 +94,8 @@ class Run:
         lines = "\n".join(_assignments(keys))
         if out:
             try:
-                Path(out).absolute().parent.mkdir(parents=True, exist_ok=True)
+                out = Path(out).absolute()   # the working folder may change between two steps
+                out.parent.mkdir(parents=True, exist_ok=True)
             except OSError as e:
                 raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
@@ -233,10 +234,12 @@ def in_notebook() -> bool:
 
 
 def bar(**options: object) -> Any:
-    """A bar of tqdm, in the form that notebook or terminal want; None without tqdm."""
+    """A bar of tqdm, in the form that notebook or terminal want; None without tqdm or standard error."""
     try:
         from tqdm.auto import tqdm
     except ImportError:
+        return None
+    if sys.stderr is None:
         return None
     return tqdm(file=None if in_notebook() else sys.stderr, **options)
 

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders of results that Python writes: nothing is overwritten unasked, and what is cut short does not look whole."""
+"""Files that Python writes: nothing is overwritten unasked, and what is cut short does not look whole."""
 from __future__ import annotations
 
+import contextlib
+import errno
+import io
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import _engine
+from ._check import MOST_BYTES, input_file
 from ._engine import FileError
 from ._types import PathLike
-from .results import read_json
 
 # files that say what a folder holds
 _MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json", "joint.json", "gaps.json")
@@ -71,33 +75,103 @@ def write_folder(folder: PathLike, record: str, head: dict, files: dict, force: 
     folder = Path(folder)
     check_folder(folder, [record, *files], force)
     whole = {"status": "complete", "hdengine": _engine.version(), **head, "files": list(files)}
-    text = json.dumps(_plain(whole), indent=1, allow_nan=False) + "\n"
-    try:
+    with _told(folder):
         folder.mkdir(parents=True, exist_ok=True)
+    with _parts({folder / name: content for name, content in (*files.items(), (record, json_text(whole)))}):
         if (folder / record).exists():
             earlier = read_json(folder / record).get("files", [])
             (folder / record).unlink()
             for name in (n for n in earlier if isinstance(n, str) and Path(n).name == n):
                 (folder / name).unlink(missing_ok=True)
-        for name, content in (*files.items(), (record, text)):
-            part = folder / f".{name}"
-            try:
-                if isinstance(content, str):
-                    part.write_text(content, encoding="utf-8")
-                else:
-                    content.savefig(part)
-                os.replace(part, folder / name)
-            finally:
-                part.unlink(missing_ok=True)
-    except OSError as e:
-        raise FileError(f"'{folder}' cannot be written: {e.strerror or e}") from None
     return [folder / record, *(folder / name for name in files)]
 
 
+def write_files(files: Mapping[Path, Any]) -> None:
+    """Write files that belong together: each is there whole or as it was before.
+
+    Parameters
+    ----------
+    files : dict
+        Text, bytes or a matplotlib figure, by path.
+
+    Raises
+    ------
+    FileError
+        Something else than a file stands there (a link, a pipe), or it cannot be written.
+    """
+    with _parts(files):
+        pass
+
+
+@contextlib.contextmanager
+def _parts(files):
+    """Files under temporary names; at the end of the block they get their own, in order."""
+    parts = {path: path.with_name(path.name + ".part") for path in files}
+    try:
+        for path, content in files.items():
+            with _told(path):
+                if path.is_symlink() or (path.exists() and not path.is_file()):
+                    raise OSError(errno.EINVAL, "it is no regular file: remove it, or choose another folder")
+                _write(parts[path], _content(path, content))
+        yield
+        for path, part in parts.items():
+            with _told(path):
+                os.replace(part, path)
+    except BaseException:
+        for part in parts.values():
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
+        raise
+
+
+def _content(path, content):
+    """Bytes of a file. Text may hold a path that is no UTF-8."""
+    if isinstance(content, str):
+        return content.encode("utf-8", "replace")
+    if isinstance(content, bytes):
+        return content
+    drawn = io.BytesIO()
+    content.savefig(drawn, format=path.suffix[1:])
+    return drawn.getvalue()
+
+
+def _write(path, data):
+    """A new file, on the disk to its last byte."""
+    path.unlink(missing_ok=True)
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "wb") as file:
+        file.write(data)
+        file.flush()
+        try:
+            os.fsync(file.fileno())
+        except OSError as e:
+            if e.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EROFS):   # some file systems know no fsync
+                raise
+        if os.fstat(file.fileno()).st_size != len(data):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@contextlib.contextmanager
+def _told(path) -> Iterator[None]:
+    """Errors of the system as errors of the package that name the file."""
+    try:
+        yield
+    except FileError:
+        raise
+    except OSError as e:
+        raise FileError(f"'{path}' cannot be written: {e.strerror or e}") from None
+
+
+def json_text(value: object) -> str:
+    """JSON of what is to be written: UTF-8 in all texts, null for numbers that are not finite."""
+    return json.dumps(_plain(value), indent=1, allow_nan=False) + "\n"
+
+
 def _plain(value):
-    """The same for JSON: arrays as lists, numbers that are not finite as null."""
+    """The same for JSON: arrays as lists, numbers that are not finite as null, texts without what is no UTF-8."""
     if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
+        return {_plain(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()
     if isinstance(value, (list, tuple, np.ndarray)):
         return [_plain(v) for v in value]
     if isinstance(value, (float, np.floating)):
@@ -110,3 +184,24 @@ def csv_text(columns: dict) -> str:
     def cell(v):
         return v if isinstance(v, str) else "" if v != v else f"{v:.10g}"
     return "\n".join([",".join(columns), *(",".join(map(cell, row)) for row in zip(*columns.values()))]) + "\n"
+
+
+def read_json(path: PathLike, *needed: str) -> dict:
+    """A JSON object; entries that are needed must be there.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, holds no JSON object, or lacks an entry.
+    """
+    file = input_file(path, MOST_BYTES)
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
+    if not isinstance(found, dict):
+        raise FileError(f"'{path}' is not what hdengine writes: no JSON object")
+    missing = [name for name in needed if name not in found]
+    if missing:
+        raise FileError(f"'{path}' is not what hdengine writes: no entry {', '.join(missing)}")
+    return found

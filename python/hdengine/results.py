@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import html
-import json
-import os
+import io
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked
+from ._check import checked, input_file
 from ._check import path as a_path
 from ._engine import FileError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
+from .files import read_json, write_files
 from .joint import Joint, JointWarning
 
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
@@ -47,6 +47,18 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
+def _table_with_gaps(path):
+    """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
+    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
+    table = np.atleast_1d(np.genfromtxt(path, dtype=None, **options))
+    names = table.dtype.names or ()
+    if not any(table.dtype[name].kind == "i" for name in names):
+        return table
+    floats = [(name, float if table.dtype[name].kind == "i" else table.dtype[name]) for name in names]
+    wide = np.atleast_1d(np.genfromtxt(path, dtype=floats, **options))
+    return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
+
+
 def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
@@ -55,14 +67,18 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
     FileError
         The file cannot be read, or is no table.
     """
+    input_file(path)
     try:
+        with open(path, "rb") as file:
+            if b"\0" in file.read(4096):
+                raise ValueError("it holds bytes that are no text")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             try:
                 table = _table(path)
             except (ValueError, Warning, IndexError):
-                table = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8"))
+                table = _table_with_gaps(path)
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
@@ -90,26 +106,6 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     if not path.is_file():
         raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
     return read_json(path, *needed)
-
-
-def read_json(path: PathLike, *needed: str) -> dict:
-    """A JSON object; entries that are needed must be there.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, holds no JSON object, or lacks an entry.
-    """
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as e:
-        raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
-    if not isinstance(found, dict):
-        raise FileError(f"'{path}' is not what hdengine writes: no JSON object")
-    missing = [name for name in needed if name not in found]
-    if missing:
-        raise FileError(f"'{path}' is not what hdengine writes: no entry {', '.join(missing)}")
-    return found
 
 
 def _number(value):
@@ -402,11 +398,11 @@ class Result:
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""
         k, paper = self.torsional_stiffness()
         path = self.folder / "torsion.csv"
+        text = io.StringIO()
         rows = np.column_stack([self.steps["step"], self.torque_nm, k, paper, self.steps["rotation_rad"]])
-        part = path.with_suffix(".part")
-        np.savetxt(part, rows, delimiter=",", comments="", fmt=["%d"] + ["%.17g"] * 4,
+        np.savetxt(text, rows, delimiter=",", comments="", fmt=["%d"] + ["%.17g"] * 4,
                    header="step,torque_nm,k_ts_nm_per_rad,k_ts_paper_n,rotation_rad")
-        os.replace(part, path)
+        write_files({path: text.getvalue()})
         return path
 
     @property

@@ -2,8 +2,7 @@
 """What K_TS owes to its inputs: bands, one-at-a-time ranges (tornado), variance-based indices."""
 from __future__ import annotations
 
-import json
-import os
+import io
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
 from .elastic import joint_of_scene
+from .files import json_text, write_files
 from .results import Result, facet_stiffness
 from .studies.study import Study, StudyResult
 
@@ -322,7 +322,9 @@ def table_ranges(scene: dict, folder: PathLike) -> dict:
         columns = {"pressure_pa": table["pressure_pa"], "k_n_pa_per_m": table["k_n_pa_per_m"] * factor}
         columns |= {} if k_t is None else {"k_t_pa_per_m": k_t * factor}
         end = Path(folder).resolve() / f"joint_{side}.csv"
-        np.savetxt(end, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+        text = io.StringIO()
+        np.savetxt(text, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+        write_files({end: text.getvalue()})
         ends.append(str(end))
     return {"joint.table_file": (*ends, "95 % band of its table")}
 
@@ -432,9 +434,5 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         found |= {"indices": {}, "note": str(why)}
     if table:
         found["note"] = "the joint is a table: its own band counts, with --drive, and no key of &joint"
-    part = result.folder / "sensitivity.json.part"
-    part.write_text(json.dumps(found, indent=1) + "\n")
-    os.replace(part, result.folder / "sensitivity.json")
-    for name, figure in figures.items():
-        figure.savefig(result.folder / name)
+    write_files({result.folder / name: content for name, content in (*figures.items(), ("sensitivity.json", json_text(found)))})
     return found

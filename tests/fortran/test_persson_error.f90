@@ -6,7 +6,7 @@ module test_persson_error
   use hd_error, only: error_t
   use hd_roughness_spectrum, only: power_spectrum_t, fractal_spectrum, sampled_spectrum
   use hd_persson_error, only: theory_surface_t, theory_error_t, new_theory_surface, theory_scatter, theory_error_of, may_be_taken, &
-    in_words, touching_waves, scatter_of_maps, trust, steep
+    in_words, counted_share, touching_waves, scatter_of_maps, trust, steep
   implicit none
   private
   public :: run_persson_error
@@ -42,12 +42,10 @@ contains
     surface = new_theory_surface(spectrum, 1e11_dp, 2e9_dp, [1e6_dp, 1e8_dp], [1e-3_dp, 1e-1_dp])
     call check_close(surface%waves_per_area, (8e8_dp - 2e8_dp)/(4*pi), 1e-3_dp, 'one band holds the height')
     call check_close(surface%steepness, 50*2e-2_dp, 1e-9_dp, 'E* slope over hardness')
-    call check_close(surface%span, 4._dp, 1e-12_dp, 'longest over shortest wave')
-    call check(index(in_words(theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])), 'narrow as this one') > 0, &
-      'a narrow spectrum is said')
-    surface%span = 20
-    call check(index(in_words(theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])), 'narrow') == 0, &
-      'a wide one is not')
+    call check(index(in_words(theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])), 'open waves') == 0, 'few crests touch')
+    surface%area = [0.9_dp, 0.97_dp]
+    call check_close(theory_scatter(1e4_dp*counted_share(0.97_dp)), theory_scatter(100._dp), 1e-12_dp, 'three open count as one')
+    call check(index(in_words(theory_error_of(surface, [1e8_dp], [1e-6_dp], [.true.])), 'open waves') > 0, 'few valleys are open')
   end subroutine test_waves
 
   !> Touching waves of parts of a contact add up; what sticks decides; the rule flips where 1.96 times the error is the bound, and
@@ -56,6 +54,7 @@ contains
     type(theory_surface_t) :: surface
     type(theory_error_t) :: found
     real(dp) :: edge
+    integer :: i
     surface%pressure = [1e6_dp, 1e8_dp]
     surface%area = [1e-3_dp, 1e-1_dp]
     surface%waves_per_area = 1e8_dp
@@ -70,7 +69,9 @@ contains
     call check_close(found%share, 5e-4_dp, 1e-15_dp, 'contact in proportion below the first pressure')
     found = theory_error_of(surface, [0._dp, -1e6_dp], [1e-6_dp, 1e-6_dp], [.true., .true.])
     call check(.not. may_be_taken(found), 'nothing is pressed')
-    edge = exp(log(1.8_dp) + log(5.6_dp/1.8_dp)*(0.15_dp - trust/1.96_dp)/(0.15_dp - 0.073_dp))  ! A N at which 1.96 e = trust
+    i = count(scatter_of_maps > trust/1.96_dp)
+    edge = touching_waves(i)*(touching_waves(i + 1)/touching_waves(i))**((scatter_of_maps(i) - trust/1.96_dp)/ &
+      (scatter_of_maps(i) - scatter_of_maps(i + 1)))  ! waves at which 1.96 e = trust
     surface%waves_per_area = 1.001_dp*edge/(1e-2_dp*1e-6_dp)
     found = theory_error_of(surface, [1e7_dp], [1e-6_dp], [.true.])
     call check(may_be_taken(found), 'just enough waves touch')

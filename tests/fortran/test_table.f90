@@ -30,13 +30,13 @@ contains
       call table%add(x(i))
     end do
     call table%end_row(error)
-    bytes = table%bytes()
+    call table%find_bytes(bytes, error)
     sum = table%sum
     call table%add(-7)
     call table%add('open  ')
     call table%add(8)
     call table%end_row(error)
-    call table%close()
+    call table%close(error)
     open (newunit=unit, file=path, action='read', status='old', recl=6000)
     read (unit, '(a)') line
     call check(line == 'a,b', 'a table begins with its header')
@@ -50,7 +50,7 @@ contains
     call table%reopen(path, bytes, sum, error)
     call table%add(8)
     call table%end_row(error)
-    call table%close()
+    call table%close(error)
     open (newunit=unit, file=path, action='read', status='old', recl=6000)
     read (unit, '(/,/,a)') line
     close (unit)
@@ -93,7 +93,7 @@ contains
       end do
       call table%end_row(error)
     end do
-    call table%close()
+    call table%close(error)
     open (newunit=unit, file=path, action='read', status='old', recl=6000)
     read (unit, *)
     read (unit, *) y

@@ -2,7 +2,6 @@
 """Paths and helpers shared by the tests."""
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+import hdengine_x
+
+os.environ["PATH"] += f"{os.pathsep}{Path(sys.executable).parent}"  # hdengine.x becomes `hdengine` for a study
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the scenes are small: more threads only wait for each other
 
 for _name in (signal.SIGINT, signal.SIGHUP):  # a shell ignores them for what it starts in the background, and so would the runs of the tests
@@ -27,13 +29,8 @@ def pytest_configure(config):
 
 
 def executable():
-    """hdengine.x that belongs to the installed package, or what HDENGINE_EXE names (./hd coverage)."""
-    if os.environ.get("HDENGINE_EXE"):
-        return os.environ["HDENGINE_EXE"]
-    beside = Path(sys.executable).with_name("hdengine.x")
-    found = str(beside) if beside.exists() else shutil.which("hdengine.x")
-    assert found, "hdengine.x is not installed beside this Python"
-    return found
+    """hdengine.x of the installed package, or what HDENGINE_EXE names (./hd coverage)."""
+    return os.environ.get("HDENGINE_EXE") or hdengine_x.PROGRAM
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +40,7 @@ def exe():
 
 def call(exe, *args, **options):
     """Run hdengine.x and return the finished process."""
-    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=600, **options)
+    return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, **{"timeout": 600} | options)
 
 
 def stopped_and_whole(exe, keys, rows, tmp_path):

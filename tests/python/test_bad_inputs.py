@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad inputs: exit code and the whole of stderr, and the same words as a Python exception."""
+import os
+from pathlib import Path
+
 import pytest
 
 import hdengine
 from conftest import call
+from hdengine import results
+from hdengine.record import Record
+from hdengine.studies import planner, study, study_file
+from hdengine.surfaces import specimen
+from hdengine.teeth import rim_shape
 
 HEAD = "&hd_input version = 1 /\n"
 
@@ -250,6 +258,43 @@ def test_folder_for_file(exe, tmp_path):
     """A folder is not an input file."""
     done = call(exe, tmp_path)
     assert (done.returncode, done.stderr) == (3, f"error: '{tmp_path}' is a folder, not an input file\n")
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory):
+    """Files that are none: a pipe that nobody writes to, an endless device, a folder, three gigabytes of nothing."""
+    folder = tmp_path_factory.mktemp("odd")
+    os.mkfifo(folder / "pipe")
+    with open(folder / "sparse", "wb") as file:
+        file.truncate(3 * 2**30)
+    return [str(folder / "pipe"), "/dev/zero", str(folder), str(folder / "sparse")]
+
+
+KEYS = {"cam_file": ("load.support=drive", "wave_generator.cam=table", "wave_generator.cam_file={}"), "input": ("{}",),
+        "table_file": ("joint.model=table", "joint.table_file={}"), "spectrum_file": ("joint.model=spectrum", "joint.spectrum_file={}"),
+        "first_file": ("surface.nx=8", "fit.dx=1e-6", "fit.first_file={}.npy")}
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_every_key_opens_files_alone(exe, tmp_path, odd, key):
+    """What is no file that ends is refused at once, with code 3 and one line, whichever key names it."""
+    (tmp_path / "in.nml").write_text(HEAD)
+    for i, path in enumerate(odd):
+        if key == "first_file" and i != 2:
+            (tmp_path / f"{i}.npy").symlink_to(path)
+        words = [word.format(tmp_path / str(i) if key == "first_file" and i != 2 else path) for word in KEYS[key]]
+        done = call(exe, *([] if key == "input" else [tmp_path / "in.nml"]), *words, "--out", tmp_path / "o", timeout=20)
+        assert done.returncode == 3 and done.stderr.count("\n") == 1 and done.stderr.startswith("error: "), done.stderr
+
+
+@pytest.mark.parametrize("reader", [
+    specimen.read, Record.read, planner.plan, study_file._text, results.read_json, study.read_rows, rim_shape.read_grid,
+], ids=lambda f: f.__qualname__)
+def test_every_reader_opens_files_alone(odd, reader):
+    """The same in Python."""
+    for path in odd[:3] + odd[3:] * (reader not in (study.read_rows, rim_shape.read_grid)):
+        with pytest.raises(hdengine.FileError, match="an input file|is no file|bytes|no text"):
+            reader(Path(path))
 
 
 def test_unwritable_output(exe, tmp_path):

@@ -120,10 +120,16 @@ def test_measured_table_is_the_curve_it_was_taken_from(tmp_path):
     assert found.curve_m == pytest.approx(2 * np.pi * (R + 5e-6), rel=1e-14)
 
 
-@pytest.mark.parametrize("text, words", [("theta,r\n0,1\n", ":1: the header is 'theta,r'"), ("theta_deg,radius_m\n0,0.0165\n5\n", ":3: '5' is no point"),
-                                         ("theta_deg,radius_m\n0,0.0165\n-5,0.0165\n", ":3: the angle does not rise"),
-                                         ("theta_deg,radius_m\n0,0.0165\n360,0.0165\n", ":3: the angle leaves the first turn"),
-                                         ("theta_deg,radius_m\n0,0.0165\n", "1 points; valid: 8 or more")])
+HEAD = "theta_deg,radius_m\n0,0.0165\n"
+
+
+@pytest.mark.parametrize("text, words", [("theta,r\n0,1\n", "line 1: the header is 'theta,r'"), (HEAD + "5\n", "line 3: 1 cells; valid: 2"),
+                                         (HEAD + "-5,0.0165\n", "line 3: the angle does not rise"),
+                                         (HEAD + "360,0.0165\n", "line 3: the angle leaves the first turn"),
+                                         (HEAD, "1 points; valid: 8 or more"), (HEAD + "50,/\n", "line 3: column radius_m: '/'"),
+                                         (HEAD + "5,0.0165,7\n", "line 3: 3 cells"), (HEAD + "5,1+13\n", "'1+13'; valid: a number"),
+                                         (HEAD + f"5,0.0165{' ' * 300}1\n", "column radius_m: '0.0165 "),
+                                         (HEAD + "5,2*0.0165\n", "'2*0.0165'"), (HEAD + "5,0.0165;\n", "'0.0165;'"), (HEAD + "5,\33[2J\n", "'?[2J'")])
 def test_bad_tables_are_named(tmp_path, text, words):
     """A fault of a measured table is named with file, line and what is valid."""
     path = tmp_path / "bad.csv"

@@ -29,11 +29,13 @@ def test_help_shows_an_example_that_parses(name, capsys):
 
 
 def test_a_reader_that_goes_away(exe):
-    """`hdengine ... | head`: no traceback, code 3 (bash's PIPESTATUS)."""
-    command = [Path(exe).with_name("hdengine"), "completion", "bash"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-        running.stdout.close()
-        assert running.stderr.read() == "" and running.wait() == 3
+    """`... | head`: program and command end with one line and code 3 (bash's PIPESTATUS)."""
+    for command in ([Path(sys.executable).with_name("hdengine"), "completion", "bash"], [exe, "--explain", "all"]):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+            running.stdout.close()
+            error = running.stderr.read()
+            assert error.startswith("error: cannot write the standard output: Broken pipe") and error.count("\n") == 1
+            assert running.wait() == 3
 
 
 def test_plan(capsys, tmp_path):
@@ -230,3 +232,21 @@ def test_plan_of_run_and_wrong_words(capsys, tmp_path, monkeypatch):
     with pytest.raises(SystemExit):
         cli.main(["study", scene, "--jobs", "none"])
     assert "'none' must be a whole number of 1 or more" in capsys.readouterr().err
+
+
+def test_figures_that_need_matplotlib(tmp_path, monkeypatch, capsys):
+    """Where matplotlib is missing a run is solved and says what figures need; `plot` and `report` end with one line."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    for name in [m for m in sys.modules if m.startswith("hdengine.figures")]:
+        monkeypatch.delitem(sys.modules, name)
+    assert cli.main(["run", str(ROOT / "data/cd14.nml"), "mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=1", "--out", str(tmp_path / "r")]) == 0
+    assert "figures need matplotlib: pip install 'hdengine[plot]'" in capsys.readouterr().err
+    assert cli.main(["plot", str(tmp_path / "r")]) == 2
+    assert capsys.readouterr().err == "error: figures need matplotlib: pip install 'hdengine[plot]'\n"
+
+
+def test_program_starts_by_its_command(tmp_path):
+    """`hdengine.x` of the installed commands is the program, with its arguments and exit code, from any folder."""
+    command = Path(sys.executable).with_name("hdengine.x")
+    assert subprocess.run([command, "--version"], cwd=tmp_path, capture_output=True, text=True).stdout.startswith("hdengine ")
+    assert subprocess.run([command, "none.nml"], cwd=tmp_path, capture_output=True).returncode == 3

@@ -25,6 +25,9 @@ PIECES = ["&load", "&mesh", "&", "&end", "/", "=", ",", "!", "torque", "division
     ("&run title = '\xff\xfe' /", "not UTF-8"),
     ("&load torque = " + 100000 * "7" + " /", "is not a number"),
     ("&load /" * 5000, "more mistakes"),
+    ("&loop torques = 5, , -5 /", "an empty place in 'torques'"), ("&loop torques = ,5 /", "an empty place in 'torques'"),
+    ("&loop torques = 5,\n, -5 /", "an empty place in 'torques'"), ("&load torque = 1+13 /", "is not a number: '1+13'"),
+    ("&loop torques = 1;2 /", "is not a number: '1;2'"),
 ])
 def test_crafted_namelists_are_told(exe, tmp_path, text, what):
     """Repeat counts of any size, long lines, strange bytes and endless mistakes end with code 2 and a message of bearable length."""
@@ -34,6 +37,13 @@ def test_crafted_namelists_are_told(exe, tmp_path, text, what):
     assert done.returncode == 2 and what in done.stderr.decode() and len(done.stderr) < 200000
     with pytest.raises(hdengine.InputError):
         hdengine.read_scene(path)
+
+
+@pytest.mark.parametrize("value", ["5, , -5", ",5", "5,-5,", "1;2", "1+13", "5 / -5", "", "5,'7'"])
+def test_lists_on_the_command_line_have_no_empty_place(value):
+    """A list in an assignment is as strict as in a file: an empty place, or what is no number, is an error that shows it."""
+    with pytest.raises(hdengine.InputError, match="is not a number: '"):
+        hdengine.read_scene(**{"loop.torques": value})
 
 
 def test_quotes_in_texts_survive_the_echo(exe, tmp_path):
@@ -94,3 +104,11 @@ def test_an_input_is_a_file(exe):
     """What cannot be read twice is no input: code 3 names it."""
     done = call(exe, "/dev/null", "--check")
     assert done.returncode == 3 and "/dev/null" in done.stderr
+
+
+@pytest.mark.parametrize("coding", ["utf-16", "utf-16-be", "utf-32"])
+def test_other_codings_are_one_error(exe, tmp_path, coding):
+    """A scene in UTF-16 or UTF-32 ends with one line, of code 2, that says how to save it."""
+    (tmp_path / "a.nml").write_text((ROOT / "data/cd14.nml").read_text(), encoding=coding)
+    done = call(exe, tmp_path / "a.nml", "--check")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "save it as UTF-8" in done.stderr

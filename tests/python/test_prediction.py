@@ -9,7 +9,7 @@ import pytest
 import hdengine
 from conftest import ROOT, call
 from hdengine import cli
-from hdengine.elastic import ElasticJoint, moduli, stiffness_from_spectrum
+from hdengine.elastic import ElasticJoint, contact_from_spectrum, moduli, pressure_density, stiffness_from_spectrum
 from hdengine.prediction import half_space
 from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.law import predict
@@ -71,20 +71,64 @@ def test_derivatives_of_the_law():
         assert d[2] == pytest.approx((up[1] - down[1])[0] / (2e-5 * q), rel=1e-4, abs=10)
 
 
-def test_area_is_perssons():
-    """True contact of an elastic spectrum is erf(sqrt(2) P / (E* slope)), Persson's result."""
+def test_area_solves_its_equation():
+    """True contact of an elastic spectrum, scale by scale, is that of dV_p = S(A) dV by another integrator; at first touch it is sqrt(9/5) times
+    Persson's erf(sqrt(2) P / (E* slope))."""
     spectrum, facts = of_map(rough(64, 0.8, 32, 8, 1), (1e-6, 1e-6))
     p = np.array([1e6, 1e8, 1e9])
-    _, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
-    assert area == pytest.approx([erf(2**0.5 * x / (E_STAR * spectrum.slope_rms)) for x in p], rel=1e-9)
+    k, area, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
+    full = (E_STAR * spectrum.slope_rms / 2) ** 2
+    v, share = np.array(p**2 / 50), np.ones(3)
+    for at in range(3):
+        x = np.geomspace(p[at] ** 2 / 50, full, 4001)   # all touches below
+        for step in np.diff(x):
+            share[at] = erf(p[at] / (2 * v[at]) ** 0.5)
+            v[at] += step * (5 - 2 * share[at] ** 2 + 6 * share[at] ** 4) / 9
+    assert area == pytest.approx([erf(a / (2 * b) ** 0.5) for a, b in zip(p, v)], rel=2e-3)
+    assert area[0] == pytest.approx(1.8**0.5 * erf(2**0.5 * p[0] / (E_STAR * spectrum.slope_rms)), rel=0.02)
     assert facts["slope_rms"] == pytest.approx(0.05, rel=0.03)
+
+
+def test_area_of_other_groups():
+    """Contact shares that others computed and nothing was set on: 17 loads of Xu 2024 (q from 1e4 to 1e6 1/m, H 0.8, 6 um rms) within 11 %, 5 % from a
+    tenth of contact on; the contact-mechanics challenge (0.0208, read to 3 %) within 4 %."""
+    f = np.geomspace(1e4, 1e6, 300)
+    h = f[:-1]**-1.6 - f[1:]**-1.6
+    p = [1e-4, 1e-3, 5e-3, 0.01, 0.015, 0.025, 0.04, 0.065, 0.086, 0.113, 0.147, 0.191, 0.24, 0.3, 0.37, 0.43, 0.5]
+    found = [8.609e-4, 8.272e-3, 0.03993, 0.07793, 0.1147, 0.1852, 0.2846, 0.4326, 0.5403, 0.6571, 0.7719, 0.8739, 0.9406, 0.9794, 0.9951, 0.9988, 0.9998]
+    ratio = stiffness_from_spectrum(np.sqrt(f[1:] * f[:-1]), 36e-12 * h / h.sum(), p, 1.0)[1] / found
+    assert abs(ratio - 1).max() < 0.11 and abs(ratio[4:] - 1).max() < 0.06
+    f = np.geomspace(1e4, 1e7, 600)                       # waves of 0.1 mm to 0.1 um, roll-off at 20 um, slope 1
+    bands, q = np.maximum(f[1:], 5e4)**-3.6 * (f[1:]**2 - f[:-1]**2), np.pi * (f[1:] + f[:-1])
+    assert stiffness_from_spectrum(q, bands / (q**2 * bands).sum(), [0.25], 25.0)[1][0] == pytest.approx(0.0208, rel=0.04)
+
+
+def test_gap_closes_as_the_stiffness_says():
+    """The mean gap falls by dP/k_N; it is a share of the roughness at light load and nothing where all touches."""
+    q = np.geomspace(1e4, 1e6, 120)
+    h = 1e-14 * q**-0.2
+    p = np.geomspace(1e-4, 3, 300) * E_STAR * (q**2 * h).sum() ** 0.5
+    k, area, gap = stiffness_from_spectrum(q, h, p, E_STAR)
+    steps = (p[1:] - p[:-1]) * (1 / k[1:] + 1 / k[:-1]) / 2
+    assert gap[:-1] - gap[1:] == pytest.approx(steps, rel=5e-3, abs=1e-5 * gap[0])
+    assert 1 < gap[0] / h.sum() ** 0.5 < 5 and gap[area > 0.9999].max() < 1e-4 * gap[0]
+
+
+def test_pressures_of_the_density():
+    """Shares of local pressures add up to the true contact and carry the load."""
+    q, load = np.geomspace(1e4, 1e6, 120), 3e7
+    _, area, spread = contact_from_spectrum(q, 1e-14 * q**-0.2, load, E_STAR)
+    x = np.linspace(0, load + 10 * spread[0], 20001)
+    share = pressure_density(x, load, spread[0])
+    assert np.trapezoid(share, x) == pytest.approx(area[0], rel=1e-4)
+    assert np.trapezoid(x * share, x) == pytest.approx(load, rel=1e-6)
 
 
 def test_yielding_contact_carries_the_hardness():
     """Where yield decides, true contact is P / H: much slope against H."""
     q = np.geomspace(1e4, 1e7, 200)
     p = np.array([1e7, 1e8, 1e9])
-    _, area = stiffness_from_spectrum(q, 1e-9 / q**1.2, p, E_STAR, 2.3e9)
+    _, area, _ = stiffness_from_spectrum(q, 1e-9 / q**1.2, p, E_STAR, 2.3e9)
     assert area == pytest.approx(p / 2.3e9, rel=1e-3)
 
 
@@ -135,18 +179,26 @@ def test_facts_of_a_map():
 
 
 def test_theory_against_boundary_elements():
-    """On maps that set nothing k_N of the theory is within 10 % of boundary elements (mean of three) from 1 % of contact on; k_T too."""
+    """On maps that set nothing k_N, true contact, mean gap and rms pressure of the theory are within 10 % of boundary elements (mean of three) from
+    1 % of contact on; k_T too."""
     pytest.importorskip("tamaas")
     ratios = []
     for seed in (101, 102, 103):
         z = rough(128, 0.65, 24, 6, seed)
         spectrum, _ = of_map(half_space.mirrored(z)[:128, :128], (1e-6, 1e-6))
         p = E_STAR * 0.05 * np.array([0.0063, 0.03, 0.1])
-        k, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
+        k, area, gap = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
+        spread = contact_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)[2]
+        square = (p**2 + spread**2) * area + p * spread * np.sqrt(2 / np.pi) * np.exp(-0.5 * (p / spread) ** 2)
         k_n, k_t, found = half_space.stiffness_on_map(z, (1e-6, 1e-6), p, E_STAR, RATIO)
-        ratios.append(k / k_n)
+        space, open_gap, rms = half_space.HalfSpace(z, (1e-6, 1e-6), E_STAR), [], []
+        for x in p:
+            traction = space.press(x)
+            apart = space._displacement_of(traction) - z
+            open_gap.append(apart.mean() - apart[traction > 0].mean())
+            rms.append((traction**2).mean())
+        ratios.append([k / k_n, area / found, gap / open_gap, np.sqrt(square / rms)])
         assert k_t / k_n == pytest.approx(RATIO, rel=0.02)
-        assert found == pytest.approx(area, rel=0.6)
     assert np.mean(ratios, axis=0) == pytest.approx(1, abs=0.10)
 
 
@@ -211,7 +263,9 @@ def test_command_writes_the_interface(tmp_path, capsys):
     assert from_file.stiffness(table["pressure_pa"])[0] == pytest.approx(table["k_n_pa_per_m"], rel=2e-3)
     measured = ElasticJoint.of_scene({"joint.model": "table", "joint.table_file": str(out / "joint.csv")})
     assert measured.stiffness(table["pressure_pa"])[1] == pytest.approx(table["k_t_pa_per_m"], rel=1e-6)
-    assert "asked for" in capsys.readouterr().out
+    assert (np.diff(table["mean_gap_m"]) < 0).all() and (table["pressure_spread_pa"] > table["pressure_pa"]).any()
+    said = capsys.readouterr().out
+    assert "asked for" in said and "of boundary elements (95 of 100 maps)" in said
 
 
 @pytest.mark.parametrize("options, what", [

@@ -169,8 +169,30 @@ def test_signals_end_the_python_command(exe, tmp_path, name):
     process.send_signal(getattr(signal, name))
     error = process.communicate(timeout=30)[1]
     assert process.returncode == 7 and time.monotonic() - start < 2
-    assert "stopped" in error and "Traceback" not in error
+    assert error.splitlines()[-1].startswith("error: interrupted; what was solved is kept") and "Traceback" not in error
     assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "interrupted"
+
+
+@pytest.mark.parametrize("command", ["program", "python", "surface"])
+def test_every_signal_of_the_list_ends_in_order(exe, tmp_path, command):
+    """SIGUSR1, SIGUSR2, SIGALRM and SIGXCPU, as batch systems send them, end program, command and surface with code 7; a run says so in
+    its summary."""
+    words = {"program": [exe, CD14], "python": [sys.executable, "-m", "hdengine", "run", CD14],
+             "surface": [exe, ROOT / "data/surface.nml", "surface.nx=4000", "surface.ny=4000", "surface.method=direct"]}[command]
+    words += ["load.assembly_steps=400", "mesh.divisions=40"] if command != "surface" else []
+    for name in ("SIGUSR1", "SIGUSR2", "SIGALRM", "SIGXCPU"):
+        folder = tmp_path / name
+        process = subprocess.Popen([*words, "--out", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while process.poll() is None and not (folder / ("echo.nml" if command == "surface" else "checkpoint.bin")).exists():
+            time.sleep(0.01)
+        process.send_signal(getattr(signal, name))
+        error = process.communicate(timeout=30)[1]
+        assert process.returncode == 7 and error.splitlines()[-1].startswith("error: interrupted"), error
+        if command != "surface":
+            said = json.loads((folder / "summary.json").read_text())
+            assert said["status"] == "interrupted" and said["message"].startswith("interrupted after ")
+        else:
+            assert not (folder / "summary.json").exists()
 
 
 def test_an_ignored_signal_stays_ignored(exe, tmp_path):

@@ -72,6 +72,13 @@ def test_columns_are_named(tmp_path):
             Record.read(tmp_path / "r.csv")
 
 
+def test_gaps_are_no_readings(tmp_path):
+    """An empty cell among whole numbers is refused, not read as -1."""
+    (tmp_path / "r.csv").write_text("torque_nm,angle_arcsec\n" + "".join(f"{t},{'' if i == 30 else 2 * t}\n" for i, t in enumerate(range(-40, 41))))
+    with pytest.raises(hdengine.InputError, match=r"angle_rad\[30\] = nan"):
+        Record.read(tmp_path / "r.csv")
+
+
 def test_spline_reproduces_cubics():
     """B-splines sum to one, their derivatives to zero; with no penalty to speak of a line is met exactly, slope included."""
     x = np.linspace(-1, 2, 101)

@@ -80,7 +80,10 @@ TINY = {"mesh.divisions": 20, "mesh.band_facets": 4, "load.torque_steps": 2, "ou
     ("cd14", {"load.support": "bearing", "load.torque": 2.0, "solver.max_iterations": 6, "solver.start": "rest"}),
     ("../tests/cases/pressed_drive", {"mesh.divisions": 24, "bearing.balls": 12, "load.tooth_pairs": 12, "loop.torques": "6,0", "load.tooth_friction": 0.1,
                  "turning.positions": 1}),
-], ids=["coarser", "cuts", "drive"])
+    ("cd14", {"output.vtu": "last"}),
+    ("../tests/cases/pressed_drive", {"mesh.divisions": 24, "bearing.balls": 12, "load.tooth_pairs": 12, "loop.torques": "6,0", "output.vtu": "last",
+                 "turning.positions": 1}),
+], ids=["coarser", "cuts", "drive", "last", "last of a drive"])
 def test_a_run_taken_up_after_every_load_step_leaves_the_same_folder(exe, tmp_path, scene, keys):
     """Stopped after each load step and taken up again in a process that remembers nothing: the folder is the same, byte for byte."""
     path, keys = ROOT / f"data/{scene}.nml", TINY | keys

@@ -6,6 +6,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -250,3 +251,79 @@ def test_what_a_file_states_is_not_said_again(tmp_path, name, keys, says):
     np.save(tmp_path / "cube.npy", np.ones((4, 5, 6)))
     with pytest.raises(hdengine.HdengineError, match=says):
         specimen.read(tmp_path / name, **keys)
+
+
+X = [0.5 * i for i in range(200)]
+Z = [0.01 * (i * 7 % 11) for i in range(200)]
+GRID = [(0.1 * j / 3, 0.2 * i, 0.01 * (i * j % 7)) for i in range(20) for j in range(30)]
+
+
+def lines(rows):
+    return "".join(" ".join(f"{v:.9g}" if isinstance(v, float) else v for v in row) + "\n" for row in rows)
+
+
+def test_plain_tables_are_read_as_they_stand(tmp_path):
+    """Profiles and points of a map, in any order, with gaps, holes, a byte-order mark or falling x, give their heights at their places."""
+    def read(text, encoding="utf-8"):
+        (tmp_path / "a.txt").write_text(text, encoding=encoding)
+        return specimen.read(tmp_path / "a.txt", unit="um")
+
+    rows = list(zip(X, Z))
+    for s in (read(lines(rows)), read(lines(rows), "utf-8-sig"), read(lines(rows[::-1]))):
+        assert s.heights * 1e6 == pytest.approx(Z, abs=1e-12) and s.spacing[1] == pytest.approx(0.5e-6)
+    holed = read(lines([*rows[:30], (X[30], "Bad"), *rows[31:]]))
+    assert np.flatnonzero(np.isnan(holed.heights)).tolist() == [30] and np.nanmax(abs(holed.heights * 1e6 - Z)) < 1e-12
+    whole = np.reshape([row[2] for row in GRID], (20, 30))
+    order = np.random.default_rng(1).permutation(len(GRID))
+    s = read(lines([GRID[k] for k in order]))
+    assert s.heights * 1e6 == pytest.approx(whole, abs=1e-12) and s.spacing == pytest.approx((0.2e-6, 0.1e-6 / 3))
+    s = read("# Lateral units: um\n" + lines(GRID[k] for k in order[40:]))
+    assert np.isnan(s.heights).sum() == 40 and np.nanmax(abs(s.heights * 1e6 - whole)) < 1e-12 and "40 of 600 places" in s.notes[-1]
+
+
+@pytest.mark.parametrize("text, says", [
+    (lines([*zip(X[:30], Z), (X[30], "***"), *zip(X[31:], Z)]), r"line 31: '15 \*\*\*'"),
+    (lines(zip([*X[:50], *X[50:56][::-1], *X[56:]], Z)), r"line 52: position 27 behind 27\.5"),
+    (lines(zip([X[0], X[0], *X[2:]], Z)), "line 2: position 0 behind 0"), (lines([(1.0, 2.0), (2.0,), (3.0, 4.0)]), "line 2: 1 numbers"),
+    (lines((x * x, y + x * y, z) for x, y, z in GRID), "lie on no grid"), (lines([*GRID, GRID[7]]), "line 601: a second height"),
+    (lines([(*row, row[2]) for row in GRID[:5]] + [(0.1, 0.2, 0.3, "x")]), "line 6: '0.1 0.2 0.3 x'"),
+    ("0,5;1,25\n1,0;1,5\n", "decimal"), ("0 1\n1,,2\n3 4\n", "line 2: '1,,2'"), ("", "is empty"), ("0 1\n80e6 2\n160e6 0\n", "160 m wide"),
+])
+def test_plain_tables_that_say_something_else(tmp_path, text, says):
+    """A word or a gap for a height, an overhang, points on no grid, rows of another length and decimal commas are named with their line."""
+    (tmp_path / "a.txt").write_text(text)
+    with pytest.raises(hdengine.HdengineError, match=says):
+        specimen.read(tmp_path / "a.txt", unit="um")
+
+
+def test_archives_take_no_more_than_they_tell(tmp_path):
+    """An archive of arrays has rows and columns as its array has; one that would grow a hundredfold is refused unread."""
+    z = 1e-7 * np.random.default_rng(1).normal(size=(64, 48))
+    np.savez_compressed(tmp_path / "a.npz", z)
+    assert np.array_equal(specimen.read(tmp_path / "a.npz", spacing=1e-6).heights, z)
+    for name in ("bomb.npz", "bomb.x3p"):
+        with zipfile.ZipFile(tmp_path / name, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("main.xml", "w") as member:
+            for _ in range(70):
+                member.write(bytes(2**20))
+        with pytest.raises(hdengine.FileError, match=f"states {70 * 2**20} bytes when unpacked"):
+            specimen.read(tmp_path / name, spacing=1e-6)
+
+
+def test_refusals_of_readers_are_shown(tmp_path):
+    """Where the reader of a format refuses, its reason stands in the message; bytes of no format are not called a map."""
+    pytest.importorskip("SurfaceTopography")
+    with zipfile.ZipFile(tmp_path / "a.x3p", "w") as archive:
+        archive.writestr("map/main.xml", "<x/>")
+    (tmp_path / "a.dat").write_bytes(np.random.default_rng(1).bytes(5000))
+    for name, says in (("a.x3p", "X3PReader: .*main.xml"), ("a.dat", "no reader takes it")):
+        with pytest.raises(hdengine.FileError, match=says):
+            specimen.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
+def test_short_maps_are_fitted_by_the_command(tmp_path):
+    """A map of 40 points a side is fitted over the lags that it has, as a namelist fits it."""
+    np.save(tmp_path / "a.npy", 1e-7 * np.random.default_rng(1).normal(size=(40, 40)))
+    assert main(["surface", str(tmp_path / "a.npy"), "--spacing", "1e-6", "--out", str(tmp_path / "o")]) == 0
+    found = json.loads((tmp_path / "o/surface.json").read_text())["surfaces"]["a"]
+    summary = hdengine.run_surface(out=tmp_path / "p", fit__first_file=str(tmp_path / "a.npy"), fit__dx=1e-6).summary
+    assert found["lags"] == summary["fits"]["first"]["lags"] == [1, 19]

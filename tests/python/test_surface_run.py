@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface runs: specimens from files, fit and figures from a namelist (Fig. 5)."""
 import json
+import struct
 
 import numpy as np
 import pytest
@@ -149,6 +150,52 @@ def test_bad_files_are_one_error_each(tmp_path, name):
         hdengine.run_surface(out=tmp_path / "a.out", fit__first_file=str(tmp_path / name), **keys)
     assert e.value.code == code and (name in str(e.value) or "at least 4 lags" in str(e.value))
     assert "\n" not in str(e.value)
+
+
+def raw_npy(shape, body=bytes(80)):
+    """A .npy of reals of 8 bytes whose header says what it likes."""
+    text = f"{{'descr': '<f8', 'fortran_order': False, {shape}}}".ljust(117) + "\n"
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(text)) + text.encode() + body
+
+
+@pytest.mark.parametrize("shape", ["", "'shape': ()", "'shape': (5,)", "'shape': (1000000, 1000000)", "'shape': (3000000000, 3000000000)",
+                                   "'shape': (2147483647, 2147483647)", "'shape': (-2, -5)", "'shape': (2*5,)", "'shape': (2, 5/)",
+                                   "'shape': (5, 2", "'shape': (11,)", "'shape': (1, 2, 5)", "'shape': (2.0, 5)"])
+def test_shapes_are_those_of_the_bytes(tmp_path, shape):
+    """A .npy whose header states no shape, or another than its bytes hold, is one FileError in Python and in a run."""
+    path = tmp_path / "a.npy"
+    path.write_bytes(raw_npy("'shape': (2, 5)"))
+    assert specimen.read(path, spacing=1e-6).heights.shape == (2, 5)
+    hdengine.run_surface(out=tmp_path / "a.out", fit__first_file=str(path), fit__dx=1e-6, fit__model="none")
+    path.write_bytes(raw_npy(shape))
+    with pytest.raises(hdengine.FileError, match="a.npy"):
+        specimen.read(path, spacing=1e-6)
+    with pytest.raises(hdengine.FileError, match="a.npy"):
+        hdengine.run_surface(out=tmp_path / "b.out", fit__first_file=str(path), fit__dx=1e-6)
+
+
+@pytest.mark.parametrize("old, new, says", [
+    ("1 2 3", "1 / 3", "'/'"), ("1 2 3", "1 2*2 3", "'2[*]2'"), ("1 2 3", "1 1;2 3", "'1;2'"), ("1 2 3", "1 1+13 3", r"'1\+13'"),
+    ("1 2 3", "1 , 3", "','"), ("1 2 3", "1 inf 3", "'inf'"), ("1 2 3", "1 3", "[*]|holds 8"), ("1 2 3", "1 2 3 4", "'9'|holds 10"),
+    ("NumPoints = 3", "NumPoints = 3/", "'3/'"), ("NumPoints = 3", "NumPoints = 2000000000", "cut"), ("Zscale = 1", "Zscale = 1,2", "'1,2'"),
+    ("aISO-1.0", "aISO-2.0", "ISO-2.0"), ("Xscale = 1", "Xscale = 80", r"160(\.0)? m wide"), ("1 2 3", "1 1e300 3", r"1(.0)?e\+?300"),
+])
+def test_text_is_read_as_it_stands(tmp_path, old, new, says):
+    """What is no number in a text SDF, a count that does not fit, another version and heights of no instrument are one error each,
+    with the word that was seen; the file without the fault is read, under the first word of BCR too."""
+    text = "aISO-1.0\nNumPoints = 3\nNumProfiles = 3\nXscale = 1\nYscale = 1\nZscale = 1\n*\n1 2 3\nBAD 5 NaN\n7 8 9\n*\n"
+    for good in (text, text.replace("ISO", "BCR")):
+        (tmp_path / "a.sdf").write_text(good)
+        hdengine.run_surface(out=tmp_path / "a.out", fit__first_file=str(tmp_path / "a.sdf"), fit__model="none", force=True)
+        for z in (specimen.read(tmp_path / "a.sdf").heights, np.load(tmp_path / "a.out/first.npy")):
+            assert np.array_equal(z, [[1, 2, 3], [np.nan, 5, np.nan], [7, 8, 9]], equal_nan=True)
+    assert old in text
+    (tmp_path / "a.sdf").write_text(text.replace(old, new))
+    for call_it in (lambda: specimen.read(tmp_path / "a.sdf"),
+                    lambda: hdengine.run_surface(out=tmp_path / "b.out", fit__first_file=str(tmp_path / "a.sdf"))):
+        with pytest.raises(hdengine.HdengineError, match=says) as e:
+            call_it()
+        assert "\n" not in str(e.value)
 
 
 @pytest.mark.parametrize("keys, says", [

@@ -3,7 +3,7 @@
 module hd_memory
   use hd_kinds, only: dp, i8
   use hd_error, only: error_t, raise, code_memory
-  use hd_text, only: to_text
+  use hd_text, only: to_text, to_number, next_word
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
@@ -87,7 +87,9 @@ contains
     character(len=*), intent(in) :: file   !< of the system
     character(len=*), intent(in) :: words  !< first words of the line
     character(len=200) :: line
-    integer :: unit, status
+    character(len=:), allocatable :: word
+    integer :: unit, status, at
+    logical :: ok
     number = -1
     open (newunit=unit, file=file, action='read', status='old', iostat=status)
     if (status /= 0) return
@@ -95,8 +97,10 @@ contains
       read (unit, '(a)', iostat=status) line
       if (status /= 0) exit
       if (index(line, words) /= 1) cycle
-      read (line(len(words) + 1:), *, iostat=status) number
-      if (status /= 0) number = -1
+      at = len(words) + 1
+      call next_word(line, at, word)
+      call to_number(word, number, ok)
+      if (.not. ok) number = -1
       exit
     end do
     close (unit)

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals that ask for an orderly stop only set a flag; the load-step loop reads it. */
+#include <fcntl.h>
 #include <signal.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <errno.h>
 #include <unistd.h>
@@ -13,16 +15,22 @@
 #endif
 
 static volatile sig_atomic_t stop_requested = 0;
-static const int signals[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU};
+static const int signals[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGXCPU};
 enum { n_signals = sizeof signals / sizeof *signals };
 static struct sigaction others[n_signals]; /* handlers of the program that this is a library of */
 static int watching = 0;
 
 static void request_stop(int number) { stop_requested = number; }
 
-/* For hdengine.x. What is ignored stays so (nohup, jobs in the background); a second SIGINT or SIGQUIT ends the process. */
+/* The i-th of them, from 0; 0: there is none. */
+int hd_stop_signal(int i) { return i >= 0 && i < n_signals ? signals[i] : 0; }
+
+/* For hdengine.x. What is ignored stays so (nohup, jobs in the background); a second SIGINT or SIGQUIT ends the process. A reader
+   that is gone and a limit of file sizes are errors of writing. */
 void hd_catch_signals(void)
 {
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);
   for (int i = 0; i < n_signals; i++) {
     struct sigaction now;
     if (sigaction(signals[i], NULL, &now) == 0 && now.sa_handler == SIG_IGN) continue;
@@ -75,6 +83,13 @@ int hd_unwatch_signals(void)
 
 int hd_stop_requested(void) { return stop_requested; }
 
+/* The process may not take all addresses (ulimit -v). */
+int hd_addresses_limited(void)
+{
+  struct rlimit limit;
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+}
+
 /* 0: done or already there. */
 int hd_make_directory(const char *path)
 {
@@ -83,7 +98,42 @@ int hd_make_directory(const char *path)
 
 int hd_rename(const char *from, const char *to) { return rename(from, to); }
 
-int hd_truncate(const char *path, long long bytes) { return truncate(path, (off_t)bytes); }
+/* Standard streams that are closed lead nowhere: the next file opened would get their place, and the log in it. */
+void hd_fill_streams(void)
+{
+  int file;
+  while ((file = open("/dev/null", O_RDWR)) >= 0 && file <= 2) continue;
+  if (file > 2) close(file);
+}
+
+/* 1: nothing stands at a path, or a file that is no link. */
+int hd_writable_kind(const char *path)
+{
+  struct stat s;
+  return lstat(path, &s) != 0 || S_ISREG(s.st_mode);
+}
+
+/* Bring a closed file to the disk. 0: done and as long as it was written, -1: shorter or longer, else the system's error. */
+int hd_settle(const char *path, long long bytes)
+{
+  struct stat s;
+  int file = open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC), status = 0;
+  if (file < 0) return errno;
+  if (fsync(file) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP) status = errno; /* some systems know none */
+  if (status == 0 && fstat(file, &s) != 0) status = errno;
+  if (status == 0 && s.st_size != bytes) status = -1;
+  close(file);
+  return status;
+}
+
+/* The system's words for its error, padded with blanks. */
+void hd_system_text(int number, char *text, int size)
+{
+  const char *words = strerror(number);
+  size_t n = strlen(words);
+  memset(text, ' ', (size_t)size);
+  memcpy(text, words, n < (size_t)size ? n : (size_t)size);
+}
 
 int hd_remove(const char *path) { return unlink(path); }
 
@@ -117,7 +167,7 @@ void hd_wait_passively(void)
   char path[PATH_MAX], *words[4096];
   if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
   ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
-  FILE *file = fopen("/proc/self/cmdline", "rb");
+  FILE *file = fopen("/proc/self/cmdline", "rbe");
   if (n > 0 && file) {
     static char text[1 << 20];
     size_t size = fread(text, 1, sizeof text, file);

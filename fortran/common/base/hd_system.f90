@@ -8,8 +8,8 @@ module hd_system
   implicit none
   private
   public :: wait_passively, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
-    stop_requested, check_stop, make_directory, rename_file, remove_file, remove_directory, truncate_file, &
-    path_kind, become_program
+    stop_requested, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
+    remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -43,11 +43,31 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: from(*), to(*)
     end function c_rename
-    integer(c_int) function c_truncate(path, bytes) bind(c, name='hd_truncate')
+    !> Number of the i-th signal that ends a run in order, from 0; 0: there is none.
+    integer(c_int) function stop_signal(i) bind(c, name='hd_stop_signal')
+      import :: c_int
+      integer(c_int), value :: i
+    end function stop_signal
+    !> Standard streams that are closed lead nowhere.
+    subroutine fill_streams() bind(c, name='hd_fill_streams')
+    end subroutine fill_streams
+    integer(c_int) function c_limited() bind(c, name='hd_addresses_limited')
+      import :: c_int
+    end function c_limited
+    integer(c_int) function c_writable(path) bind(c, name='hd_writable_kind')
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_writable
+    integer(c_int) function c_settle(path, bytes) bind(c, name='hd_settle')
       import :: c_int, c_long_long, c_char
       character(kind=c_char), intent(in) :: path(*)
       integer(c_long_long), value :: bytes
-    end function c_truncate
+    end function c_settle
+    subroutine c_words(number, text, size) bind(c, name='hd_system_text')
+      import :: c_int, c_char
+      integer(c_int), value :: number, size
+      character(kind=c_char), intent(out) :: text(*)
+    end subroutine c_words
     integer(c_int) function c_remove(path) bind(c, name='hd_remove')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -72,6 +92,11 @@ contains
   logical function stop_requested()
     stop_requested = c_stop() /= 0
   end function stop_requested
+
+  !> The process may not take all addresses (ulimit -v): libraries that find none wait for ever.
+  logical function addresses_limited()
+    addresses_limited = c_limited() /= 0
+  end function addresses_limited
 
   !> For loops that take long: an error where a stop has been asked for.
   subroutine check_stop(error)
@@ -137,17 +162,28 @@ contains
     status = c_rmdir(trim(path)//c_null_char)
   end subroutine remove_directory
 
-  !> Cut a file to its first bytes.
-  subroutine truncate_file(path, bytes, error)
-    character(len=*), intent(in) :: path              !< file
-    integer(int64), intent(in) :: bytes               !< that stay
-    type(error_t), allocatable, intent(out) :: error  !< absent, shorter already
-    integer(int64) :: now
-    inquire (file=path, size=now)
-    if (now < bytes) then
-      call raise(error, code_file, "'"//path//"' is missing or shorter than the run left it: begin anew with --force")
-    else if (c_truncate(trim(path)//c_null_char, int(bytes, c_long_long)) /= 0) then
-      call raise(error, code_file, "cannot write '"//path//"'")
-    end if
-  end subroutine truncate_file
+  !> Nothing stands at a path, or a file that is no link: it may be written.
+  logical function writable_kind(path)
+    character(len=*), intent(in) :: path  !< path
+    writable_kind = c_writable(trim(path)//c_null_char) /= 0
+  end function writable_kind
+
+  !> Bring a closed file to the disk; 0: done, and it has its length, else for `system_text`.
+  integer function settle_file(path, bytes) result(status)
+    character(len=*), intent(in) :: path   !< file
+    integer(int64), intent(in) :: bytes    !< that were written
+    status = c_settle(trim(path)//c_null_char, int(bytes, c_long_long))
+  end function settle_file
+
+  !> Why a writing failed, behind a colon.
+  function system_text(status) result(text)
+    integer, intent(in) :: status  !< of a writing: of the system, of the compiler's library, -1 for bytes that are missing
+    character(len=:), allocatable :: text
+    integer, parameter :: first_of_library = 5000  !< gfortran's own numbers; below are the system's
+    character(len=200) :: words
+    text = ': is the disk full, or the size of files limited (ulimit -f)?'
+    if (status <= 0 .or. status >= first_of_library) return
+    call c_words(int(status, c_int), words, len(words))
+    text = ': '//trim(words)
+  end function system_text
 end module hd_system

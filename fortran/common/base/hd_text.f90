@@ -6,6 +6,7 @@ module hd_text
   implicit none
   private
   public :: to_text, lower, nearest_name, suggestion, string_t, push, join, exact, percent, split, is_utf8, unquoted, rounded
+  public :: to_number, next_word, printable
 
   !> One entry of a list of texts.
   type :: string_t
@@ -17,8 +18,16 @@ module hd_text
     module procedure :: integer_text, long_text, real_text
   end interface to_text
 
+  !> Text as number: the one reader of numbers that others wrote. List-directed reading would take `/`, `2*5`, `1;2`, `1+13` too.
+  interface to_number
+    module procedure :: real_number, whole_number
+  end interface to_number
+
   real(dp), parameter :: nothing = 1e-4_dp            !< beside its neighbours' size: none of their four digits
   integer, parameter :: smallest = -3, largest = 5    !< powers of ten from and below which a number has no exponent
+  character(len=*), parameter :: figures = '0123456789'
+  integer, parameter :: longest = 100                 !< characters of a number
+  integer, parameter :: most_shown = 800              !< characters of a foreign text that a message shows
 
 contains
 
@@ -60,13 +69,79 @@ contains
     real(dp), intent(in) :: x  !< number
     character(len=:), allocatable :: s
     real(dp) :: y
-    integer :: digits, status
+    integer :: digits
+    logical :: ok
     do digits = 6, 17
       s = shorten(x, digits)
-      read (s, *, iostat=status) y
-      if (status == 0 .and. abs(y - x) <= 0) return
+      call to_number(s, y, ok)
+      if (ok .and. abs(y - x) <= 0) return
     end do
   end function exact
+
+  !> Finite number of a text that holds nothing else: digits, at most one point, an exponent behind e or d.
+  pure subroutine real_number(s, x, ok)
+    character(len=*), intent(in) :: s  !< text without blanks
+    real(dp), intent(out) :: x         !< number, 0 if it is none
+    logical, intent(out) :: ok         !< it is one
+    character(len=:), allocatable :: t
+    integer :: at, digits, more, status
+    x = 0
+    ok = .false.
+    if (len(s) > longest) return
+    t = s//' '
+    at = 1 + scan(t(1:1), '+-')
+    digits = verify(t(at:), figures) - 1
+    at = at + digits
+    if (t(at:at) == '.') then
+      more = verify(t(at + 1:), figures) - 1
+      digits = digits + more
+      at = at + 1 + more
+    end if
+    if (digits == 0) return
+    if (scan(t(at:at), 'eEdD') == 1) then
+      at = at + 1
+      at = at + scan(t(at:at), '+-')
+      more = verify(t(at:), figures) - 1
+      if (more == 0) return
+      at = at + more
+    end if
+    if (at <= len(s)) return
+    read (s, '(f100.0)', iostat=status) x
+    ok = status == 0 .and. abs(x) <= huge(x)
+    if (.not. ok) x = 0
+  end subroutine real_number
+
+  !> Whole number of a text that holds nothing else.
+  pure subroutine whole_number(s, i, ok)
+    character(len=*), intent(in) :: s  !< text without blanks
+    integer(int64), intent(out) :: i   !< number, 0 if it is none
+    logical, intent(out) :: ok         !< it is one
+    integer :: first, status
+    i = 0
+    first = 1 + scan(s(:min(1, len(s))), '+-')
+    ok = len(s) >= first .and. len(s) < 19 .and. verify(s(first:), figures) == 0
+    if (.not. ok) return
+    read (s, '(i20)', iostat=status) i
+    ok = status == 0
+  end subroutine whole_number
+
+  !> Next word of a text, between blanks and control characters.
+  pure subroutine next_word(text, at, word)
+    character(len=*), intent(in) :: text                  !< text
+    integer, intent(inout) :: at                          !< where to look, then behind the word
+    character(len=:), allocatable, intent(out) :: word    !< '' at the end
+    integer :: first
+    do while (at <= len(text))
+      if (iachar(text(at:at)) > 32) exit
+      at = at + 1
+    end do
+    first = at
+    do while (at <= len(text))
+      if (iachar(text(at:at)) <= 32) exit
+      at = at + 1
+    end do
+    word = text(first:at - 1)
+  end subroutine next_word
 
   !> Text of a real with a number of significant digits.
   pure function shorten(x, digits) result(s)
@@ -90,7 +165,7 @@ contains
       s = s(:len(s) - 1)
     end do
     if (s(len(s):) == '.') s = s//'0'
-    read (buffer(e + 1:), *) e
+    read (buffer(e + 1:), '(i10)') e
     if (e == 0) return
     if (e >= smallest .and. e < largest) then
       write (form, '(a,i0,a)') '(f0.', max(1, digits - 1 - e), ')'
@@ -151,6 +226,11 @@ contains
       case default; return
       end select
       if (i + n > len(s)) return
+      if (n > 1) then  ! no letter in more bytes than it needs, no half of a pair, none beyond the last plane
+        k = iachar(s(i + 1:i + 1))
+        if ((byte == 224 .and. k < 160) .or. (byte == 237 .and. k > 159) .or. (byte == 240 .and. k < 144) .or. &
+          (byte == 244 .and. k > 143)) return
+      end if
       do k = i + 1, i + n
         if (iand(iachar(s(k:k)), 192) /= 128) return
       end do
@@ -258,4 +338,17 @@ contains
     end do
     call push(parts, text(first:))
   end function split
+
+  !> A text without control characters, in UTF-8, and no longer than a message may be.
+  pure function printable(s) result(t)
+    character(len=*), intent(in) :: s  !< text
+    character(len=:), allocatable :: t
+    integer :: i, last
+    t = s(:min(len(s), most_shown))
+    if (len(t) < len(s)) t = t//' ...'
+    last = merge(255, 126, is_utf8(t))
+    do i = 1, len(t)
+      if (iachar(t(i:i)) < 32 .or. iachar(t(i:i)) == 127 .or. iachar(t(i:i)) > last) t(i:i) = '?'
+    end do
+  end function printable
 end module hd_text

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* CRC-64 of xz (ECMA-182, reflected): a changed file passes once in 2e19 times. Not made to withstand a forger. */
+#include <errno.h>
+#include <fcntl.h>
 #include <stdint.h>
-#include <stdio.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* table[k][c]: of the byte c with k zero bytes behind it, so that eight bytes are taken at once. */
 static uint64_t table[8][256];
@@ -31,19 +34,33 @@ uint64_t hd_bytes_checksum(uint64_t before, const unsigned char *bytes, long lon
   return ~c;
 }
 
-/* Checksum of the first n bytes of a file; 0: done, 1: it cannot be read or is shorter. */
-int hd_file_checksum(const char *path, long long n, uint64_t *sum)
+/* Checksum of the first n bytes of a file, which go into a new file `copy` too unless that is empty. 0: done, -1: it cannot be
+   read or is shorter, else the system's error of writing. */
+int hd_file_checksum(const char *path, const char *copy, long long n, uint64_t *sum)
 {
   unsigned char buffer[65536];
-  FILE *file = fopen(path, "rb");
+  struct stat s;
+  int status = 0, to = -1, from = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   *sum = 0;
-  if (!file) return 1;
-  while (n > 0) {
-    size_t got = fread(buffer, 1, n < (long long)sizeof buffer ? (size_t)n : sizeof buffer, file);
-    if (got == 0) break;
+  if (from < 0 || fstat(from, &s) != 0 || !S_ISREG(s.st_mode) || s.st_size < n) status = -1;
+  if (status == 0 && *copy) {
+    unlink(copy);
+    if ((to = open(copy, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) < 0) status = errno;
+  }
+  while (status == 0 && n > 0) {
+    ssize_t got = read(from, buffer, n < (long long)sizeof buffer ? (size_t)n : sizeof buffer);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) {
+      status = -1;
+      break;
+    }
     *sum = hd_bytes_checksum(*sum, buffer, (long long)got);
     n -= (long long)got;
+    for (ssize_t done = 0, put; to >= 0 && status == 0 && done < got; done += put > 0 ? put : 0)
+      if ((put = write(to, buffer + done, (size_t)(got - done))) <= 0 && errno != EINTR) status = put < 0 ? errno : ENOSPC;
   }
-  fclose(file);
-  return n > 0;
+  if (to >= 0 && close(to) != 0 && status == 0) status = errno;
+  if (from >= 0) close(from);
+  if (to >= 0 && status != 0) unlink(copy);
+  return status;
 }

@@ -13,9 +13,9 @@ module hd_checksum
       integer(c_long_long), intent(in), value :: before, n
       character(kind=c_char), intent(in) :: bytes(*)
     end function c_checksum
-    integer(c_int) function c_file_checksum(path, n, sum) bind(c, name='hd_file_checksum')
+    integer(c_int) function c_file_checksum(path, copy, n, sum) bind(c, name='hd_file_checksum')
       import :: c_char, c_int, c_long_long
-      character(kind=c_char), intent(in) :: path(*)
+      character(kind=c_char), intent(in) :: path(*), copy(*)
       integer(c_long_long), value :: n
       integer(c_long_long), intent(out) :: sum
     end function c_file_checksum
@@ -32,13 +32,17 @@ contains
     checksum = c_checksum(checksum, text, int(len(text), c_long_long))
   end function checksum
 
-  !> Checksum of the first bytes of a file; `good` is false if it does not hold so many.
-  subroutine file_checksum(path, bytes, sum, good)
-    character(len=*), intent(in) :: path   !< file
-    integer(int64), intent(in) :: bytes    !< from its beginning
-    integer(int64), intent(out) :: sum     !< their checksum
-    logical, intent(out) :: good           !< all of them could be read
-    good = c_file_checksum(path//c_null_char, bytes, sum) == 0
+  !> Checksum of the first bytes of a file.
+  subroutine file_checksum(path, bytes, sum, status, copy)
+    character(len=*), intent(in) :: path            !< file
+    integer(int64), intent(in) :: bytes             !< from its beginning
+    integer(int64), intent(out) :: sum              !< their checksum
+    integer, intent(out) :: status                  !< 0: done, -1: it does not hold so many, else the system's error of writing
+    character(len=*), intent(in), optional :: copy  !< new file that gets them too
+    character(len=:), allocatable :: to
+    to = ''
+    if (present(copy)) to = copy
+    status = c_file_checksum(path//c_null_char, to//c_null_char, bytes, sum)
   end subroutine file_checksum
 
   !> A checksum as 16 digits.

@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { taken = 0, held = 1, no_file = 2, held_elsewhere = 3 };
+enum { taken = 0, held = 1, no_file = 2, held_elsewhere = 3, not_regular = 4 };
 
 /* Ticks from boot to the start of a process, 0 if there is none: a number that is used again belongs to another process. */
 static unsigned long long start_of(long pid)
@@ -49,9 +49,10 @@ int hd_take_lock(const char *path, int kernel, int *fd, char *holder, int size)
   gethostname(host, sizeof host - 1);
   for (;;) {
     struct stat here, there;
-    int f = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     *fd = -1;
     *holder = 0;
+    if (lstat(path, &here) == 0 && !S_ISREG(here.st_mode)) return not_regular;
+    int f = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (f < 0) return no_file;
     int refused = kernel && flock(f, LOCK_EX | LOCK_NB) != 0;
     int busy = refused && (errno == EWOULDBLOCK || errno == EINTR);
@@ -71,6 +72,7 @@ int hd_take_lock(const char *path, int kernel, int *fd, char *holder, int size)
     strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%S", localtime(&now));
     n = snprintf(line, sizeof line, "process %ld on %s, start %llu, since %s\n", (long)getpid(), host, start_of(getpid()), when);
     if (ftruncate(f, 0) != 0 || pwrite(f, line, (size_t)n, 0) != n) {
+      unlink(path);
       flock(f, LOCK_UN);
       close(f);
       return no_file;

@@ -9,7 +9,7 @@ module hd_folder_lock
   public :: folder_lock_t
 
   character(len=*), parameter :: lock_name = 'hdengine.lock'  !< file of the lock
-  integer(c_int), parameter :: no_file = 2, elsewhere = 3     !< as in hd_folder_lock.c; 0 taken, 1 held
+  integer(c_int), parameter :: no_file = 2, elsewhere = 3, not_regular = 4  !< as in hd_folder_lock.c; 0 taken, 1 held
 
   !> A lock that is held, or none.
   type :: folder_lock_t
@@ -59,6 +59,11 @@ contains
     if (present(by_name)) kernel = merge(0, 1, by_name)
     status = c_take(self%folder//'/'//lock_name//c_null_char, kernel, self%handle, text, size(text))
     if (status == 0 .or. status == no_file) return
+    if (status == not_regular) then
+      call raise(error, code_file, "'"//self%folder//'/'//lock_name//"' is no regular file: remove it, or choose another "// &
+        'folder (--out DIR)')
+      return
+    end if
     holder = ''
     do i = 1, size(text)
       if (text(i) == c_null_char) exit

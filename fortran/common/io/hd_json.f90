@@ -4,9 +4,8 @@ module hd_json
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t
-  use hd_system, only: rename_file
-  use hd_text, only: to_text, exact
-  use hd_text_file, only: write_text
+  use hd_new_file, only: write_text
+  use hd_text, only: to_text, exact, is_utf8
   implicit none
   private
   public :: json_t
@@ -133,21 +132,39 @@ contains
     end if
   end function number
 
-  !> JSON string.
+  !> JSON string. Bytes that are no UTF-8, as a file's name may have, become its sign for an unknown letter.
   pure function quoted(value) result(s)
     character(len=*), intent(in) :: value  !< text
     character(len=:), allocatable :: s
-    integer :: i
+    character(len=*), parameter :: unknown = char(239)//char(191)//char(189)  !< U+FFFD
+    character(len=6) :: code
+    integer :: i, n
     s = '"'
-    do i = 1, len_trim(value)
+    i = 1
+    do while (i <= len_trim(value))
+      n = 1
       select case (value(i:i))
       case ('"', '\')
         s = s//'\'//value(i:i)
       case (achar(0):achar(31))
-        s = s//merge('\n', '\t', value(i:i) == new_line('a'))
-      case default
+        write (code, '(a,z4.4)') '\u', ichar(value(i:i))
+        if (value(i:i) == new_line('a')) code = '\n'
+        if (value(i:i) == achar(9)) code = '\t'
+        s = s//trim(code)
+      case (achar(32):'!', '#':'[', ']':achar(127))
         s = s//value(i:i)
+      case default
+        do n = 2, min(4, len(value) - i + 1)  ! bytes of a letter
+          if (is_utf8(value(i:i + n - 1))) exit
+        end do
+        if (n <= min(4, len(value) - i + 1)) then
+          s = s//value(i:i + n - 1)
+        else
+          s = s//unknown
+          n = 1
+        end if
       end select
+      i = i + n
     end do
     s = s//'"'
   end function quoted
@@ -159,12 +176,11 @@ contains
     text = self%text
   end function content
 
-  !> Write the document under a temporary name and rename it: it is there whole or not at all.
+  !> Write the document: it is there whole or not at all.
   subroutine write_atomic(self, path, error)
     class(json_t), intent(in) :: self                 !< closed document
     character(len=*), intent(in) :: path              !< file
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    call write_text(path//'.part', self%text//new_line('a'), error)
-    if (.not. allocated(error)) call rename_file(path//'.part', path, error)
+    call write_text(path, self%text//new_line('a'), error)
   end subroutine write_atomic
 end module hd_json

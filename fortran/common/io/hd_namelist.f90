@@ -3,10 +3,9 @@
 !>
 !> (A compiler's own reader answers "End of file" to most mistakes, and names the wrong line for others.)
 module hd_namelist
-  use, intrinsic :: iso_fortran_env, only: int64
-  use hd_error, only: error_t, raise, code_file
-  use hd_system, only: path_kind, path_directory, path_absent, path_file
-  use hd_text, only: string_t, push, join, to_text, lower, is_utf8
+  use hd_error, only: error_t, raise, code_input
+  use hd_input_file, only: read_text
+  use hd_text, only: string_t, push, join, to_text, lower, is_utf8, printable
   implicit none
   private
   public :: assignment_t, namelist_t, read_namelist, report, faults_text
@@ -31,12 +30,11 @@ module hd_namelist
   end type namelist_t
 
   type :: token_t
-    character(len=1) :: kind = ' '   !< & group, w word, = equals, / end
+    character(len=1) :: kind = ' '   !< & group, w word, = equals, comma, / end
     integer :: first = 1, last = 0   !< place in the text
     integer :: line = 0, column = 0
   end type token_t
 
-  integer(int64), parameter :: most_bytes = 2_int64**30  !< of an input file
   integer, parameter :: most_faults = 400                !< that are told one by one
   integer, parameter :: widest = 200                     !< characters of a line that a fault shows
 
@@ -54,56 +52,18 @@ contains
     list%text = ''
     list%first = 1
     call read_text(path, list%text, error)
+    if (.not. allocated(error) .and. index(list%text, achar(0)) > 0) call raise(error, code_input, "'"//path// &
+      "' holds bytes of 0, as UTF-16 does: save it as UTF-8")
     if (allocated(error)) return
     call find_lines(list)
     call tokenize(list, tokens, n)
     call parse(list, tokens(:n))
   end subroutine read_namelist
 
-  !> A whole text file.
-  subroutine read_text(path, text, error)
-    character(len=*), intent(in) :: path                        !< file
-    character(len=:), allocatable, intent(inout) :: text        !< its bytes
-    type(error_t), allocatable, intent(out) :: error            !< cannot be read
-    integer :: unit, status
-    integer(int64) :: bytes
-    select case (path_kind(path))
-    case (path_absent)
-      call raise(error, code_file, "input file '"//path//"' does not exist")
-      return
-    case (path_file)
-    case (path_directory)
-      call raise(error, code_file, "'"//path//"' is a folder, not an input file")
-      return
-    case default
-      call raise(error, code_file, "'"//path//"' is no file that can be read twice, as an input must be: copy it into one")
-      return
-    end select
-    open (newunit=unit, file=path, action='read', status='old', access='stream', form='unformatted', iostat=status)
-    if (status == 0) inquire (unit=unit, size=bytes)
-    if (status == 0 .and. bytes > most_bytes) then
-      call raise(error, code_file, "input file '"//path//"' holds "//to_text(bytes)//' bytes; valid: up to '//to_text(most_bytes))
-      close (unit)
-      return
-    end if
-    if (status == 0) then
-      deallocate (text)
-      allocate (character(len=bytes) :: text)
-      if (bytes > 0) read (unit, iostat=status) text
-      close (unit)
-    end if
-    if (status /= 0) call raise(error, code_file, "input file '"//path//"' cannot be read: check its permissions")
-  end subroutine read_text
-
-  !> Where the lines begin; carriage returns, tabs and a byte-order mark become blanks.
+  !> Where the lines begin; carriage returns and tabs become blanks.
   subroutine find_lines(list)
     type(namelist_t), intent(inout) :: list  !< file
     integer :: i, n
-    associate (s => list%text)
-      if (len(s) >= 3) then
-        if (s(:3) == char(239)//char(187)//char(191)) list%text = s(4:)
-      end if
-    end associate
     n = 1
     do i = 1, len(list%text)
       select case (list%text(i:i))
@@ -136,11 +96,11 @@ contains
       i = list%first(l)
       do while (i <= n)
         select case (list%text(i:i))
-        case (' ', ',')
+        case (' ')
           i = i + 1
         case ('!')
           exit
-        case ('=', '/')
+        case ('=', '/', ',')
           call add(list%text(i:i), i, i)
           i = i + 1
         case ('&')
@@ -308,7 +268,7 @@ contains
     integer, intent(inout) :: i                              !< next token
     type(assignment_t), intent(inout) :: assignments(:)      !< gets the assignment
     integer, intent(inout) :: n                              !< assignments in it
-    integer :: first, k
+    integer :: first, k, values
     associate (t => tokens(i))
       first = i + 2
       if (.not. kind_is(i + 1, '=')) then
@@ -317,13 +277,20 @@ contains
         i = i + 1
       else
         i = first
-        do while (kind_is(i, 'w') .and. .not. kind_is(i + 1, '='))
+        values = 0
+        do while ((kind_is(i, 'w') .and. .not. kind_is(i + 1, '=')) .or. kind_is(i, ','))
+          if (kind_is(i, 'w')) then
+            values = values + 1
+          else if (i == first .or. kind_is(i - 1, ',')) then
+            call report(list, tokens(i)%line, tokens(i)%column, 1, "an empty place in '"//lower(list%text(t%first:t%last))//"'", &
+              'a value stands before each comma')
+          end if
           i = i + 1
         end do
         if (i == first) then
           call report(list, t%line, t%column, t%last - t%first + 1, &
             "'"//lower(list%text(t%first:t%last))//"' has no value", "write 'key = value'")
-        else
+        else if (values > 0) then
           n = n + 1
           assignments(n)%group = group
           assignments(n)%key = lower(list%text(t%first:t%last))
@@ -331,9 +298,12 @@ contains
           assignments(n)%column = t%column
           assignments(n)%value_line = tokens(first)%line
           assignments(n)%value_column = tokens(first)%column
-          allocate (assignments(n)%values(i - first))
+          allocate (assignments(n)%values(values))
+          values = 0
           do k = first, i - 1
-            assignments(n)%values(k - first + 1)%s = list%text(tokens(k)%first:tokens(k)%last)
+            if (tokens(k)%kind /= 'w') cycle
+            values = values + 1
+            assignments(n)%values(values)%s = list%text(tokens(k)%first:tokens(k)%last)
           end do
           if (.not. kind_is(i, '=')) return
         end if
@@ -389,17 +359,4 @@ contains
     text = join(list%faults, nl)
     if (list%more > 0) text = text//nl//'and '//to_text(list%more)//' more mistakes in '//list%path
   end function faults_text
-
-  !> A text without control characters, in UTF-8, and no longer than a message may be.
-  pure function printable(s) result(t)
-    character(len=*), intent(in) :: s  !< text
-    character(len=:), allocatable :: t
-    integer :: i, last
-    t = s(:min(len(s), 4*widest))
-    if (len(t) < len(s)) t = t//' ...'
-    last = merge(255, 126, is_utf8(t))
-    do i = 1, len(t)
-      if (iachar(t(i:i)) < 32 .or. iachar(t(i:i)) == 127 .or. iachar(t(i:i)) > last) t(i:i) = '?'
-    end do
-  end function printable
 end module hd_namelist

@@ -1,9 +1,12 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Arrays in numpy's format .npy, version 1.
 module hd_npy
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_file
-  use hd_text, only: to_text
+  use hd_new_file, only: new_file_t
+  use hd_input_file, only: open_input
+  use hd_text, only: to_text, to_number, split, string_t, printable
   implicit none
   private
   public :: write_npy, read_npy
@@ -12,6 +15,9 @@ module hd_npy
     procedure :: write_double, write_single
   end interface write_npy
 
+  character(len=*), parameter :: magic = char(147)//'NUMPY'//char(1)//char(0)
+  character(len=*), parameter :: valid = '.npy with 4 or 8 byte reals, rows x points'
+
 contains
 
   !> Array a(nx, ny) as shape (ny, nx) in C order.
@@ -19,11 +25,11 @@ contains
     character(len=*), intent(in) :: path              !< file
     real(dp), intent(in), contiguous :: a(:, :)       !< array
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: unit, status
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, iostat=status) header('<f8', shape(a)), a
-    if (status == 0) close (unit, iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+    type(new_file_t) :: file
+    call file%open(path, error)
+    if (allocated(error)) return
+    write (file%unit, iostat=file%status) header('<f8', shape(a)), a
+    call file%close(error)
   end subroutine write_double
 
   !> The same in single precision.
@@ -31,11 +37,11 @@ contains
     character(len=*), intent(in) :: path              !< file
     real(sp), intent(in), contiguous :: a(:, :)       !< array
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: unit, status
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
-    if (status == 0) write (unit, iostat=status) header('<f4', shape(a)), a
-    if (status == 0) close (unit, iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+    type(new_file_t) :: file
+    call file%open(path, error)
+    if (allocated(error)) return
+    write (file%unit, iostat=file%status) header('<f4', shape(a)), a
+    call file%close(error)
   end subroutine write_single
 
   !> Magic string, version, length and a dictionary, filled up to a multiple of 64 bytes.
@@ -46,7 +52,7 @@ contains
     integer :: n
     words = "{'descr': '"//kind_name//"', 'fortran_order': False, 'shape': ("//to_text(extent(2))//', '//to_text(extent(1))//'), }'
     n = 64 * ((10 + len(words) + 1 + 63) / 64) - 10
-    text = char(147)//'NUMPY'//char(1)//char(0)//char(mod(n, 256))//char(n / 256)//words// &
+    text = magic//char(mod(n, 256))//char(n / 256)//words// &
       repeat(' ', n - len(words) - 1)//new_line('a')
   end function header
 
@@ -56,53 +62,75 @@ contains
     real(dp), allocatable, intent(out) :: a(:, :)       !< array (points, rows)
     type(error_t), allocatable, intent(out) :: error    !< missing, not this format
     character(len=10) :: head
-    character(len=:), allocatable :: words, list
+    character(len=:), allocatable :: words
     real(sp), allocatable :: a_4(:, :)
-    integer :: unit, status, n, extent(2), at, i
-    logical :: double, single, swapped
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
-    if (status /= 0) then
-      call raise(error, code_file, "cannot read '"//path//"'")
-      return
-    end if
+    integer :: unit, status, n, extent(2)
+    integer(int64) :: bytes
+    logical :: swapped
+    call open_input(path, unit, bytes, error)
+    if (allocated(error)) return
     head = ''
     read (unit, iostat=status) head
     n = ichar(head(9:9)) + 256 * ichar(head(10:10))
-    if (status == 0 .and. head(2:7) /= 'NUMPY'//char(1)) status = 1
+    if (head(:8) /= magic .or. bytes < len(head) + n) status = 1
     allocate (character(len=merge(n, 0, status == 0)) :: words)
     if (status == 0) read (unit, iostat=status) words
-    double = index(words, '<f8') > 0
-    single = index(words, '<f4') > 0
-    swapped = index(words, "'fortran_order': True") > 0
-    at = index(words, 'shape')
-    extent = 1
-    if (status == 0) then
-      list = words(at + index(words(at:), '('):at + index(words(at:), ')') - 2)
-      if (count([(list(i:i) == ',', i=1, len_trim(list) - 1)]) > 1) then
-        call raise(error, code_file, "'"//path//"' has shape ("//list//'): heights are rows x points, or one row of points')
-        close (unit)
-        return
-      end if
-      if (index(list, ',') == len_trim(list)) then
-        read (list, *, iostat=status) extent(2)
-      else
-        read (list, *, iostat=status) extent
-      end if
-    end if
-    if (status == 0 .and. (.not. (double .or. single) .or. any(extent < 1))) status = 1
-    if (status == 0) then
-      if (swapped .and. minval(extent) > 1) extent = extent([2, 1])
-      allocate (a(extent(2), extent(1)))
-      if (double) then
+    if (status /= 0) call raise(error, code_file, "'"//path//"' is no array of heights: "//valid)
+    if (.not. allocated(error)) call read_shape(path, words, bytes - len(head) - n, extent, error)
+    if (.not. allocated(error)) then
+      swapped = index(words, "'fortran_order': True") > 0 .and. minval(extent) > 1
+      if (swapped) extent = extent([2, 1])
+      allocate (a(extent(2), extent(1)), stat=status)
+      if (status == 0 .and. index(words, "'<f8'") > 0) then
         read (unit, iostat=status) a
-      else
-        allocate (a_4(extent(2), extent(1)))
-        read (unit, iostat=status) a_4
-        a = a_4
+      else if (status == 0) then
+        allocate (a_4(extent(2), extent(1)), stat=status)
+        if (status == 0) read (unit, iostat=status) a_4
+        if (status == 0) a = a_4
       end if
-      if (swapped .and. minval(extent) > 1) a = transpose(a)
+      if (status == 0 .and. swapped) a = transpose(a)
+      if (status /= 0) call raise(error, code_file, "'"//path//"' cannot be read, or its "//to_text(extent(1))//' x '// &
+        to_text(extent(2))//' heights find no memory')
     end if
     close (unit)
-    if (status /= 0) call raise(error, code_file, "'"//path//"' is no array of heights: .npy with 4 or 8 byte reals, rows x points")
   end subroutine read_npy
+
+  !> Rows and points that a header states; the bytes behind it must be theirs.
+  subroutine read_shape(path, words, bytes, extent, error)
+    character(len=*), intent(in) :: path, words       !< file and its header
+    integer(int64), intent(in) :: bytes               !< behind the header
+    integer, intent(out) :: extent(2)                 !< rows, points
+    type(error_t), allocatable, intent(out) :: error  !< another kind of number, shape or size
+    type(string_t), allocatable :: parts(:)
+    character(len=:), allocatable :: list
+    integer(int64) :: size_of, number
+    integer :: at, first, last, i
+    logical :: ok
+    extent = 1
+    at = index(words, "'shape'")
+    first = index(words(max(at, 1):), '(') + max(at, 1)
+    last = index(words(first:), ')') + first - 2
+    size_of = merge(8, 4, index(words, "'<f8'") > 0)
+    if (at == 0 .or. first == max(at, 1) .or. last < first - 1 .or. (size_of == 4 .and. index(words, "'<f4'") == 0)) then
+      call raise(error, code_file, "'"//path//"' is no array of heights: "//valid)
+      return
+    end if
+    list = trim(adjustl(words(first:last)))
+    parts = split(list)
+    if (len_trim(parts(size(parts))%s) == 0) parts = parts(:size(parts) - 1)
+    ok = size(parts) == 1 .or. size(parts) == 2
+    do i = 1, size(parts)
+      if (.not. ok) exit
+      call to_number(trim(adjustl(parts(i)%s)), number, ok)
+      ok = ok .and. number > 0 .and. number < huge(1)
+      if (ok) extent(2 - size(parts) + i) = int(number)
+    end do
+    if (.not. ok) then
+      call raise(error, code_file, "'"//path//"' has shape ("//printable(list)// &
+        '): heights are rows x points, or one row of points')
+    else if (extent(2) > bytes/size_of/extent(1) .or. extent(1)*size_of*extent(2) /= bytes) then
+      call raise(error, code_file, "'"//path//"' states "//to_text(extent(1))//' x '//to_text(extent(2))//' heights of '// &
+        to_text(size_of)//' bytes and holds '//to_text(bytes)//' bytes of them: damaged or cut')
+    end if
+  end subroutine read_shape
 end module hd_npy

@@ -4,9 +4,10 @@ module hd_table
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
-  use hd_checksum, only: checksum, file_checksum
+  use hd_checksum, only: checksum
   use hd_error, only: error_t, raise, code_file
-  use hd_system, only: truncate_file
+  use hd_new_file, only: new_file_t
+  use hd_system, only: system_text
   use hd_text, only: to_text
   implicit none
   private
@@ -14,15 +15,14 @@ module hd_table
 
   type :: table_t
     private
-    integer :: unit = -1
-    character(len=:), allocatable :: path
+    type(new_file_t) :: file
     character(len=:), allocatable :: line   !< the row so far, longer than that
     integer :: used = 0                     !< characters of it
     integer(int64), public :: sum = 0       !< checksum of what has been written
   contains
     procedure :: open => open_table
     procedure :: reopen
-    procedure :: bytes
+    procedure :: find_bytes
     generic :: add => add_integer, add_real, add_text
     procedure, private :: add_integer, add_real, add_text, begin_row
     procedure :: end_row
@@ -45,13 +45,11 @@ contains
     character(len=*), intent(in) :: path              !< file
     character(len=*), intent(in) :: columns           !< names joined by commas
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: status
-    self%path = path
     call self%begin_row()
-    open (newunit=self%unit, file=path, access='stream', form='unformatted', action='write', status='replace', iostat=status)
-    if (status == 0) write (self%unit, iostat=status) columns//new_line('a')
+    call self%file%open_in_place(path, error)
+    if (allocated(error)) return
+    call self%file%put(columns//new_line('a'))
     self%sum = checksum(columns//new_line('a'))
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
   end subroutine open_table
 
   !> Take up a table again behind its first bytes; what stands there is lost.
@@ -61,30 +59,32 @@ contains
     integer(int64), intent(in) :: bytes               !< that stay
     integer(int64), intent(in) :: sum                 !< their checksum
     type(error_t), allocatable, intent(out) :: error  !< absent, shorter already, changed, cannot be written
-    integer :: status
-    logical :: good
-    self%path = path
     call self%begin_row()
-    call truncate_file(path, bytes, error)
-    if (allocated(error)) return
-    call file_checksum(path, bytes, self%sum, good)
-    if (.not. good .or. self%sum /= sum) then
-      call raise(error, code_file, "'"//path//"' is not as the run left it (its checksum differs): begin anew with --force")
-      return
-    end if
-    open (newunit=self%unit, file=path, access='stream', form='unformatted', action='write', status='old', position='append', &
-      iostat=status)
-    if (status /= 0) call raise(error, code_file, "cannot write '"//path//"'")
+    call self%file%reopen(path, bytes, sum, error)
+    self%sum = sum
   end subroutine reopen
 
   !> Length of the file so far; 0 for a table that is not open.
-  integer(int64) function bytes(self)
-    class(table_t), intent(in) :: self  !< table
+  subroutine find_bytes(self, bytes, error)
+    class(table_t), intent(inout) :: self             !< table
+    integer(int64), intent(out) :: bytes              !< that stand in the file
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    integer(int64) :: next
     bytes = 0
-    if (self%unit == -1) return
-    flush (self%unit)
-    inquire (unit=self%unit, size=bytes)
-  end function bytes
+    if (self%file%unit == -1) return
+    if (self%file%status == 0) flush (self%file%unit, iostat=self%file%status)
+    inquire (unit=self%file%unit, pos=next)
+    inquire (unit=self%file%unit, size=bytes)
+    if (bytes /= next - 1) self%file%status = -1   ! the compiler's library does not tell
+    call tell(self, error)
+  end subroutine find_bytes
+
+  !> A writing that failed.
+  subroutine tell(self, error)
+    class(table_t), intent(in) :: self                !< table
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    if (self%file%status /= 0) call raise(error, code_file, "cannot write '"//self%file%path//"'"//system_text(self%file%status))
+  end subroutine tell
 
   !> An empty row.
   subroutine begin_row(self)
@@ -126,18 +126,17 @@ contains
   subroutine end_row(self, error)
     class(table_t), intent(inout) :: self             !< table
     type(error_t), allocatable, intent(out) :: error  !< disk full
-    integer :: status
     self%line(self%used:self%used) = new_line('a')
-    write (self%unit, iostat=status) self%line(:self%used)
+    call self%file%put(self%line(:self%used))
     self%sum = checksum(self%line(:self%used), self%sum)
     call self%begin_row()
-    if (status /= 0) call raise(error, code_file, "cannot write '"//self%path//"': is the disk full?")
+    call tell(self, error)
   end subroutine end_row
 
-  !> Close the file.
-  subroutine close_table(self)
-    class(table_t), intent(inout) :: self  !< table
-    if (self%unit /= -1) close (self%unit)
-    self%unit = -1
+  !> Close the file; an error that is there already stays.
+  subroutine close_table(self, error)
+    class(table_t), intent(inout) :: self               !< table
+    type(error_t), allocatable, intent(inout) :: error  !< disk full
+    call self%file%close(error)
   end subroutine close_table
 end module hd_table

@@ -3,12 +3,12 @@
 module hd_vtu
   use, intrinsic :: iso_fortran_env, only: int8, int64
   use hd_kinds, only: dp
-  use hd_error, only: error_t, raise, code_file
-  use hd_system, only: rename_file
+  use hd_error, only: error_t
+  use hd_new_file, only: new_file_t, write_text
   use hd_text, only: to_text, exact
   implicit none
   private
-  public :: vtu_field_t, write_vtu, write_pvd, read_pvd
+  public :: vtu_field_t, write_vtu, write_pvd
 
   !> A named field on points or cells; `value` is (components, points or cells).
   type :: vtu_field_t
@@ -18,8 +18,7 @@ module hd_vtu
   end type vtu_field_t
 
   !> A file being written: what was declared so far follows in the appended data.
-  type :: open_file_t
-    integer :: unit = 0, status = 0
+  type, extends(new_file_t) :: open_file_t
     integer(int64) :: offset = 0
   end type open_file_t
 
@@ -38,30 +37,26 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     type(open_file_t) :: file
     integer :: i
-    open (newunit=file%unit, file=path//'.part', access='stream', form='unformatted', status='replace', action='write', &
-      iostat=file%status)
-    if (file%status /= 0) then
-      call raise(error, code_file, "cannot write '"//path//"'")
-      return
-    end if
-    call put(file, '<?xml version="1.0"?>'//nl//'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '// &
+    call file%open(path, error)
+    if (allocated(error)) return
+    call file%put('<?xml version="1.0"?>'//nl//'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '// &
       'header_type="UInt64">'//nl//'<UnstructuredGrid>'//nl//'<FieldData>'//nl)
     do i = 1, size(of_grid)
-      call put(file, '<DataArray type="Float64" Name="'//of_grid(i)%name//'" NumberOfTuples="1" format="ascii">'// &
+      call file%put('<DataArray type="Float64" Name="'//of_grid(i)%name//'" NumberOfTuples="1" format="ascii">'// &
         exact(of_grid(i)%value(1, 1))//'</DataArray>'//nl)
     end do
-    call put(file, '</FieldData>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))//'" NumberOfCells="'// &
+    call file%put('</FieldData>'//nl//'<Piece NumberOfPoints="'//to_text(size(points, 2))//'" NumberOfCells="'// &
       to_text(size(cells, 2))//'">'//nl//'<Points>'//nl)
     call declare(file, 'Points', 'Float64', 3, 8*size(points, kind=int64))
-    call put(file, '</Points>'//nl//'<Cells>'//nl)
+    call file%put('</Points>'//nl//'<Cells>'//nl)
     call declare(file, 'connectivity', 'Int64', 1, 8*size(cells, kind=int64))
     call declare(file, 'offsets', 'Int64', 1, 8*size(cells, 2, kind=int64))
     call declare(file, 'types', 'UInt8', 1, size(cells, 2, kind=int64))
-    call put(file, '</Cells>'//nl//'<PointData>'//nl)
+    call file%put('</Cells>'//nl//'<PointData>'//nl)
     call declare_fields(file, fields, .false.)
-    call put(file, '</PointData>'//nl//'<CellData>'//nl)
+    call file%put('</PointData>'//nl//'<CellData>'//nl)
     call declare_fields(file, fields, .true.)
-    call put(file, '</CellData>'//nl//'</Piece>'//nl//'</UnstructuredGrid>'//nl//'<AppendedData encoding="raw">'//nl//'_')
+    call file%put('</CellData>'//nl//'</Piece>'//nl//'</UnstructuredGrid>'//nl//'<AppendedData encoding="raw">'//nl//'_')
     associate (unit => file%unit, status => file%status)
       if (status == 0) write (unit, iostat=status) 8*size(points, kind=int64), points
       if (status == 0) write (unit, iostat=status) 8*size(cells, kind=int64), int(cells - 1, int64)
@@ -72,21 +67,9 @@ contains
     end associate
     call append_fields(file, fields, .false.)
     call append_fields(file, fields, .true.)
-    call put(file, nl//'</AppendedData>'//nl//'</VTKFile>'//nl)
-    close (file%unit, iostat=i)
-    if (file%status /= 0 .or. i /= 0) then
-      call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
-      return
-    end if
-    call rename_file(path//'.part', path, error)
+    call file%put(nl//'</AppendedData>'//nl//'</VTKFile>'//nl)
+    call file%close(error)
   end subroutine write_vtu
-
-  !> Text as it stands.
-  subroutine put(file, text)
-    type(open_file_t), intent(inout) :: file    !< file
-    character(len=*), intent(in) :: text        !< text
-    if (file%status == 0) write (file%unit, iostat=file%status) text
-  end subroutine put
 
   !> An array whose numbers follow.
   subroutine declare(file, name, kind, components, bytes)
@@ -94,7 +77,7 @@ contains
     character(len=*), intent(in) :: name, kind  !< of the array
     integer, intent(in) :: components           !< of a tuple
     integer(int64), intent(in) :: bytes         !< of the numbers
-    call put(file, '<DataArray type="'//kind//'" Name="'//name//'" NumberOfComponents="'//to_text(components)// &
+    call file%put('<DataArray type="'//kind//'" Name="'//name//'" NumberOfComponents="'//to_text(components)// &
       '" format="appended" offset="'//to_text(file%offset)//'"/>'//nl)
     file%offset = file%offset + bytes + 8
   end subroutine declare
@@ -129,44 +112,12 @@ contains
     character(len=*), intent(in) :: files(:)          !< VTU files, relative to the list
     real(dp), intent(in) :: times(:)                  !< their times
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    integer :: unit, status, i
-    open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
-    if (status /= 0) then
-      call raise(error, code_file, "cannot write '"//path//"'")
-      return
-    end if
-    write (unit, '(a)') '<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0">', '<Collection>'
+    character(len=:), allocatable :: text
+    integer :: i
+    text = '<?xml version="1.0"?>'//nl//'<VTKFile type="Collection" version="1.0">'//nl//'<Collection>'//nl
     do i = 1, size(files)
-      write (unit, '(a)') '<DataSet timestep="'//exact(times(i))//'" part="0" file="'//trim(files(i))//'"/>'
+      text = text//'<DataSet timestep="'//exact(times(i))//'" part="0" file="'//trim(files(i))//'"/>'//nl
     end do
-    write (unit, '(a)') '</Collection>', '</VTKFile>'
-    close (unit)
-    call rename_file(path//'.part', path, error)
+    call write_text(path, text//'</Collection>'//nl//'</VTKFile>'//nl, error)
   end subroutine write_pvd
-
-  !> Files and times of a list that was written here; none where there is no such list.
-  subroutine read_pvd(path, files, times)
-    character(len=*), intent(in) :: path                         !< file
-    character(len=*), allocatable, intent(out) :: files(:)       !< VTU files, relative to the list
-    real(dp), allocatable, intent(out) :: times(:)               !< their times
-    character(len=200) :: line
-    character(len=len(files)) :: name
-    real(dp) :: time
-    integer :: unit, status
-    allocate (files(0), times(0))
-    open (newunit=unit, file=path, action='read', status='old', iostat=status)
-    if (status /= 0) return
-    do
-      read (unit, '(a)', iostat=status) line
-      if (status /= 0) exit
-      if (line(:9) /= '<DataSet ') cycle
-      name = line(index(line, 'timestep="') + 10:)
-      read (name(:index(name, '"') - 1), *, iostat=status) time
-      if (status /= 0) exit
-      name = line(index(line, 'file="') + 6:)
-      files = [files, name(:index(name, '"') - 1)//repeat(' ', len(name) - index(name, '"') + 1)]
-      times = [times, time]
-    end do
-    close (unit)
-  end subroutine read_pvd
 end module hd_vtu

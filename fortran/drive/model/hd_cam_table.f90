@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A measured cam: radii over angles from a CSV file, joined by a periodic cubic spline.
 module hd_cam_table
+  use hd_columns, only: columns_t, read_columns
   use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi, hair
-  use hd_error, only: error_t, raise, code_file, code_input
-  use hd_system, only: path_kind, path_file
-  use hd_text, only: to_text
+  use hd_error, only: error_t, raise, code_input
+  use hd_text, only: to_text, join, printable
   implicit none
   private
   public :: cam_table_t, read_cam_table, radius_deviation
@@ -30,54 +30,41 @@ contains
     character(len=*), intent(in) :: path              !< file
     type(cam_table_t), intent(out) :: table           !< table
     type(error_t), allocatable, intent(out) :: error  !< no such file, faults with their line
-    character(len=200) :: line
-    character(len=:), allocatable :: fault
-    real(dp), allocatable :: points(:, :)
-    real(dp) :: point(2), unit
-    integer :: file, status, number
-    if (path_kind(path) /= path_file) then
-      call raise(error, code_file, "wave_generator.cam_file = '"//path//"' is not a file; valid: a CSV file with the columns "// &
-        'theta_deg,radius_m (cam = ''table'')')
+    type(columns_t) :: columns
+    character(len=:), allocatable :: fault, names
+    real(dp) :: unit
+    integer :: i
+    call read_columns(path, columns, error)
+    if (allocated(error)) then
+      error%message = 'wave_generator.cam_file: '//error%message
       return
     end if
-    allocate (points(2, 0))
-    fault = ''
-    unit = 0
-    number = 0
-    open (newunit=file, file=path, action='read', status='old', iostat=status)
-    do while (status == 0 .and. len(fault) == 0)
-      read (file, '(a)', iostat=status) line
-      if (status /= 0) exit
-      number = number + 1
-      if (line(max(1, len_trim(line)):) == achar(13)) line(len_trim(line):) = ''
-      if (len_trim(line) == 0 .or. line(1:1) == '#') cycle
-      if (.not. unit > 0) then
-        if (line == 'theta_deg,radius_m') unit = pi/180
-        if (line == 'theta_rad,radius_m') unit = 1
-        if (.not. unit > 0) fault = "the header is '"//trim(line)//"'; valid: theta_deg,radius_m or theta_rad,radius_m"
-        cycle
-      end if
-      read (line, *, iostat=status) point
-      if (status /= 0 .or. scan(trim(line), ',') == 0) then
-        fault = "'"//trim(line)//"' is no point; valid: two numbers with a comma between"
-        exit
-      end if
-      points = reshape([points, point*[unit, 1._dp]], [2, size(points, 2) + 1])
-      if (.not. point(2) > 0) fault = 'radius '//to_text(point(2))//' m; valid: above 0'
-      if (size(points, 2) > 1) then
-        if (points(1, size(points, 2)) <= points(1, size(points, 2) - 1)) fault = 'the angle does not rise'
-        if (points(1, size(points, 2)) >= points(1, 1) + 2*pi*(1 - hair)) fault = 'the angle leaves the first turn'// &
-          ' (the first point does not stand again at the end)'
-      end if
-    end do
-    close (file)
-    if (len(fault) > 0) then
-      call raise(error, code_input, path//':'//to_text(number)//': '//fault)
-    else if (size(points, 2) < fewest) then
-      call raise(error, code_input, path//': '//to_text(size(points, 2))//' points; valid: '//to_text(fewest)//' or more')
-    else
-      call new_cam_table(points(1, :), points(2, :), table)
+    names = join(columns%names, ',')
+    if (names /= 'theta_deg,radius_m' .and. names /= 'theta_rad,radius_m') then
+      call raise(error, code_input, columns%place(columns%header_line)//"the header is '"//printable(names)// &
+        "'; valid: theta_deg,radius_m or theta_rad,radius_m")
+      return
     end if
+    unit = merge(pi/180, 1._dp, names == 'theta_deg,radius_m')
+    fault = ''
+    associate (theta => columns%values(1, :)*unit, radius => columns%values(2, :))
+      do i = 1, size(theta)
+        if (.not. radius(i) > 0) fault = 'radius '//to_text(radius(i))//' m; valid: above 0'
+        if (i > 1) then
+          if (theta(i) <= theta(i - 1)) fault = 'the angle does not rise'
+          if (theta(i) >= theta(1) + 2*pi*(1 - hair)) fault = 'the angle leaves the first turn'// &
+            ' (the first point does not stand again at the end)'
+        end if
+        if (len(fault) == 0) cycle
+        call raise(error, code_input, columns%place(columns%lines(i))//fault)
+        return
+      end do
+      if (size(theta) < fewest) then
+        call raise(error, code_input, "'"//path//"': "//to_text(size(theta))//' points; valid: '//to_text(fewest)//' or more')
+      else
+        call new_cam_table(theta, radius, table)
+      end if
+    end associate
   end subroutine read_cam_table
 
   !> Spline through measured radii.

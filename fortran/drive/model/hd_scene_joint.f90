@@ -60,7 +60,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< spectrum out of range
     type(power_spectrum_t) :: spectrum
     type(columns_t) :: columns
-    real(dp), allocatable :: q(:), height(:), waves(:), p(:), k(:), area(:)
+    real(dp), allocatable :: q(:), height(:), waves(:), p(:), k(:), area(:), variance(:)
     real(dp) :: low, high
     integer :: i, n
     if (len_trim(scene%joint_spectrum) > 0) then
@@ -80,8 +80,8 @@ contains
     high = 0.5_dp*joint%asperity%hardness
     n = max(2, ceiling(log(high/low)/fine_step))
     p = [(low*exp(log(high/low)*i/n), i=0, n)]
-    allocate (k(n + 1), area(n + 1))
-    call contact_at(spectrum, joint%asperity%e_star, joint%asperity%hardness, p, k, area)
+    allocate (k(n + 1), area(n + 1), variance(n + 1))
+    call contact_at(spectrum, joint%asperity%e_star, joint%asperity%hardness, p, k, area, variance)
     joint%theory = new_theory_surface(spectrum, joint%asperity%e_star, joint%asperity%hardness, p, area)
     allocate (joint%elastic)
     call new_elastic_law(p, k, stick_ratio(scene%flexspline_e, scene%flexspline_nu, scene%ring_e, scene%ring_nu)*k, &

@@ -4,6 +4,7 @@ module hd_open_run
   use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_cost, only: check_memory
   use hd_error, only: error_t, raise, code_input
+  use hd_input_file, only: read_text
   use hd_joint_choice, only: choose_joint
   use hd_load_path, only: place_t, operator(<), path_end
   use hd_log, only: say
@@ -16,7 +17,7 @@ module hd_open_run
   use hd_run, only: run_t, new_run, restore_run, ask_gradient, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
-  use hd_system, only: path_kind, path_absent
+  use hd_system, only: path_kind, path_absent, path_file
   use hd_text, only: percent, rounded, to_text
   use hd_timers, only: in_band
   use hd_tolerance_runs, only: find_band
@@ -87,16 +88,10 @@ contains
   !> The summary of a folder says that its run is complete.
   logical function is_complete(folder)
     character(len=*), intent(in) :: folder  !< of a run
-    character(len=200) :: line
-    integer :: unit, status
-    is_complete = .false.
-    open (newunit=unit, file=folder//'/summary.json', action='read', status='old', iostat=status)
-    if (status /= 0) return
-    do while (status == 0 .and. .not. is_complete)
-      read (unit, '(a)', iostat=status) line
-      if (status == 0) is_complete = index(line, '"status": "complete"') > 0
-    end do
-    close (unit)
+    character(len=:), allocatable :: text
+    type(error_t), allocatable :: error
+    call read_text(folder//'/summary.json', text, error)
+    is_complete = index(text, '"status": "complete"') > 0
   end function is_complete
 
   !> Solve load steps up to a place; at the end of the last one the band is found, where the scene asks for it.

@@ -8,18 +8,20 @@ module hd_trial_runs
   use hd_clock, only: wall_seconds
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
+  use hd_input_file, only: read_text, next_line
   use hd_load_path, only: path_end
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
   use hd_model, only: model_t
+  use hd_new_file, only: new_file_t
   use hd_pressure_patches, only: patch_pressures
   use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
   use hd_run, only: run_t, new_run, close_run, leave_model
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
-  use hd_system, only: make_directory, path_kind, path_absent, remove_file, rename_file, stop_requested
-  use hd_text, only: string_t, push, rounded, to_text
+  use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, stop_requested
+  use hd_text, only: string_t, push, rounded, split, to_number, to_text
   implicit none
   private
   public :: trial_runs_t, new_trial_runs, growth
@@ -227,12 +229,12 @@ contains
   subroutine keep(self, error)
     type(trial_runs_t), intent(in) :: self                 !< results
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    character(len=:), allocatable :: path
+    type(new_file_t) :: file
     character(len=25*(values + 8)) :: line
-    integer :: unit, status, i, k
+    integer :: i, k
     if (len(self%folder) == 0) return
-    path = self%folder//'/plan.csv'
-    open (newunit=unit, file=path//'.part', action='write', status='replace', iostat=status)
+    call file%open(self%folder//'/plan.csv', error)
+    if (allocated(error)) return
     line = 'mesh,'
     do i = 1, promises
       do k = 0, self%promised(i)%last - self%promised(i)%first
@@ -241,19 +243,13 @@ contains
         line = trim(line)//','
       end do
     end do
-    if (status == 0) write (unit, '(a)', iostat=status) trim(line)//'seconds,ball_stiffness_n_per_m,checksum'
+    call file%put(trim(line)//'seconds,ball_stiffness_n_per_m,checksum'//new_line('a'))
     do i = 1, size(self%known)
-      if (status /= 0) exit
-      write (line, '(a,99(:,",",es24.16))', iostat=status) self%name(i)%s, self%known(i)%q(:maxval(self%promised%last)), &
+      write (line, '(a,99(:,",",es24.16))') self%name(i)%s, self%known(i)%q(:maxval(self%promised%last)), &
         self%known(i)%seconds, self%known(i)%balls
-      if (status == 0) write (unit, '(a)', iostat=status) trim(line)//','//hexadecimal(checksum(trim(line)))
+      call file%put(trim(line)//','//hexadecimal(checksum(trim(line)))//new_line('a'))
     end do
-    if (status == 0) close (unit, iostat=status)
-    if (status == 0) then
-      call rename_file(path//'.part', path, error)
-    else
-      call raise(error, code_file, "cannot write '"//path//"': is the disk full?")
-    end if
+    call file%close(error)
   end subroutine keep
 
   !> Results of a plan that was stopped.
@@ -261,25 +257,36 @@ contains
     type(trial_runs_t), intent(inout) :: self         !< gets them
     type(error_t), allocatable, intent(out) :: error  !< a row is not as it was written
     type(probe_t) :: one
-    character(len=25*(values + 8)) :: line
-    integer :: unit, status, comma, last
-    open (newunit=unit, file=self%folder//'/plan.csv', action='read', status='old', iostat=status)
-    if (status /= 0) return
-    read (unit, '(a)', iostat=status) line
-    do while (status == 0)
-      read (unit, '(a)', iostat=status) line
-      if (status /= 0) exit
-      comma = index(line, ',')
+    type(string_t), allocatable :: cells(:)
+    character(len=:), allocatable :: text, line
+    real(dp) :: row(values + 2)
+    integer :: at, i, n, last
+    logical :: ok
+    if (path_kind(self%folder//'/plan.csv') /= path_file) return
+    call read_text(self%folder//'/plan.csv', text, error)
+    if (allocated(error)) return
+    n = maxval(self%promised%last)
+    at = 1
+    call next_line(text, at, line)
+    do while (at <= len(text))
+      call next_line(text, at, line)
+      cells = split(line)
       last = index(line, ',', back=.true.)
-      if (comma < last) read (line(comma + 1:last - 1), *, iostat=status) one%q(:maxval(self%promised%last)), one%seconds, one%balls
-      if (comma >= last .or. status /= 0 .or. line(last + 1:) /= hexadecimal(checksum(line(:last - 1)))) then
+      ok = size(cells) == n + 4
+      if (ok) ok = cells(n + 4)%s == hexadecimal(checksum(line(:last - 1)))
+      do i = 1, n + 2
+        if (ok) call to_number(trim(adjustl(cells(1 + i)%s)), row(i), ok)
+      end do
+      if (.not. ok) then
         call raise(error, code_file, "'"//self%folder//"/plan.csv' is not as the plan left it (row "// &
           to_text(size(self%name) + 1)//"): begin anew with --force")
-        exit
+        return
       end if
-      call push(self%name, line(:comma - 1))
+      one%q(:n) = row(:n)
+      one%seconds = row(n + 1)
+      one%balls = row(n + 2)
+      call push(self%name, cells(1)%s)
       self%known = [self%known, one]
     end do
-    close (unit)
   end subroutine read_known
 end module hd_trial_runs

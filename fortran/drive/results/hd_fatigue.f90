@@ -69,6 +69,6 @@ contains
       call table%add(fatigue%safety(a))
       call table%end_row(error)
     end do
-    call table%close()
+    call table%close(error)
   end subroutine write_fatigue
 end module hd_fatigue

@@ -13,14 +13,14 @@ module hd_output
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
   use hd_stress, only: body_stress, principal_stresses, von_mises
-  use hd_system, only: make_directory, path_kind, path_absent, path_directory, path_file, remove_file
+  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
-  use hd_vtu, only: vtu_field_t, write_vtu, write_pvd, read_pvd
+  use hd_vtu, only: vtu_field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, check_folder, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
+  public :: output_t, step_t, check_folder, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_teeth, &
     write_history, write_grids, close_output, add_place
 
   !> Where a step stands in the run.
@@ -36,8 +36,8 @@ module hd_output
   type :: output_t
     character(len=:), allocatable :: folder
     type(table_t) :: contact, history, steps, teeth, loop, balls
-    character(len=40), allocatable :: grids(:)
-    real(dp), allocatable :: times(:)
+    integer, allocatable :: grids(:)       !< load steps that have grids
+    real(dp), allocatable :: times(:)      !< ParaView's times of them
   end type output_t
 
 contains
@@ -81,7 +81,7 @@ contains
     if (scene%support%against_teeth .and. .not. allocated(error)) call output%teeth%open(folder//'/teeth.csv', &
       place//',tooth,theta_rad,flank,force_n,share,closing_m', error)
     if (scene%support%loop .and. .not. allocated(error)) call open_loop_tables(folder, place, scene, output, error)
-    if (allocated(error)) call close_output(output)
+    if (allocated(error)) call close_output(output, error)
   end subroutine open_output
 
   !> Tables of the whole drive.
@@ -100,23 +100,24 @@ contains
       place//',ball,theta_rad,force_n,share,closing_m', error)
   end subroutine open_loop_tables
 
-  !> Take up the folder of a stopped run.
+  !> Take up the folder of a stopped run. Grids that its checkpoint does not know, as of the step that it ended early with, go.
   subroutine reopen_output(folder, scene, sizes, sums, steps, output, error)
     character(len=*), intent(in) :: folder            !< folder
     type(scene_t), intent(in) :: scene                !< scene
     integer(int64), intent(in) :: sizes(6)            !< of the tables at the checkpoint [bytes]
     integer(int64), intent(in) :: sums(6)             !< their checksums
     integer, intent(in) :: steps                      !< load steps at the checkpoint
-    type(output_t), intent(out) :: output             !< open tables
+    type(output_t), intent(inout) :: output           !< its grids; gets open tables
     type(error_t), allocatable, intent(out) :: error  !< files lost, cannot be written
-    logical, allocatable :: kept(:)
     integer :: i
     output%folder = folder
-    call read_pvd(folder//'/bodies.pvd', output%grids, output%times)
-    kept = [(output%grids(i) <= grid_name(steps) .and. path_kind(folder//'/'//trim(output%grids(i))) == path_file, &
-      i=1, size(output%grids))]
-    output%times = pack(output%times, kept)
-    output%grids = pack(output%grids, kept)
+    do i = 1, steps + 1
+      if (any(output%grids == i)) cycle
+      call remove_file(folder//'/'//grid_name('bodies', i))
+      call remove_file(folder//'/'//grid_name('contact', i))
+    end do
+    call write_lists(output, error)
+    if (allocated(error)) return
     call remove_file(folder//'/summary.json')
     call write_echo(folder//'/echo.nml', scene, error)
     if (.not. allocated(error)) call output%contact%reopen(folder//'/contact.csv', sizes(1), sums(1), error)
@@ -125,16 +126,22 @@ contains
     if (sizes(4) > 0 .and. .not. allocated(error)) call output%teeth%reopen(folder//'/teeth.csv', sizes(4), sums(4), error)
     if (sizes(5) > 0 .and. .not. allocated(error)) call output%loop%reopen(folder//'/loop.csv', sizes(5), sums(5), error)
     if (sizes(6) > 0 .and. .not. allocated(error)) call output%balls%reopen(folder//'/balls.csv', sizes(6), sums(6), error)
-    if (allocated(error)) call close_output(output)
+    if (allocated(error)) call close_output(output, error)
   end subroutine reopen_output
 
-  !> Lengths of the tables so far [bytes].
-  function table_sizes(output) result(sizes)
-    type(output_t), intent(in) :: output  !< tables
-    integer(int64) :: sizes(6)
-    sizes = [output%contact%bytes(), output%history%bytes(), output%steps%bytes(), output%teeth%bytes(), &
-      output%loop%bytes(), output%balls%bytes()]
-  end function table_sizes
+  !> Lengths of the tables so far.
+  subroutine find_table_sizes(output, sizes, error)
+    type(output_t), intent(inout) :: output           !< tables
+    integer(int64), intent(out) :: sizes(6)           !< [bytes]
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    sizes = 0
+    call output%contact%find_bytes(sizes(1), error)
+    if (.not. allocated(error)) call output%history%find_bytes(sizes(2), error)
+    if (.not. allocated(error)) call output%steps%find_bytes(sizes(3), error)
+    if (.not. allocated(error)) call output%teeth%find_bytes(sizes(4), error)
+    if (.not. allocated(error)) call output%loop%find_bytes(sizes(5), error)
+    if (.not. allocated(error)) call output%balls%find_bytes(sizes(6), error)
+  end subroutine find_table_sizes
 
   !> Checksums of the tables so far.
   pure function table_sums(output) result(sums)
@@ -240,7 +247,6 @@ contains
     type(facets_t), intent(in) :: facets              !< its facets
     type(state_t), intent(in) :: state                !< its state
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
-    character(len=40) :: name
     type(vtu_field_t) :: fields(8), of_grid(3)
     real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:, :)
     real(dp) :: time
@@ -278,12 +284,11 @@ contains
       of_grid(1) = vtu_field_t('TimeValue', reshape([time], [1, 1]))
       of_grid(2) = vtu_field_t('torque_nm', reshape([step%torque], [1, 1]))
       of_grid(3) = vtu_field_t('step', reshape([real(step%number, dp)], [1, 1]))
-      name = grid_name(step%number)
-      call write_vtu(output%folder//'/'//trim(name), x, cells, merge(25, 12, problem%bodies(1)%kind == hex20r), &
-        fields(:6), of_grid, error)
+      call write_vtu(output%folder//'/'//grid_name('bodies', step%number), x, cells, &
+        merge(25, 12, problem%bodies(1)%kind == hex20r), fields(:6), of_grid, error)
       if (allocated(error)) return
-      if (.not. any(output%grids == name)) then  ! a run that ends early writes those of its last step once more
-        output%grids = [output%grids, name]
+      if (.not. any(output%grids == step%number)) then  ! a run that ends early writes those of its last step once more
+        output%grids = [output%grids, step%number]
         output%times = [output%times, time]
       end if
       allocate (place(problem%n), source=0)
@@ -298,37 +303,50 @@ contains
       fields(6) = vtu_field_t('state_0_open_1_stick_2_slip', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
       fields(7) = vtu_field_t('k_n_n_per_m', reshape(facets%k_n, [1, size(facets%gap)]), .true.)
       fields(8) = vtu_field_t('k_t_n_per_m', reshape(facets%k_t, [1, size(facets%gap)]), .true.)
-      call write_vtu(output%folder//'/contact_'//padded(step%number)//'.vtu', x(:, used), &
+      call write_vtu(output%folder//'/'//grid_name('contact', step%number), x(:, used), &
         reshape(place(pack(drive%face%nodes(:4, :), .true.)), [4, size(facets%gap)]), 9, fields, of_grid, error)
       if (allocated(error)) return
     end associate
-    call write_pvd(output%folder//'/bodies.pvd', output%grids, output%times, error)
-    if (allocated(error)) return
-    call write_pvd(output%folder//'/contact.pvd', 'contact'//output%grids(:)(7:), output%times, error)
+    call write_lists(output, error)
   end subroutine write_grids
 
-  !> Number with leading zeros.
-  pure function padded(n) result(s)
-    integer, intent(in) :: n  !< number
-    character(len=4) :: s
-    write (s, '(i4.4)') n
-  end function padded
+  !> ParaView's lists of the grids; none where there are no grids.
+  subroutine write_lists(output, error)
+    type(output_t), intent(in) :: output              !< folder, steps, times
+    type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=*), parameter :: names(2) = [character(len=7) :: 'bodies', 'contact']
+    character(len=40) :: files(size(output%grids))
+    integer :: i, k
+    do k = 1, size(names)
+      files = [(grid_name(trim(names(k)), output%grids(i)), i=1, size(files))]
+      if (size(files) > 0) then
+        call write_pvd(output%folder//'/'//trim(names(k))//'.pvd', files, output%times, error)
+      else
+        call remove_file(output%folder//'/'//trim(names(k))//'.pvd')
+      end if
+      if (allocated(error)) return
+    end do
+  end subroutine write_lists
 
-  !> Grid of the bodies at a step.
-  pure function grid_name(step) result(name)
-    integer, intent(in) :: step  !< number
-    character(len=40) :: name
-    name = 'bodies_'//padded(step)//'.vtu'
+  !> File of the grid of the bodies or of the contact face at a step.
+  pure function grid_name(what, step) result(name)
+    character(len=*), intent(in) :: what  !< 'bodies' or 'contact'
+    integer, intent(in) :: step           !< number
+    character(len=:), allocatable :: name
+    character(len=10) :: number
+    write (number, '(i0.4)') step
+    name = what//'_'//trim(number)//'.vtu'
   end function grid_name
 
-  !> Close the tables.
-  subroutine close_output(output)
-    type(output_t), intent(inout) :: output  !< tables
-    call output%contact%close()
-    call output%history%close()
-    call output%steps%close()
-    call output%teeth%close()
-    call output%loop%close()
-    call output%balls%close()
+  !> Close the tables; an error that is there already stays.
+  subroutine close_output(output, error)
+    type(output_t), intent(inout) :: output             !< tables
+    type(error_t), allocatable, intent(inout) :: error  !< disk full
+    call output%contact%close(error)
+    call output%history%close(error)
+    call output%steps%close(error)
+    call output%teeth%close(error)
+    call output%loop%close(error)
+    call output%balls%close(error)
   end subroutine close_output
 end module hd_output

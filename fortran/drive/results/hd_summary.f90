@@ -26,7 +26,7 @@ module hd_summary
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_persson_error, only: theory_error_t, steep
-  use hd_version, only: version, openblas_version, fftw_version, metis_version, build_type
+  use hd_version, only: version, lapack_version, fftw_version, metis_version, build_type
   implicit none
   private
   public :: tally_t, derivatives_t, record_t, write_summary, add_scene
@@ -388,7 +388,7 @@ contains
     call json%add('build', build_type)
     call json%add('mumps', solver%library)
     call json%add('metis', metis_version)
-    call json%add('openblas', openblas_version)
+    call json%add('lapack', lapack_version)
     call json%add('fftw', fftw_version)
     call json%finish()
   end subroutine add_provenance

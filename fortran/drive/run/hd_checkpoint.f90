@@ -9,7 +9,8 @@ module hd_checkpoint
   use hd_input, only: read_scene
   use hd_load_path, only: place_t
   use hd_loop, only: loop_t, store_loop, recall_loop
-  use hd_output, only: step_t
+  use hd_new_file, only: new_file_t
+  use hd_output, only: output_t, step_t
   use hd_parameters, only: parameter_table_t, new_table, value_text
   use hd_problem, only: state_t
   use hd_promises, only: most_steps
@@ -17,7 +18,7 @@ module hd_checkpoint
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
   use hd_summary, only: tally_t
-  use hd_system, only: rename_file, remove_file, path_kind, path_file
+  use hd_system, only: remove_file, path_kind, path_file
   use hd_text, only: string_t
   use hd_twist_shares, only: part_names
   use hd_version, only: version
@@ -63,7 +64,7 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint C'
+    character(len=21) :: magic = 'hdengine checkpoint D'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
     integer(int64) :: scene = 0           !< checksum of the keys that may not change
@@ -92,54 +93,47 @@ contains
   end subroutine drop_checkpoint
 
   !> Write a checkpoint; the one before is replaced only when this one is whole.
-  subroutine save_checkpoint(folder, scene, mark, before, state, top, loop, error)
-    character(len=*), intent(in) :: folder            !< of a run
+  subroutine save_checkpoint(output, scene, mark, before, state, top, loop, error)
+    type(output_t), intent(in) :: output              !< folder of the run, its grids so far
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(in) :: mark                  !< where it stands
     type(state_t), intent(in) :: before, state        !< last two converged states
     type(state_t), intent(in) :: top                  !< that of the reference step, if there is one
     type(loop_t), intent(in) :: loop                  !< steps of a whole drive
     type(error_t), allocatable, intent(out) :: error  !< disk full
-    character(len=:), allocatable :: part
+    type(new_file_t) :: file
     type(head_t) :: head
     integer(int64) :: sum
-    integer :: unit, status
-    logical :: good
-    part = file_of(folder)//'.part'
     head%scene = scene_checksum(scene)
     head%nodes = size(state%u, 2)
     head%points = size(state%traction, 2)
-    good = .false.
-    open (newunit=unit, file=part, access='stream', form='unformatted', action='readwrite', status='replace', iostat=status)
-    if (status == 0) write (unit, iostat=status) head, mark
-    if (status == 0) call write_state(unit, before, status)
-    if (status == 0) call write_state(unit, state, status)
-    if (status == 0 .and. mark%reference%known) call write_state(unit, top, status)
-    if (status == 0 .and. scene%support%loop) call store_loop(loop, unit, status)
-    if (status == 0) then
-      inquire (unit=unit, pos=head%bytes)
-      head%bytes = head%bytes - 1 + storage_size(sum)/8
-      write (unit, pos=1, iostat=status) head
-    end if
-    if (status == 0) flush (unit, iostat=status)
-    if (status == 0) then
-      call file_checksum(part, head%bytes - storage_size(sum)/8, sum, good)
-      write (unit, pos=head%bytes - storage_size(sum)/8 + 1, iostat=status) sum
-    end if
-    if (status == 0) close (unit, iostat=status)
-    if (status == 0 .and. good) then
-      call rename_file(part, file_of(folder), error)
-    else
-      call raise(error, code_file, "cannot write '"//file_of(folder)//"': is the disk full?")
-    end if
+    call file%open(file_of(output%folder), error)
+    if (allocated(error)) return
+    associate (unit => file%unit, status => file%status)
+      write (unit, iostat=status) head, mark, size(output%grids), output%grids, output%times
+      if (status == 0) call write_state(unit, before, status)
+      if (status == 0) call write_state(unit, state, status)
+      if (status == 0 .and. mark%reference%known) call write_state(unit, top, status)
+      if (status == 0 .and. scene%support%loop) call store_loop(loop, unit, status)
+      if (status == 0) then
+        inquire (unit=unit, pos=head%bytes)
+        head%bytes = head%bytes - 1 + storage_size(sum)/8
+        write (unit, pos=1, iostat=status) head
+      end if
+      if (status == 0) flush (unit, iostat=status)
+      if (status == 0) call file_checksum(file%now, head%bytes - storage_size(sum)/8, sum, status)
+      if (status == 0) write (unit, pos=head%bytes - storage_size(sum)/8 + 1, iostat=status) sum
+    end associate
+    call file%close(error)
   end subroutine save_checkpoint
 
   !> Read a checkpoint into states of the right size. What is not, to the last bit, what this version of the engine wrote for
   !> this scene is refused.
-  subroutine load_checkpoint(folder, scene, mark, before, state, top, loop, error)
+  subroutine load_checkpoint(folder, scene, mark, output, before, state, top, loop, error)
     character(len=*), intent(in) :: folder            !< of a run
     type(scene_t), intent(in) :: scene                !< its scene
     type(mark_t), intent(out) :: mark                 !< where it stood
+    type(output_t), intent(out) :: output             !< its grids
     type(state_t), intent(inout) :: before, state     !< at rest, then the last two converged states
     type(state_t), intent(inout) :: top               !< gets that of the reference step
     type(loop_t), intent(inout) :: loop               !< gets the steps of a whole drive
@@ -147,8 +141,7 @@ contains
     type(head_t) :: head, right
     character(len=:), allocatable :: cause
     integer(int64) :: bytes, sum, found, place
-    integer :: unit, status
-    logical :: good
+    integer :: unit, status, grids
     cause = 'broken: its length or its checksum is wrong'
     open (newunit=unit, file=file_of(folder), access='stream', form='unformatted', action='read', status='old', iostat=status)
     if (status == 0) then
@@ -159,8 +152,8 @@ contains
       if (status == 0 .and. (head%magic /= right%magic .or. head%bytes /= bytes)) status = 1
       if (status == 0) read (unit, pos=bytes - storage_size(sum)/8 + 1, iostat=status) sum
       if (status == 0) then
-        call file_checksum(file_of(folder), bytes - storage_size(sum)/8, found, good)
-        if (.not. good .or. found /= sum) status = 1
+        call file_checksum(file_of(folder), bytes - storage_size(sum)/8, found, status)
+        if (found /= sum) status = 1
       end if
       if (status == 0 .and. head%version /= right%version) then
         cause = 'of hdengine '//trim(head%version)//', this is '//trim(right%version)
@@ -172,7 +165,9 @@ contains
         cause = 'of another mesh'
         status = 1
       end if
-      if (status == 0) read (unit, pos=place, iostat=status) mark
+      if (status == 0) read (unit, pos=place, iostat=status) mark, grids
+      if (status == 0) allocate (output%grids(grids), output%times(grids))
+      if (status == 0) read (unit, iostat=status) output%grids, output%times
       if (status == 0) call read_state(unit, before, status)
       if (status == 0) call read_state(unit, state, status)
       top = state

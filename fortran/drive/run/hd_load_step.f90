@@ -16,7 +16,7 @@ module hd_load_step
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
-  use hd_run, only: run_t, accept, keep_checkpoint, place_step
+  use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
   use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
@@ -138,8 +138,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< says so
     run%record%interrupted = .true.
-    call raise(error, code_stopped, 'interrupted after '//to_text(run%step%number)//' load steps; '// &
-      trim(merge('their results are kept, --resume goes on', '--resume begins with the first one      ', run%step%number > 0)))
+    call raise(error, code_stopped, kept_text('interrupted', run%step%number))
   end subroutine interrupt
 
   !> What a time limit leaves; one that is too short for a load step would stop every resumed run too.

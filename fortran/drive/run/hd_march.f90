@@ -93,7 +93,7 @@ contains
       call set_log_level(quiet)
     end do
     call set_log_level(level)
-    call rows%close()
+    call rows%close(error)
     call fit_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(run%model)) run%model%solver%inner = inner

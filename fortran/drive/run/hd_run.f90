@@ -21,7 +21,7 @@ module hd_run
   use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
-  use hd_output, only: output_t, step_t, open_output, reopen_output, table_sizes, table_sums, write_step, write_teeth, &
+  use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_teeth, &
     write_grids, close_output
   use hd_lapack, only: blas_threads
   use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
@@ -40,7 +40,7 @@ module hd_run
   use hd_twist_shares, only: twist_shares, part_names
   implicit none
   private
-  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, place_step, ask_gradient, &
+  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, ask_gradient, &
     close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
@@ -94,7 +94,7 @@ contains
       run%writes = .true.
     end if
     call build(run, error)
-    if (allocated(error) .and. run%writes) call close_output(run%output)
+    if (allocated(error) .and. run%writes) call close_output(run%output, error)
     if (.not. allocated(error)) call say('step phase     load    T/(N m) iter         open stick  slip   force/N  peak/MPa')
   end subroutine new_run
 
@@ -107,7 +107,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, files, memory
     call prepare(scene, input, run, error)
     if (.not. allocated(error)) call build(run, error)
-    if (.not. allocated(error)) call load_checkpoint(folder, scene, run%mark_t, run%before, run%state, run%top, run%loop, error)
+    if (.not. allocated(error)) call load_checkpoint(folder, scene, run%mark_t, run%output, run%before, run%state, run%top, &
+      run%loop, error)
     if (.not. allocated(error)) call reopen_output(folder, scene, run%table_sizes, run%table_sums, run%step%number, run%output, &
       error)
     if (allocated(error)) return
@@ -237,12 +238,12 @@ contains
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       if (.not. (allocated(error) .or. allocated(run%teeth))) then
-        run%table_sizes = table_sizes(run%output)
+        call find_table_sizes(run%output, run%table_sizes, error)
         run%table_sums = table_sums(run%output)
         run%owed = run%mark_t
-        run%owes = .true.
+        run%owes = .not. allocated(error)
         call run%record%timers%book(in_output)
-        if (wall_seconds() >= run%due .or. .not. run%place < path_end(run%scene)) call keep_checkpoint(run, error)
+        if (run%owes .and. (wall_seconds() >= run%due .or. .not. run%place < path_end(run%scene))) call keep_checkpoint(run, error)
       end if
     end if
     call run%record%timers%book(in_output)
@@ -287,7 +288,7 @@ contains
     real(dp) :: begun
     if (.not. run%owes) return
     begun = wall_seconds()
-    call save_checkpoint(run%output%folder, run%scene, run%owed, run%before, run%state, run%top, run%loop, error)
+    call save_checkpoint(run%output, run%scene, run%owed, run%before, run%state, run%top, run%loop, error)
     run%owes = .false.
     run%due = wall_seconds() + rest*(wall_seconds() - begun)
     call run%record%timers%book(in_checkpoint)
@@ -432,6 +433,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
+    type(error_t), allocatable :: trouble
     call run%record%timers%book(outside)
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
     if (run%step%number > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
@@ -441,7 +443,7 @@ contains
     call run%record%timers%book(in_stiffness)
     run%record%steps = run%step%number
     if (.not. allocated(run%failure) .and. run%place < path_end(run%scene)) call raise(run%failure, &
-      code_stopped, 'closed after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on')
+      code_stopped, kept_text(trim(merge('interrupted', 'closed     ', run%record%interrupted)), run%step%number))
     if (allocated(run%failure)) call keep_checkpoint(run, error)
     call take_reference(run)
     call run%record%timers%book(in_fields)
@@ -453,7 +455,7 @@ contains
         run%step%number > 0)) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
-      call close_output(run%output)
+      call close_output(run%output, error)
       call run%record%timers%book(in_output)
       if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &
         run%step%torque, run%sums)
@@ -461,13 +463,24 @@ contains
       if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
       call run%record%timers%book(in_output)
-      if (.not. allocated(error)) call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
-        run%step, run%sums, run%strength, run%tally, run%record, run%loop, run%failure, error)
+      if (allocated(error) .and. .not. allocated(run%failure)) run%failure = error
+      call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
+        run%step, run%sums, run%strength, run%tally, run%record, run%loop, run%failure, trouble)
+      if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
     end if
     call run%lock%give()
   end subroutine close_run
+
+  !> What a run that was ended early leaves.
+  pure function kept_text(why, steps) result(text)
+    character(len=*), intent(in) :: why  !< 'interrupted', 'closed'
+    integer, intent(in) :: steps         !< done
+    character(len=:), allocatable :: text
+    text = why//' after '//to_text(steps)//' load steps; '//trim(merge('their results are kept, --resume goes on', &
+      '--resume begins with the first one      ', steps > 0))
+  end function kept_text
 
   !> Say what K_TS is, and warn where it or what it rests on leaves its range.
   subroutine judge_results(run)

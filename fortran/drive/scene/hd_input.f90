@@ -3,6 +3,7 @@
 module hd_input
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
+  use hd_new_file, only: write_text
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
@@ -11,8 +12,7 @@ module hd_input
   use hd_surface_scene, only: surface_scene_t
   use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
-  use hd_text, only: string_t, push, to_text, lower, suggestion
-  use hd_text_file, only: write_text
+  use hd_text, only: string_t, push, to_text, lower, suggestion, split, next_word
   implicit none
   private
   public :: read_scene, holds_study, write_echo, surface_scene_of
@@ -151,7 +151,7 @@ contains
             what = "unknown key '"//key//"' in &"//group
             hint = suggestion(key, keys_of(table, group))
           else
-            words = split(s(equal + 1:), associated(table%rows(row)%reals))
+            words = words_of(s(equal + 1:), associated(table%rows(row)%reals))
             call assign_words(table%rows(row), words, what, hint)
           end if
         end if
@@ -210,24 +210,30 @@ contains
   end subroutine apply_fit
 
   !> Words of a value; only lists of numbers are cut.
-  pure function split(s, cut) result(words)
+  pure function words_of(s, cut) result(words)
     character(len=*), intent(in) :: s  !< text behind '='
     logical, intent(in) :: cut         !< cut at commas and blanks
     type(string_t), allocatable :: words(:)
-    integer :: i, j
+    type(string_t), allocatable :: places(:)
+    character(len=:), allocatable :: word
+    integer :: i, at
     allocate (words(0))
     if (.not. cut) then
       call push(words, trim(adjustl(s)))
       return
     end if
-    i = 1
-    do while (i <= len(s))
-      j = i + scan(s(i:)//',', ', ') - 2
-      if (j >= i) call push(words, s(i:j))
-      i = j + 2
+    places = split(s)
+    do i = 1, size(places)
+      at = 1
+      call next_word(places(i)%s, at, word)
+      call push(words, word)   ! an empty place is no number
+      do
+        call next_word(places(i)%s, at, word)
+        if (len(word) == 0) exit
+        call push(words, word)
+      end do
     end do
-    if (size(words) == 0) call push(words, '')
-  end function split
+  end function words_of
 
   !> Number of a name in a list, 0 if it is not there.
   pure integer function place_of(names, name) result(i)

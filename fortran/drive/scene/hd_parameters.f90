@@ -2,7 +2,7 @@
 !> The one table of parameters: it reads, checks, echoes and explains every key of the input file.
 module hd_parameters
   use hd_kinds, only: dp, i8
-  use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted
+  use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted, to_number
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, &
     tolerate, close_table
   use hd_cup_sections, only: add_cup_keys
@@ -415,22 +415,20 @@ contains
     type(string_t), intent(in) :: words(:)  !< words
     real(dp), intent(out) :: x(:)           !< numbers
     integer(i8), intent(out) :: n           !< count, or minus the place of a bad word
-    character(len=*), parameter :: digits = '0123456789'
     real(dp) :: number
     integer(i8) :: times
-    integer :: i, star, status
+    integer :: i, star
+    logical :: ok
     x = 0
     n = 0
     do i = 1, size(words)
       associate (s => words(i)%s)
         star = index(s, '*')
         times = 1
-        status = merge(1, 0, star == 1 .or. star > 11 .or. star == len(s) .or. len(s) > 100)
-        if (star > 1) status = status + verify(s(:star - 1), digits)
-        if (star > 1 .and. status == 0) read (s(:star - 1), '(i10)', iostat=status) times
-        status = status + verify(s(star + 1:), digits//'.+-eEdD') + merge(0, 1, scan(s(star + 1:), digits) > 0)
-        if (status == 0) read (s(star + 1:), *, iostat=status) number
-        if (status /= 0 .or. times < 1) then
+        ok = star <= 11 .and. scan(s(:max(0, star - 1)), '+-') == 0
+        if (star > 0 .and. ok) call to_number(s(:star - 1), times, ok)
+        if (ok) call to_number(s(star + 1:), number, ok)
+        if (.not. ok .or. times < 1) then
           n = -i
           return
         end if

@@ -2,6 +2,7 @@
 !> The sum of waves, term by term: the oracle of the faster evaluators, the same bits on every processor.
 module hd_direct_sum
   use hd_kinds, only: dp
+  use hd_system, only: stop_requested
   use hd_wave_kernels, only: direct_row
   use hd_waves, only: waves_t, grid_t, turns_on_grid, split_turns
   implicit none
@@ -25,6 +26,7 @@ contains
     call split_turns(uy, uy_2, yh, yl)
     !$omp parallel do private(k) schedule(dynamic)
     do j = 1, size(z, 2)
+      if (stop_requested()) cycle
       z(:, j) = w%offset
       do k = 1, n
         call direct_row(size(z, 1), phase(k) + turns_at(yh(k), yl(k), j_1 + j - 2), xh(k), xl(k), w%amplitude(k), z(:, j))

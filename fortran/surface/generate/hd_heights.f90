@@ -11,6 +11,7 @@ module hd_heights
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
   use hd_plain_product, only: plain_t, new_plain, plain_sum
   use hd_plain_product_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
+  use hd_system, only: addresses_limited, check_stop
   use hd_text, only: to_text
   use hd_waves, only: waves_t, grid_t, checked_grid
   implicit none
@@ -84,8 +85,8 @@ contains
     end if
     method%memory_mb = extra(method%evaluator) / 1048576
     mb = points * bytes / 1048576 + method%memory_mb
-    if (mb > small_mb) call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)//' points from '//to_text(waves)// &
-      ' waves', mb, error)
+    if (mb > small_mb .or. addresses_limited()) call need_memory('heights of '//to_text(nx)//' x '//to_text(ny)// &
+      ' points from '//to_text(waves)//' waves', mb, error)
   end subroutine choose_method
 
   !> Heights in double precision [Eq. 1, 2].
@@ -94,7 +95,7 @@ contains
     type(grid_t), intent(in) :: g                      !< grid
     type(method_t), intent(in) :: method               !< choice
     real(dp), intent(inout), contiguous :: z(:, :)     !< heights (nx, ny) [m]
-    type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan
+    type(error_t), allocatable, intent(out) :: error   !< bad grid, no plan, a signal
     call checked_grid(g, error)
     if (allocated(error)) return
     if (method%evaluator == method_direct) then
@@ -102,6 +103,7 @@ contains
     else
       call fast_sum(w, g, method, error, z)
     end if
+    if (.not. allocated(error)) call check_stop(error)
   end subroutine heights
 
   !> Heights in single precision; those of the direct sum are computed in double precision by slabs of rows.
@@ -117,6 +119,7 @@ contains
     if (allocated(error)) return
     if (method%evaluator /= method_direct) then
       call fast_sum(w, g, method, error, z_single=z)
+      if (.not. allocated(error)) call check_stop(error)
       return
     end if
     rows = max(1, slab_points / g%nx)
@@ -130,6 +133,7 @@ contains
         !$omp end parallel workshare
       end associate
     end do
+    call check_stop(error)
   end subroutine heights_single
 
   !> Heights by the NUFFT or by a product, in double or in single precision.

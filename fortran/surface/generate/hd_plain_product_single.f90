@@ -5,6 +5,7 @@ module hd_plain_product_single
   use hd_kinds, only: dp, sp, rk => sp
   use hd_lapack, only: gemm => sgemm, blas_threads
   use hd_plain_rows, only: factor_row, join_row
+  use hd_system, only: stop_requested
   use hd_waves, only: waves_t, grid_t
   implicit none
   private

@@ -1,18 +1,20 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Fit of D and G in a surface run: specimens from files or generated, two of them as one equivalent surface; table and summary.
 module hd_fit_report
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
   use hd_json, only: json_t
   use hd_log, only: say
+  use hd_memory, only: need_memory
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
   use hd_roughness, only: roughness_t, new_roughness
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
   use hd_structure_fit, only: fit_options_t
-  use hd_system, only: path_kind, path_file
+  use hd_system, only: addresses_limited, check_stop, path_kind, path_file
   use hd_table, only: table_t
   use hd_text, only: to_text
   use hd_verdict, only: fractal, not_fractal
@@ -43,6 +45,8 @@ module hd_fit_report
   end type found_t
 
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
+  real(dp), parameter :: least_mb = 16          !< of a fit
+  real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -87,6 +91,7 @@ contains
     type(specimen_t), intent(inout) :: s                        !< specimen
     type(error_t), allocatable, intent(out) :: error            !< file, spacing missing
     character(len=:), allocatable :: ending
+    real(dp) :: widest
     ending = path(index(path, '.', back=.true.) + 1:)
     select case (ending)
     case ('sdf')
@@ -109,6 +114,14 @@ contains
     end select
     if (allocated(error)) return
     if (s%dy <= 0) s%dy = s%dx
+    widest = max((size(s%z, 1, kind=int64) - 1)*s%dx, (size(s%z, 2, kind=int64) - 1)*s%dy)
+    if (widest > longest) then
+      call raise(error, code_input, "'"//path//"' is "//to_text(widest)//' m wide; valid: up to '//to_text(longest)//' m')
+    else if (any(abs(s%z) > longest)) then
+      call raise(error, code_input, "'"//path//"' has heights up to "//to_text(maxval(abs(s%z), mask=abs(s%z) > longest))// &
+        ' m; valid: up to '//to_text(longest)//' m, NaN for a hole')
+    end if
+    if (allocated(error)) return
     call say('specimen  '//path//', '//to_text(size(s%z, 1))//' x '//to_text(size(s%z, 2))//' points')
   end subroutine read_specimen
 
@@ -126,8 +139,12 @@ contains
       allocate (found(0))
       return
     end if
+    if (addresses_limited()) call need_memory('a fit', least_mb, error)
+    if (allocated(error)) return
     allocate (found(merge(3, 1, size(s) == 2)))
     do i = 1, size(found)
+      call check_stop(error)
+      if (allocated(error)) return
       if (i == 3) then
         found(i)%name = 'equivalent'
         call fit_one(map, fit, n_max, s(1), s(2)%z, found(i), error)
@@ -222,11 +239,11 @@ contains
     type(table_t) :: table
     integer :: i, k
     call table%open(path, 'surface,lag_m,s_m2,model_m2,model_error_ln,sample_error_ln,band_low_m2,band_high_m2', error)
-    if (allocated(error)) return
     do i = 1, size(found)
       if (.not. allocated(found(i)%m%fit%curve)) cycle
       associate (o => found(i)%m%o, r => found(i)%m%fit)
         do k = 1, size(o%s)
+          if (allocated(error)) exit
           call table%add(found(i)%name)
           call table%add(o%tau(k))
           call table%add(o%s(k))
@@ -236,11 +253,10 @@ contains
           call table%add(r%curve(k) * exp(-1.96_dp * r%sd_sample(k)))
           call table%add(r%curve(k) * exp(1.96_dp * r%sd_sample(k)))
           call table%end_row(error)
-          if (allocated(error)) return
         end do
       end associate
     end do
-    call table%close()
+    call table%close(error)
   end subroutine write_fits
 
   !> The part `fits` of the summary: one object per surface.

@@ -10,13 +10,13 @@ module hd_surface_run
   use hd_log, only: say
   use hd_fit_report, only: specimen_t, found_t, read_specimens, fit_specimens, write_fits, add_fits
   use hd_memory, only: peak_memory_mb
+  use hd_new_file, only: write_text
   use hd_npy, only: write_npy
   use hd_surface_scene, only: surface_t, surface_scene_t
   use hd_structure_function, only: structure_line
   use hd_system, only: make_directory, remove_file, path_kind, path_absent, path_directory
   use hd_table, only: table_t
   use hd_text, only: to_text
-  use hd_text_file, only: write_text
   use hd_version, only: version
   use hd_waves, only: spectrum_t, waves_t, grid_t, count_waves, checked_grid, new_waves
   implicit none
@@ -210,23 +210,21 @@ contains
     real(dp) :: s(1), count(1)
     integer :: lag, axis, step(2)
     call table%open(path, 'direction,lag_points,lag_m,s_m2,s_expected_m2', error)
-    if (allocated(error)) return
     do axis = 1, 2
       step = merge(1, 0, [1, 2] == axis)
       lag = 1
-      do while (2 * lag <= size(z, axis))
+      do while (2 * lag <= size(z, axis) .and. .not. allocated(error))
         call structure_line(z, step, [lag], s, count, error)
-        if (allocated(error)) return
+        if (allocated(error)) exit
         call table%add(merge('rows   ', 'columns', axis == 1))
         call table%add(lag)
         call table%add(lag * merge(m%dx, m%dy, axis == 1))
         call table%add(s(1))
         call table%add(sum(w%amplitude**2 * (1 - cos(2 * pi * lag * (w%fx * m%dx * step(1) + w%fy * m%dy * step(2))))))
         call table%end_row(error)
-        if (allocated(error)) return
         lag = 2 * lag
       end do
     end do
-    call table%close()
+    call table%close(error)
   end subroutine write_structure
 end module hd_surface_run

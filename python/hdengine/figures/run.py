@@ -10,6 +10,7 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
 from .._types import PathLike, RunLike
+from ..files import write_files
 from .drive import plot_fatigue, plot_loads, plot_loop, plot_turning
 from .style import new_axes, styled
 
@@ -39,11 +40,9 @@ def plot_run(result: RunLike) -> list:
         figures |= {"loop.png": plot_loop(result), "loads.png": plot_loads(result), "fatigue.png": plot_fatigue(result)}
         if result.turning is not None and len(result.turning) > 1:
             figures["turning.png"] = plot_turning(result)
-    paths = []
-    for name, figure in figures.items():
-        paths.append(result.folder / name)
-        figure.savefig(paths[-1])
-    return paths
+    files = {result.folder / name: figure for name, figure in figures.items()}
+    write_files(files)
+    return list(files)
 
 
 def _grid(result, name, step=-1):

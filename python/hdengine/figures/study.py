@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from .._types import StudyLike
 from ..catalogue import UNITS
+from ..files import write_files
 from ..paper.comparison import STATED
 from .style import new_axes, styled
 
@@ -26,7 +27,7 @@ LABELS = {  # column: (label, unit, factor)
     "pressure_mid_mean_pa": ("mean pressure, mid band", "MPa", 1e-6), "normal_force_n": ("normal force", "N", 1),
     "contact_area_m2": ("contact area", "mm²", 1e6), "rotation_rad": ("rotation", "µrad", 1e6),
     "k_fe_secant_nm_per_rad": ("torque over rotation", "kN m/rad", 1e-3), "k_fts_nm_per_rad": ("$K_{FTS}$", "kN m/rad", 1e-3),
-    "torque_balance_nm": ("torque out of balance", "N m", 1), "seconds": ("time", "s", 1),
+    "torque_balance_nm": ("torque out of balance", "N m", 1),
     **{f"pressure_long_{i}_pa": (f"pressure at Position {'I' * i}, long axis", "MPa", 1e-6) for i in (1, 2, 3)},
     **{f"geometry.{name}": (name.replace("_", " "), "mm", 1e3) for name in (
         "bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length", "bottom_thickness", "hub_radius",
@@ -184,7 +185,7 @@ def plot_study(result: StudyLike) -> list:
 
 def _save(figure, result):
     path = result.folder / "study.png"
-    figure.savefig(path)
+    write_files({path: figure})
     return path
 
 

@@ -183,8 +183,10 @@ class HalfSpace:
         Raises
         ------
         NotConvergedError
-            The linear solve stopped, or all of a free patch touches, which leaves its roughness no compliance.
+            The linear solve stopped, or all touches, which leaves the roughness no compliance.
         """
+        if touching.all() and not self.free:
+            raise NotConvergedError("all of the map touches: its roughness gives way no more; take lower pressures")
         whole = self._stiffness(self._moved, touching.astype(float))
         if not whole < self.bulk:
             raise NotConvergedError("all of the free patch touches: its roughness gives way no more; take lower pressures")

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from .. import _engine
 from .._engine import InputError
 from .._types import PathLike
-from ..elastic import ElasticJoint, stiffness_from_spectrum
+from ..elastic import ElasticJoint, contact_from_spectrum, stiffness_from_spectrum
 from ..files import csv_text, write_folder
 from ..surfaces.specimen import Specimen
 from . import half_space, patches
 from .bodies import Bodies
-from .choice import LAY, choose, scatter_of
+from .choice import LAY, choose, doubts, half_width_of, scatter_of
 from .spectrum import Spectrum, bands, of_map
 
 if TYPE_CHECKING:
@@ -57,6 +57,8 @@ class Prediction:
         'periodic' or 'free', of boundary elements.
     notes : tuple of str
         What decides the law and what speaks against it.
+    outside : tuple of str
+        Where the theory is outside its validity, and why; none where it holds or boundary elements were taken.
     facts : tuple of dict
         Of each map.
     parts : dict
@@ -72,6 +74,7 @@ class Prediction:
     map_area: float
     patch: str = "periodic"
     notes: tuple = ()
+    outside: tuple = ()
     facts: tuple = field(default=(), repr=False)
     parts: dict = field(default_factory=dict, repr=False)
 
@@ -93,6 +96,7 @@ class Prediction:
         widths = sorted(((max(low[middle], high[middle]), name) for name, (low, high) in self.parts.items()), reverse=True)
         wide = ", ".join(f"{name} {100 * width:.0f} %" for width, name in widths)
         lines.append(f"  half width of the band at {t['pressure_pa'][middle] / 1e6:.3g} MPa: {wide}")
+        lines += [f"  outside its validity: {why}" for why in self.outside]
         return "\n".join(lines + [f"  {note}" for note in self.notes])
 
     def plot(self) -> Figure:
@@ -117,7 +121,8 @@ class Prediction:
         """
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c,
                     "waves_per_m2": self.spectrum.modes / (max(len(self.facts), 1) * self.map_area)}
-        record = {"model": self.model, "patch": self.patch, "reason": self.reason, "notes": self.notes, "surfaces": self.facts,
+        record = {"model": self.model, "patch": self.patch, "reason": self.reason, "notes": self.notes,
+                  "outside_validity": self.outside, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
                   "h_rms_m": self.spectrum.h_rms, "slope_rms": self.spectrum.slope_rms, "independent_waves": self.waves,
                   "band_half_widths_ln_k_n": {n: {"low": low, "high": high} for n, (low, high) in self.parts.items()},
@@ -134,7 +139,8 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     Parameters
     ----------
     *maps : (heights, spacing) or objects with these attributes (`specimen.read`)
-        One or two surfaces; one: against a smooth one. Two: taken as independent, their spectra add.
+        One or two surfaces; one: against a smooth one. Two: taken as independent, their spectra add. The spacing [m] is one number
+        or (along the columns, along the rows).
     pressure : sequence of float
         Nominal pressures, rising [Pa].
     model : str, optional
@@ -166,12 +172,13 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     Raises
     ------
     InputError
-        No map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is asked for.
+        No map, another thing than a map, an area of 0, pressures that do not rise or reach the hardness, tamaas missing where it is
+        asked for.
     NotConvergedError, StoppedError
         Boundary elements that were asked for did not converge, or would take longer than `seconds`.
     """
     bodies = bodies or Bodies()
-    pairs = [(m.heights, m.spacing) if isinstance(m, Specimen) else m for m in maps]
+    pairs = [_pair(m, i) for i, m in enumerate(maps, 1)]
     names = [f"map {i} ({m.name})" if isinstance(m, Specimen) else f"map {i}" for i, m in enumerate(maps, 1)]
     if not 1 <= len(pairs) <= 2:
         raise InputError(f"a joint has one or two maps, got {len(pairs)}")
@@ -193,18 +200,18 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
     spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     facts = [f for _, f in found]
-    k_n, area = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
+    k_n, area, gap = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
     waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
     one_map = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
     alone = scatter_of(area, waves)
     waves *= (loaded or one_map) / one_map   # those of a contact of so many patches
-    wanted, reason = choose(facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness)
+    against = facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness
+    wanted, reason = choose(*against)
     if free and not model:
         model = wanted = "boundary_elements"
         reason = "a free patch was asked for"
     elif model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
-    scatter = scatter_of(area, waves)
     rises = not all(f["rolls_off"] for f in facts)   # a contact larger than the map has longer waves in any case
     longer = (rises or bool(loaded and loaded > one_map)) and longest > min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, longer)
@@ -237,25 +244,59 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
                 raise
             wanted, reason = "spectrum", f"{reason}; but {why}"
             effort.tell(f"{why}: the theory is taken")
-            notes += ("the theory's band does not hold why boundary elements were wanted: with a lay or skewed heights k_N may "
-                      "differ by a factor of 3",)
             parts = _spread(*spread)
+    outside: tuple[str, ...] = ()
     if wanted == "spectrum":
-        parts["law"] = (1.96 * scatter, 1.96 * scatter, *(np.zeros(len(p)),) * 2)
+        law = half_width_of(area, waves, _crests(facts))
+        parts["law"] = (law,) * 4
+        outside = tuple(doubts(*against))
+        notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 "
+                  "maps)",)
     bias = parts.get("longer waves", (0.0,))[0]   # only ever down: added, not a root of squares
     low, high, area_low, area_high = (np.sqrt(sum(part[i]**2 for name, part in parts.items() if name != "longer waves"))
                                       for i in range(4))
     low = low + bias
     low, high = np.exp(-low), np.exp(high)
-    closure = _closure(p, k_n, lambda x: stiffness_from_spectrum(spectrum.q, spectrum.height_variance, x, bodies.e_star,
-                                                                 bodies.hardness)[0])
-    table = {"pressure_pa": p}
-    for name, value, (a, b) in (("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
-                                ("closure_m", closure, (1 / high, 1 / low)),
-                                ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))):
+
+    def theory(x):
+        return contact_from_spectrum(spectrum.q, spectrum.height_variance, x, bodies.e_star, bodies.hardness)
+
+    table, wide = {"pressure_pa": p}, (1 / high, 1 / low)
+    columns = [("k_n_pa_per_m", k_n, (low, high)), ("k_t_pa_per_m", k_t, (low, high)),
+               ("closure_m", _closure(p, k_n, lambda x: theory(x)[0]), wide),
+               ("contact_area_fraction", area, (np.exp(-area_low), np.exp(area_high)))]
+    for name, value, (a, b) in columns + ([("mean_gap_m", gap, wide)] if wanted == "spectrum" else []):
         table |= {name: value, f"{name}_low": value * a, f"{name}_high": np.minimum(value * b, 1) if "area" in name else value * b}
+    if wanted == "spectrum":
+        table["pressure_spread_pa"] = theory(p)[2]
     parts = {name: part[:2] for name, part in parts.items()}
-    return Prediction(table, wanted, reason, spectrum, bodies, waves, one_map, patch, notes, tuple(facts), parts)
+    return Prediction(table, wanted, reason, spectrum, bodies, waves, one_map, patch, notes, outside, tuple(facts), parts)
+
+
+def _pair(m, number):
+    """Heights and (dy, dx) of a map, however it was given."""
+    if hasattr(m, "heights") and hasattr(m, "spacing"):
+        return m.heights, m.spacing
+    try:
+        heights, spacing = m
+        dy, dx = np.broadcast_to(np.asarray(spacing, float), 2).tolist()
+    except (TypeError, ValueError):
+        raise InputError(f"map {number} is {type(m).__name__} {str(m)[:40]!r}; valid: (heights, spacing) with the spacing in m, or "
+                         "what specimen.read gives") from None
+    if not (0 < dy < np.inf and 0 < dx < np.inf):
+        raise InputError(f"map {number} has a spacing of {dy:g}, {dx:g} m; valid: above 0")
+    return heights, (dy, dx)
+
+
+def _crests(facts):
+    """Height of the crests of the sum of independent heights, over that of random waves."""
+    h = np.array([f["h_rms_m"] for f in facts])
+    return float(np.sqrt(((h * [f["crests"] for f in facts])**2).sum() / (h**2).sum()))
+
+
+def _percent(log):
+    """A half width of a logarithm in words."""
+    return f"{100 * np.expm1(log):.0f} %" if log < np.log(2) else f"a factor of {np.exp(log):.2g}"
 
 
 def _facts_of(pairs, names, longest):
@@ -334,7 +375,7 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
 
     def change(q, h, modulus=1.0, hardness=1.0):
         hard = max(bodies.hardness * hardness, 1.01 * p[-1])
-        k, a = stiffness_from_spectrum(q, h, p, bodies.e_star * modulus, hard)
+        k, a, _ = contact_from_spectrum(q, h, p, bodies.e_star * modulus, hard)
         return np.log(k / k_n), np.log(a / area)
 
     def quantiles(many):

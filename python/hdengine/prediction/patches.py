@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._engine import StoppedError
-from ..elastic import stiffness_from_spectrum
+from ..elastic.law import contact_from_spectrum
 from ..surfaces.composite import resample
 from ..surfaces.specimen import Specimen
 from . import half_space
@@ -184,7 +184,7 @@ def _by_theory(z, spacing, pressure, e_star, hardness):
     qy, qx, power = waves(z, spacing)
     q = np.hypot(qy, qx)
     s = bands(q[q > 0], power[q > 0])
-    return stiffness_from_spectrum(s.q, s.height_variance, pressure, e_star, hardness)
+    return contact_from_spectrum(s.q, s.height_variance, pressure, e_star, hardness)[:2]
 
 
 def _sum(maps, longest):

@@ -10,6 +10,7 @@ from .._engine import InputError
 
 PER_OCTAVE = 16  # bands of a spectrum
 _FEWEST = 16     # points a side
+CRESTS = (0.9, 0.995, 1.2943)   # shares of the points below two heights of the crests, and their distance on random waves [rms]
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,15 @@ def waves(z: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.n
     return qy, qx, power
 
 
+def crests(z: np.ndarray) -> float:
+    """Height of the crests, from where a tenth of the points is higher to where one in two hundred is, over that of random waves.
+
+    The waves have the same rms height. Less than 1: crests are worn off, or few valleys hold the height; more: few peaks do.
+    """
+    low, high = np.quantile(z, CRESTS[:2])
+    return float(max((high - low) / (CRESTS[2] * z.std()), 1e-3))
+
+
 def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum, dict]:
     """Spectrum of a map, and what is to be said of it.
 
@@ -172,8 +182,9 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     -------
     spectrum : Spectrum
     facts : dict
-        holes, skewness, kurtosis, isotropy (smaller over larger principal variance of the slope), noise_variance_m2 (white noise
-        that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves that matter).
+        holes, skewness, kurtosis, crests (`crests`), isotropy (smaller over larger principal variance of the slope),
+        noise_variance_m2 (white noise that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves
+        that matter).
 
     Raises
     ------
@@ -194,7 +205,8 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     inside = (q > 0) & (q <= min(qy.max(), qx.max()))  # a whole quarter circle of directions
     spectrum = bands(q[inside], power[inside])
     w = z / z.std()
-    facts = {"holes": holes, "skewness": float((w**3).mean()), "kurtosis": float((w**4).mean()), "isotropy": float(small / large),
+    facts = {"holes": holes, "skewness": float((w**3).mean()), "kurtosis": float((w**4).mean()), "crests": crests(z),
+             "isotropy": float(small / large),
              "h_rms_m": float(z.std()), "slope_rms": spectrum.slope_rms, "noise_variance_m2": _noise(spectrum, z.size),
              "rolls_off": _rolls_off(spectrum)}
     return spectrum, facts

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import datetime
 import html
-import os
 from pathlib import Path
-
-import jinja2
 
 from .. import _engine
 from .._engine import InputError
 from .._types import PathLike
+from ..files import write_files
 from .parts import Part, parts_of
 
 __all__ = ["write_pdf", "write_report"]
@@ -21,6 +19,10 @@ Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 
 
 def _render(title, parts):
     """The page of some sections."""
+    try:
+        import jinja2
+    except ModuleNotFoundError:
+        raise InputError("a report needs Jinja2: pip install 'hdengine[plot]'") from None
     loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
     page = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
     made = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
@@ -55,9 +57,7 @@ def write_report(folder: PathLike, path: PathLike | None = None, picture: bool =
     parts.append(Part("How to cite", f"<pre>{html.escape(_CITE.format(version=_engine.version()))}</pre>"))
     page = _render(title, parts)
     path = Path(path) if path else folder / "report.html"
-    part = path.with_name(path.name + ".part")
-    part.write_text(page, encoding="utf-8")
-    os.replace(part, path)
+    write_files({path: page})
     return path
 
 
@@ -76,5 +76,5 @@ def write_pdf(path: PathLike) -> Path:
                          f"libpangoft2-1.0-0; or print the HTML file from a browser ({str(why).splitlines()[0]})") from None
     out = Path(path).with_suffix(".pdf")
     page = Path(path).read_text(encoding="utf-8").replace("<details>", "<details open>")  # paper does not unfold
-    weasyprint.HTML(string=page, base_url=str(Path(path).parent)).write_pdf(str(out))
+    write_files({out: weasyprint.HTML(string=page, base_url=str(Path(path).parent)).write_pdf()})
     return out

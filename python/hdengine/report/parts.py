@@ -16,8 +16,9 @@ from .._engine import FileError
 from ..contact import read_scene
 from ..elastic import joint_of_scene
 from ..figures.cup import PictureError, draw_cup
+from ..files import read_json
 from ..paper import comparison as paper
-from ..results import Result, read_json, read_summary
+from ..results import Result, read_summary
 from ..studies.study import StudyResult, read_rows
 from ..surfaces.run import SurfaceResult
 from .sketch import draw_scene

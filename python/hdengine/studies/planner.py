@@ -2,12 +2,9 @@
 """Mesh, load steps, time and memory for a tolerance, as hdengine.x --plan tells them."""
 from __future__ import annotations
 
-from pathlib import Path
-
 from .. import _engine
-from .._check import checked, mapping, number
+from .._check import checked, input_file, mapping, number
 from .._check import path as a_path
-from .._engine import FileError
 from .._types import PathLike, Value
 from ..contact import _assignments, read_scene
 from .study import Study
@@ -42,11 +39,9 @@ def plan(path: PathLike, tolerance: float | None = None, keys: dict | None = Non
     InputError, FileError
         The input is not valid or cannot be read.
     """
-    path, keys = Path(path), dict(keys or {})
-    if not path.is_file():
-        raise FileError(f"'{path}' cannot be read")
+    file, keys = input_file(path), dict(keys or {})
     head = ""
-    if path.suffix.lower() == ".toml":
+    if file.suffix.lower() == ".toml":
         study = Study.read(path)
         head = f"{len(study.points)} points; the first of them:\n"
         path, keys = study.scene, {**study.fixed, **study.points[0], **keys}

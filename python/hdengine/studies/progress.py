@@ -27,7 +27,7 @@ class Progress:
     """
 
     def __init__(self, total: int, done: int = 0, show: bool = True) -> None:
-        self.total, self.done, self.first, self.failed, self.show = total, done, done, 0, show
+        self.total, self.done, self.first, self.failed, self.show = total, done, done, 0, show and sys.stderr is not None
         self.start = time.monotonic()
         self.bar = bar(total=total, initial=done, desc="points", unit="") if show and in_notebook() else None
 

@@ -7,7 +7,6 @@ import hashlib
 import io
 import itertools
 import json
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,11 +16,12 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import checked, fields, flag, integer, mapping, text
+from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
+from ..files import json_text, write_files
 from ..results import preformatted
 from . import study_file
 from .progress import Progress
@@ -119,10 +119,12 @@ class Study:
         scene = self.scene or "the default"
         return f"Study {self.title!r}: {len(self.points)} points over {keys}; scene {scene}, rows {self.rows!r}"
 
-    def _identity(self):
+    def identity(self) -> dict[str, Any]:
         """What a table must have been made from to be continued."""
-        text = Path(self.scene).read_bytes() if self.scene else b""
-        return {"scene_sha256": hashlib.sha256(text).hexdigest(), "points": self.points, "fixed": self.fixed, "rows": self.rows}
+        text = input_file(self.scene, MOST_BYTES).read_bytes() if self.scene else b""
+        identity = {"scene_sha256": hashlib.sha256(text).hexdigest(), "grid": list(self.grid.items()),
+                    "together": list(self.together.items()), "fixed": self.fixed, "rows": self.rows}
+        return json.loads(json_text(identity))
 
     def check(self) -> dict:
         """Let the engine read the scene of every point.
@@ -180,15 +182,15 @@ class Study:
         """
         out = Path(out)
         scene = self.check()
-        identity = json.loads(json.dumps(self._identity(), default=float))
+        identity = self.identity()
         out.absolute().parent.mkdir(parents=True, exist_ok=True)
         with FolderLock(out):
-            rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
+            rows, versions = ({}, []) if force else self.earlier(out, identity, retry, other_version)
             versions = [v for v in versions if v != _engine.version()] + [_engine.version()]
             points = self.points
             todo = [i for i in range(len(points)) if i not in rows]
             progress = Progress(len(points), len(points) - len(todo), show)
-            self._write(out, identity, scene, rows, versions)
+            self.write(out, identity, scene, rows, versions)
             tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
             due = 0.0
             try:
@@ -196,17 +198,17 @@ class Study:
                     rows[i] = result
                     start = time.monotonic()
                     if start >= due:
-                        self._write(out, identity, scene, rows, versions)
+                        self.write(out, identity, scene, rows, versions)
                         due = time.monotonic() + WRITES_APART * (time.monotonic() - start)
                     changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
                                for k, v in points[i].items() if v != points[0][k]]
                     more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
                     progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
             finally:
-                self._write(out, identity, scene, rows, versions)
+                self.write(out, identity, scene, rows, versions)
             return StudyResult(out)
 
-    def _earlier(self, out, identity, retry, other_version):
+    def earlier(self, out: Path, identity: dict, retry: bool = False, other_version: bool = False) -> tuple[dict, list]:
         """Rows of finished points in an earlier table of the same study, by point, and the versions that solved them."""
         if not (out / "study.json").is_file():
             return {}, []
@@ -223,30 +225,27 @@ class Study:
             rows.setdefault(row["point"], []).append(row)
         return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}, summary["versions"]
 
-    def _write(self, out, identity, scene, rows, versions):
+    def write(self, out: Path, identity: dict, scene: dict, rows: Mapping[int, list], versions: list) -> None:
         """Table and its description, each under a temporary name first; the description holds checksums of both."""
-        swept = [*self.together, *self.grid]
         points = self.points
-        table = [{"point": i, **points[i], **{k: v for k, v in row.items() if k != "point" and k not in swept}}
-                 for i in sorted(rows) for row in rows[i]]
-        names = list(dict.fromkeys(name for row in table for name in row)) or ["point"]
-        names.sort(key=lambda name: name == "reason")
+        names, failed = {"point": None}, 0
+        for i in rows:
+            for row in rows[i]:
+                names |= dict.fromkeys([*points[i], *row])
+            failed += row["status"] == "failed"
         text = io.StringIO(newline="")
-        writer = csv.DictWriter(text, names)
+        writer = csv.DictWriter(text, sorted(names, key=lambda name: name == "reason"))
         writer.writeheader()
-        writer.writerows(table)
-        data = text.getvalue().encode()
-        failed = sum(r[-1]["status"] == "failed" for r in rows.values())
+        for i in sorted(rows):
+            writer.writerows({**row, "point": i, **points[i]} for row in rows[i])
+        data = text.getvalue().encode("utf-8", "replace")
         summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
                    "hdengine": _engine.version(), "versions": versions, "points": len(points), "done": len(rows), "failed": failed,
-                   "swept": swept, "figure": self.figure, "identity": identity, "scene": scene,
+                   "swept": [*self.together, *self.grid], "figure": self.figure, "identity": identity, "scene": scene,
                    "table_sha256": hashlib.sha256(data).hexdigest()}
-        summary = json.loads(json.dumps(summary, default=float))
+        summary = json.loads(json_text(summary))
         summary["checksum"] = _checksum(summary)
-        (out / "study.csv.part").write_bytes(data)
-        (out / "study.json.part").write_text(json.dumps(summary, indent=1), encoding="utf-8")
-        os.replace(out / "study.csv.part", out / "study.csv")
-        os.replace(out / "study.json.part", out / "study.json")
+        write_files({out / "study.csv": data, out / "study.json": json_text(summary)})
 
 
 def _checksum(summary):
@@ -276,10 +275,7 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     folder = Path(folder)
     if not (folder / "study.json").is_file():
         raise FileError(f"'{folder}' holds no study: study.json is missing")
-    try:
-        table = hashlib.sha256((folder / "study.csv").read_bytes()).hexdigest()
-    except OSError as e:
-        raise FileError(f"'{folder / 'study.csv'}' cannot be read: {e}") from None
+    table = hashlib.sha256(input_file(folder / "study.csv").read_bytes()).hexdigest()
     cause = "study.json"
     for name in ("study.json", "study.json.part"):
         try:
@@ -304,6 +300,7 @@ def _number(text):
 
 def read_rows(path: PathLike) -> list:
     """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
+    input_file(path)
     try:
         with open(path, newline="", encoding="utf-8") as file:
             return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]

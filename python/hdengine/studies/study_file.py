@@ -6,6 +6,7 @@ import re
 import sys
 from pathlib import Path
 
+from .._check import MOST_BYTES, input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
@@ -67,6 +68,7 @@ def read(path: PathLike) -> dict[str, dict[str, list]]:
 
 def _text(path):
     """A text file."""
+    path = input_file(path, MOST_BYTES)
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as e:

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import torsion
+from .. import _engine, torsion
 from .._engine import HdengineError, InternalError
 from ..contact import Run, read_scene
 from ..results import long_axis
 
 
 def _row(step, run, scene):
-    """One row of the table."""
+    """One row of the table: nothing in it depends on the machine's speed."""
     f = step.facets
     place = np.stack([f["x_m"], f["y_m"], f["z_m"]], -1), np.stack([f["bent_n_x"], f["bent_n_y"], f["bent_n_z"]], -1)
     normal = torsion.torsional_stiffness(f["k_n_n_per_m"], 0 * f["k_t_n_per_m"], *place)
@@ -29,7 +29,7 @@ def _row(step, run, scene):
     stiffness = {
         "k_ts_normal_nm_per_rad": float("nan") if scene["load.support"] == "teeth" else float(normal)}
     return {
-        "status": "done", **step.sums, **stiffness,
+        "status": "done", **{k: v for k, v in step.sums.items() if k != "seconds"}, **stiffness,
         **long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),
     }
 
@@ -76,7 +76,8 @@ def work(file: int) -> None:
     file : int
         Number of the open file that is the worker's end of the pipe.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study ends its workers
+    for number in set(_engine.stop_signals()) - {signal.SIGTERM, signal.SIGXCPU}:  # a batch system sends them to all processes,
+        signal.signal(number, signal.SIG_IGN)                                      # and the study ends its workers
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError), Connection(file) as pipe:
         pipe.send("ready")
         while (task := pipe.recv()) is not None:

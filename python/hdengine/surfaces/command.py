@@ -18,7 +18,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
     parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um")
     parser.add_argument("--spacing", "--dx", type=float, help="distance of points [m] of files that state no size")
-    parser.add_argument("--lags", type=int, nargs=2, default=(1, 20), metavar=("FIRST", "LAST"), help="window in points")
+    parser.add_argument("--lags", type=int, nargs=2, metavar=("FIRST", "LAST"), help="window in points")
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
     parser.add_argument("--model", choices=("spectrum", "ridges", "paper"), help="default: by what is known")
     parser.add_argument("--ridges", metavar="L,L_s,M,gamma", help="the surfaces are sums of Eq. 1 with these numbers")
@@ -49,7 +49,7 @@ def run_surface(args: argparse.Namespace) -> int:
         noise = args.noise if args.noise == "fit" else float(args.noise)
     except ValueError:
         raise InputError(f"--noise {args.noise}: rms in m, or fit") from None
-    options = {"lags": tuple(args.lags), "noise": noise, "model": args.model, "surface": known}
+    options = {"lags": args.lags, "noise": noise, "model": args.model, "surface": known}
     if args.pair and len(args.files) != 2:
         raise InputError(f"--pair takes two files, got {len(args.files)}")
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"

@@ -179,8 +179,9 @@ def _noise(name, value):
     return value if isinstance(value, str) else number(least=0)(name, value)
 
 
-@checked(lags=integers((2,), 0), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise, outliers=flag)
-def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] = (1, 20), model: str | None = None,
+@checked(lags=integers((2,), 0, optional=True), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise,
+         outliers=flag)
+def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = None, model: str | None = None,
         surface: Ridges | None = None, weighted: bool | None = None, level: bool = True, band: tuple[float, float] | None = None,
         noise: float | str = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
@@ -196,8 +197,8 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] = (1, 20), m
         Heights [m]; NaN are holes.
     spacing : float or (float, float)
         Spacing (dy, dx) [m].
-    lags : (int, int)
-        First and last lag [points].
+    lags : (int, int), optional
+        First and last lag [points]. Default: 1 to 20, or to half a shorter row.
     model : {"spectrum", "ridges", "paper"}, optional
         Default: "ridges" for a sum of Eq. 1 that is told, else "spectrum". Where the spectrum has lines (few waves), S over
         `lags` is fitted to a band with sharp ends, and the result names "isotropic" or, of a line, "profile".
@@ -232,6 +233,8 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] = (1, 20), m
     z = _map(heights)
     other = np.zeros((1, 1), order="F") if second is None else _map(second)
     dx, dy = _spacing(spacing)
+    if lags is None:
+        lags = (1, min(20, (z.shape[0] - 1) // 2))
     profile = z.shape[1] == 1
     if model is None:
         model = "ridges" if surface is not None else "spectrum"

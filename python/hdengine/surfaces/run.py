@@ -10,6 +10,7 @@ from .. import _engine
 from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import _assignments
+from ..files import write_files
 from ..results import read_csv, read_summary
 from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
@@ -103,7 +104,7 @@ class SurfaceResult:
         name = next(iter(self.fits))
         figure = plot_joint_surface(self.joint) if self.joint else plot_specimen(self.specimens[0], self.fits[name])
         path = self.folder / "fit.png"
-        figure.savefig(path)
+        write_files({path: figure})
         return [path]
 
 

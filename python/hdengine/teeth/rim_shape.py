@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .._check import input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
@@ -33,7 +34,7 @@ def read_grid(path: PathLike, *names: str) -> dict:
     FileError
         It is cut short, or no grid of the engine.
     """
-    raw = Path(path).read_bytes()
+    raw = input_file(path).read_bytes()
     head, found, rest = raw.partition(b'<AppendedData encoding="raw">\n_')
     text = head.decode("ascii", "replace")
     out: dict = {name: float(value) for name, value in re.findall(r'Name="(\w+)" NumberOfTuples="1" format="ascii">([^<]+)<', text)}

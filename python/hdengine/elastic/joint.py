@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Elastic joints: the whole interface law from the normal stiffness per area over pressure, and from a spectrum that stiffness."""
+"""Elastic joints: the whole interface law from the normal stiffness per area over pressure."""
 from __future__ import annotations
 
 import warnings
@@ -8,54 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _engine
-from .joint import Joint, JointWarning
+from .. import _engine
+from ..joint import Joint, JointWarning
 
 _MOST = 100_000  # rows of a scene's table
-
-
-def moduli(e1: float, nu1: float, e2: float, nu2: float) -> tuple[float, float]:
-    """E* [Pa] of two bodies, and the stiffness ratio k_T/k_N of full stick, 4 G*/E*.
-
-    Source: Mindlin (1949); for rough surfaces Campana, Persson and Mueser (2011), doi 10.1088/0953-8984/23/8/085001.
-    """
-    e_star, ratio = _engine.joint_moduli(e1, nu1, e2, nu2)
-    return float(e_star), float(ratio)
-
-
-def stiffness_from_spectrum(q: ArrayLike, height_variance: ArrayLike, pressure: ArrayLike, e_star: float,
-                            hardness: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-    """Normal stiffness per area and true contact of a rough elastic joint by Persson's theory (docs/explain/joint.md).
-
-    Parameters
-    ----------
-    q : array_like
-        Wavenumbers, rising [1/m].
-    height_variance : array_like
-        Variance of the equivalent surface's heights in the band about each [m^2].
-    pressure : array_like
-        Nominal pressures, above 0 [Pa].
-    e_star : float
-        Reduced modulus [Pa].
-    hardness : float
-        Pressure at which the softer body yields [Pa].
-
-    Returns
-    -------
-    k_n, area : ndarray
-        [Pa/m], share of the nominal area that touches.
-
-    Raises
-    ------
-    InputError
-        The bands do not rise or hold negative variance, the pressure is not below the hardness.
-    """
-    p = np.atleast_1d(np.asarray(pressure, dtype=float))
-    hardness = min(hardness, 1e6 * e_star)
-    if p.size and not (p.min() > 0 and p.max() < hardness):
-        raise _engine.InputError(f"pressures from {p.min():g} to {p.max():g} Pa; valid: above 0 and below the hardness, "
-                                 f"{hardness:g} Pa")
-    return _engine.call("spectrum_joint", np.asarray(q, float), np.asarray(height_variance, float), e_star, hardness, p)
 
 
 @dataclass(frozen=True)

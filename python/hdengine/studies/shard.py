@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shards: a study dealt over machines that share nothing but a folder, and their parts collected into its table.
+
+Every shard deals the points by itself, from the study alone: the largest first, each to the shard with the least work so far. It
+appends what it solves to part-I.jsonl, a line a point behind a head that names the study; a torn last line is solved again.
+"""
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import heapq
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+from .. import _engine
+from .._engine import FileError, FolderLock, HdengineError, InputError
+from .._types import PathLike
+from ..contact import read_scene
+from .progress import Progress
+from .study import Study, StudyResult
+from .workers import solve_all
+
+COSTLY = ("mesh", "load", "loop", "turning", "solver", "run")  # groups of keys that decide how long a point takes
+GROWTH = 1.5   # of a run's time with its facets (the condensed solver: between 1.1 and 2)
+LARGE = 10     # time of large displacements over that of small ones
+
+
+def number_of(text: str) -> tuple[int, int]:
+    """(I, N) of the text 'I/N'.
+
+    Raises
+    ------
+    InputError
+        It is none, or I is not one of 1 to N.
+    """
+    found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
+    if not found or not 1 <= int(found[1]) <= int(found[2]):
+        raise InputError(f"--shard '{text}' must be I/N, shard I of N, as 1/8 to 8/8")
+    return int(found[1]), int(found[2])
+
+
+def work(study: Study) -> list[float]:
+    """Predicted time of every point, relative to each other; 0 where no mesh or load is valid."""
+    known: dict[tuple, float] = {}
+    found = []
+    for point in study.points:
+        keys = {k: v for k, v in point.items() if k.split(".", 1)[0] in COSTLY}
+        name = tuple(str(v) for v in keys.values())
+        if name not in known:
+            try:
+                s = read_scene(study.scene, **{**study.fixed, **keys})
+                steps = s["load.assembly_steps"] + s["load.torque_steps"] * max(1, str(s.get("loop.torques", "")).count(",") + 1)
+                known[name] = (steps * (s["mesh.divisions"] * s["mesh.band_facets"])**GROWTH
+                               * (LARGE if s["solver.kinematics"] == "nonlinear" else 1))
+            except HdengineError:
+                known[name] = 0
+        found.append(known[name])
+    return found
+
+
+def deal(study: Study, shards: int) -> list[list[int]]:
+    """Points of each shard, the largest first: each point goes to the shard with the least work so far."""
+    cost = work(study)
+    least = [(0.0, 0, i) for i in range(shards)]
+    dealt: list[list[int]] = [[] for _ in range(shards)]
+    for point in sorted(range(len(cost)), key=lambda i: -cost[i]):
+        done, count, shard = least[0]
+        dealt[shard].append(point)
+        heapq.heapreplace(least, (done + cost[point], count + 1, shard))
+    return dealt
+
+
+def _head(identity, shards):
+    """First line of a part."""
+    text = json.dumps(identity, sort_keys=True).encode()
+    return {"sha256": hashlib.sha256(text).hexdigest(), "shards": shards, "hdengine": _engine.version()}
+
+
+def _lines(path: Path, file: IO[bytes], head: dict[str, Any]) -> Iterator[tuple[int, int, list]]:
+    """Whole lines of a part behind its head: where each ends, its point, its rows.
+
+    Raises
+    ------
+    FileError
+        The head is that of another study, number of shards or version.
+    """
+    end = 0
+    for i, line in enumerate(file):
+        try:
+            if not line.endswith(b"\n"):
+                return
+            entry = json.loads(line)
+            if i == 0:
+                for key in head:
+                    if entry[key] != head[key]:
+                        raise FileError(f"'{path}' is of another study: its {key} is {entry[key]}, here {head[key]}; add --force "
+                                        "to solve its points anew, or choose another folder")
+            end += len(line)
+            if i:
+                yield end, entry["point"], entry["rows"]
+        except (ValueError, KeyError, TypeError):
+            raise FileError(f"'{path}' line {i + 1} is not as a shard left it: add --force to solve its points anew") from None
+
+
+def run_shard(study: Study, out: PathLike, number: int, shards: int, jobs: int = 1, force: bool = False, retry: bool = False,
+              show: bool = True) -> int:
+    """Solve the points of one shard that its part does not hold yet.
+
+    Parameters
+    ----------
+    study : Study
+    out : str or Path
+        Folder that all shards share; this one appends to part-`number`.jsonl in it.
+    number, shards : int
+        Shard `number` of 1 to `shards`.
+    jobs, force, retry, show
+        As for `Study.run`.
+
+    Returns
+    -------
+    int
+        Points of the shard, all solved.
+
+    Raises
+    ------
+    FileError
+        The part is of another study, number of shards or version, or another process is at work on it.
+    """
+    study.check()
+    mine, points = deal(study, shards)[number - 1], study.points
+    path = Path(out, f"part-{number}.jsonl")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = _head(study.identity(), shards)
+    with open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+b") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise FileError(f"another process is at work on '{path}'") from None
+        end, done = 0, {}
+        if not force:
+            for end, point, rows in _lines(path, file, head):
+                done[point] = rows
+        file.seek(end)
+        file.truncate()
+        if not end:
+            _append(file, head)
+        todo = [i for i in mine if i not in done or (retry and done[i][-1]["status"] == "failed")]
+        progress = Progress(len(mine), len(mine) - len(todo), show)
+        for i, rows in solve_all([(i, study.scene, {**study.fixed, **points[i]}, study.rows) for i in todo], jobs):
+            _append(file, {"point": i, "rows": rows})
+            progress.step(f"point {i}", rows[-1]["status"] == "failed")
+    return len(mine)
+
+
+def _append(file, entry):
+    """One line, on the disk before the next point begins."""
+    file.write(json.dumps(entry, default=lambda value: value.item()).encode() + b"\n")
+    file.flush()
+    os.fsync(file.fileno())
+
+
+class _Rows(Mapping):
+    """Rows by point, kept as the text of the parts: a tenth of the memory."""
+
+    def __init__(self):
+        self._texts = {}
+
+    def add(self, point, rows):
+        self._texts[point] = json.dumps(rows)
+
+    def __getitem__(self, point):
+        return json.loads(self._texts[point])
+
+    def __iter__(self):
+        return iter(self._texts)
+
+    def __len__(self):
+        return len(self._texts)
+
+
+def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
+    """One table of all parts, byte for byte that of a study on one machine.
+
+    Parameters
+    ----------
+    study : Study
+    out : str or Path
+        Folder of the parts; study.csv and study.json go there.
+    force : bool
+        Also where the folder holds another study's table.
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    FileError
+        There is no part; parts or points are missing (the message names the shards; what there is stands in the table, whose status
+        is unfinished); a part is of another study, number of shards or version.
+    """
+    out = Path(out)
+    paths = {int(p.stem[5:]): p for p in out.glob("part-*.jsonl") if p.stem[5:].isdigit()}
+    if not paths:
+        raise FileError(f"'{out}' holds no part: run 'hdengine study ... --shard 1/N' to N/N first")
+    scene, identity = study.check(), study.identity()
+    rows = _Rows()
+    head: dict[str, Any] = {}
+    for _, path in sorted(paths.items()):
+        with open(path, "rb") as file:
+            head = head or _head(identity, _shards_of(path, file))
+            for _, point, found in _lines(path, file, head):
+                rows.add(point, found)
+    with FolderLock(out):
+        if not force:
+            study.earlier(out, identity)
+        study.write(out, identity, scene, rows, [_engine.version()])
+    missing = []
+    if len(rows) < len(study.points):
+        for number, mine in enumerate(deal(study, head["shards"]), 1):
+            if lost := sum(point not in rows for point in mine):
+                missing.append(f"{number}/{head['shards']} ({lost} of {len(mine)} points)")
+    if missing:
+        raise FileError(f"shards are not finished: {', '.join(missing)}; submit each again with --shard, then collect")
+    return StudyResult(out)
+
+
+def _shards_of(path, file):
+    """Number of shards that the head of a part names."""
+    try:
+        shards = json.loads(file.readline())["shards"]
+    except (ValueError, KeyError, TypeError):
+        raise FileError(f"'{path}' line 1 is not as a shard left it: submit the shard again with --force") from None
+    file.seek(0)
+    return shards

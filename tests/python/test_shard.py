@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shards of a study: their parts make the table of one machine, whatever happens to a shard on the way."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from conftest import ROOT
+from hdengine import InputError
+from hdengine._engine import FileError
+from hdengine.cli import main
+from hdengine.studies import shard
+from hdengine.studies.study import Study
+
+TOML = f"""[study]
+scene = "{ROOT}/data/cd14.nml"
+rows = "last"
+[fixed]
+mesh.band_facets = 3
+load.assembly_steps = 1
+load.torque_steps = 1
+[grid]
+mesh.divisions = [16, 20]
+wave_generator.w = [0.18e-3, 0.19e-3, 0.20e-3, -1.0]
+"""
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    """Name of a study of eight points, two of them not valid, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(TOML)
+    return "s.toml"
+
+
+def test_parts_make_the_table_of_one_machine(study, tmp_path):
+    """Three shards, one of them killed in the middle of a line and started again: table and description byte for byte."""
+    assert main(["study", study, "--out", "one", "-q"]) == 0
+    for i in (1, 2, 3):
+        assert main(["study", study, "--out", "many", "--shard", f"{i}/3", "-q"]) == 0
+    part = tmp_path / "many/part-2.jsonl"
+    whole = part.read_bytes()
+    part.write_bytes(whole[:whole.index(b"\n", whole.index(b"\n") + 1) + 40])
+    with pytest.raises(FileError, match=r"shards are not finished: 2/3 \(2 of 3 points\)"):
+        shard.collect(Study.read(study), "many")
+    assert '"status": "unfinished"' in (tmp_path / "many/study.json").read_text()
+    assert main(["study", study, "--out", "many", "--shard", "2/3", "-q"]) == 0
+    assert part.read_bytes() == whole
+    assert main(["study", study, "--out", "many", "--collect"]) == 0
+    for name in ("study.csv", "study.json"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "many" / name).read_bytes(), name
+
+
+def test_points_are_dealt_largest_first(study):
+    """Every point goes to one shard, the work differs by less than one point's, and the largest come first."""
+    s = Study.read(study)
+    work, dealt = shard.work(s), shard.deal(s, 3)
+    assert sorted(sum(dealt, [])) == list(range(8)) and 0 < work[0] == work[3] < work[4] == work[7]
+    loads = [sum(work[i] for i in mine) for mine in dealt]
+    assert max(loads) - min(loads) < max(work)
+    assert all([work[i] for i in mine] == sorted((work[i] for i in mine), reverse=True) for mine in dealt)
+
+
+def test_a_shard_that_is_killed_goes_on(study, tmp_path):
+    """A shard killed at its second point solves the rest when started again, no point twice; a second one beside it is refused."""
+    command = [sys.executable, "-m", "hdengine", "study", study, "--out", "k", "--shard", "1/1", "-q"]
+    part = tmp_path / "k/part-1.jsonl"
+    process = subprocess.Popen(command)
+    while not part.exists() or part.read_bytes().count(b"\n") < 3:
+        assert process.poll() is None
+        time.sleep(0.002)
+    os.kill(process.pid, signal.SIGSTOP)
+    with pytest.raises(FileError, match=r"another process is at work on 'k/part-1.jsonl'"):
+        shard.run_shard(Study.read(study), "k", 1, 1)
+    process.kill()
+    process.wait()
+    before = part.read_bytes()
+    before = before[:before.rindex(b"\n") + 1]
+    assert subprocess.run(command).returncode == 0
+    after = part.read_bytes()
+    assert after.startswith(before) and after.count(b"\n") == 9
+    assert main(["study", study, "--out", "k", "--collect"]) == 0
+
+
+def test_parts_of_another_study_are_refused(study, tmp_path):
+    """Another scene, number of shards or version is named; --force solves anew; a shard that is none is refused."""
+    assert main(["study", study, "--out", "p", "--shard", "2/2", "-q"]) == 0
+    s = Study.read(study)
+    with pytest.raises(FileError, match="'p/part-2.jsonl' is of another study: its shards is 2, here 4"):
+        shard.run_shard(s, "p", 2, 4)
+    s.fixed["contact.friction"] = 0.2
+    with pytest.raises(FileError, match="'p/part-2.jsonl' is of another study: its sha256"):
+        shard.run_shard(s, "p", 2, 2)
+    with pytest.raises(FileError, match="'p/part-2.jsonl' is of another study: its sha256"):
+        shard.collect(s, "p")
+    assert shard.run_shard(s, "p", 2, 2, force=True, show=False) == 4
+    with pytest.raises(FileError, match="holds no part"):
+        shard.collect(s, tmp_path)
+    for text in ("0/3", "4/3", "3", "a/b", "1/-3"):
+        with pytest.raises(InputError, match="must be I/N"):
+            shard.number_of(text)

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1]
+
+A copy of HEAD in FOLDER gets all mutants at once, each behind a switch, so that one build serves all: `x = a + b` becomes
+`if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each file of tests reaches;
+a mutant then runs the files that reach it, the quickest first, until one fails. Mutants are drawn by rule: every room in turn, a
+line at random in it, a change at random of those that it allows. The outcome goes to tools/mutants.json. Needs ./hd test once.
+"""
+import argparse
+import ast
+import json
+import os
+import random
+import re
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PLACES = 4096      # mutants that the switch has room for
+SLOW = {"test_house", "test_pages", "test_site", "test_regressions", "test_slurm", "test_version"}  # of sources, pages and machines
+LONGEST = 400      # seconds of tests that one mutant may take
+CHANGES = [(r" \+ ", " - "), (r" - ", " + "), (r"(?<=[\w)])\*(?=[\w(])", "/"), (r"(?<=[\w)])/(?=[\w(])", "*"), (r" < ", " <= "),
+           (r" > ", " >= "), (r" <= ", " < "), (r" >= ", " > "), (r" == ", " /= "), (r" /= ", " == "), (r"\.and\.", ".or."),
+           (r"\.or\.", ".and."), (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\bsin\(", "cos("), (r"\bcos\(", "sin("),
+           (r"\.true\.", ".false."), (r"\.false\.", ".true."), (r"\b(\d+\.\d*(?:e-?\d+)?_dp)", r"(1.1_dp*\1)")]
+PAIRS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Lt: "<=", ast.Gt: ">=", ast.LtE: "<", ast.GtE: ">", ast.Eq: "!=",
+         ast.NotEq: "==", ast.And: "or", ast.Or: "and"}
+SWITCH_F90 = """module hd_mutants
+  use, intrinsic :: iso_c_binding, only: c_bool, c_int
+  implicit none
+  interface
+    pure logical(c_bool) function mutated(n) bind(c, name='hd_mutated')
+      import :: c_bool, c_int
+      integer(c_int), value, intent(in) :: n
+    end function mutated
+  end interface
+end module hd_mutants
+"""
+SWITCH_C = """#include <fcntl.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+static int chosen = -1;
+static char *reached;
+__attribute__((constructor)) static void begin(void) {
+  const char *n = getenv("HDENGINE_MUTANT"), *path = getenv("HDENGINE_REACHED");
+  if (n) chosen = atoi(n);
+  int file = path ? open(path, O_RDWR) : -1;
+  if (file >= 0) reached = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  if (reached == MAP_FAILED) reached = NULL;
+}
+bool hd_mutated(int n) { if (reached) reached[n] = 1; return n == chosen; }
+"""
+SWITCH_PY = """import mmap, os
+_chosen, _file = int(os.environ.get("HDENGINE_MUTANT", -1)), os.environ.get("HDENGINE_REACHED")
+_reached = mmap.mmap(os.open(_file, os.O_RDWR), 4096) if _file else None
+def mutated(n):
+    if _reached is not None:
+        _reached[n] = 1
+    return n == _chosen
+"""
+
+
+def fortran_mutants(text):
+    """(line, original, mutated, lines that hold both) of every change that a Fortran module allows."""
+    lines, found, masked, inside = text.splitlines(), [], False, False
+    for i, line in enumerate(lines):
+        code = line.split("!")[0].rstrip() if "'" not in line else line
+        word = code.strip()
+        inside = inside or word == "contains"
+        if re.match(r"(where|forall) ?\(", word) and word.endswith(")"):
+            masked = True
+        if re.match(r"end (where|forall)", word):
+            masked = False
+        if not inside or masked or "&" in code or (i and "&" in lines[i - 1]) or "'" in code or "::" in code or "!" in line:
+            continue
+        block = re.fullmatch(r"(\s*)(if|else if|do while) \((.*)\)( then)?", code)
+        plain = re.fullmatch(r"(\s*)([a-z][\w%(),: +*-]* = [^>].*)", code) or re.fullmatch(r"(\s*)(if \(.*\) (?!then).*)", code)
+        if not (block or plain):
+            continue
+        for pattern, new in CHANGES:
+            for hit in re.finditer(pattern, code):
+                other = code[:hit.start()] + hit.expand(new) + code[hit.end():]
+                if block:
+                    pad, kind, old, then = block.groups()
+                    if hit.start() < block.start(3):
+                        continue
+                    changed = other[block.start(3):len(other) - len(then or "") - 1]
+                    both = f"{pad}{kind} (merge(1, 0, {{on}}) == 1 .and. ({changed}) .or. merge(1, 0, {{on}}) == 0 .and. ({old})){then or ''}"
+                    if kind == "do while" or len(both) > 500:
+                        continue
+                else:
+                    pad = plain[1]
+                    both = f"{pad}if ({{on}}) then\n{other}\n{pad}else\n{code}\n{pad}end if"
+                found.append((i, code.strip(), other.strip(), both))
+    return found
+
+
+def python_mutants(text):
+    """The same of a Python module: the expression becomes a conditional one."""
+    lines, found = text.splitlines(), []
+    tree = ast.parse(text)
+    left_out = {id(n) for f in ast.walk(tree) if isinstance(f, (ast.JoinedStr, ast.AnnAssign)) or getattr(f, "annotation", None)
+                for n in ast.walk(f if isinstance(f, ast.JoinedStr) else getattr(f, "annotation", f))}
+    bodies = [f for f in ast.walk(tree) if isinstance(f, ast.FunctionDef)]
+    for node in (n for f in bodies for s in f.body for n in ast.walk(s)):
+        if id(node) in left_out or getattr(node, "lineno", 0) != getattr(node, "end_lineno", -1):
+            continue
+        if isinstance(node, ast.BinOp) and type(node.op) in PAIRS:
+            ends, sign = (node.left, node.right), PAIRS[type(node.op)]
+        elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in PAIRS:
+            ends, sign = (node.left, node.comparators[0]), PAIRS[type(node.ops[0])]
+        elif isinstance(node, ast.BoolOp) and len(node.values) == 2:
+            ends, sign = tuple(node.values), PAIRS[type(node.op)]
+        else:
+            continue
+        i, line = node.lineno - 1, lines[node.lineno - 1]
+        if not line.isascii():
+            continue
+        old = line[node.col_offset:node.end_col_offset]
+        new = f"({ast.unparse(ends[0])}) {sign} ({ast.unparse(ends[1])})"
+        both = f"{line[:node.col_offset]}(({new}) if {{on}} else ({old})){line[node.end_col_offset:]}"
+        found.append((i, old, new, both))
+    return found
+
+
+def drawn(count, seed):
+    """The mutants: rooms in turn, a line and a change at random; no line twice."""
+    rooms, lot = {}, random.Random(seed)
+    for path in subprocess.run(["git", "ls-files", "fortran", "python"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split():
+        text = (ROOT / path).read_text()
+        if path.endswith(".f90") and re.search(r"^module ", text, re.M) and "/f2py_" not in path:
+            found = fortran_mutants(text)
+        elif path.endswith(".py") and "from __future__" in text:
+            found = python_mutants(text)
+        else:
+            continue
+        rooms.setdefault(os.path.dirname(path), {}).update({(path, m[0]): [] for m in found})
+        for m in found:
+            rooms[os.path.dirname(path)][path, m[0]].append(m)
+    chosen, names = [], sorted(name for name in rooms if rooms[name])
+    while len(chosen) < count:
+        for name in names:
+            if rooms[name] and len(chosen) < count:
+                place = lot.choice(sorted(rooms[name]))
+                chosen.append({"file": place[0], "line": place[1] + 1, **dict(zip(("old", "new", "both"), lot.choice(rooms[name].pop(place))[1:]))})
+    return chosen
+
+
+def build(folder, mutants):
+    """A copy of HEAD with all mutants, installed into folder/site."""
+    tree = folder / "tree"
+    tree.mkdir(parents=True)
+    subprocess.run(f"git archive HEAD | tar -x -C '{tree}'", shell=True, cwd=ROOT, check=True)
+    by_file = {}
+    for n, m in enumerate(mutants):
+        by_file.setdefault(m["file"], []).append((m["line"], n, m["both"]))
+    for name, places in by_file.items():
+        path = tree / name
+        lines = path.read_text().splitlines()
+        for line, n, both in places:
+            lines[line - 1] = both.format(on=f"mutated({n})")
+        text = "\n".join(lines) + "\n"
+        head, use = ((r"^(module \w+)$", r"\1\n  use hd_mutants, only: mutated") if name.endswith(".f90") else
+                     (r"^(from __future__ import annotations)$", r"\1\nfrom hdengine._mutants import mutated"))
+        path.write_text(re.sub(head, use, text, count=1, flags=re.M))
+    base = tree / "fortran/common/base"
+    (base / "hd_mutants.f90").write_text(SWITCH_F90)
+    (base / "hd_mutants_switch.c").write_text(SWITCH_C)
+    with open(base / "meson.build", "a") as file:
+        file.write("srcs += files('hd_mutants.f90', 'hd_mutants_switch.c')\n")
+    python = ROOT / ".venv/bin/python"
+    env = os.environ | {"PATH": f"{ROOT}/.venv/bin:{os.environ['PATH']}"}
+    subprocess.run([python, "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "--upgrade", "--target",
+                    folder / "site", f"--config-settings=build-dir={folder}/build", "--config-settings=setup-args=-Dfortran_args=-ffree-line-length-none",
+                    tree], check=True, env=env)
+    (folder / "site/hdengine/_mutants.py").write_text(SWITCH_PY)
+
+
+def run(folder, test, limit, left_out=(), first=False, **env):
+    """Passed or not, seconds, what was printed: of the Fortran tests or of one file of Python's."""
+    command = [folder / "build/tests/fortran/hd_tester"] if test == "fortran" else [
+        ROOT / ".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", *(["-x"] if first else []), "-rfE", f"tests/python/{test}.py",
+        *(f"--deselect={name}" for name in left_out)]
+    start = time.monotonic()
+    try:
+        done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", capture_output=True, text=True, errors="replace",
+                              env=os.environ | {"HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site", "OMP_NUM_THREADS": "1",
+                                                "OPENBLAS_NUM_THREADS": "1"} | env)
+    except OSError as error:
+        return False, 0, str(error)
+    return done.returncode in (0, 5), time.monotonic() - start, done.stdout
+
+
+def survey(folder, count, tests):
+    """Of every file of tests: seconds, tests that fail without a mutant, mutants that it reaches."""
+    def one(test):
+        place = folder / f"{test}.reached"
+        place.write_bytes(bytes(PLACES))
+        passed, seconds, text = run(folder, test, 900, HDENGINE_REACHED=str(place))
+        broken = re.findall(r"^(?:FAILED|ERROR) (\S+)", text, re.M)
+        print(f"{test}: {seconds:.0f} s" + ("" if passed else f", left out: {', '.join(broken) or 'all'}"), flush=True)
+        return test, seconds, broken, [n for n in range(count) if place.read_bytes()[n]], passed or bool(broken)
+    with ThreadPoolExecutor(2) as pool:
+        return [found[:4] for found in pool.map(one, tests) if found[4]]
+
+
+def fate(folder, n, tests):
+    """What becomes of a mutant: killed by a file of tests, survived, or reached by none."""
+    spent = 0.0
+    reaching = sorted((t for t in tests if n in t[3]), key=lambda t: t[1])
+    for test, seconds, broken, _ in reaching:
+        if spent + seconds > LONGEST:
+            return {"fate": "survived", "tests": f"{spent:.0f} s"}
+        passed, took, _ = run(folder, test, 3 * seconds + 30, broken, first=True, HDENGINE_MUTANT=str(n))
+        spent += took
+        if not passed:
+            return {"fate": "killed", "by": test}
+    return {"fate": "survived" if reaching else "not reached"}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--count", type=int, default=160)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--draw", action="store_true", help="only print the mutants")
+    args = parser.parse_args()
+    folder, mutants = args.folder.resolve(), drawn(args.count, args.seed)
+    if args.draw:
+        for n, m in enumerate(mutants):
+            print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}")
+        return
+    build(folder, mutants)
+    tests = survey(folder, args.count, ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
+    with ThreadPoolExecutor(2) as pool:
+        for n, (m, found) in enumerate(zip(mutants, pool.map(lambda n: fate(folder, n, tests), range(args.count)))):
+            m.update(found)
+            del m["both"]
+            print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}: {m['fate']} {m.get('by', '')}", flush=True)
+    killed = sum(m["fate"] == "killed" for m in mutants)
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+    record = {"commit": commit, "seed": args.seed, "mutants": args.count, "killed": killed, "left": [m for m in mutants if m["fate"] != "killed"]}
+    (ROOT / "tools/mutants.json").write_text(json.dumps(record, indent=1) + "\n")
+    print(f"{killed} of {args.count} killed")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -14,9 +14,7 @@ from pathlib import Path
 import closed_solutions as cc
 import numpy as np
 
-METHODS = {"n2s": "NODE TO SURFACE", "s2s": "SURFACE TO SURFACE", "mortar": "MORTAR"}
-ELEMENTS = {"hex8i": "C3D8I", "hex20r": "C3D20R"}
-SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
+from hdengine.export.cards import body_cards, contact_cards, node_cards, set_cards, sides_of, surface_cards
 
 
 @dataclass
@@ -31,50 +29,21 @@ class Answer:
     reaction: np.ndarray = None
 
 
-def lines_of(numbers, per_line=8):
-    """Numbers as lines of a deck."""
-    numbers = [str(n) for n in numbers]
-    return [", ".join(numbers[i:i + per_line]) for i in range(0, len(numbers), per_line)]
-
-
-def sides(cells, facets):
-    """Element and side, both from 1, of facets."""
-    wanted = {frozenset(f[:4]) for f in facets.tolist()}
-    return [(e + 1, s + 1) for e, c in enumerate(cells.tolist()) for s, side in enumerate(SIDES) if frozenset(c[k] for k in side) in wanted]
-
-
-def contact_cards(method, stiffness, friction, stick, clearance):
-    """Cards of the contact pair."""
-    behaviour = ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD"] if method == "mortar" else \
-        ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness:g}" + (", 0.1" if method == "n2s" else "")]
-    cards = ["*SURFACE INTERACTION, NAME=TOUCH", *behaviour]
-    if friction:
-        cards += ["*FRICTION", f"{friction:g}, {stick:g}"]
-    cards += [f"*CONTACT PAIR, INTERACTION=TOUCH, TYPE={METHODS[method]}", "SLAVE, MASTER"]
-    if clearance is not None:
-        cards += [f"*CLEARANCE, SLAVE=SLAVE, MASTER=MASTER, VALUE={1e3 * clearance:.9g}"]
-    return cards
-
-
 def write_deck(path, bodies, slave, master, fixed, steps, *, method, element, points, cylindrical=False, stiffness=1e8, friction=0.0, stick=1e7,
                clearance=None, increment=1.0):
     """Write the deck; `steps` are prescribed displacements (n, 3) [m], `stiffness` and `stick` in N/mm3."""
-    lines = ["*NODE, NSET=ALL"] + [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(1e3 * points)]
-    first, cells = 0, []
+    lines, first, cells = node_cards(1e3 * points, "ALL"), 0, []
     for b, body in enumerate(bodies):
-        lines.append(f"*ELEMENT, TYPE={ELEMENTS[element]}, ELSET=BODY{b}")
-        for c in body.mesh.cells + first:
-            cells.append(c)
-            words = [len(cells), *(c + 1)]
-            lines += [", ".join(map(str, words[:11])) + ("," if len(words) > 11 else "")] + ([", ".join(map(str, words[11:]))] if len(words) > 11 else [])
-        lines += [f"*MATERIAL, NAME=M{b}", "*ELASTIC", f"{body.young / 1e6:.9g}, {body.poisson}", f"*SOLID SECTION, ELSET=BODY{b}, MATERIAL=M{b}"]
+        numbers = len(cells) + np.arange(len(body.mesh.cells))
+        cells += [*(body.mesh.cells + first)]
+        lines += body_cards(f"BODY{b}", numbers, body.mesh.cells + first, element, body.young / 1e6, body.poisson)
         first += len(body.mesh.points)
     cells = np.array(cells)
-    lines += ["*NSET, NSET=HELD", *lines_of(np.flatnonzero(fixed[:, :2].any(1)) + 1)]
+    lines += set_cards({"HELD": np.flatnonzero(fixed[:, :2].any(1))})
     if cylindrical:   # mortar contact takes no transformed slave nodes
         lines += ["*TRANSFORM, NSET=HELD, TYPE=C", "0., 0., 0., 0., 0., 1."]
     for name, face in (("SLAVE", slave), ("MASTER", master)):
-        lines += [f"*SURFACE, NAME={name}, TYPE=ELEMENT"] + [f"{e}, S{s}" for e, s in sides(cells, face.facets)]
+        lines += surface_cards(name, sides_of(cells, face.facets))
     lines += contact_cards(method, stiffness, friction, stick, clearance)
     lines += ["*BOUNDARY"] + [f"{i + 1}, {d + 1}, {d + 1}" for i, d in np.argwhere(fixed)]
     for u in steps:

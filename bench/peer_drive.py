@@ -14,6 +14,8 @@ import meshio
 import numpy as np
 
 from common import measured, program, solve, write_record
+from hdengine.export.cards import body_cards, equation_cards, node_cards, set_cards, strut_cards
+from hdengine.export.deck import flank_weights
 from hdengine.results import read_csv
 
 KEYS = {"mesh.divisions": 48, "mesh.band_facets": 8, "bearing.balls": 16, "bearing.patch_length": 1e-9, "bearing.patch_width": 1e-9,
@@ -36,30 +38,9 @@ def tooth_places():
 
 def flank_equations(points, outside, divisions):
     """Closings of the flanks by displacements in cylindrical dofs: per flank a list of (node, dof, weight)."""
-    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * divisions).astype(int) % divisions
-    heights = np.unique(np.round(z[outside], 6))
-    along = np.zeros(len(heights))
-    for i in range(len(heights) - 1):  # even along the rim, up to its end, by linear shape functions
-        whole = heights[i + 1] - heights[i]
-        part = np.clip((RIM_LENGTH - heights[i]) / whole, 0, 1)
-        along[i] += whole * (part - part**2 / 2)
-        along[i + 1] += whole * part**2 / 2
-    rows = []
-    for theta in tooth_places()[0]:
-        place = (theta / (2 * np.pi) % 1) * divisions
-        low = int(np.floor(place + 1e-9))
-        weight = {}
-        for s, share in ((low, 1 - (place - low)), (low + 1, place - low)):
-            for n in outside[sector[outside] == s % divisions]:
-                w = share * along[np.argmin(abs(heights - z[n]))]
-                if abs(w) > 1e-12:
-                    weight[n] = weight.get(n, 0) + w
-        arm = RIM / sum(w * r[n] for n, w in weight.items())
-        for sense in (1, -1):
-            rows.append([(n, 1, np.sin(ANGLE) * w * arm) for n, w in weight.items()]
-                        + [(n, 2, sense * np.cos(ANGLE) * w * arm) for n, w in weight.items()])
-    return rows
+    rows = flank_weights(points, outside, tooth_places()[0], divisions, RIM_LENGTH, RIM)
+    return [[(n, d, f * w) for d, f in ((1, np.sin(ANGLE)), (2, sense * np.cos(ANGLE))) for n, w in weight.items()]
+            for weight in rows for sense in (1, -1)]
 
 
 def write_deck(path, points, cells, body, rate, touch, turns):
@@ -77,37 +58,16 @@ def write_deck(path, points, cells, body, rate, touch, turns):
     n_balls = KEYS["bearing.balls"]
     balls = [int(middle[np.argmin(abs(np.exp(1j * angle[middle]) - np.exp(2j * np.pi * b / n_balls)))]) for b in range(n_balls)]
     flanks = flank_equations(points, outside, divisions)
-    n = len(points)
-    ends = n + 1 + np.arange(n_balls + len(flanks))             # closing of each strut as a displacement along x
-    ground = ends + len(ends)                                   # what it closes against
-    lines = ["*NODE, NSET=BODY"] + [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(points)]
-    lines += ["*NODE, NSET=STRUTS"] + [f"{e}, 0., {i}., 0." for i, e in enumerate(ends)]
-    lines += [f"{g}, 10., {i}., 0." for i, g in enumerate(ground)]
-    for b, name in ((1, "RING"), (2, "CUP")):
-        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
-        lines += [f"{e + 1}, " + ", ".join(str(k + 1) for k in cells[e]) for e in np.flatnonzero(body == b)]
-        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", "219000., 0.30" if b == 1 else "209000., 0.295",
-                  f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}"]
-    first = len(cells) + 1
-    for name, part, law in (("BALLS", range(n_balls), [(rate * x**1.5, x) for x in 0.4 * np.linspace(0, 1, 801) ** 2]),
-                            ("FLANKS", range(n_balls, len(ends)), [(0.0, 0.0), (RATE * FAR, FAR)])):
-        lines.append(f"*ELEMENT, TYPE=SPRINGA, ELSET={name}")
-        lines += [f"{first + i}, {ends[i]}, {ground[i]}" for i in part]
-        lines += [f"*SPRING, ELSET={name}, NONLINEAR", ""]
-        lines += [f"{-f:.12e}, {-x:.12e}" for f, x in reversed(law)] + [f"0., {2 * FAR:.1f}"]
-    corner = ground[-1] + 1                                     # a plastic cube apart, at rest: without it CalculiX takes all as linear
-    lines += ["*NODE, NSET=CUBE"] + [f"{corner + i}, {100 + (i in (1, 2, 5, 6))}., {i in (2, 3, 6, 7):d}., {i // 4}." for i in range(8)]
-    lines += ["*ELEMENT, TYPE=C3D8, ELSET=CUBE", f"{first + len(ends)}, " + ", ".join(str(corner + i) for i in range(8)), "*MATERIAL, NAME=MCUBE",
-              "*ELASTIC", "200000., 0.3", "*PLASTIC", "1000., 0.", "1001., 1.", "*SOLID SECTION, ELSET=CUBE, MATERIAL=MCUBE"]
-    lines += ["*TRANSFORM, NSET=BODY, TYPE=C", "0., 0., 0., 0., 0., 1."]
-    equations = [[(b, 1, -1.0)] for b in balls] + flanks
-    for e, row in zip(ends, equations):
-        terms = [(e, 1, -1.0)] + [(k + 1, d, w) for k, d, w in row]
-        lines += ["*EQUATION", str(len(terms))]
-        lines += [", ".join(f"{k}, {d}, {w:.14g}" for k, d, w in terms[i:i + 4]) for i in range(0, len(terms), 4)]
-    lines += ["*NSET, NSET=HUB"] + [f"{k + 1}," for k in hub] + ["*NSET, NSET=MIDDLE"] + [f"{k + 1}," for k in middle]
-    lines += ["*NSET, NSET=ENDS"] + [f"{k}," for k in ends] + ["*NSET, NSET=GROUND"] + [f"{k}," for k in ground]
-    fixed = ["HUB, 1, 3", "MIDDLE, 3, 3", "STRUTS, 2, 3", "CUBE, 1, 3"]
+    lines = node_cards(points, "BODY")
+    for b, name, elastic in ((1, "RING", (219000, 0.30)), (2, "CUP", (209000, 0.295))):
+        lines += body_cards(name, np.flatnonzero(body == b), cells[body == b], "hex8i", *elastic)
+    way = 0.4 * np.linspace(0, 1, 801) ** 2
+    struts, ends, ground = strut_cards(len(points), len(cells), [("BALLS", n_balls, rate * way**1.5, way), ("FLANKS", len(flanks), (0.0, RATE * FAR), (0.0, FAR))])
+    lines += [*struts, "*TRANSFORM, NSET=BODY, TYPE=C", "0., 0., 0., 0., 0., 1."]
+    for e, row in zip(ends, [[(b, 1, -1.0)] for b in balls] + flanks):
+        lines += equation_cards([(e, 1, -1.0), *((k + 1, d, w) for k, d, w in row)])
+    lines += set_cards({"HUB": hub, "ENDS": ends - 1})
+    fixed = ["HUB, 1, 3", *(f"{k + 1}, 3, 3" for k in middle), "STRUTS, 2, 3", "GROUND, 2, 3", "CUBE, 1, 3"]
     way = W * np.cos(2 * angle[balls])                          # closing = way - u_r > 0 where x of the end comes above the ground's
     places = lambda offset: [f"{g}, 1, 1, {o:.12g}" for g, o in zip(ground, offset)]  # noqa: E731
     output = ["*NODE PRINT, NSET=ENDS, FREQUENCY=1000", "U", "*NODE PRINT, NSET=GROUND, FREQUENCY=1000", "RF",

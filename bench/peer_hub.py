@@ -16,6 +16,7 @@ import meshio
 import numpy as np
 
 from common import ROOT, measured, program, write_record
+from hdengine.export.cards import body_cards, contact_cards, node_cards, set_cards, surface_cards
 
 W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
 BORE, RING, HUB, BAND, RIM = 17.8, 16.8, 8.0, (1.0, 7.0), 7.0
@@ -28,12 +29,6 @@ def timed(command, cwd):
     """Wall clock [s], CPU [s], peak memory [MB], output of a command; None if it hits the limit."""
     done = measured(command, cwd, LIMIT)
     return {"wall_s": done.wall_s, "cpu_s": done.cpu_s, "memory_mb": done.memory_mb, "finished": done.code is not None, "text": done.text}
-
-
-def blocks(values, per_line=8):
-    """Numbers as lines of a CalculiX deck."""
-    values = [str(v) for v in values]
-    return "\n".join(", ".join(values[i:i + per_line]) for i in range(0, len(values), per_line))
 
 
 def write_deck(path, points, cells, body, rim_force, stiffness=2e6):
@@ -49,23 +44,16 @@ def write_deck(path, points, cells, body, rim_force, stiffness=2e6):
     hub = np.flatnonzero(~is_ring & (abs(r - HUB) < near))
     bore = (abs(r[cells[:, [0, 3, 4, 7]]] - BORE) < near).all(1)
     low, high = z[cells].min(1), z[cells[:, [0, 3, 4, 7]]].max(1)
-    ring_cells = np.flatnonzero(body == 1) + 1
-    cup_cells = np.flatnonzero((body == 2) & bore & (low > BAND[0] - near) & (high < BAND[1] + near)) + 1
-    lines = ["*NODE, NSET=ALL"]
-    lines += [f"{i + 1}, {p[0]:.12g}, {p[1]:.12g}, {p[2]:.12g}" for i, p in enumerate(points)]
-    for b, name in ((1, "RING"), (2, "CUP")):
-        lines.append(f"*ELEMENT, TYPE=C3D8I, ELSET={name}")
-        lines += [f"{e + 1}, " + ", ".join(str(n + 1) for n in cells[e]) for e in np.flatnonzero(body == b)]
-        lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", "219000., 0.30" if b == 1 else "209000., 0.295",
-                  f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}"]
-    for name, nodes in (("INNER", inner), ("MIDDLE", middle), ("HUB", hub), ("LOADED", np.flatnonzero(rim_force > 0))):
-        lines += [f"*NSET, NSET={name}", blocks(nodes + 1)]
+    ring_cells = np.flatnonzero(body == 1)
+    cup_cells = np.flatnonzero((body == 2) & bore & (low > BAND[0] - near) & (high < BAND[1] + near))
+    lines = node_cards(points, "ALL")
+    for b, name, elastic in ((1, "RING", (219000, 0.30)), (2, "CUP", (209000, 0.295))):
+        lines += body_cards(name, np.flatnonzero(body == b), cells[body == b], "hex8i", *elastic)
+    lines += set_cards({"INNER": inner, "MIDDLE": middle, "HUB": hub, "LOADED": np.flatnonzero(rim_force > 0)})
     lines += ["*TRANSFORM, NSET=ALL, TYPE=C", "0., 0., 0., 0., 0., 1."]
-    lines += ["*SURFACE, NAME=SRING, TYPE=ELEMENT"] + [f"{e}, S4" for e in ring_cells]
-    lines += ["*SURFACE, NAME=SCUP, TYPE=ELEMENT"] + [f"{e}, S6" for e in cup_cells]
-    lines += ["*SURFACE INTERACTION, NAME=TOUCH", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness}, 0.1",
-              "*FRICTION", f"{FRICTION}, {STICK}",
-              "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE, ADJUST=1e-4", "SRING, SCUP"]
+    lines += surface_cards("SLAVE", ((e, 3) for e in ring_cells)) + surface_cards("MASTER", ((e, 5) for e in cup_cells))
+    pair = contact_cards("s2s", stiffness, FRICTION, STICK)
+    lines += [line + ", ADJUST=1e-4" if line.startswith("*CONTACT PAIR") else line for line in pair]
     lines += ["*BOUNDARY", "HUB, 1, 3", "MIDDLE, 3, 3", "*STEP, INC=100", "*STATIC", "0.25, 1., 1e-5, 0.25", "*BOUNDARY"]
     for i in inner:
         lines += [f"{i + 1}, 1, 1, {W * np.cos(2 * angle[i]):.12g}", f"{i + 1}, 2, 2, {-W / 2 * np.sin(2 * angle[i]):.12g}"]

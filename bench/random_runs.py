@@ -194,7 +194,7 @@ def faults(keys, steps, loop, teeth, balls, facets):
         found.append(f"friction gives {-heat.min():.1e} J")
     if not np.isfinite(loop["angle_rad"].astype(float)).all():
         found.append("the angle is no number")
-    if heat.size:  # over steps to or from T = 0, where the play is crossed, a step's mean torque says nothing of its work
+    if heat.size:  # over steps to or from T = 0 a loose drive is so soft that the mean of two torques says little of its work
         energy = loop["work_j"].astype(float) - loop["stored_j"].astype(float) - loop["dissipated_j"].astype(float)
         lost = abs(np.diff(energy)[torque[1:] * torque[:-1] > 0].sum()) / max(abs(loop["work_j"].astype(float)).max(), 1e-12)
         if lost > 0.04:

@@ -462,9 +462,8 @@ def loop_time():
 
 
 def gradient_cost():
-    """Cost of a gradient by scene, in runs, beside two runs a key."""
-    return ("scene", "keys", "with a part", "run / s", "gradient / runs", "central differences / runs"), [
-        (r["scene"], r["keys"], r["with_part"], digits(r["run_s"]), digits(r["gradient_over_run"]), 2 * r["keys"]) for r in read_record("gradient")["cost"]]
+    """Cost of a gradient by scene, in runs."""
+    return ("scene", "keys", "cost / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"])) for r in read_record("gradient")["cost"]]
 
 
 def records():

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from docutils import nodes
+from sphinx.ext import autosummary
 from sphinx.util.logging import getLogger
 
 import hdengine
@@ -26,6 +27,7 @@ myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autosummary_generate = True
+autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.",)  # a summary does not end there
 autodoc_typehints = "none"
 sphinx_gallery_conf = {
     "examples_dirs": "../examples", "gallery_dirs": "gallery", "filename_pattern": r"\.py$", "abort_on_example_error": True,
@@ -71,7 +73,7 @@ def link_figures(app, tree, page):
     """A figure opens in full size at a touch: on a phone it is narrower than its text."""
     for image in [*tree.findall(nodes.image)]:
         found = app.env.images.get(image["uri"])
-        if found and not isinstance(image.parent, nodes.reference):
+        if found and "/thumb/" not in image["uri"] and not isinstance(image.parent, nodes.reference):  # cards of the gallery link
             target = app.builder.get_relative_uri(page, "index").removesuffix("index.html") + f"{app.builder.imagedir}/{found[1]}"
             link = nodes.reference("", "", refuri=target, internal=True)
             image.replace_self(link)

@@ -30,7 +30,7 @@ ADVICE = {  # what to do, where the message says no more
     "memory": "Take a coarser mesh, or raise `mesh.memory_limit_mb`.",
     "stopped": "The same again with `--resume`."}
 WARNING_LISTS = ("lines", "plan%warnings", "run%record%warnings")
-HEAD = """# Warnings and errors: what each means and what to do
+HEAD = """# Which warning means what: warnings and errors
 
 A **warning** does not stop a run. It stands at the end of the log, in `warnings` of `summary.json` and in the report. An **error** ends it with an exit code;
 Python raises the exception of the same row, derived from `HdengineError`. Load steps that were finished stay in the folder.

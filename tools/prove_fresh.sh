@@ -35,7 +35,7 @@ for who in root user; do
   chroot "$target" chown -R "$who:" "$home/hdengine"
   for command in "${commands[@]}"; do
     start=$SECONDS
-    chroot --userspec="$who:$who" "$target" env -u PYTHONPATH HOME="$home" sh -c "cd $home/hdengine && $command" </dev/null
+    chroot --userspec="$who:$who" "$target" env -u PYTHONPATH HOME="$home" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh -c "cd $home/hdengine && $command" </dev/null
     echo "== $who: $command: $((SECONDS - start)) s"
   done
 done

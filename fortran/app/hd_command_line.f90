@@ -8,12 +8,13 @@ module hd_command_line
   use hd_log, only: set_log_level, quiet, normal, verbose, say, print_text
   use hd_surface_run, only: check_surface_run, run_surface
   use hd_joint_choice, only: choose_joint
-  use hd_plausible, only: implausible
+  use hd_plausible, only: implausible, refuse_slips
   use hd_planner, only: plan_text
   use hd_open_run, only: check_run, run_to_end
   use hd_scene, only: scene_t
   use hd_system, only: become_program
   use hd_text, only: string_t, push, suggestion
+  use hd_warning_list, only: numbered, warnings_text
   implicit none
   private
   public :: command_t, read_command_line, obey
@@ -26,6 +27,7 @@ module hd_command_line
     type(string_t), allocatable :: assignments(:) !< group.key=value
     logical :: force = .false.
     logical :: resume = .false.
+    logical :: implausible = .false.              !< values a thousand times off are meant
     integer :: level = normal
   end type command_t
 
@@ -57,6 +59,7 @@ contains
         call take_value(command%folder)
       case ('--force'); command%force = .true.
       case ('--resume'); command%resume = .true.
+      case ('--allow-implausible'); command%implausible = .true.
       case ('-q'); command%level = quiet
       case ('-v'); command%level = verbose
       case default
@@ -106,8 +109,8 @@ contains
   subroutine unknown_option(word, error)
     character(len=*), intent(in) :: word              !< as typed
     type(error_t), allocatable, intent(out) :: error  !< usage
-    character(len=*), parameter :: names(10) = [character(len=10) :: '--check', '--plan', '--explain', '--force', &
-      '--resume', '--help', '--out', '--version', '--license', '--citation']
+    character(len=*), parameter :: names(11) = [character(len=19) :: '--check', '--plan', '--explain', '--force', &
+      '--resume', '--help', '--out', '--version', '--license', '--citation', '--allow-implausible']
     type(string_t), allocatable :: options(:)
     integer :: i
     do i = 1, size(names)
@@ -131,6 +134,10 @@ contains
     case ('license'); call print_text(license_text())
     case ('citation'); call print_text(citation_text())
     case ('explain')
+      if (command%key == 'warnings') then
+        call print_text(warnings_text())
+        return
+      end if
       call explain(command%key, answer, error)
       if (.not. allocated(error)) call print_text(answer)
     case default
@@ -139,6 +146,8 @@ contains
       allocate (scene)
       call read_scene(command%input, command%assignments, scene, error)
       if (allocated(error)) return
+      if (.not. command%implausible) call refuse_slips(scene, error)
+      if (allocated(error)) return
       if (scene%surface_only) then
         call check_surface_run(surface_scene_of(scene, command%input), error)
       else
@@ -146,8 +155,8 @@ contains
       end if
       if (allocated(error)) return
       call implausible(scene, doubts)
-      do i = 1, size(doubts)
-        call say('warning: '//doubts(i)%s)
+      do i = 1, size(doubts)   ! a run says them at its end, with the others
+        if (command%action /= 'run' .or. scene%surface_only) call say('warning: '//numbered(doubts(i)%s))
       end do
       if (command%action == 'check') then
         call say(command%input//' is valid')

@@ -22,7 +22,8 @@ contains
       '  --resume        go on with a stopped run of the same input'//nl// &
       '  --check         read and check the input, then stop'//nl// &
       '  --plan          print what run.tolerance needs, with time and memory, then stop'//nl// &
-      '  --explain KEY   meaning, unit and default of a key (group.key, group, all)'//nl// &
+      '  --explain KEY   meaning, unit and default of a key (group.key, group, all); warnings'//nl// &
+      '  --allow-implausible  solve also where a value is some thousand times off'//nl// &
       '  -q, -v          no log, log with Newton iterations'//nl// &
       '  --version  --license  --citation  --help'//nl//nl// &
       'exit codes: 0 done, 1 internal error, 2 usage or input, 3 file,'//nl// &

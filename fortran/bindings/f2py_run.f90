@@ -2,11 +2,12 @@
 ! Flat entries for Python: runs. Only external procedures with explicit shapes; the last two arguments are status and message.
 
 !> Open a run. `assignments` holds lines 'group.key=value'; an empty folder writes nothing; `resume`: go on with a stopped run.
-subroutine run_open(path, assignments, folder, force, resume, handle, status, message)
+subroutine run_open(path, assignments, folder, force, resume, implausible, handle, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t, raise, code_input
   use hd_input, only: read_scene
   use hd_open_run, only: open_run
+  use hd_plausible, only: refuse_slips
   use hd_registry, only: put_run, drop_run
   use hd_run, only: run_t
   use hd_scene, only: scene_t
@@ -14,7 +15,7 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   use hd_text, only: string_t
   implicit none
   character(len=*), intent(in) :: path, assignments, folder
-  integer(c_int), intent(in) :: force, resume
+  integer(c_int), intent(in) :: force, resume, implausible
   integer(c_int), intent(out) :: handle, status
   character(len=8192), intent(out) :: message
   !f2py threadsafe
@@ -27,6 +28,7 @@ subroutine run_open(path, assignments, folder, force, resume, handle, status, me
   allocate (scene)
   lines = lines_of(assignments)
   call read_scene(path, lines, scene, error)
+  if (.not. allocated(error) .and. implausible == 0) call refuse_slips(scene, error)
   if (.not. allocated(error)) call put_run(handle, run, error)
   if (.not. allocated(error)) then
     call open_run(scene, trim(path), trim(folder), force /= 0, resume /= 0, run, complete, error)

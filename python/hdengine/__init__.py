@@ -20,6 +20,15 @@ from .surfaces.run import SurfaceResult, run_surface
 from .teeth.pairs import ToothGaps, tooth_gaps
 from .teeth.profile import DoubleArc, Involute
 
+
+def _report(*args, **options):
+    """`hdengine.report.write_report`, whose libraries are loaded when it is first called."""
+    from .report import write_report
+
+    return write_report(*args, **options)
+
+
+Result.reporter = staticmethod(_report)
 __version__ = _version()
 __all__ = [
     "Cam", "DoubleArc", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Involute", "Joint",

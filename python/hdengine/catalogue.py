@@ -42,6 +42,12 @@ UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9
                              Unit(32, 29, 108, 67e3, 110e3, 120e3), Unit(40, 54, 196, 130e3, 200e3, 230e3))}
 
 
+def unit_of(scene: dict) -> Unit | None:
+    """The size whose T1 and T2 a scene ('group.key' to value) has, if there is one."""
+    return next((u for u in UNITS.values() if abs(u.t1_nm - scene["loop.torque_1"]) < 1e-9
+                 and abs(u.t2_nm - scene["loop.torque_2"]) < 1e-9), None)
+
+
 @checked(torque_nm=array((None,)), angle_rad=array((None,)), t1_nm=number(above=0), t2_nm=number(above=0))
 def stages(torque_nm: ArrayLike, angle_rad: ArrayLike, t1_nm: float, t2_nm: float) -> list:
     """K1, K2, K3 of a curve: the chords from 0 to T1, from T1 to T2, and from T2 to its end.

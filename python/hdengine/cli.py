@@ -19,6 +19,7 @@ import numpy as np
 from . import _engine, completion
 from ._engine import EngineMemoryError, FileError, HdengineError, InputError, NotConvergedError, StoppedError
 from .contact import Run, doubts, read_scene
+from .export import command as export_command
 from .files import check_folder
 from .prediction import command as joint_command
 from .results import Result, read_csv, read_summary
@@ -71,8 +72,9 @@ def _keys(assignments):
 
 def _run(args):
     out, keys = args.out or _folder(args.input), _keys(args.assignments)
-    for line in doubts(args.input, **keys):
-        print(f"warning: {line}", file=sys.stderr)
+    if args.check or args.plan:  # a run says them at its end, with the others
+        for line in doubts(args.input, **keys):
+            print(f"warning: {line}", file=sys.stderr)
     if args.check:
         read_scene(args.input, **keys)
         print(f"{args.input} is valid")
@@ -83,7 +85,7 @@ def _run(args):
     if _run_surface_alone(args.input, out, args.force, keys):
         return _finish(out)
     try:
-        with Run(args.input, out, args.force, args.resume, **keys) as run:
+        with Run(args.input, out, args.force, args.resume, args.allow_implausible, **keys) as run:
             told = 0
             for step in run:
                 if args.verbose:
@@ -145,7 +147,7 @@ def _study(args):
 def _finish(folder):
     """Results and figures of what was just solved; a machine that computes only may lack matplotlib."""
     if importlib.util.find_spec("matplotlib"):
-        return _plot(argparse.Namespace(folder=folder))
+        return _plot(argparse.Namespace(folder=folder, debug=False))
     print(f"written: {folder}; figures need matplotlib: pip install 'hdengine[plot]'", file=sys.stderr)
     return 0
 
@@ -166,7 +168,7 @@ def _plot(args):
         from .figures.run import plot_run
 
         result = Result(folder)
-        paths = [result.write_torsion(), *plot_run(result)]
+        paths = [result.write_torsion(), *plot_run(result, args.debug)]
     else:
         raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
                         "valid: a folder that hdengine.x or hdengine study wrote")
@@ -179,10 +181,15 @@ def _plot(args):
 def _report(args):
     from .report import write_pdf, write_report
 
-    path = write_report(args.folder, args.out, not args.no_picture)
+    path = write_report(args.folder, args.out, args.picture, args.animation)
     print(f"written: {path}")
     if args.pdf:
         print(f"written: {write_pdf(path)}")
+    return 0
+
+
+def _export(args):
+    print(f"written: {export_command.export(Result(args.folder), args.to, args.out)}")
     return 0
 
 
@@ -260,6 +267,7 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--explain", metavar="KEY", action=_Explain, help="meaning, unit and default of a key (group.key, group, all)")
     run.add_argument("-q", "--quiet", action="store_true", help="no line per load step")
     run.add_argument("-v", "--verbose", action="store_true", help="also a line per Newton iteration")
+    run.add_argument("--allow-implausible", action="store_true", help="solve also where a value is some thousand times off")
     run.add_argument("--resume", action="store_true", help="go on with a stopped run of the same input")
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
                      "study data/fig13_w.toml --jobs 2")
@@ -277,11 +285,16 @@ def make_parser() -> argparse.ArgumentParser:
         sub.add_argument("--force", action="store_true", help="replace earlier results")
     plot = _command(commands, "plot", _plot, "tables and figures of a run or a study", "plot cd14.out")
     plot.add_argument("folder", help="folder of a run or a study")
+    plot.add_argument("--debug", action="store_true", help="also what is read to mend a run: iterations, pressures of every torque")
     report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
     report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
-    report.add_argument("--no-picture", action="store_true", help="without the 3-D picture")
+    report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")
+    report.add_argument("--no-picture", action="store_true", help=argparse.SUPPRESS)  # the default, once was none
+    report.add_argument("--animation", action="store_true", help="with the pressure step by step, as a GIF")
+    export_command.add_options(_command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
+                                        "export drive14.out --to mujoco --out joint.xml"))
     sensitivity = _command(commands, "sensitivity", _sensitivity, "tornado, bands and shares of the variance of K_TS of a run",
                            "sensitivity cd14.out --drive")
     sensitivity.add_argument("folder", help="folder of a run")

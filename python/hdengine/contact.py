@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,11 @@ from ._check import checked, flag
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .results import Result, preformatted
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._keys import SceneKeys
 
 _SUMS = _engine.names("step")
 _FIELDS = _engine.names("facet")
@@ -71,6 +76,8 @@ class Run:
         Replace earlier results in the folder.
     resume : bool
         Go on with a stopped run of the same scene in the folder; begin it if there is none.
+    allow_implausible : bool
+        Solve also where a value is some thousand times off, as 17.5 for a radius in m.
     **keys
         Scene keys as group__key=value (`load__torque=3`), or one dict per group (`load={'torque': 3}`).
 
@@ -87,9 +94,9 @@ class Run:
 
     _handle = None
 
-    @checked(path=a_path, out=a_path, force=flag, resume=flag)
+    @checked(path=a_path, out=a_path, force=flag, resume=flag, allow_implausible=flag)
     def __init__(self, path: PathLike | None = "", out: PathLike | None = "", force: bool = False,
-                 resume: bool = False, **keys: Value) -> None:
+                 resume: bool = False, allow_implausible: bool = False, **keys: Value) -> None:
         self._process = os.getpid()
         lines = "\n".join(_assignments(keys))
         if out:
@@ -98,7 +105,8 @@ class Run:
                 out.parent.mkdir(parents=True, exist_ok=True)
             except OSError as e:
                 raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
-        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume))
+        self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume),
+                                     int(allow_implausible))
         self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
@@ -259,15 +267,17 @@ class _ToBar(logging.Handler):
 
 
 @contextlib.contextmanager
-def follow(show: bool | None = None) -> Iterator[None]:
+def follow(show: bool | None = None, steps: int = 0) -> Iterator[None]:
     """A bar over the load steps of runs, with the last line of the log beside it.
 
     Parameters
     ----------
     show : bool, optional
         Default: in notebooks.
+    steps : int
+        How many load steps there will be; 0: not known.
     """
-    shown = bar(desc="load steps", unit="") if (in_notebook() if show is None else show) else None
+    shown = bar(desc="load steps", unit="", total=steps or None) if (in_notebook() if show is None else show) else None
     if shown is None:
         yield
         return
@@ -284,21 +294,67 @@ def follow(show: bool | None = None) -> Iterator[None]:
 
 
 def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = False, resume: bool = False,
-        show: bool | None = None, **keys: Value) -> Result:
+        show: bool | None = None, allow_implausible: bool = False, **keys: Unpack[SceneKeys]) -> Result:
     """Run a scene to its end and return its Result.
-
-    Parameters and errors as for Run. A run that ends early, by Ctrl-C too, leaves its converged steps and a summary in `out`.
 
     Parameters
     ----------
+    path : str or Path, optional
+        Namelist, as data/drive14.nml; default: the default scene, ring and cup of size 14.
+    out : str or Path
+        Folder for tables, summary and grids.
+    force : bool
+        Replace earlier results in it.
+    resume : bool
+        Go on with a stopped run of the same scene in it; begin it if there is none.
     show : bool, optional
         A bar over the load steps, with the last line of the log (needs tqdm); default: in notebooks. The log itself goes to the
         logger `hdengine` at level INFO.
+    allow_implausible : bool
+        Solve also where a value is some thousand times off, as 17.5 for a radius in m.
+    **keys
+        Keys of the scene that differ from the file, SI units: a dict a group (`load={'torque': 3}`) or `load__torque=3`.
+
+    Returns
+    -------
+    Result
+        `k1`, `k2`, `k3` of a whole drive, `k_ts`, tables by `frame('loop')`, figures by `plot()`, a page by `report()`.
+
+    Raises
+    ------
+    InputError
+        All mistakes of the input in one message.
+    FileError
+        `out` holds results, or a file cannot be read.
+    NotConvergedError
+        Gross slip, or no convergence; the converged steps are kept in `out`.
+    LinearSolverError, EngineMemoryError
+        A body is not held; the mesh does not fit into the memory.
+    StoppedError
+        `solver.time_limit_s` or a signal ended it; `resume=True` goes on.
+
+    Examples
+    --------
+    >>> import hdengine, tempfile
+    >>> result = hdengine.run(out=tempfile.mkdtemp() + "/small.out", mesh={"divisions": 16, "band_facets": 4}, load={"torque": 1.0})
+    >>> result.complete, result.k_ts > 1e5
+    (True, True)
     """
-    with follow(show), Run(path, out, force, resume, **keys) as r:
+    with follow(show, steps=_count_steps(path, keys)), Run(path, out, force, resume, allow_implausible, **cast(Any, keys)) as r:
         for _ in r:
             pass
     return Result(out)
+
+
+def _count_steps(path, keys):
+    """Load steps of a scene as it is given, for the bar; 0 where a plan chooses them."""
+    scene = read_scene(path, **keys)
+    if scene["run.tolerance"] > 0:
+        return 0
+    legs = scene["loop.torques"]
+    legs = 5 if scene["load.support"] == "drive" and not np.any(legs) else len(np.atleast_1d(legs)) if \
+        scene["load.support"] == "drive" else 1
+    return scene["load.assembly_steps"] + legs * scene["load.torque_steps"]
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,15 @@
 """Results of a run, read from its folder."""
 from __future__ import annotations
 
+import base64
+import functools
 import html
 import io
 import tempfile
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,8 +30,11 @@ WORD = 24   # characters beyond which a table is left to the slow reader
 
 def _table(path):
     """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    with open(path, encoding="utf-8") as file:
-        head = [line for line, _ in zip(file, range(20))]
+    if isinstance(path, list):
+        head = path[:20]
+    else:
+        with open(path, encoding="utf-8") as file:
+            head = [line for line, _ in zip(file, range(20))]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
         raise ValueError("neither numbers nor words")
@@ -59,8 +64,16 @@ def _table_with_gaps(path):
     return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
 
 
-def read_csv(path: PathLike, *needed: str) -> np.ndarray:
+def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
+
+    Parameters
+    ----------
+    path : str or Path
+    *needed : str
+        Columns.
+    rows : slice, optional
+        Read no others as numbers; default: all.
 
     Raises
     ------
@@ -75,10 +88,14 @@ def read_csv(path: PathLike, *needed: str) -> np.ndarray:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
+            source: Any = path
+            if rows is not None:
+                head, *lines = Path(path).read_bytes().splitlines()
+                source = [line.decode("utf-8") for line in (head, *lines[rows])]
             try:
-                table = _table(path)
+                table = _table(source)
             except (ValueError, Warning, IndexError):
-                table = _table_with_gaps(path)
+                table = _table_with_gaps(source)
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
     except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
@@ -104,7 +121,9 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     """
     path = Path(folder) / "summary.json"
     if not path.is_file():
-        raise FileError(f"'{folder}' holds no finished run: summary.json is missing")
+        what = "a study: read it by hdengine.StudyResult" if (Path(folder) / "study.json").is_file() else \
+            "no finished run: summary.json is missing"
+        raise FileError(f"'{folder}' holds {what}")
     return read_json(path, *needed)
 
 
@@ -190,19 +209,40 @@ class Result:
         Facets round the circumference, facets along the band.
     """
 
+    reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
+
     @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa")
-        facets = int(table["facet"].max())
+        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", rows=slice(-1, None))
+        self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
+
+    @functools.cached_property
+    def contact(self) -> dict:
+        """Columns of contact.csv, (steps, facets) each; read when they are first asked for."""
+        path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
+        table = read_csv(path, "facet", "i_theta", "i_z", "pressure_pa")
         if len(table) != facets * len(self.steps):
-            raise FileError(f"'{self.folder / 'contact.csv'}' has {len(table)} rows: must be {facets} facets times "
-                            f"{len(self.steps)} load steps")
-        self.contact = {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
-        self.shape = int(table["i_theta"].max()), int(table["i_z"].max())
+            raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
+        return {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
+
+    def contact_at(self, step: int) -> Mapping[str, np.ndarray]:
+        """Columns of contact.csv of one load step, counted from 0, (facets,) each; the other steps are not read.
+
+        Raises
+        ------
+        IndexError
+            There is no such step.
+        """
+        step = range(len(self.steps))[step]
+        if "contact" in self.__dict__:
+            return {name: column[step] for name, column in self.contact.items()}
+        facets = self.shape[0] * self.shape[1]
+        table = read_csv(self.folder / "contact.csv", rows=slice(step * facets, (step + 1) * facets))
+        return {name: table[name] for name in table.dtype.names or ()}
 
     @property
     def scene(self) -> dict:
@@ -280,7 +320,7 @@ class Result:
 
     def row_edges(self) -> np.ndarray:
         """Ends of the facet rows, from the front edge of the band [m]."""
-        return row_edges(self.contact["area_m2"][0], self.shape, self.scene["geometry.band_length"])
+        return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
 
     def rows(self) -> list:
         """One dict per load step with the columns of a study's table."""
@@ -290,11 +330,23 @@ class Result:
             row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
         return steps
 
-    def frame(self) -> Any:
-        """The load steps as a pandas.DataFrame (needs pandas)."""
+    def frame(self, table: str = "steps") -> Any:
+        """A table of the run as a pandas.DataFrame (needs pandas).
+
+        Parameters
+        ----------
+        table : str
+            'steps' with the pressures at Positions I-III; or a CSV file of the folder without its suffix: 'loop', 'balls', 'teeth',
+            'fatigue', 'history', 'contact', 'turning'.
+
+        Raises
+        ------
+        FileError
+            The run has no such table.
+        """
         import pandas
 
-        return pandas.DataFrame(self.rows())
+        return pandas.DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
 
     def dataset(self) -> Any:
         """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).
@@ -316,7 +368,71 @@ class Result:
             {"title": self.summary["title"], "status": self.summary["status"]})
 
     def _repr_html_(self):
-        return preformatted(self)
+        found = self.summary["results"]
+        rows = [(f"K{i} / (kN m/rad)", k / 1e3) for i, k in enumerate((self.k1, self.k2, self.k3), 1) if np.isfinite(k)]
+        rows += [(f"{name.replace('_', ' ')} / arcmin", np.degrees(60 * found[f"{name}_rad"]))
+                 for name in ("hysteresis", "lost_motion") if found.get(f"{name}_rad") is not None]
+        rows += [("K_TS, tangent / (MN m/rad)", self.k_ts / 1e6), ("normal force / N", found["normal_force_n"]),
+                 ("torque / N m", self.torque_nm[-1])]
+        cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{value:.4g}</td></tr>" for name, value in rows)
+        picture, buffer = "", io.BytesIO()
+        if self.scene["load.support"] == "drive" and (self.folder / "loop.csv").exists():
+            from .figures.drive import plot_loop
+
+            plot_loop(self).savefig(buffer, format="png", dpi=70)
+            picture = f'<img alt="loop" src="data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}">'
+        notes = "".join(f"<p>warning: {html.escape(w)}</p>" for w in self.summary["warnings"])
+        title = html.escape(f"{self.summary['title'] or self.folder}: {self.summary['status']}")
+        return f"<table><caption>{title}</caption>{cells}</table>{picture}{notes}"
+
+    def _reading(self, name):
+        """A number of the summary's results, NaN where it has none."""
+        value = self.summary["results"].get(name)
+        return float("nan") if value is None else float(value)
+
+    @property
+    def k1(self) -> float:
+        """K1 of a whole drive: chord of its loop from 0 to T1 [N m/rad]; NaN where the run has none."""
+        return self._reading("k1_nm_per_rad")
+
+    @property
+    def k2(self) -> float:
+        """K2 of a whole drive: chord from T1 to T2 [N m/rad]; NaN where the run has none."""
+        return self._reading("k2_nm_per_rad")
+
+    @property
+    def k3(self) -> float:
+        """K3 of a whole drive: chord from T2 to the largest torque [N m/rad]; NaN where the run has none."""
+        return self._reading("k3_nm_per_rad")
+
+    @property
+    def k_ts(self) -> float:
+        """Torsional stiffness of the contact, the tangent beside bonded faces [N m/rad]; NaN where the run has none."""
+        return self._reading("k_ts_bonded_nm_per_rad")
+
+    def plot(self, debug: bool = False) -> list:
+        """Make the run's figures in its folder; returns their paths.
+
+        Parameters
+        ----------
+        debug : bool
+            Also what is read to mend a run.
+        """
+        from .figures.run import plot_run
+
+        return plot_run(self, debug)
+
+    def report(self, path: PathLike | None = None, **options: bool) -> Path:
+        """Write the run's report, one HTML file; returns its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Default: report.html in the folder.
+        **options
+            picture, animation: of `hdengine.report.write_report`.
+        """
+        return Result.reporter(self.folder, path, **options)
 
     @property
     def joint(self) -> Joint | ElasticJoint:
@@ -384,7 +500,7 @@ class Result:
         """
         if "gradient" not in self.summary:
             with tempfile.TemporaryDirectory() as folder:
-                handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0)
+                handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0, 1)
                 try:
                     while not _engine.call("run_advance", handle):
                         pass

@@ -319,7 +319,7 @@ def test_output_is_a_file(exe, tmp_path):
 @pytest.mark.parametrize("args, expected", [
     ([], "error: no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)\n"),
     (["--chekc"], "error: unknown option '--chekc'\n      did you mean '--check'?  valid: --check, --plan, --explain, --force, "
-     "--resume, --help, --out, --version, --license, --citation, -q, -v\n"),
+     "--resume, --help, --out, --version, --license, --citation, --allow-implausible, -q, -v\n"),
     (["a.nml", "b.nml"], "error: two input files: 'a.nml' and 'b.nml'; valid: one\n"),
     (["--out"], "error: --out needs a value; see hdengine.x --help\n"),
     (["--explain", "frcition"], None),

@@ -11,6 +11,8 @@ import pytest
 
 import hdengine
 from conftest import ROOT, call
+
+sys.path.insert(0, str(ROOT / "tools"))
 from hdengine import cli, completion
 from hdengine.studies.progress import Progress
 from hdengine.studies.study import StudyResult
@@ -89,7 +91,7 @@ def test_tables_for_pandas_and_xarray(small_run):
     assert data["pressure_pa"].dims == ("step", "theta_rad", "band_z_m")
     assert all(v.attrs["units"] and v.attrs["long_name"] for v in data.data_vars.values())
     assert float(abs(data["z_m"][-1].mean("theta_rad") - data["band_z_m"] - result.scene["geometry.band_start"]).max()) < 1e-4
-    assert "<pre" in result._repr_html_()
+    assert "<td>K_TS, tangent / (MN m/rad)</td>" in result._repr_html_()
     assert float((data["pressure_pa"] * data["area_m2"]).isel(step=-1).sum()) == pytest.approx(
         float((result.contact["pressure_pa"] * result.contact["area_m2"])[-1].sum()))
 
@@ -190,16 +192,89 @@ def test_the_distribution_states_its_python_and_its_licences():
 
 DOUBTS = {"material.flexspline_e=209": "209 GPa", "material.ring_e=219e3": "GPa|MPa", "wave_generator.w=1.6e-3": "times the wall",
           "geometry.rim_thickness=0.3e-3": "thinner than the wall", "contact.friction=1.5": "contact.friction",
-          "load.torque=5000": "5.0 N m .5000.0 N mm", "joint.asperity_radius=5e-3": "joint.asperity_radius", "joint.s_min=0.8": r"um\^2"}
+          "wave_generator.w=0": "stays round", "load.torque=5000": "5.0 N m .5000.0 N mm", "joint.asperity_radius=5e-3": "joint.asperity_radius", "joint.s_min=0.8": r"um\^2"}
 
 
 @pytest.mark.parametrize("key", DOUBTS)
 def test_values_that_are_hardly_meant(exe, key):
-    """A value far from any drive is told with its usual range and the slip of units; the scene stays valid."""
-    said = [call(exe, ROOT / "data/cd14.nml", "--check", *keys).stdout for keys in ((), (key,))]
+    """A value far from any drive is told with its usual range and the slip of units; the scene is valid, if it is meant."""
+    said = [call(exe, ROOT / "data/cd14.nml", "--check", "--allow-implausible", *keys).stdout for keys in ((), (key,))]
     assert "warning" not in said[0] and "is valid" in said[1] and re.search(DOUBTS[key].replace("209 GPa", "209.0 GPa"), said[1]), said
     group, name = key.split("=")[0].split(".")
     assert len(hdengine.contact.doubts(str(ROOT / "data/cd14.nml"), **{group: {name: float(key.split("=")[1])}})) == 1
+
+
+@pytest.mark.parametrize("key, meant", [("geometry.cup_length=30", "0.03 m"), ("geometry.bore_radius=17.5", "0.0175 m"),
+                                        ("material.flexspline_e=209", "2.09e11 Pa"), ("load.torque=7800", "7.8 N m")])
+def test_a_slip_of_units_stops_the_run(exe, key, meant, tmp_path):
+    """A value some thousand times off ends with an error that names what was meant, in Python too; --allow-implausible goes on."""
+    done = call(exe, ROOT / "data/cd14.nml", key, "--out", tmp_path / "r")
+    assert done.returncode == 2 and f"did you mean {meant}" in done.stderr and "--allow-implausible" in done.stderr and not (tmp_path / "r").exists()
+    group, name = key.split("=")[0].split(".")
+    with pytest.raises(hdengine.InputError, match="allow_implausible=True"):
+        hdengine.Run(ROOT / "data/cd14.nml", **{group: {name: float(key.split("=")[1])}})
+    assert "--allow-implausible" not in call(exe, ROOT / "data/cd14.nml", key, "--check", "--allow-implausible").stderr
+
+
+@pytest.mark.parametrize("key, meant", [("geometry.wall_thickness=0.35", "0.35 mm"), ("wave_generator.w=0.2", "0.2 mm"),
+                                        ("geometry.ring_thickness=1", "1.0 mm"), ("geometry.band_length=6", "6.0 mm"),
+                                        ("wave_generator.interference=10", "10.0 um")])
+def test_a_hard_limit_names_the_unit_too(exe, key, meant):
+    """A value beyond what any scene may have is refused with the unit that it was given in."""
+    done = call(exe, ROOT / "data/cd14.nml", key, "--check")
+    assert done.returncode == 2 and "valid: " in done.stderr and f"({meant})?" in done.stderr
+
+
+def test_no_hint_makes_it_worse(exe):
+    """A value just outside of what is usual, and no slip of units, is warned of without a hint."""
+    done = call(exe, ROOT / "data/cd14.nml", "wave_generator.interference=2e-4", "--check")
+    assert done.returncode == 0 and "is unusual" in done.stdout and "did you mean" not in done.stdout
+
+
+def test_every_warning_has_its_number(exe):
+    """The log ends each warning with its number, `--explain warnings` lists as many as the sources have, and each has one."""
+    import messages_page
+
+    listed = re.findall(r"^W(\d+) +(.*) - ", call(exe, "--explain", "warnings").stdout, re.M)
+    said = [m.text for m in messages_page.messages() if m.kind == "warning"]
+    assert [int(n) for n, _ in listed] == list(range(1, len(listed) + 1))
+    bare = [re.sub(r"[‹›…]", "", text) for text in said]
+    assert [text for text in said if not any(mark.strip() in text or mark.strip() in bare[said.index(text)] for _, mark in listed)] == []
+    assert [mark for _, mark in listed if sum(mark.strip() in text for text in bare + said) == 0] == []
+    assert call(exe, ROOT / "data/cd14.nml", "contact.friction=1.5", "--check").stdout.splitlines()[0].endswith("(W1)")
+
+
+def test_typed_keys_are_those_of_the_engine():
+    """The module that editors complete keys from is what its tool makes of the engine's table."""
+    import typed_keys
+
+    assert typed_keys.FILE.read_text() == typed_keys.text()
+
+
+def test_a_result_answers_in_words(tmp_path):
+    """A whole drive's result has K1 to K3, K_TS, its tables by name, its figures, its report and a table with the loop for notebooks."""
+    pytest.importorskip("pandas")
+    keys = {"mesh": {"divisions": 24, "band_facets": 4}, "load": {"torque_steps": 2}}
+    result = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", **keys)
+    found = result.summary["results"]
+    assert (result.k1, result.k2, result.k3, result.k_ts) == tuple(found[f"{n}_nm_per_rad"] for n in ("k1", "k2", "k3", "k_ts_bonded"))
+    loop = result.frame("loop")
+    shares = loop[[c for c in loop if c.startswith("share_")]].to_numpy()
+    assert len(loop) == len(result.steps) and shares[loop.phase == "torque"].sum(axis=1) == pytest.approx(1)
+    assert {p.name for p in result.plot()} >= {"loop.png", "twist.png", "contact.png", "loads.png", "fatigue.png"}
+    assert result.report() == tmp_path / "r/report.html" and result.report().stat().st_size > 1e5
+    page = result._repr_html_()
+    assert "<td>K2 / (kN m/rad)</td>" in page and "data:image/png;base64," in page
+    with pytest.raises(hdengine.FileError, match="nothing.csv"):
+        result.frame("nothing")
+
+
+def test_the_example_of_run_runs():
+    """The example in the documentation of hdengine.run prints what it shows."""
+    import doctest
+
+    tests = doctest.DocTestFinder().find(hdengine.run, "run", globs={})
+    assert sum(doctest.DocTestRunner().run(test).failed for test in tests) == 0 and tests[0].examples
 
 
 def test_grid_of_the_contact_face(small_run):

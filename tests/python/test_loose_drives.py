@@ -22,10 +22,11 @@ def loop(exe, folder, *keys):
     return json.loads((folder / "summary.json").read_text())["results"]
 
 
-@pytest.mark.parametrize(("seed", "drive", "iterations"), [(1, 12, 1200), (1, 3, 740)])
+@pytest.mark.parametrize(("seed", "drive", "iterations"), [(1, 12, 1200), (1, 3, 740), (57, 80, 200)])
 def test_unloading_across_the_play(seed, drive, iterations, monkeypatch):
     """Where the flanks part at T = 0, a handful of points slip and little holds ring and wheel, Newton's method does not leap back from a
-    small residual: these took 1532 and 812 iterations. Results hold by themselves."""
+    small residual: the first two took 1532 and 812 iterations. Nor does a spring draw the ring of a rigid wave generator, and the whole drive
+    with it, across the play: the third took 16 105. Results hold by themselves."""
     monkeypatch.setattr(random_runs, "LOOSE", seed)
     row = random_runs.solve("drive14.nml", random_runs.loose(drive), 0)
     assert (row["code"], row["faults"]) == (0, []), row["message"]
@@ -42,11 +43,14 @@ def test_checks_of_random_drives_can_fail():
 
 
 def test_hysteresis_grows_with_friction_of_the_contact(exe, tmp_path):
-    """From 0.05 over 0.1 to 0.2, with the energy that friction takes; the lost motion, mostly play, stays."""
+    """From 0.05 over 0.1 to 0.2, with the energy that friction takes; the lost motion, mostly play, stays. The torque's work, which it does
+    not do across the play, is what is stored and what friction took: to 2 % of the latter, where it was 7 to 25 %."""
     loops = [loop(exe, tmp_path / "run", f"contact.friction={mu}") for mu in (0.05, 0.1, 0.2)]
     for key in ("hysteresis_rad", "loop_dissipated_j"):
         first, second, third = (found[key] for found in loops)
         assert first * 1.1 < second < third / 1.1
+    for found in loops:
+        assert found["loop_work_j"] - found["loop_stored_j"] == pytest.approx(found["loop_dissipated_j"], rel=0.02)
     lost = [found["lost_motion_rad"] for found in loops]
     assert max(lost) < 1.1 * min(lost)
 
@@ -59,3 +63,23 @@ def test_friction_of_the_flanks_heats_and_leaves_hysteresis(exe, tmp_path):
     teeth = read_csv(Path(tmp_path / "run/teeth.csv"))
     rest = abs(teeth["torque_nm"]) < 1e-9
     assert teeth["force_n"][rest].max() < 1e-2 * teeth["force_n"].max()
+
+
+@pytest.mark.parametrize("torque", [10, 30])
+def test_shares_of_the_twist_are_those_of_the_loop(exe, tmp_path, torque):
+    """With the joint as contact law the loop's own slope is the drive's flexibility: what gaps, slip and joint take of it, the inverse of
+    k_ts_bonded over that slope, is the sum of their shares, to 0.3 %."""
+    found = loop(exe, tmp_path / "run", "contact.law=joint", f"loop.torques={torque},{1.01 * torque}")
+    table = read_csv(tmp_path / "run/loop.csv")
+    slope = (table["angle_rad"][-1] - table["angle_rad"][-2]) / (table["torque_nm"][-1] - table["torque_nm"][-2])
+    contact = sum(found["twist_shares"][name] for name in ("gaps", "slip", "joint"))
+    assert contact == pytest.approx(1 / (found["k_ts_bonded_nm_per_rad"] * slope), rel=3e-3)
+
+
+def test_no_softer_part_stiffens_the_contact(exe, tmp_path):
+    """A softer body moves the forces, so by 1 % at most; beside the bonded drive, whose gaps close, a softer ring is stiffer by 5 %."""
+    stiff, *soft = (loop(exe, tmp_path / "run", "loop.torques=30", *key) for key in (
+        [], ["material.ring_e=103e9"], ["material.flexspline_e=100e9"], ["load.tooth_stiffness=6e7"], ["load.spline_diameter=64e-3"],
+        ["bearing.ball_rate=5e9"], ["geometry.wall_thickness=0.4e-3"]))
+    assert max(found["k_ts_contact_nm_per_rad"] for found in soft) < 1.01 * stiff["k_ts_contact_nm_per_rad"]
+    assert soft[0]["k_ts_bonded_nm_per_rad"] > 1.03 * stiff["k_ts_bonded_nm_per_rad"]

@@ -10,6 +10,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT, call
+from hdengine.catalogue import UNITS
 from hdengine.cli import main
 from hdengine.figures import cup as picture
 from hdengine.figures.run import colour_top, plot_steps
@@ -26,7 +27,7 @@ def folder(small_run, tmp_path_factory):
     assert main(["sensitivity", str(out), "--draws", "30"]) == 0
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "pyvista", None)
-        write_report(out)
+        write_report(out, picture=True, animation=True)
     return out
 
 
@@ -68,7 +69,7 @@ def test_pdf_without_weasyprint(folder, monkeypatch):
 def test_pdf(folder):
     """`report --pdf` writes a PDF beside the HTML file."""
     pytest.importorskip("weasyprint")
-    assert main(["report", str(folder), "--no-picture", "--pdf"]) == 0
+    assert main(["report", str(folder), "--pdf"]) == 0
     assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
 
 
@@ -143,10 +144,34 @@ def test_colours_do_not_rest_on_edge_cells():
 def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     """The report of a whole drive opens with K1 to K3 of its summary, hysteresis in minutes of arc, and its loop."""
     run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2)
-    head = write_report(tmp_path / "r", picture=False).read_text().split("<nav>")[0]
-    found = run.summary["results"]
+    page = write_report(tmp_path / "r").read_text()
+    head, found = page.split("<nav>")[0], run.summary["results"]
+    assert "data:image/gif" not in page and "newton.png" not in {p.name for p in run.folder.iterdir()}
+    unit = UNITS[14]  # T1 and T2 of the scene are those of size 14
+    for i in (1, 2):
+        k, stated = found[f"k{i}_nm_per_rad"], getattr(unit, f"k{i}_nm_per_rad")
+        assert f"<td>{k / 1e3:.3g}</td><td>{stated / 1e3:.3g}</td><td>{k / stated:.2f}</td>" in head.replace(' class="text"', "")
+    assert len(re.findall('<tr class="(?:good|failed)">', head)) == 3
+    assert ('class="failed"' in head) == (min(found["flexspline_yield_safety"], found["ring_yield_safety"], found["goodman_safety_min"]) < 1)
+    assert "<dt>wall thickness</dt><dd>0.36</dd>" in head and head.count("<circle") == run.scene["bearing.balls"]
+    places = [head.index(text) for text in ("K1 ", 'alt="Torque over the angle', "largest force of a ball", "<svg", "Stress cycle")]
+    assert places == sorted(places)
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head
     assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head and 'alt="Torque over the angle' in head
+
+
+def test_a_report_made_again_draws_nothing(tmp_path, monkeypatch):
+    """Figures that this version drew of this summary are kept; a newer summary, or another version's figure, is drawn anew."""
+    from hdengine.figures import run as figures
+
+    result = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", mesh__divisions=16, mesh__band_facets=3, load__torque_steps=1)
+    write_report(result.folder)
+    stamps = {p.name: p.stat().st_mtime_ns for p in result.folder.glob("*.png")}
+    write_report(result.folder)
+    assert len(stamps) >= 3 and stamps == {p.name: p.stat().st_mtime_ns for p in result.folder.glob("*.png")}
+    monkeypatch.setattr(figures._engine, "version", lambda: "0.0.0")
+    figures.plot_run(result)
+    assert all(p.stat().st_mtime_ns > stamps[p.name] for p in result.folder.glob("*.png"))
 
 
 def test_small_multiples_of_any_number_of_steps(tmp_path):
@@ -165,7 +190,7 @@ def test_report_opens_with_the_answer(folder):
     links = re.findall(r'href="#([^"]+)"', rest)
     assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
     assert all(page.count(f'id="{mark}"') == 1 for mark in links)
-    assert "max-width:600px" in page and page.count('<div class="wide">') == page.count("<img")
+    assert "max-width:600px" in page and "prefers-color-scheme:dark" in page and "counter(pages)" in page
 
 
 def test_one_scale_for_every_pressure_map(folder):

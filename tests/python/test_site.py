@@ -1,30 +1,99 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The site is built from the pages."""
+import functools
+import http.server
 import json
 import re
+import shutil
 import subprocess
 import sys
+import threading
 
 import pytest
 
 from conftest import ROOT
 
 
-def test_site_builds_without_warnings(tmp_path):
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """What Sphinx said, and the folder of the site."""
+    folder = tmp_path_factory.mktemp("site")
+    done = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", folder / "trees", ROOT / "docs", folder / "html"],
+                          capture_output=True, text=True)
+    return done, folder / "html"
+
+
+def test_site_builds_without_warnings(built):
     """Sphinx finds no broken link, no page outside the contents and no faulty docstring; no page loads a style sheet or a script from a
     server; the notebooks of the gallery hold the code of the examples that the build runs."""
-    done = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", tmp_path / "trees", ROOT / "docs", tmp_path / "html"],
-                          capture_output=True, text=True)
+    done, html = built
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "html/index.html").exists()
+    assert (html / "index.html").exists()
     loads = re.compile(r"""<(?:script|link rel="stylesheet"|link)[^>]*(?:src|href)="https?://[^"]*\.(?:js|css)""")
-    pages = [*(tmp_path / "html").rglob("*.html")]
+    pages = [*html.rglob("*.html")]
     assert [str(page) for page in pages if loads.search(page.read_text())] == [] and len(pages) > 500
-    notebooks = {path.stem: path for path in (tmp_path / "html/_downloads").rglob("*.ipynb")}
+    notebooks = {path.stem: path for path in (html / "_downloads").rglob("*.ipynb")}
     assert sorted(notebooks) == sorted(path.stem for path in (ROOT / "examples").glob("*.py"))
     for name, path in notebooks.items():
         cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
         assert code(f"{''.join(cell['source'])}\n" for cell in cells) == code([(ROOT / f"examples/{name}.py").read_text().split('"""', 2)[2]]), name
+
+
+# Widths beyond the window and cards that overlap, of pages in frames of 1280 and 390 pixels, as JSON.
+LOOK = """<!DOCTYPE html><html><body><script>
+const pages = %s, found = [];
+let left = 2 * pages.length;
+for (const page of pages) for (const width of [1280, 390]) {
+  const frame = document.createElement('iframe');
+  frame.style.width = width + 'px';
+  frame.style.height = '900px';
+  frame.onload = () => {
+    const root = frame.contentDocument.documentElement;
+    if (root.scrollWidth > width + 1) found.push(`${page} at ${width}: ${root.scrollWidth} wide`);
+    const cards = [...root.querySelectorAll('.sphx-glr-thumbcontainer')].map(c => c.getBoundingClientRect());
+    cards.forEach((a, i) => cards.slice(i + 1).forEach(b => {
+      if (a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1) found.push(`${page} at ${width}: cards`);
+    }));
+    for (const image of root.querySelectorAll('.sphx-glr-thumbcontainer img'))
+      if (image.closest('a')) found.push(`${page} at ${width}: a thumbnail in a link of its own`);
+    if (!--left) document.body.innerText = 'looked: ' + JSON.stringify(found);
+  };
+  frame.src = page;
+  document.body.append(frame);
+}
+</script></body></html>"""
+QUESTIONS = {"how accurate is K_TS": "howto/trust.html", "which warning means what": "reference/errors.html", "stiffness for my robot": "howto/robot.html"}
+
+
+def test_a_browser_finds_its_way(built):
+    """In Chromium no page is wider than a window of 1280 or 390 pixels, no card of the gallery overlaps, and a designer's questions lead
+    to their page in the first three hits of the search."""
+    chromium = shutil.which("chromium") or pytest.skip("Chromium is not installed")
+    assert look(chromium, built[1]) == ([], dict.fromkeys(QUESTIONS, True))
+
+
+def look(chromium, html):
+    """What is wider than it may be, and whether each question finds its page."""
+    pages = ["index.html", "gallery/index.html", "start/first_run.html", "howto/robot.html", "reference/errors.html", "evidence/drive.html"]
+    (html / "look.html").write_text(LOOK % json.dumps(pages))
+    handler = functools.partial(QuietHandler, directory=str(html))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+
+        def dom(page):
+            return subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=15000", "--dump-dom",
+                                   f"http://127.0.0.1:{server.server_port}/{page}"], capture_output=True, text=True, timeout=100).stdout
+        wide = json.loads(re.search(r"looked: (\[.*?\])<", dom("look.html"), re.S)[1])
+        hits = {q: re.findall(r'class="kind-\w+"><a href="([^"#?]+)', dom("search.html?q=" + q.replace(" ", "+")))[:3] for q in QUESTIONS}
+        server.shutdown()
+    return wide, {question: QUESTIONS[question] in found for question, found in hits.items()}
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Files of a folder, without a line for each."""
+
+    def log_message(self, *_):
+        """Say nothing."""
 
 
 def code(parts):

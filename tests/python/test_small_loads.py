@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes at the lower end: little torque, no contact, nothing that holds; and first steps that take long."""
+"""Scenes at the ends: little torque, no contact, nothing that holds, a torque that no drive bears; and first steps that take long."""
 import csv
 
 import pytest
@@ -81,3 +81,44 @@ def test_first_step_is_not_halved(exe, tmp_path):
     with (tmp_path / "p/history.csv").open() as f:
         history = list(csv.DictReader(f))
     assert max(int(row["iteration"]) for row in history) > 3 and {row["attempt"] for row in history} == {"0"}
+
+
+@pytest.mark.parametrize("interference", [0, 10e-6])
+def test_a_torque_that_no_drive_bears_ends(exe, tmp_path, interference):
+    """A cup at its hub under 1e5 N m turns without end: said after the halvings that a load step has, not after 50 000 attempts whose
+    shares differ in the last place."""
+    done, _ = solve(exe, tmp_path / "b", "load.torque=1e5", f"wave_generator.interference={interference}")
+    assert done.returncode == 4 and "bodies move by more than" in done.stderr and "lower load.torque" in done.stderr
+    with (tmp_path / "b/history.csv").open() as f:
+        assert max(int(row["attempt"]) for row in csv.DictReader(f)) < 100
+
+
+@pytest.mark.parametrize("torque", [1e-8, 3e-6])
+def test_a_tiny_torque_finds_its_states(exe, tmp_path, torque):
+    """Below the tolerance of the assembly's forces the first guess of a torque is no answer: tangent and rotation per N m are those of 1e-3 N m."""
+    one, tiny = (solve(exe, tmp_path / str(t), f"load.torque={t}", "load.torque_steps=1")[1] for t in (1e-3, torque))
+    assert tiny.steps["iterations"][-1] > 0
+    assert tiny.steps["k_ts_bonded_nm_per_rad"][-1] == pytest.approx(one.steps["k_ts_bonded_nm_per_rad"][-1], rel=1e-3)
+    assert tiny.steps["rotation_rad"][-1] / torque == pytest.approx(one.steps["rotation_rad"][-1] / 1e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize("friction", [1e-12, 1e-10])
+def test_friction_below_the_tolerance_is_none(exe, tmp_path, friction):
+    """The tangent is that without friction, and the contact alone has none."""
+    none, tiny = (solve(exe, tmp_path / str(mu), f"contact.friction={mu}", "load.torque_steps=1")[1] for mu in (0, friction))
+    assert tiny.steps["k_ts_bonded_nm_per_rad"][-1] == pytest.approx(none.steps["k_ts_bonded_nm_per_rad"][-1], rel=1e-6)
+    for run in (none, tiny):
+        assert run.summary["results"]["k_ts_contact_nm_per_rad"] is None
+
+
+def test_the_tangent_does_not_depend_on_the_path(exe, tmp_path):
+    """Without torque all points at the bound may hold or slip on: solver, symmetry and tolerance give one tangent, of both readings."""
+    found = []
+    for keys in (("condensed", "full", "1e-6"), ("condensed", "half", "1e-10"), ("newton", "full", "1e-8"), ("newton", "half", "1e-8")):
+        done = call(exe, CD14, "mesh.divisions=40", "mesh.band_facets=8", "load.torque_steps=0", "output.vtu=none", "--out", tmp_path / "p", "--force", "-q",
+                    *(f"solver.{k}={v}" for k, v in zip(("method", "symmetry", "tolerance"), keys, strict=True)))
+        assert done.returncode == 0, done.stderr
+        steps = hdengine.load(tmp_path / "p").steps
+        found.append([steps[f"k_ts_{name}_nm_per_rad"][-1] for name in ("bonded", "contact")])
+    for one in found:
+        assert one == pytest.approx(found[0], rel=1e-5)

@@ -78,6 +78,26 @@ def test_a_body_that_is_not_held_is_an_error():
         solid.static([body], np.zeros((12, 3), bool), force=force)
 
 
+@pytest.mark.parametrize(("free", "push", "words"), [(False, 0.0, None), (True, 1.0, "neither its supports nor the contact hold it"),
+                                                      (True, -1e3, "neither its supports nor the contact hold it")])
+def test_a_block_beside_another(free, push, words):
+    """A block that is moved without touching is in balance, whatever rounding leaves over no force; one that nothing holds is said to move
+    away, and not told to take smaller steps."""
+    x = np.linspace(0, 1, 4)
+    low, top = mesh.block(x - 1, x, x), mesh.block(x, x, x)
+    points, n = np.vstack([low.points, top.points]), len(low.points)
+    touching, end = abs(points[:, 0]) < 1e-12, points[:, 0] == 1
+    fixed = np.repeat((points[:, [0]] == -1) | (end[:, None] & (not free)), 3, axis=1)
+    faces = [solid.Face(k + block.facets(touching[k:k + n]), points[:, 1:]) for k, block in ((0, low), (n, top))]
+    arguments = [solid.Body(low, 2e11, 0.3), solid.Body(top, 2e11, 0.3)], *faces, fixed, np.where(end[:, None], [1e-3, 2e-4, 1e-5], 0)
+    options = {"gap": np.full(len(points), 1e-2), "force": np.where(end[:, None], [push, 0, 0], 0.0)}
+    if words:
+        with pytest.raises(hdengine.NotConvergedError, match=words):
+            solid.contact(*arguments, **options)
+    else:
+        assert abs(solid.contact(*arguments, **options).traction).max() == 0
+
+
 def test_an_unknown_element_is_an_error():
     """The valid names are listed."""
     body = solid.Body(mesh.block([0, 1], [0, 1], [0, 1]), 1.0, 0.3)

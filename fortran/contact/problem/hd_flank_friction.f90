@@ -155,35 +155,50 @@ contains
     end do
   end subroutine lean_rows
 
-  !> Closings left where what struts and companions stand on has given way, by Newton's method.
+  !> Closings left where what struts and companions stand on has given way, by Newton's method. Whole steps may run in a cycle where
+  !> flanks that slide stick again and others slide for it: steps are halved until they lower what the closings miss.
   subroutine give_way_rubbing(struts, law, past, give, closing)
     type(strut_t), intent(in) :: struts(:)     !< struts
     type(rub_t), intent(in) :: law             !< their friction
     real(dp), intent(in) :: past(:, :)         !< when the step begins (memories, companions)
     real(dp), intent(in) :: give(:, :)         !< (struts, struts), 0 for struts of another power [m/N]
     real(dp), intent(inout) :: closing(:)      !< (struts) [m]
-    integer, parameter :: most = 100
+    integer, parameter :: most = 100, halvings = 10
     real(dp), parameter :: rounding = 1e-13_dp
-    real(dp), dimension(size(closing)) :: left, force, rate, aim, before
+    real(dp), dimension(size(closing)) :: left, force, rate, aim, way, begun
     logical :: yields(size(closing))
     type(rub_t) :: now
-    integer :: i, k, n
+    real(dp) :: before, missed
+    integer :: i, j, k, n
     n = size(struts) - size(law%partner)
-    yields = [(give(i, i) > 0, i=1, size(closing))]
+    yields = [(give(i, i) > 0 .and. closing(i) > -1, i=1, size(closing))]
     now = law
     left = closing
+    call look(missed)
     do k = 1, most
-      call strut_laws(struts, law, past, left, force, rate, now%lean, now%slides)
+      if (.not. missed > rounding*maxval(abs(left), mask=yields)) exit
       where (.not. yields) rate = 0
       aim = closing
       do i = 1, size(law%partner)
         if (rate(n + i) > 0 .and. .not. now%slides(i)) aim(n + i) = closing(n + i) - left(n + i) + &
           (force(n + i) - now%lean(i)*force(law%partner(i)))/rate(n + i)
       end do
-      before = left
-      left = closing - matmul(give, rubbed_answers(rate, now, aim, give))
-      if (all(abs(left - before) <= rounding*maxval(abs(left), mask=yields) .or. .not. yields)) exit
+      way = closing - matmul(give, rubbed_answers(rate, now, aim, give)) - left
+      begun = left
+      before = missed
+      do j = 0, halvings
+        left = begun + way/2**modulo(j, halvings)  ! where none lowers it, the whole step
+        call look(missed)
+        if (missed < before) exit
+      end do
     end do
-    where (yields .and. closing > -1) closing = left
+    where (yields) closing = left
+  contains
+    !> Forces and tangents at the present closings, and the largest amount by which these miss their equation.
+    subroutine look(missed)
+      real(dp), intent(out) :: missed
+      call strut_laws(struts, law, past, left, force, rate, now%lean, now%slides)
+      missed = maxval(abs(left - closing + matmul(give, force)), mask=yields)
+    end subroutine look
   end subroutine give_way_rubbing
 end module hd_flank_friction

@@ -28,6 +28,7 @@ module hd_newton
     integer :: full_steps = 12         !< undamped iterations before the line search sets in
     real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
     real(dp) :: torque = 0             !< amount of the torque [N m]
+    logical :: anew = .false.          !< the step goes another way than the last: its beginning is no solution, however near
   end type newton_options_t
 
   !> One row of the convergence history.
@@ -49,6 +50,7 @@ module hd_newton
     logical, allocatable :: idle(:, :)   !< components whose dofs are all prescribed: their traction stays 0
     real(dp) :: merit = 0                !< relative residual
     real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
+    logical :: forceless = .false.       !< all forces, those of supports too, are rounding
     real(dp) :: stiffness = 0            !< largest of the bodies, for what rounding leaves of forces that cancel [N/m]
     type(contact_law_t) :: law           !< the law, softened or not
     real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
@@ -83,6 +85,7 @@ module hd_newton
   real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
   real(dp), parameter :: forcing = 1e-2_dp   !< accuracy over the residual while pairs still move (Dembo, Eisenstat, Steihaug 1982)
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
+  real(dp), parameter :: rounding = 10*epsilon(1._dp)  !< of forces, over that product: none in the bodies is seen
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
   integer, parameter :: patience = 8           !< iterations without a new lowest residual before the law is softened, by judgement
   real(dp), parameter :: softest = 100         !< compliance of the first outer step, times the scale of the law: two tenths from 1
@@ -91,6 +94,7 @@ module hd_newton
   real(dp), parameter :: stiff = 1.5_dp
   integer, parameter :: easy = 2                !< iterations of an easy outer step
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
+  integer, parameter :: few = 10                    !< iterations in which a step that begins within the tolerance finds its states
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
   real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
   real(dp), parameter :: turn_left = 1e-5_dp        !< turn of normals that may be left [rad],
@@ -217,7 +221,9 @@ contains
       sliding = here%merit < merge(clear, small, row%open == problem%mortar%n) .and. &
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
-      converged = here%merit <= options%tolerance .and. .not. here%law%softness > 0
+      converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0
+      if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
+        row%iteration > 0 .and. (row%changes == 0 .or. row%iteration >= few)
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
@@ -460,6 +466,7 @@ contains
     law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
     scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
+    here%forceless = scale <= rounding*here%stiffness*norm2(state%u)
     scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
     here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))

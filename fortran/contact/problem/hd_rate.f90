@@ -23,7 +23,7 @@ module hd_rate
   integer, parameter :: refinements = 11      !< solves for the last of them
   real(dp), parameter :: coarse = 1e-3_dp     !< relative accuracy of inner iterations while states are sought,
   real(dp), parameter :: accuracy = 1e-6_dp   !< and of the solution
-  real(dp), parameter :: of_work = 1e-5_dp    !< relative, of the work of the further load
+  real(dp), parameter :: of_work = 1e-7_dp    !< relative, of the work of the further load
 
 contains
 
@@ -70,9 +70,8 @@ contains
       end do
       negligible = missed <= of_work*abs(sum(force*du))
       settled = accurate .and. negligible
-      if (last .and. (negligible .or. k >= most)) return
-      last = negligible .or. k >= most - 1
-      if (negligible) cycle
+      if (last .and. (turned == 0 .or. k >= most)) return
+      last = last .or. negligible .or. k >= most - 1
       if (k == 1 .or. turned < before) then
         drive = new
       else

@@ -109,10 +109,28 @@ contains
       slip(:, problem%mortar%node, s) = state%slip
       opening(problem%mortar%node, s) = state%gap
       contact(problem%mortar%node, s) = state%contact
-      if (.not. converged) call raise(error, code_not_converged, 'load step '//to_text(s)//' did not converge in '// &
-        to_text(limit)//' iterations: residual '//to_text(rows(size(rows))%residual)// &
-        '; take smaller load steps or more iterations')
+      if (maxval(abs(state%u)) > extent(problem) + maxval(abs(displacement(:, :, s)))) then
+        call raise(error, code_not_converged, 'in load step '//to_text(s)//' a body moves by '//to_text(maxval(abs(state%u)))// &
+          ' m, farther than all are long: neither its supports nor the contact hold it; fix more of its nodes')
+      else if (.not. converged) then
+        call raise(error, code_not_converged, 'load step '//to_text(s)//' did not converge in '//to_text(limit)// &
+          ' iterations: residual '//to_text(rows(size(rows))%residual)//'; take smaller load steps or more iterations')
+      end if
     end do
     call matrix%release()
   end subroutine solid_steps
+
+  !> Largest length of all bodies together along an axis [m].
+  pure real(dp) function extent(problem)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp) :: low(3), high(3)
+    integer :: b
+    low = huge(low)
+    high = -low
+    do b = 1, size(problem%bodies)
+      low = min(low, minval(problem%bodies(b)%x, 2))
+      high = max(high, maxval(problem%bodies(b)%x, 2))
+    end do
+    extent = maxval(high - low)
+  end function extent
 end module hd_solid

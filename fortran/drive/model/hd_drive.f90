@@ -180,10 +180,10 @@ contains
       if (scene%support%struts .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
         call loosen(problem, drive%b_ring, 1)
-      else if (scene%support%struts .and. scene%ring_tangent == 'free') then
-        call loosen(problem, drive%b_ring, 3)
       else if (ring_follows(scene)) then
         problem%fixed(2, inner) = .true.
+      else if (scene%support%struts) then
+        call loosen(problem, drive%b_ring, 3)
       else
         if (.not. scene%bonded()) call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
         if (scene%ring_contact == 'tied') call loosen(problem, drive%b_ring, 3)

@@ -53,10 +53,10 @@ module hd_loop
     real(dp) :: k(3) = 0             !< K1, K2, K3 [N m/rad]
     real(dp) :: hysteresis = 0       !< width of the loop at no torque [rad]
     real(dp) :: lost_motion = 0      !< turn of the loop's middle between -4 and 4 % of the rated torque [rad]
-    real(dp) :: loop_area = 0        !< work of the torque over the whole path [J]
     logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
 
+  real(dp), parameter :: no_torque = 1e-9_dp !< share of the largest torque that is none
   real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
 
 contains
@@ -71,12 +71,20 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(step_t), intent(in) :: step        !< where it stands
     real(dp) :: angle, shear(2)
-    real(dp), allocatable :: force(:)
+    real(dp), allocatable :: force(:), closing(:)
     integer :: i, n
     associate (problem => drive%problem, flanks => [(drive%balls + i, i=1, drive%flanks)])
-      loop%closing = strut_closings(problem, load, state%u)
-      force = forces_at(problem, load, loop%closing)
-      if (step%loaded) loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+      closing = strut_closings(problem, load, state%u)
+      force = forces_at(problem, load, closing)
+      if (step%loaded) then
+        loop%jump = larger_jump(loop, force(:drive%balls), step%torque)
+        i = size(loop%torque)
+        angle = bottom_turn(drive, state)
+        loop%work = loop%work + (loop%torque(i) + step%torque)/2*loaded_turn(scene, angle - loop%angle(i), &
+          abs([loop%torque(i), step%torque]) <= no_torque*maxval(abs([loop%torque, step%torque])), loop%closing(flanks), &
+          closing(flanks))
+      end if
+      loop%closing = closing
       loop%force = force
       loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
@@ -90,9 +98,6 @@ contains
         loop%angle = [0._dp]
         loop%stored_assembled = loop%stored
       else
-        angle = bottom_turn(drive, state)
-        i = size(loop%torque)
-        loop%work = loop%work + (loop%torque(i) + step%torque)/2*(angle - loop%angle(i))
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
           if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
@@ -171,18 +176,38 @@ contains
       sin(scene%pressure_angle_deg*pi/180)
   end function lifted
 
-  !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the way of the nearest flanks of both
-  !> sides over their arm [rad].
+  !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the ways to the nearest flanks of both
+  !> sides [rad].
   pure real(dp) function free_turn(scene, force, closing, most) result(play)
     type(scene_t), intent(in) :: scene               !< scene
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
     real(dp), parameter :: rounding = 1e-6_dp
     play = 0
-    if (maxval(force) > rounding*most) return
-    play = -(maxval(closing(1::2)) + maxval(closing(2::2)))/(cos(scene%pressure_angle_deg*pi/180)* &
-      (scene%bore_radius + scene%rim_thickness))
+    if (.not. maxval(force) > rounding*most) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
   end function free_turn
+
+  !> Part of a step's turn under torque: all but the way to the flanks that it nears from a step without torque, or from those that
+  !> it leaves to one [rad].
+  pure real(dp) function loaded_turn(scene, turn, free, before, after) result(loaded)
+    type(scene_t), intent(in) :: scene              !< scene
+    real(dp), intent(in) :: turn                    !< of the bottom [rad]
+    logical, intent(in) :: free(2)                  !< there is no torque before, after
+    real(dp), intent(in) :: before(:), after(:)     !< closings of the flanks [m]
+    integer :: nears
+    nears = merge(1, 2, turn > 0)
+    loaded = abs(turn)
+    if (free(1)) loaded = loaded - max(0._dp, turn_to(scene, before(nears::2)))
+    if (free(2)) loaded = loaded - max(0._dp, turn_to(scene, after(3 - nears::2)))
+    loaded = sign(max(0._dp, loaded), turn)
+  end function loaded_turn
+
+  !> Turn of the bottom to the nearest flank of a side [rad].
+  pure real(dp) function turn_to(scene, closing)
+    type(scene_t), intent(in) :: scene      !< scene
+    real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]
+    turn_to = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*(scene%bore_radius + scene%rim_thickness))
+  end function turn_to
 
   !> The ball that comes or goes with the largest force, in this step or in one before.
   pure function larger_jump(loop, force, torque) result(jump)
@@ -212,7 +237,6 @@ contains
     real(dp) :: place(4), turn(4), sense
     integer :: i, first, last, top
     if (.not. allocated(loop%torque)) return
-    r%loop_area = loop%work
     if (size(loop%torque) < 2) return
     sense = sign(1._dp, loop%torque(2))
     call find_rise(sense*loop%torque, .false., first, last)
@@ -270,10 +294,11 @@ contains
     end associate
   end function passes
 
-  !> The readings in a line of the log: those that the torques reach.
-  function loop_text(loop, scene) result(text)
+  !> The readings in a line of the log: those that the torques reach, with their bands where those are known.
+  function loop_text(loop, scene, band) result(text)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
+    real(dp), intent(in), optional :: band(:, :)  !< lower and upper end over the value, of K1, K2, K3 first
     character(len=:), allocatable :: text
     real(dp), parameter :: minutes = 180*60/pi  !< arc minutes per radian
     type(readings_t) :: r
@@ -281,7 +306,10 @@ contains
     r = read_loop(loop, scene)
     text = ''
     do i = 1, 3
-      if (r%k(i) > 0) text = text//'K'//to_text(i)//' '//rounded(r%k(i))//', '
+      if (.not. r%k(i) > 0) cycle
+      text = text//'K'//to_text(i)//' '//rounded(r%k(i))
+      if (present(band)) text = text//' ('//rounded(r%k(i)*band(1, i))//' to '//rounded(r%k(i)*band(2, i))//')'
+      text = text//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
     if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"
@@ -328,13 +356,14 @@ contains
   end function middle
 
   !> Rows of a booked step in loop.csv, balls.csv and teeth.csv.
-  subroutine write_loop(output, step, scene, drive, loop, k_ts, error)
+  subroutine write_loop(output, step, scene, drive, loop, k_ts, shares, error)
     type(output_t), intent(inout) :: output           !< tables
     type(step_t), intent(in) :: step                  !< step
     type(scene_t), intent(in) :: scene                !< scene
     type(drive_t), intent(in) :: drive                !< its model
     type(loop_t), intent(in) :: loop                  !< booked
     real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
+    real(dp), intent(in) :: shares(:)                 !< of a further twist by part
     type(error_t), allocatable, intent(out) :: error  !< disk full
     real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
     integer :: i, n
@@ -350,6 +379,9 @@ contains
       end do
       call output%loop%add(count(loop%force(:n) > 0))
       call output%loop%add(count(teeth(1::2) + teeth(2::2) > 0))
+      do i = 1, size(shares)
+        call output%loop%add(shares(i))
+      end do
       call output%loop%end_row(error)
       theta = ball_angles(scene)
       do i = 1, n

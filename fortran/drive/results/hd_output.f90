@@ -17,6 +17,7 @@ module hd_output
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
+  use hd_twist_shares, only: part_names
   use hd_vtu, only: vtu_field_t, write_vtu, write_pvd
   implicit none
   private
@@ -91,11 +92,17 @@ contains
     type(scene_t), intent(in) :: scene                !< scene
     type(output_t), intent(inout) :: output           !< tables
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
+    character(len=:), allocatable :: shares
+    integer :: i
+    shares = ''
+    do i = 1, size(part_names)
+      shares = shares//',share_'//trim(part_names(i))
+    end do
     call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,flank,force_n,share,closing_m,friction_n', &
       error)
     if (.not. allocated(error)) call output%loop%open(folder//'/loop.csv', place//',angle_rad,work_j,stored_j,dissipated_j,'// &
       'dissipated_teeth_j,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,'// &
-      'balls_loaded,pairs_loaded', error)
+      'balls_loaded,pairs_loaded'//shares, error)
     if (scene%balls > 0 .and. .not. allocated(error)) call output%balls%open(folder//'/balls.csv', &
       place//',ball,theta_rad,force_n,share,closing_m', error)
   end subroutine open_loop_tables

@@ -17,10 +17,11 @@ module hd_twist_shares
   use hd_strut, only: closing_of
   implicit none
   private
-  public :: part_names, twist_shares
+  public :: part_names, in_contact, twist_shares
 
   character(len=6), parameter :: part_names(8) = [character(len=6) :: 'cup', 'ring', 'balls', 'teeth', 'spline', &
     'gaps', 'slip', 'joint']
+  integer, parameter :: in_contact = 6   !< first of the parts that lie in the contact
 
 contains
 

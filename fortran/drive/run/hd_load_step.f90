@@ -17,6 +17,7 @@ module hd_load_step
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
   use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
+  use hd_scene, only: scene_t
   use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
@@ -36,14 +37,15 @@ module hd_load_step
 
 contains
 
-  !> Solve the next load step, in parts where it must be cut.
+  !> Solve the next load step, in parts where it must be cut: down to 2^-max_cuts of it, for smaller ones are no progress. Where the
+  !> torque is known at which the contact slips, parts are shares of the way there, and their failures are counted together.
   subroutine solve_step(run, error)
     type(run_t), intent(inout) :: run                 !< run, not at its end
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver
     type(place_t) :: target, part
     real(dp) :: slip_torque
     integer :: cuts, attempt
-    logical :: solved, sliding
+    logical :: solved, sliding, spent
     target = step_end(run%place)
     if (begins(run%scene, run%place)) run%stride = 1
     part = ahead(run%place, run%stride)
@@ -65,7 +67,7 @@ contains
       if (allocated(error)) exit
       attempt = attempt + 1
       if (solved) then
-        cuts = 0
+        if (.not. slip_torque > 0) cuts = 0
         if (run%easy) run%stride = min(1._dp, 2*run%stride)
         part = ahead(run%place, run%stride)
         if (slip_torque > 0) then
@@ -87,9 +89,10 @@ contains
           if (cuts > run%scene%max_cuts) call let_go(run, part, slip_torque, error)
         else
           run%stride = 0.5_dp*(part%step - run%place%step + part%share - run%place%share)
-          if (cuts > run%scene%max_cuts .and. all_friction(run)) then
+          spent = cuts > run%scene%max_cuts .or. (run%stride < 0.5_dp**run%scene%max_cuts .and. .not. slip_torque > 0)
+          if (spent .and. all_friction(run)) then
             call slipped(run, abs(run%step%torque), error)
-          else if (cuts > run%scene%max_cuts .or. proportional(run)) then
+          else if (spent .or. proportional(run)) then
             call not_converged(run, error)
           end if
           part = ahead(run%place, run%stride)
@@ -190,12 +193,12 @@ contains
     integer :: threads, taken
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
-    options%runaway = 0.05_dp*run%model%drive%radius + 10*(abs(run%scene%w) + abs(run%scene%eccentricity) + &
-      abs(run%scene%interference))
+    options%runaway = farthest(run%scene, run%model%drive%radius)
     step = run%step
     step%number = run%step%number + 1
     call place_step(run%scene, place, step)
     if (step%loaded) options%torque = largest_torque(run%scene)
+    options%anew = step%loaded .and. .not. stretch(run%scene, run%place_before, run%place, place) > 0
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
@@ -207,7 +210,9 @@ contains
       sliding = .false.
     else
       call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
-      if (.not. (solved .or. sliding .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
+      run%far = .not. (solved .or. run%scene%support%friction_alone .or. proportional(run)) .and. &
+        maxval(abs(trial%u)) > options%runaway
+      if (.not. (solved .or. sliding .or. run%far .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
         call raise_friction(run%model%drive%problem, run%model%solver, options, load, deadline(run), run%state, trial, history, &
           solved, sliding, error)
       end if
@@ -245,12 +250,10 @@ contains
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
       if (allocated(run%gradient)) call lead_companions(run, load, error)
-      if (allocated(error)) return
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))
-      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
-        slip_torque = 0
-      end if  ! rounding: friction holds nothing
+      ! less is rounding: friction holds nothing
+      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
@@ -267,6 +270,13 @@ contains
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     call run%record%timers%book(in_gradient)
   end subroutine lead_companions
+
+  !> Displacement at which a body counts as sliding away [m].
+  pure real(dp) function farthest(scene, radius)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: radius      !< of the contact [m]
+    farthest = 0.05_dp*radius + 10*(abs(scene%w) + abs(scene%eccentricity) + abs(scene%interference))
+  end function farthest
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
   subroutine first_guess(run, place, step, trial)
@@ -376,10 +386,15 @@ contains
     tries = to_text(run%scene%max_cuts)//' halvings'
     if (proportional(run)) tries = to_text(run%scene%max_iterations)//' iterations, with less friction too'
     if (run%period > 0) cause = 'the contact states run in a cycle of '//to_text(run%period)//' iterations'
-    if (run%scene%support%struts .and. run%loose_points > 0) advice = '. Cup and ring touch at '//to_text(run%loose_points)// &
-      ' points and all of them slip: little keeps the ring from turning. Change bearing.cage_angle_deg, '// &
-      'wave_generator.eccentricity or mesh.divisions a little, lower '// &
-      'wave_generator.clearance or raise interference'
+    if (run%scene%support%struts .and. run%loose_points > 0 .and. allocated(run%model%drive%problem%loose)) advice = &
+      '. Friction alone keeps the ring from turning, and all of its contact ('//to_text(run%loose_points)// &
+      ' multipliers) slips. Lower wave_generator.clearance or raise contact.friction; or change '// &
+      trim(merge('bearing.cage_angle_deg  ', 'wave_generator.cam      ', run%scene%balls > 0))// &
+      ', wave_generator.eccentricity or mesh.divisions a little'
+    if (run%far) then
+      cause = 'bodies move by more than '//rounded(farthest(run%scene, run%model%drive%radius))//' m'
+      advice = '. No drive turns that far: lower load.torque'
+    end if
     if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
       "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'

@@ -37,7 +37,8 @@ module hd_run
   use hd_timers, only: in_checkpoint, in_fields, in_gradient, in_newton, in_output, in_setup, &
     in_stiffness, in_stress, outside
   use hd_tolerance_band, only: banded_values
-  use hd_twist_shares, only: twist_shares, part_names
+  use hd_twist_shares, only: twist_shares, part_names, in_contact
+  use hd_warning_list, only: numbered
   implicit none
   private
   public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, ask_gradient, &
@@ -59,6 +60,7 @@ module hd_run
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
     integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
+    logical :: far = .false.                !< the last iterate that failed has bodies far away
     type(facets_t) :: facets                !< of the last converged step
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
@@ -232,7 +234,7 @@ contains
         run%step%torque, error)
       call run%record%timers%book(in_stress)
       if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
-        run%model%drive, run%loop, run%sums%k_ts, error)
+        run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
         .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
@@ -338,7 +340,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< linear solver
     type(load_t) :: load
     type(answer_t) :: now, bonded
-    real(dp) :: sense
+    real(dp) :: sense, friction
     integer :: threads
     if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
     sense = sign(1._dp, run%scene%torque)
@@ -358,8 +360,10 @@ contains
       call glued_response(run%model%drive, run%model%solver, load, sense, run%state, bonded, error)
       run%flexibility%glued = bonded%flexibility
     end if
-    if (.not. allocated(error)) call coupled_response(run%model%drive, run%model%solver, at_friction(run%joint, &
-      step_friction(run%scene, .true.)), load, sense, run%state, now, error)
+    friction = step_friction(run%scene, .true.)
+    if (friction <= run%scene%tolerance) friction = 0  ! less than forces are solved to
+    if (.not. allocated(error)) call coupled_response(run%model%drive, run%model%solver, at_friction(run%joint, friction), load, &
+      sense, run%state, now, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) return
     run%certain = now%settled .and. bonded%settled
@@ -385,7 +389,7 @@ contains
     run%sums%shares = run%sums%k_tangent
     associate (f => run%flexibility)
       if (.not. f%known) return
-      run%sums%k_contact = f%contact
+      if (f%contact > 0) run%sums%k_contact = f%contact  ! else no point of it takes torque
       if (run%scene%support%loop) run%sums%shares = f%shares
       if (f%coupled > f%glued) run%sums%k_tangent = 1/(f%coupled - f%glued)
       if (run%scene%support%loop) return  ! a loop has no secant
@@ -495,7 +499,7 @@ contains
     end if
     if (run%scene%support%contact) call judge_contact(run)  ! else bonded: no joint
     do i = 1, size(run%record%warnings)
-      call say('warning: '//run%record%warnings(i)%s)
+      call say('warning: '//numbered(run%record%warnings(i)%s))
     end do
   end subroutine judge_results
 
@@ -512,13 +516,10 @@ contains
     call push_stiffness_warnings(run)
     call judge_load_path(run)
     if (run%scene%support%loop) then
-      call say('drive     '//loop_text(run%loop, run%scene))
-      call tell_twist(run)
-      if (allocated(run%record%band%input)) call say('band      '//run%record%band%text(banded_values(read_loop(run%loop, &
-        run%scene), run%sums)))
+      call tell_drive(run)
     else
-      call say('K_TS      bonded '//rounded(run%sums%k_tangent)//', secant '//rounded(run%sums%k_secant)// &
-        ', contact alone '//rounded(run%sums%k_contact)//' N m/rad')
+      call say('K_TS      '//rounded(run%sums%k_tangent)//' N m/rad, the tangent beside bonded faces')
+      call detail('          secant '//rounded(run%sums%k_secant)//', contact alone '//contact_text(run)//' N m/rad')
     end if
     associate (s => run%sums)
       call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
@@ -536,22 +537,46 @@ contains
     end do
   end subroutine warn
 
-  !> What takes the twist of a drive at its reference step, and the two readings of K_TS there.
-  subroutine tell_twist(run)
+  !> The answer of a whole drive: its readings with their band, what takes its twist at the reference step, what to quote.
+  subroutine tell_drive(run)
     type(run_t), intent(in) :: run  !< run at its end
-    character(len=:), allocatable :: line
+    character(len=:), allocatable :: line, quote
+    type(string_t), allocatable :: keys(:)
+    real(dp), allocatable :: part(:)
     integer :: i
-    associate (s => run%sums)
-      if (.not. s%shares(1) == s%shares(1)) return  ! no joint: none
-      line = 'twist     at '//rounded(run%step%torque)//' N m:'
-      do i = 1, size(part_names)
-        line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < size(part_names))
-      end do
-      call say(trim(line))
-      call say('K_TS      '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46): gaps, slip and joint; '// &
-        rounded(s%k_contact)//' of the contact alone')
+    associate (s => run%sums, band => run%record%band)
+      quote = 'variants beside each other; K1 to K3 with their band, which run.band = .true. finds'
+      if (allocated(band%input)) then
+        call say('drive     '//loop_text(run%loop, run%scene, band%bounds()))
+        call band%ranked(keys, part)
+        quote = 'K1 to K3 with these 95 % bands, made most by '//keys(1)%s//' ('//percent(part(1))//')'
+      else
+        call say('drive     '//loop_text(run%loop, run%scene))
+      end if
+      if (s%shares(1) == s%shares(1)) then  ! else no joint: none
+        line = 'twist     the contact takes '//percent(sum(s%shares(in_contact:)))//' at '//rounded(run%step%torque)//' N m:'
+        do i = in_contact, size(part_names)
+          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ';', i < size(part_names))
+        end do
+        do i = 1, in_contact - 1
+          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < in_contact - 1)
+        end do
+        call say(trim(line))
+        call detail('          K_TS '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46), '// &
+          contact_text(run)//' of the contact alone')
+      end if
+      call say('quote     '//quote//'; no K_TS without its fit')
+      if (allocated(band%input)) call detail('band      '//band%text(banded_values(read_loop(run%loop, run%scene), s)))
     end associate
-  end subroutine tell_twist
+  end subroutine tell_drive
+
+  !> Stiffness of the contact alone, or that it has none.
+  function contact_text(run) result(text)
+    type(run_t), intent(in) :: run  !< run
+    character(len=:), allocatable :: text
+    text = 'none'
+    if (run%sums%k_contact > 0) text = rounded(run%sums%k_contact)
+  end function contact_text
 
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(run)

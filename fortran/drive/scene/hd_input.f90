@@ -7,6 +7,7 @@ module hd_input
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_plausible, only: slips_of
   use hd_scene, only: scene_t
   use hd_fit_report, only: place_files
   use hd_surface_scene, only: surface_scene_t
@@ -29,6 +30,8 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< all mistakes in one message
     type(namelist_t) :: list
     type(parameter_table_t) :: table
+    type(string_t), allocatable :: slips(:)
+    integer :: i
     allocate (list%faults(0))
     call new_table(scene, table)
     if (holds_study(trim(path))) then
@@ -49,7 +52,11 @@ contains
     if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
-    if (size(list%faults) == 0 .and. .not. scene%surface_only) call check_scene(scene, list%faults)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only) then
+      call check_scene(scene, list%faults)
+      call slips_of(scene, slips)
+      if (size(list%faults) > 0) list%faults = [list%faults, [(string_t('hint: '//slips(i)%s), i=1, size(slips))]]
+    end if
     if (size(list%faults) > 0) then
       call raise(error, code_input, faults_text(list))
       return

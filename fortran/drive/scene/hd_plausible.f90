@@ -2,12 +2,13 @@
 !> Values that are valid and hardly meant: usual ranges of keys, and the slip of units that would explain a value outside of them.
 module hd_plausible
   use hd_kinds, only: dp
+  use hd_error, only: error_t, raise, code_input
   use hd_parameters, only: parameter_table_t, new_table
   use hd_scene, only: scene_t
-  use hd_text, only: string_t, push, to_text
+  use hd_text, only: string_t, push, to_text, join
   implicit none
   private
-  public :: implausible
+  public :: implausible, slips_of, refuse_slips
 
   !> Usual range of a key; a value of exactly 0 that has a meaning of its own is never told.
   type :: usual_t
@@ -46,6 +47,9 @@ module hd_plausible
     slip_t('m', 'um', 1e-6_dp), slip_t('m', 'nm', 1e-9_dp), slip_t('m^2', 'um^2', 1e-12_dp), &
     slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]
 
+  real(dp), parameter :: least_given = 0.01_dp  !< nobody gives a length as 2e-4 mm: smaller numbers are no slips
+  real(dp), parameter :: absurd = 30            !< times beyond the usual range of a length or modulus of a body
+
   ! What scenes of drives keep within, by the messages that are written beyond.
   real(dp), parameter :: least_w = 0.1_dp, most_w = 4                  !< deformation over the wall
   real(dp), parameter :: overload = 5   !< torque over the momentary peak of catalogues, which a slip of units exceeds by far
@@ -57,11 +61,40 @@ contains
   subroutine implausible(scene, lines)
     type(scene_t), intent(in) :: scene                    !< checked scene
     type(string_t), allocatable, intent(out) :: lines(:)  !< warnings
+    allocate (lines(0))
+    if (len_trim(scene%joint_doubt) > 0) call push(lines, 'joint.model: '//trim(scene%joint_doubt))
+    call look_at_keys(scene, .false., lines)
+    if (.not. scene%surface_only) call compare(scene, .false., lines)
+  end subroutine implausible
+
+  !> Of these the ones that a slip of units explains, or that no body has: they are some thousand times off.
+  subroutine slips_of(scene, lines)
+    type(scene_t), intent(in) :: scene                    !< scene whose keys are in range
+    type(string_t), allocatable, intent(out) :: lines(:)  !< one each
+    allocate (lines(0))
+    call look_at_keys(scene, .true., lines)
+    if (.not. scene%surface_only) call compare(scene, .true., lines)
+  end subroutine slips_of
+
+  !> Error for a scene with such values.
+  subroutine refuse_slips(scene, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(error_t), allocatable, intent(out) :: error  !< what is off
+    type(string_t), allocatable :: lines(:)
+    call slips_of(scene, lines)
+    if (size(lines) == 0) return
+    call raise(error, code_input, join(lines, new_line('a')//'       ')//new_line('a')// &
+      '       To solve it all the same: --allow-implausible, in Python allow_implausible=True')
+  end subroutine refuse_slips
+
+  !> Lines for keys outside of their usual range.
+  subroutine look_at_keys(scene, slips_alone, lines)
+    type(scene_t), intent(in) :: scene                      !< scene
+    logical, intent(in) :: slips_alone                      !< those that stop a run
+    type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the lines
     type(scene_t), target :: copy
     type(parameter_table_t) :: table
     integer :: i, j
-    allocate (lines(0))
-    if (len_trim(scene%joint_doubt) > 0) call push(lines, 'joint.model: '//trim(scene%joint_doubt))
     copy = scene
     call new_table(copy, table)
     do i = 1, size(table%rows)
@@ -69,44 +102,47 @@ contains
       if (scene%surface_only .neqv. table%rows(i)%group == 'surface') cycle
       do j = 1, size(usual)
         if (usual(j)%name == table%rows(i)%group//'.'//table%rows(i)%key) then
-          call tell(usual(j), table%rows(i)%real, table%rows(i)%unit, lines)
+          call tell(usual(j), table%rows(i)%real, table%rows(i)%unit, slips_alone, lines)
         end if
       end do
     end do
-    if (.not. scene%surface_only) call compare(scene, lines)
-  end subroutine implausible
+  end subroutine look_at_keys
 
   !> Line for a value outside of its usual range, with the slip of units that would bring it back.
-  subroutine tell(row, value, unit, lines)
+  subroutine tell(row, value, unit, slips_alone, lines)
     type(usual_t), intent(in) :: row                        !< key and range
     real(dp), intent(in) :: value                           !< as given
     character(len=*), intent(in) :: unit                    !< of the key
+    logical, intent(in) :: slips_alone                      !< no line for others
     type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the line
     character(len=:), allocatable :: hint
+    logical :: off
     integer :: i
     if (.not. abs(value) > 0 .or. (value >= row%low .and. value <= row%high)) return
     hint = ''
+    off = (index(row%name, 'geometry.') == 1 .or. index(row%name, '_e ') > 0) .and. &
+      (abs(value)*absurd < row%low .or. abs(value) > absurd*row%high)
     do i = 1, size(slips)
+      if (abs(value) < least_given) exit
       if (slips(i)%meant /= unit .or. slips(i)%given == unit) cycle
       if (value*slips(i)%factor < row%low .or. value*slips(i)%factor > row%high) cycle
       hint = '; did you mean '//to_text(value*slips(i)%factor)//' '//unit//' ('//to_text(value)//' '//trim(slips(i)%given)//')?'
+      off = .true.
       exit
     end do
+    if (slips_alone .and. .not. off) return
     call push(lines, trim(row%name)//' = '//to_text(value)//trim(' '//unit)//' is unusual: usual are '//to_text(row%low)//' to '// &
       to_text(row%high)//trim(' '//unit)//hint)
   end subroutine tell
 
   !> Lines for values that do not go together.
-  subroutine compare(s, lines)
+  subroutine compare(s, slips_alone, lines)
     type(scene_t), intent(in) :: s                          !< scene
+    logical, intent(in) :: slips_alone                      !< no line for others
     type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the lines
     real(dp) :: torque !< largest of the scene [N m]
     real(dp) :: most   !< momentary peak torque of catalogues, sizes 14 to 100: 1e7 N m per cubic metre of the bore radius [N m]
     character(len=:), allocatable :: hint, key
-    if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
-      ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
-    if (abs(s%w) > most_w*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < least_w*s%wall_thickness)) call push(lines, &
-      'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 4 times')
     most = 1e7_dp*s%bore_radius**3
     torque = s%torque
     key = 'load.torque'
@@ -114,13 +150,21 @@ contains
       torque = s%torques(maxloc(abs(s%torques), 1))
       key = 'loop.torques'
     end if
-    if (abs(torque) > overload*most) then
-      hint = ''
-      if (abs(torque) < 1e3_dp*overload*most) hint = '; did you mean '//to_text(1e-3_dp*torque)//' N m ('// &
-        to_text(torque)//' N mm)?'
-      call push(lines, key//' = '//to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
-        ' N m for a moment'//hint)
-    end if
+    hint = ''
+    if (abs(torque) > overload*most .and. abs(torque) < 1e3_dp*overload*most) hint = '; did you mean '// &
+      to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
+    if (abs(torque) > overload*most .and. (len(hint) > 0 .or. .not. slips_alone)) call push(lines, key//' = '// &
+      to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))//' N m for a moment'//hint)
+    if (slips_alone) return
+    if (.not. abs(s%w) > 0 .and. s%cam /= 'table') call push(lines, 'wave_generator.w = 0: the cup stays round, '// &
+      'no drive. Check it: usual are 0.1 to 4 times the wall')
+    if (modulo(s%teeth, 2) == 1 .and. s%lobes == 2 .and. (s%support%struts .or. s%support%against_teeth)) call push(lines, &
+      'load.teeth = '//to_text(s%teeth)//' is odd: with two lobes both ends of the long axis are in mesh alike only with an '// &
+      'even number. Check it')
+    if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &
+      ' m is thinner than the wall ('//to_text(s%wall_thickness)//' m): a toothed rim is stiffer, 1.67^(1/3) times the wall')
+    if (abs(s%w) > most_w*s%wall_thickness .or. (abs(s%w) > 0 .and. abs(s%w) < least_w*s%wall_thickness)) call push(lines, &
+      'wave_generator.w = '//to_text(s%w)//' m is '//to_text(s%w/s%wall_thickness)//' times the wall: usual are 0.1 to 4 times')
     if (s%cup_length < shortest_cup*s%bore_radius .or. s%cup_length > longest_cup*s%bore_radius) call push(lines, &
       'geometry.cup_length = '// &
       to_text(s%cup_length)//' m is '//to_text(s%cup_length/s%bore_radius)//' times the bore radius: usual are 0.3 to 6 times')

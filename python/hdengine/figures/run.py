@@ -2,6 +2,7 @@
 """Figures of a run."""
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -9,40 +10,66 @@ from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
+from .. import _engine
 from .._types import PathLike, RunLike
 from ..files import write_files
-from .drive import plot_fatigue, plot_loads, plot_loop, plot_turning
-from .style import new_axes, styled
+from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
+from .style import PRESSURE, SIGNED, new_axes, styled
 
 
 @styled
-def plot_run(result: RunLike) -> list:
-    """Make all figures of a run in its folder.
+def plot_run(result: RunLike, debug: bool = False) -> list:
+    """Make the figures of a run in its folder: those of a drive if it is one, else of its contact.
+
+    Figures that this version has made of the same summary are kept.
 
     Parameters
     ----------
     result : Result
+    debug : bool
+        All there are, with what is read to mend a run: Newton's iterations, pressures of every torque.
 
     Returns
     -------
     list of Path
     """
-    figures = {
-        "positions.png": plot_positions(result),
-        "pressure_band.png": plot_band(result),
-        "pressure_steps.png": plot_steps(result),
-        "newton.png": plot_newton(result),
-    }
+    figures: dict = {}
     assembled = np.any(result.steps["load_factor"] >= 1 - 1e-9)  # else the run was stopped on the way there
-    if np.any(result.torque_nm != 0) if result.against_teeth else assembled:
-        figures["torsion.png"] = plot_torsion(result)
-    if result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists():
-        figures |= {"loop.png": plot_loop(result), "loads.png": plot_loads(result), "fatigue.png": plot_fatigue(result)}
+    drive = result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists() and assembled
+    if drive:
+        figures |= {"loop.png": plot_loop, "twist.png": plot_twist, "contact.png": plot_contact, "loads.png": plot_loads}
+        if (result.folder / "fatigue.csv").exists():
+            figures["fatigue.png"] = plot_fatigue
         if result.turning is not None and len(result.turning) > 1:
-            figures["turning.png"] = plot_turning(result)
-    files = {result.folder / name: figure for name, figure in figures.items()}
-    write_files(files)
-    return list(files)
+            figures["turning.png"] = plot_turning
+    if debug or not drive:
+        figures |= {"positions.png": plot_positions, "pressure_band.png": plot_band, "pressure_steps.png": plot_steps}
+        if np.any(result.torque_nm != 0) if result.against_teeth else assembled:
+            figures["torsion.png"] = plot_torsion
+    if debug:
+        figures["newton.png"] = plot_newton
+    made = f"hdengine {_engine.version()}"
+    paths, drawn = [], {}
+    for name, draw in figures.items():
+        path = result.folder / name
+        if not _is_fresh(path, result.folder / "summary.json", made):
+            figure = draw(result)
+            if figure is None:
+                continue
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format="png", metadata={"Software": made})
+            drawn[path] = buffer.getvalue()
+        paths.append(path)
+    write_files(drawn)
+    return paths
+
+
+def _is_fresh(path, summary, made):
+    """A figure that this version made after the summary was written."""
+    if not path.is_file() or path.is_symlink() or path.stat().st_mtime <= summary.stat().st_mtime:
+        return False
+    with open(path, "rb") as file:
+        return made.encode() in file.read(400)
 
 
 def _grid(result, name, step=-1):
@@ -92,7 +119,7 @@ def pressure_top(result: RunLike) -> float:
 
 def _colours(top):
     """Colours whose first half is for the lowest quarter of the pressures, where most of the band lies."""
-    return {"cmap": "viridis", "norm": PowerNorm(0.5, vmin=0, vmax=top)}
+    return {"cmap": PRESSURE, "norm": PowerNorm(0.5, vmin=0, vmax=top)}
 
 
 @styled
@@ -161,7 +188,7 @@ def plot_steps(result: RunLike, most: int = 6) -> Figure:
     for axis, i in zip(axes.flat, steps):
         closed, torque = p[i] > 0, f"{result.torque_nm[i]:.3g} N m"
         if alike and i != steps[0]:
-            field, keys = np.where(closed | (first > 0), p[i] - first, np.nan), {"cmap": "RdBu_r", "vmin": -change, "vmax": change}
+            field, keys = np.where(closed | (first > 0), p[i] - first, np.nan), {"cmap": SIGNED, "vmin": -change, "vmax": change}
             axis.set_title(f"{torque} less {result.torque_nm[steps[0]]:.3g} N m", fontsize=12)
         else:
             field, keys = np.where(closed, p[i], np.nan), _colours(top)
@@ -219,7 +246,7 @@ def animate(result: RunLike, path: PathLike, most: int = 25, fps: int = 3) -> Pa
     top, shear = pressure_top(result), colour_top(np.where(p > 0, np.abs(q), 0), area)
     figure, axes = new_axes(2, 1, figsize=(8, 5.4), sharex=True)
     images = []
-    for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), ("viridis", "coolwarm"),
+    for axis, low, high, cmap, label in zip(axes, (0, -shear), (top, shear), (PRESSURE, SIGNED),
                                             ("pressure / MPa", "shear along θ / MPa")):
         keys = _colours(high) if low == 0 else {"vmin": low, "vmax": high, "cmap": cmap}
         images.append(_band(axis, result, np.zeros(result.shape).T, **keys))

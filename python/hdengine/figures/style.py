@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import IO, Any, TypeVar
 
 import matplotlib
+from cycler import cycler
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from .._types import PathLike
+
 F = TypeVar("F", bound=Callable)
-STYLE: Any = {"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "savefig.dpi": 150}
+# One family of colours: of lines, of a drive's parts, of maps.
+COLOURS = ("#2f6690", "#d1495b", "#c8963e", "#4f8a6b", "#7a5195", "#3aa0a0", "#8a5a44", "#6b7280")
+PARTS = {"cup": "#2f6690", "ring": "#c8963e", "balls": "#e3c27e", "teeth": "#4f8a6b", "spline": "#9cc3ac", "gaps": "#d1495b",
+         "slip": "#e58b97", "joint": "#f3c6cc"}
+REFERENCE = "#6b7280"   # what stands beside a result
+PRESSURE, SIGNED = "viridis", "RdBu_r"
+STYLE: Any = {"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "savefig.dpi": 110,
+              "axes.prop_cycle": cycler(color=COLOURS)}
 
 
 def styled(function: F) -> F:
@@ -37,7 +47,18 @@ class StyledFigure(Figure):
     """A figure that pyplot does not know of: nothing to close, no window; ticks made while it is drawn keep the style too."""
 
     draw = styled(Figure.draw)
-    savefig = styled(Figure.savefig)
+
+    @styled
+    def savefig(self, fname: PathLike | IO[bytes], **keys: Any) -> None:
+        """Save the figure; it is laid out once, where matplotlib does so twice."""
+        engine = self.get_layout_engine()
+        if engine is not None:
+            engine.execute(self)
+            self.set_layout_engine(None)
+        try:
+            super().savefig(fname, **keys)
+        finally:
+            self.set_layout_engine(engine)
 
 
 @styled

@@ -29,7 +29,7 @@ def _render(title, parts):
     return page.render(title=title, parts=parts, version=_engine.version(), made=made)
 
 
-def write_report(folder: PathLike, path: PathLike | None = None, picture: bool = True) -> Path:
+def write_report(folder: PathLike, path: PathLike | None = None, picture: bool = False, animation: bool = False) -> Path:
     """Write the report of a run, a study or a comparison.
 
     Parameters
@@ -40,6 +40,8 @@ def write_report(folder: PathLike, path: PathLike | None = None, picture: bool =
         HTML file; default: report.html in the folder.
     picture : bool
         3-D picture of a run (needs PyVista; the report says so where it is missing).
+    animation : bool
+        Pressure and shear step by step, a GIF.
 
     Returns
     -------
@@ -51,7 +53,7 @@ def write_report(folder: PathLike, path: PathLike | None = None, picture: bool =
         The folder holds none of them.
     """
     folder = Path(folder)
-    title, parts = parts_of(folder, picture)
+    title, parts = parts_of(folder, picture, animation)
     title = title or folder.name
     parts = [Part(*part) for part in parts]
     parts.append(Part("How to cite", f"<pre>{html.escape(_CITE.format(version=_engine.version()))}</pre>"))

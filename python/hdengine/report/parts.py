@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import _engine
 from .._engine import FileError
+from ..catalogue import unit_of
 from ..contact import read_scene
 from ..elastic import joint_of_scene
 from ..figures.cup import PictureError, draw_cup
@@ -24,14 +25,19 @@ from ..surfaces.run import SurfaceResult
 from .sketch import draw_scene
 
 _CAPTIONS = {
-    "loop.png": "Torque over the angle of the output, and the largest forces of a ball and a pair of teeth.",
+    "loop.png": "Torque over the angle of the output, with the chords K1, K2, K3 and the catalogue's.",
+    "twist.png": "What takes a further twist, part by part.",
+    "contact.png": "Contact pressure and slip at the largest torque, unrolled and round the ellipse.",
+    "loads.png": "Forces of balls and teeth round the axis, assembled and at the largest torque.",
+    "fatigue.png": "Stress cycle of one turn beside its limit.",
+    "turning.png": "Turn and stiffness while the wave generator turns.",
     "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
     "pressure_band.png": "Contact pressure on the unrolled band, last step.",
     "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",
     "torsion.png": "Stiffness and rotation over the torque.",
-    "newton.png": "Convergence: relative residual of every Newton iterate.",
 }
-OPEN = ("Answer", "Ended early", "Warnings", "Pictures", "Failed points", "Figure")  # the other sections fold away
+OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
+        "Figure")  # the other sections fold away
 
 
 @dataclass(frozen=True)
@@ -254,8 +260,9 @@ def _engineering(k):
     return f"{scale * k:.3g} {unit}"
 
 
-def _answer_of_drive(results, limits):
-    """The headline of a whole drive: K1 to K3 of its loop or their limits, hysteresis and lost motion."""
+def _answer_of_drive(result):
+    """The headline of a whole drive: K1 to K3 of its loop or their limits, beside the catalogue and with their band."""
+    results, limits = result.summary["results"], result.limits
     keys = {f"K{i}": f"k{i}_nm_per_rad" for i in (1, 2, 3)}
     slopes = {name: limits[key][0] if key in limits else results.get(key) for name, key in keys.items()}
     text = '<p>Torsional stiffness of the drive, as catalogues define it</p><p class="value">' + ", ".join(
@@ -264,10 +271,65 @@ def _answer_of_drive(results, limits):
     lost = [f"{key[:-4].replace('_', ' ')} {180 * 60 / np.pi * results[key]:.3g} arcmin"
             for key in ("hysteresis_rad", "lost_motion_rad") if results.get(key) is not None]
     text += f"<p>{' and '.join(lost).capitalize()}.</p>" if lost else ""
+    unit = unit_of(result.scene)
+    stated = {name: getattr(unit, key) for name, key in keys.items()} if unit else {}
+    banded = "band_shares" in results
+    head = ["/ (kN m/rad)", "computed", *(["95 % band"] if banded else []),
+            *([f"catalogue, size {unit.size}", "ratio"] if unit else [])]
+    rows = []
+    for name, k in slopes.items():
+        if not k:
+            continue
+        low, high = (results.get(f"{keys[name]}_{side}") for side in ("low", "high"))
+        rows.append([name, f"{k / 1e3:.3g}", *([f"{low / 1e3:.3g} to {high / 1e3:.3g}" if low else "-"] if banded else []),
+                     *([f"{stated[name] / 1e3:.3g}", f"{k / stated[name]:.2f}"] if unit else [])])
+    text += _table(head, rows)
+    shares = results.get("twist_shares") or {}
+    if shares and all(isinstance(v, float) for v in shares.values()):
+        contact = sum(shares[part] for part in ("gaps", "slip", "joint"))
+        text += f"<p>The contact takes {100 * contact:.0f} % of this drive's twist at {results['reference_torque_nm']:.3g} N m.</p>"
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
     mesh = f"These limits of fine meshes are known: {known}" if known else \
         "The error of the mesh is not known: run again with <code>run.tolerance</code>"
     return text + f"<p>Band: {mesh}. {_input_band(results, keys)}</p>"
+
+
+def _strength(result):
+    """Largest forces and stresses of a drive with their safety, green where it holds and red where not."""
+    results, scene = result.summary["results"], result.scene
+    rows = []
+    for name, key, of in (("largest stress of the cup / MPa", "flexspline_von_mises_max_pa", "flexspline_yield_safety"),
+                          ("largest stress of the ring / MPa", "von_mises_max_pa", "ring_yield_safety")):
+        if results.get(of) is not None:
+            strength = scene["material.yield_strength" if of.startswith("flex") else "material.ring_yield_strength"]
+            rows.append((name, f"{strength / results[of] / 1e6:.4g}", f"yield {strength / 1e6:.4g} MPa", results[of]))
+    if results.get("goodman_safety_min") is not None:
+        rows.append(("fatigue of the cup", "", f"Goodman, limit {scene['fatigue.fatigue_limit'] / 1e6:.4g} MPa",
+                     results["goodman_safety_min"]))
+    cells = "".join(f'<tr class="{"good" if safety >= 1 else "failed"}"><td>{name}</td><td>{value}</td><td>{beside}</td>'
+                    f"<td>{safety:.3g} {'holds' if safety >= 1 else 'does not hold'}</td></tr>"
+                    for name, value, beside, safety in rows)
+    loads = "".join(f"<tr><td>{name}</td><td>{results[key]:.4g}</td><td></td><td></td></tr>" for name, key in (
+        ("largest force of a ball / N", "ball_force_max_n"), ("largest force of a pair's flank / N", "tooth_force_max_n"),
+        ("torque on the wave generator / N m", "wave_generator_torque_nm")) if results.get(key) is not None)
+    head = "".join(f"<th>{word}</th>" for word in ("of all load steps", "value", "beside", "safety"))
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead>' \
+        f"<tbody>{loads}{cells}</tbody></table></div>"
+
+
+def _glance(scene):
+    """The inputs that a designer changes, in mm."""
+    def mm(*keys):
+        return [(key.split(".")[1].replace("_", " "), f"{1e3 * scene[key]:.4g}") for key in keys if scene.get(key)]
+    rows = mm(*(f"geometry.{key}" for key in ("bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length",
+                                              "bottom_thickness", "hub_radius", "ring_thickness", "band_length")),
+              "wave_generator.w", f"wave_generator.{'clearance' if scene['wave_generator.clearance'] else 'interference'}",
+              "bearing.ball_diameter", "load.spline_diameter")
+    rows += [(name, f"{scene[key]:g}") for name, key in (
+        ("balls", "bearing.balls"), ("teeth", "load.teeth"), ("pairs in mesh", "load.tooth_pairs"),
+        ("friction", "contact.friction"), ("torque / N m", "load.torque")) if scene.get(key)]
+    cells = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
+    return f'<p>Inputs at a glance, lengths in mm:</p><dl class="glance">{cells}</dl>'
 
 
 def _input_band(results, keys):
@@ -284,7 +346,7 @@ def _answer(result):
     """The headline: the stiffness, its meaning for a drive, what is known of its error."""
     results, torque = result.summary["results"], result.torque_nm[-1]
     if (results.get("k2_nm_per_rad") or 0) > 0:
-        return _answer_of_drive(results, result.limits)
+        return _answer_of_drive(result)
     limits = {key: value[0] for key, value in result.limits.items()}
     if result.against_teeth:
         k, name = limits.get("k_fe_secant_nm_per_rad", result.secant_stiffness()[-1]), "K_FTS, cup against the teeth"
@@ -301,18 +363,23 @@ def _answer(result):
     return text if result.against_teeth else text + f"<p>{_band_of(result, k)}</p>"
 
 
-def _run_parts(result, picture):
+def _run_parts(result, picture, animation):
     """(heading, HTML) of a run."""
     from ..figures.run import animate, plot_run
 
     s = result.summary
     if not result.complete:
         yield "Ended early", f'<p class="bad">{html.escape(s["message"])}</p>'
-    yield "Answer", _answer(result) + draw_scene(result.scene)
+    made = {p.name: p for p in plot_run(result)}
+    first = _image(made.pop("loop.png"), _CAPTIONS["loop.png"]) if "loop.png" in made else ""
+    yield "Answer", _answer(result) + first
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
-    made = {p.name: p for p in plot_run(result)}
-    chosen = [n for n in ("loop.png", "pressure_band.png", "torsion.png", "positions.png") if n in made][:3]
+    if result.scene["load.support"] == "drive":
+        yield "Loads and strength", _strength(result)
+    yield "Inputs at a glance", draw_scene(result.scene) + _glance(result.scene)
+    chosen = [n for n in ("twist.png", "contact.png", "loads.png", "fatigue.png", "turning.png", "pressure_band.png", "torsion.png",
+                          "positions.png") if n in made][:5 if first else 3]
     yield "Pictures", "".join(_image(made.pop(n), _CAPTIONS[n]) for n in chosen)
     stiffness, k, note = _stiffness(result)
     yield "All results", _pairs({
@@ -321,8 +388,8 @@ def _run_parts(result, picture):
         "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"],
         "line load of the band's ends / (kN/m) (converges)": 1e-3 * s["results"]["edge_line_load_n_per_m"]}) + f"<p>{note}</p>"
     yield "What the figures leave out", _model_error(s)
-    figures = "".join(_image(p, _CAPTIONS.get(n, p.stem)) for n, p in made.items() if n != "newton.png")
-    if len(result.steps) > 1:
+    figures = "".join(_image(p, _CAPTIONS.get(n, p.stem)) for n, p in made.items())
+    if animation and len(result.steps) > 1:
         figures += _image(animate(result, result.folder / "steps.gif"), "Pressure and shear on the unrolled band, step by step.")
     if picture:
         try:
@@ -330,7 +397,8 @@ def _run_parts(result, picture):
             figures += _image(result.folder / "cup.png", f"The cup cut open, displacements times {scale:g}; pressure on the ring.")
         except PictureError as why:
             figures += _warnings([f"3-D picture left out: {why}"])
-    yield "More figures", figures
+    if figures:
+        yield "More figures", figures
     yield from _comparison(paper.of_run(result))
     yield from _sensitivity(result.folder)
     steps = result.steps
@@ -340,7 +408,7 @@ def _run_parts(result, picture):
     name = "k_fts_nm_per_rad" if result.against_teeth else "k_ts_nm_per_rad"
     yield "Load steps", _columns([*names, name], [[*(row[n] for n in names), value] for row, value in zip(steps, k)])
     yield "Plan", _plan(result)
-    yield "Convergence", _image(result.folder / "newton.png", _CAPTIONS["newton.png"]) + _pairs(
+    yield "Convergence", _pairs(
         {k: s["results"][k] for k in ("steps", "iterations", "cut_backs", "torque_balance_nm", "axial_balance_n")})
     yield "Model", _pairs({**s["model"], **{f"time {k} / s": v for k, v in s["timers_s"].items()},
                            "peak memory / MB": s["peak_memory_mb"]})
@@ -443,7 +511,7 @@ def _collection_parts(folder):
     yield "Provenance", _pairs({"hdengine": _engine.version()})
 
 
-def parts_of(folder: Path, picture: bool) -> tuple[str, list]:
+def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str, list]:
     """Title and sections of whatever the folder holds."""
     if (folder / "study.json").is_file():
         study = StudyResult(folder)
@@ -453,7 +521,7 @@ def parts_of(folder: Path, picture: bool) -> tuple[str, list]:
         if summary.get("kind") == "surface":
             return summary.get("title", ""), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
-        return result.summary["title"], [*_run_parts(result, picture)]
+        return result.summary["title"], [*_run_parts(result, picture, animation)]
     if (folder / "comparison.json").is_file():
         return "hdengine beside Hu et al. (2023)", [*_collection_parts(folder)]
     raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "

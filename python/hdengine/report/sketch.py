@@ -2,7 +2,8 @@
 """A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
 import math
 
-_FLEXSPLINE, _RING, _BAND = "#9fb8d0", "#d9c39a", "#d1495b"
+# the family of hdengine.figures.style
+_FLEXSPLINE, _RING, _BAND, _BALL, _TEETH, _CAM = "#8fb0cc", "#dcc08a", "#d1495b", "#c8963e", "#4f8a6b", "#c9cdd3"
 
 
 def _ellipse(x, y, a, b, colour, width):
@@ -42,6 +43,35 @@ def _ring(scene, g):
         groove = [((start + end) / 2 + radius * math.sin(half * k / 8), inside + depth + radius * (math.cos(half * k / 8) - 1))
                   for k in range(8, -9, -1)]
     return [(start, r), (end, r), (end, inside), *groove, (start, inside)]
+
+
+def _cam_and_balls(scene, x, y, a, b):
+    """Cam and balls of the front view, inside of an ellipse; nothing where the scene has no balls."""
+    balls = scene.get("bearing.balls", 0) if scene["load.support"] == "drive" else 0
+    size = 6.0
+    cam = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a - 2 * size:.1f}" ry="{b - 2 * size:.1f}" fill="{_CAM}" stroke="#445" ' \
+          'stroke-width=".6"/>'
+    if not balls:
+        return []
+    start = math.radians(scene.get("bearing.cage_angle_deg", 0))
+    return [cam, *(f'<circle cx="{x + (a - size) * math.cos(start + 2 * math.pi * i / balls):.1f}" '
+                   f'cy="{y - (b - size) * math.sin(start + 2 * math.pi * i / balls):.1f}" r="{size - .8:.1f}" fill="{_BALL}"/>'
+                   for i in range(balls))]
+
+
+def _teeth(scene, x, y, a, b):
+    """Pairs of teeth in mesh, about both ends of the long axis; the teeth are drawn wider than they are where they would merge."""
+    if scene["load.support"] not in ("drive", "teeth"):
+        return []
+    half = scene["load.tooth_pairs"] // 2
+    found = []
+    for end in (0, math.pi):
+        for i in range(half):
+            t = end + (i - (half - 1) / 2) * 2 * math.pi / scene["load.teeth"]
+            c, s = math.cos(t), math.sin(t)
+            found.append(f'<line x1="{x + a * c:.1f}" y1="{y - b * s:.1f}" x2="{x + (a + 6) * c:.1f}" y2="{y - (b + 6) * s:.1f}" '
+                         f'stroke="{_TEETH}" stroke-width="1.6"/>')
+    return found
 
 
 def draw_scene(scene: dict) -> str:
@@ -88,17 +118,17 @@ def draw_scene(scene: dict) -> str:
     centre, radius = 160.0, 0.62 * min(outside * scale, 120)
     half = axis - 0.5 * outside * scale
     a, b = 1.12 * radius, 0.88 * radius
-    front = [
+    front = _cam_and_balls(scene, centre, half, a - 8, b - 8) + _teeth(scene, centre, half, a + 9, b + 9) + [
         _ellipse(centre, half, a + 5, b + 5, _FLEXSPLINE, 7), _ellipse(centre, half, a - 3, b - 3, _RING, 8),
         _ellipse(centre, half, a + 1, b + 1, _BAND, 1.5),
         f'<line x1="{centre - a - 16:.1f}" y1="{half:.1f}" x2="{centre + a + 16:.1f}" y2="{half:.1f}" stroke="#445" '
         'stroke-dasharray="9 3 2 3"/>',
-        _text(centre, half - 5, "long axis, θ = 0"),
-        _text(centre, half + 15, f'bore radius {1e3 * r:.4g} mm'),
-        _text(centre, half + b + 26, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
+        _text(centre, half - 5, "cam" if scene.get("bearing.balls") else "long axis, θ = 0"),
+        _text(centre, half + b + 28, f'bore radius {1e3 * r:.4g} mm; θ = 0 to the right'),
+        _text(centre, half + b + 44, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
               f'torque {scene["load.torque"]:.4g} N m'),
     ]
-    height = max(axis + 12, half + b + 38)
+    height = max(axis + 12, half + b + 56)
     views = (("cut along the axis", parts), ("front view", front))
     return '<div class="views">' + "".join(
         f'<svg viewBox="0 0 320 {height:.0f}" role="img" aria-label="{name}" font-size="13" '

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command `hdengine export`."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .._engine import InputError
+from .._types import PathLike, RunLike
+from ..files import write_files
+from .deck import to_deck
+from .formats import FORMATS
+from .law import joint_law
+
+KINDS = (*FORMATS, "inp")
+
+
+def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
+    """Write a run for another program.
+
+    Parameters
+    ----------
+    run : Result
+    kind : str
+        csv, mujoco, modelica, urdf-comment: torque over angle of a whole drive; inp: CalculiX deck of any run.
+    path : str or Path, optional
+        Default: joint with the format's suffix, or deck.inp, in the folder of the run.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError, FileError
+        No such kind; the run has no loop, or no grid; the file cannot be written.
+    """
+    if kind not in KINDS:
+        raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
+    if kind == "inp":
+        text, name = to_deck(run), "deck.inp"
+    else:
+        write, suffix = FORMATS[kind]
+        text, name = write(joint_law(run)), f"joint{suffix}"
+    path = Path(path) if path else run.folder / name
+    write_files({path: text})
+    return path
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("folder", help="folder of a run")
+    parser.add_argument("--to", required=True, choices=KINDS,
+                        help="torque over angle of a drive as a table, a MuJoCo or Modelica model, a comment for URDF; "
+                             "inp: CalculiX deck of any run")
+    parser.add_argument("--out", help="file (default: in the folder of the run)")

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A drive's torque over the angle, as the joint of a simulation takes it."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._engine import InputError
+from .._types import RunLike
+
+
+@dataclass(frozen=True)
+class JointLaw:
+    """Torque of a drive over the turn of its output against its input.
+
+    Attributes
+    ----------
+    torque_nm, angle_rad : ndarray (n,)
+        Middle of the loop, odd about 0, both rising.
+    falling_rad, rising_rad : ndarray (n,)
+        The loop's branches at these torques; the middle where the run has no whole loop.
+    readings : dict
+        K1, K2, K3, hysteresis and lost motion by their names in summary.json, without those that the run does not have.
+    title : str
+        Of the run.
+    """
+
+    torque_nm: np.ndarray
+    angle_rad: np.ndarray
+    falling_rad: np.ndarray
+    rising_rad: np.ndarray
+    readings: dict
+    title: str
+
+    @property
+    def friction_nm(self) -> float:
+        """Torque that half of the loop's width at no torque takes: Coulomb friction beside the spring [N m]."""
+        middle = int(np.argmin(abs(self.torque_nm)))
+        width = self.falling_rad[middle] - self.rising_rad[middle]
+        return float(abs(width) / 2 * self.stiffness_nm_per_rad[middle])
+
+    @property
+    def stiffness_nm_per_rad(self) -> np.ndarray:
+        """Slope dT/dθ at each row."""
+        return np.gradient(self.torque_nm, self.angle_rad)
+
+
+def _angle_of(torque, angle, at):
+    """Angle at torques on a branch, which may fall."""
+    order = np.argsort(torque, kind="stable")
+    return np.interp(at, torque[order], angle[order])
+
+
+def joint_law(run: RunLike) -> JointLaw:
+    """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the first rise mirrored.
+
+    Parameters
+    ----------
+    run : Result
+
+    Returns
+    -------
+    JointLaw
+
+    Raises
+    ------
+    InputError
+        The run has no loop, no torque, or an angle that does not rise with the torque.
+    """
+    if run.scene["load.support"] != "drive":
+        raise InputError(f"'{run.folder}' has no loop of torque over angle: load.support = '{run.scene['load.support']}'; "
+                         "valid: a run with load.support = 'drive', as data/drive14.nml")
+    loop = run.loop
+    begin = max(0, int(np.count_nonzero(loop["phase"] == "assembly")) - 1)
+    torque, angle = (loop[name][begin:] for name in ("torque_nm", "angle_rad"))
+    top = abs(torque).max(initial=0.0)
+    if not top > 0:
+        raise InputError(f"'{run.folder}' has no torque: set load.torque and load.torque_steps")
+    turns = [0, *(np.flatnonzero(np.diff(np.sign(np.diff(torque))) != 0) + 1), len(torque) - 1]
+    through = {}  # the last branch through 0 of either sense, ends well away from it
+    for a, b in zip(turns, turns[1:]):
+        if min(torque[a], torque[b]) < -0.1 * top and max(torque[a], torque[b]) > 0.1 * top:
+            through[np.sign(torque[b] - torque[a])] = (torque[a:b + 1], angle[a:b + 1])
+    positive = np.unique(np.round(abs(torque[abs(torque) > 1e-9 * top]) / top, 9)) * top
+    if len(through) == 2:
+        positive = positive[positive <= min(max(t.max(), -t.min()) for t, _ in through.values()) * (1 + 1e-9)]
+        grid = np.r_[-positive[::-1], 0.0, positive]
+        falling, rising = (_angle_of(*through[sense], grid) for sense in (-1.0, 1.0))
+    else:
+        grid = np.r_[-positive[::-1], 0.0, positive]
+        first = slice(0, turns[1] + 1)
+        mirrored = np.sign(grid) * np.sign(torque[turns[1]]) * _angle_of(abs(torque[first]), angle[first], abs(grid))
+        falling = rising = mirrored
+    middle = (falling + rising) / 2
+    shift = (middle[::-1] + middle) / 2  # a joint is centred: what the loop is off 0 by goes
+    middle = middle - shift
+    if np.any(np.diff(middle) <= 0):
+        at = grid[1:][np.diff(middle) <= 0][0]
+        raise InputError(f"'{run.folder}': the angle does not rise with the torque at {at:.4g} N m, so it is no joint's law; raise "
+                         "load.torque_steps or look at loop.png")
+    names = [*(f"k{i}_nm_per_rad" for i in (1, 2, 3)), "hysteresis_rad", "lost_motion_rad"]
+    results = run.summary["results"]
+    return JointLaw(grid, middle, falling - shift, rising - shift,
+                    {n: results[n] for n in names if results.get(n) is not None}, run.summary["title"] or run.folder.name)

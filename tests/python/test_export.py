@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What other programs get of a run: MuJoCo twists as the law says, CalculiX finds the run's forces on its mesh."""
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import hdengine
+from conftest import ROOT
+from hdengine.cli import main
+from hdengine.export.law import joint_law
+
+KEYS = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2}
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    """A small whole drive over a loop that goes through 0 both ways, faces bonded."""
+    out = tmp_path_factory.mktemp("export") / "d.out"
+    return hdengine.run(ROOT / "tests/cases/pressed_drive.nml", out, **KEYS, contact__mode="bonded", loop__torques=[14, -14, 14])
+
+
+def table(path):
+    """Columns of the exported table, whose head begins with #."""
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return dict(zip(lines[0].split(","), np.array([line.split(",") for line in lines[1:]], float).T))
+
+
+def test_the_law_is_a_joint(drive, tmp_path):
+    """Torque and angle rise together, odd about 0, between the branches, and the table's largest torque is that of the run."""
+    assert main(["export", str(drive.folder), "--to", "csv", "--out", str(tmp_path / "j.csv")]) == 0
+    t = table(tmp_path / "j.csv")
+    assert (np.diff(t["torque_nm"]) > 0).all() and (np.diff(t["angle_rad"]) > 0).all() and t["torque_nm"][-1] == 14
+    assert t["angle_rad"] == pytest.approx(-t["angle_rad"][::-1]) and t["angle_rad"][-1] == pytest.approx(max(drive.loop["angle_rad"]), rel=0.01)
+    assert (t["angle_falling_rad"] >= t["angle_rad"] - 1e-9).all() and (t["angle_rising_rad"] <= t["angle_rad"] + 1e-9).all()
+    assert f"k2_nm_per_rad = {drive.summary['results']['k2_nm_per_rad']:.6g}" in (tmp_path / "j.csv").read_text()
+
+
+def test_mujoco_twists_as_the_drive(drive):
+    """In MuJoCo the joint comes to rest within 1 % of the angle of the law, at every torque of it and between them, both ways."""
+    mujoco = pytest.importorskip("mujoco")
+    assert main(["export", str(drive.folder), "--to", "mujoco"]) == 0
+    law = joint_law(drive)
+    model = mujoco.MjModel.from_xml_path(str(drive.folder / "joint.xml"))
+    for torque in (*law.torque_nm[law.torque_nm != 0], 1.0, -10.5):
+        data = mujoco.MjData(model)
+        data.qfrc_applied[0] = torque
+        mujoco.mj_step(model, data, nstep=10000)
+        assert abs(data.qvel[0]) < 1e-9 and data.qpos[0] == pytest.approx(np.interp(torque, law.torque_nm, law.angle_rad), rel=0.01)
+
+
+def test_texts_hold_the_law(drive):
+    """Modelica and the comment for URDF hold every angle of the law; a comment ends once."""
+    for kind, suffix in (("modelica", ".mo"), ("urdf-comment", ".urdf.xml")):
+        assert main(["export", str(drive.folder), "--to", kind]) == 0
+        text = (drive.folder / f"joint{suffix}").read_text()
+        assert all(f"{a:.6g}"[:8] in text for a in joint_law(drive).angle_rad)
+    assert text.count("--") == 2
+
+
+def test_calculix_finds_the_forces(drive, tmp_path):
+    """CalculiX solves the deck: torque at the bottom within 0.1 %, largest ball within 2 % of the run, though the mesh is coarse."""
+    pytest.importorskip("meshio")
+    assert main(["export", str(drive.folder), "--to", "inp", "--out", str(tmp_path / "d.inp")]) == 0
+    deck = (tmp_path / "d.inp").read_text()
+    assert "torque 14000 N mm" in deck and deck.count("*STEP") == 1
+    if not shutil.which("ccx"):
+        pytest.skip("CalculiX is not installed")
+    done = subprocess.run(["ccx", "-i", "d"], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+    assert "Job finished" in done.stdout, done.stdout[-2000:]
+    sums: dict = {}
+    for part in re.split(r"forces \(fx,fy,fz\) for set ", (tmp_path / "d.dat").read_text())[1:]:
+        sums[part.split()[0]] = np.array([line.split()[1:4] for line in part.splitlines()[1:] if re.match(r"\s*\d+\s+\S+\s+\S+\s+\S+", line)], float)
+    assert 8 * sums["HUB"][:, 1].sum() == pytest.approx(14000, rel=1e-3)
+    balls = drive.balls["force_n"][drive.balls["step"] == drive.steps["step"][-1]]
+    assert abs(sums["GROUND"][:, 0]).max() == pytest.approx(balls.max(), rel=0.02)
+
+
+def test_runs_without_a_loop_say_so(small_run, capsys):
+    """A run that is no whole drive has no joint to export, and says what has; it has a deck."""
+    assert main(["export", str(small_run), "--to", "csv"]) == 2 and "load.support = 'drive'" in capsys.readouterr().err
+    pytest.importorskip("meshio")
+    assert main(["export", str(small_run), "--to", "inp"]) == 0
+    assert (small_run / "deck.inp").read_text().count("*STEP") == len(list(small_run.glob("bodies_*.vtu")))

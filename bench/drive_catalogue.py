@@ -80,7 +80,7 @@ def slopes():
     """Slope of the last rise of size 20 to 50 N m over each 2.5 N m, for each fit and bonded; K_TS there."""
     rows = []
     for label, keys in (("bonded", BONDED), *((f"{c:g}", fit(c)) for c in FITS[:5])):
-        row, (loop, steps) = run("20", {**keys, "load.torque": 50, "load.torque_steps": 20})
+        row, (loop, steps) = run("20", {**keys, "load.torque": 50, "load.torque_steps": 20, "load.tangent_steps": "all"})
         torque, angle = (np.array(loop[k][-21:]) for k in ("torque_nm", "angle_rad"))
         k_ts = np.array(steps["k_ts_bonded_nm_per_rad"][-20:])
         rows.append({"fit": label, "torque_nm": [short(t) for t in torque], "slope": [short(s) for s in np.diff(torque) / np.diff(angle) / 1e3],

@@ -452,6 +452,19 @@ def figures():
     return "\n\n".join(map(section, read_record("pareto")["charts"]))
 
 
+def loop_time():
+    """Processor time of drive14 by part, before and now."""
+    found = read_record("gradient")
+    before, now = found["before"], found["now"]
+    return ("part", "before / s", "now / s"), [(part, digits(before[part]), digits(now[part]))
+                                              for part in sorted(before, key="total".__eq__)]
+
+
+def gradient_cost():
+    """Cost of a gradient by scene, in runs."""
+    return ("scene", "keys", "cost / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"])) for r in read_record("gradient")["cost"]]
+
+
 def records():
     """Every record and the engines that made its parts."""
     rows = []
@@ -481,6 +494,8 @@ TABLES = {  # marker: page from docs on, records, builder
     "promises": ("evidence/planner", ["promised_scenes", "promised_drives"], promises),
     "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
     "figures": ("evidence/speed_accuracy", ["pareto"], figures),
+    "loop-time": ("evidence/speed_accuracy", ["gradient"], loop_time),
+    "gradient-cost": ("evidence/speed_accuracy", ["gradient"], gradient_cost),
     "maps": ("evidence/stability", ["stability"], maps),
     "random": ("evidence/stability", ["random_runs"], random_runs),
     "peer-hub": ("evidence/peers", ["peer_hub"], peer_hub),

@@ -600,3 +600,21 @@ def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
     assert len(result.turning) == 3 and "turning.png" in {p.name for p in plot_run(result)}
     done = call(exe, ROOT / "data/cd14.nml", "turning.positions=3", "--out", tmp_path / "c")
     assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "load.support = 'drive'" in done.stderr
+
+
+def test_tangents_and_times_of_a_loop(exe, drive, tmp_path):
+    """A loop has a tangent where its torque is largest, the same as among tangents in all steps; the parts of its time add up to the total."""
+    found = {}
+    for steps in ("needed", "all", "none"):
+        results = solve(exe, tmp_path / steps, f"load.tangent_steps={steps}")[0]
+        found[steps] = load(tmp_path / steps).steps["k_ts_bonded_nm_per_rad"]
+        assert results | {"k_ts_bonded_nm_per_rad": 0, "k_ts_contact_nm_per_rad": 0, "twist_shares": 0} == drive[0] | {
+            "k_ts_bonded_nm_per_rad": 0, "k_ts_contact_nm_per_rad": 0, "twist_shares": 0}
+        assert steps == "none" or results == drive[0]
+        times = json.loads((tmp_path / steps / "summary.json").read_text())["timers_s"]
+        assert sum(times.values()) == pytest.approx(2 * times["total"], rel=1e-9) and min(times.values()) >= 0
+    known = np.isfinite(found["needed"])
+    assert list(np.flatnonzero(known)) == [6] and np.all(found["needed"][known] == found["all"][known])
+    assert np.isfinite(found["all"][3:]).sum() > 10 and np.isnan(found["none"]).all()
+    refused = call(exe, ROOT / "data/drive14.nml", "load.tangent_steps=none", "run.band=.true.", "--out", tmp_path / "no")
+    assert refused.returncode == 2 and "load.tangent_steps = 'none'" in refused.stderr

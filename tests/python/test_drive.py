@@ -239,7 +239,7 @@ def test_points_that_all_slip_are_said(exe, tmp_path):
                     "--force", "-q")
 
     done = run(3.12481e-05)
-    assert done.returncode == 4 and "all of them slip: little keeps the ring from turning" in done.stderr
+    assert done.returncode == 4 and "all of its contact (5 multipliers) slips" in done.stderr
     assert "bearing.cage_angle_deg" in done.stderr and "raise solver.max_iterations" not in done.stderr
     assert run(3e-05).returncode == 0
 
@@ -304,7 +304,7 @@ def test_chords_without_a_step_and_a_weak_cup_warn(exe, tmp_path):
 def test_slip_under_a_held_bottom_is_no_gross_slip(exe, tmp_path):
     """The bottom takes what friction does not: a torque beyond any drive ends without convergence or complete, never as gross slip."""
     done = call(exe, ROOT / "data/cd14.nml", "load.torque=5000", "--allow-implausible", "output.vtu=none", "--out", tmp_path / "r", "-q")
-    assert "gross slip" not in done.stderr and (done.returncode == 0 or "no convergence in the torque step" in done.stderr)
+    assert "gross slip" not in done.stderr and (done.returncode == 0 or "in the torque step" in done.stderr and "lower load.torque" in done.stderr)
 
 
 RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.vtu=none"]

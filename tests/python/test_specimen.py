@@ -206,7 +206,7 @@ def test_a_broken_folder_is_never_whole(tmp_path):
     """A write that fails midway over an earlier folder leaves no record, no cut file, and one error; the next one is whole, without
     the files of the first; a folder of another command is never written to."""
     class Broken:
-        def savefig(self, path):
+        def savefig(self, path, **_):
             Path(path).write_text("half")
             raise OSError(28, "no space left")
 

@@ -191,6 +191,7 @@ contains
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
     integer :: threads, taken
+    logical :: known
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = farthest(run%scene, run%model%drive%radius)
@@ -198,11 +199,11 @@ contains
     step%number = run%step%number + 1
     call place_step(run%scene, place, step)
     if (step%loaded) options%torque = largest_torque(run%scene)
-    options%anew = step%loaded .and. .not. stretch(run%scene, run%place_before, run%place, place) > 0
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
-    call first_guess(run, place, step, trial)
+    call first_guess(run, place, step, trial, known)
+    options%anew = step%loaded .and. .not. (known .or. stretch(run%scene, run%place_before, run%place, place) > 0)
     if (run%model%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support%against_teeth .and. step%loaded) then
       call turn_against_teeth(run, step%torque, trial, history, error)
@@ -279,11 +280,12 @@ contains
   end function farthest
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
-  subroutine first_guess(run, place, step, trial)
+  subroutine first_guess(run, place, step, trial, known)
     type(run_t), intent(inout) :: run          !< run
     type(place_t), intent(in) :: place         !< aim
     type(step_t), intent(in) :: step           !< and what stands there
     type(state_t), intent(out) :: trial        !< guess
+    logical, intent(out) :: known              !< it is a solution
     real(dp) :: ratio, part
     trial = run%state
     part = assembly_at(run%scene, place)
@@ -293,7 +295,8 @@ contains
     if (run%model%drive%problem%wheel_turns .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
-    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
+    known = .false.
+    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial, known)
   end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.

@@ -255,8 +255,7 @@ contains
       call place_step(run%scene, place, run%step)
       if (allocated(run%gradient)) call lead_companions(run, load, error)
     else if (sliding) then
-      slip_torque = abs(contact_torque(run%model%drive, trial))
-      ! less is rounding: friction holds nothing
+      slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance it is rounding: friction holds nothing
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)

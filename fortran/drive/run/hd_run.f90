@@ -279,7 +279,7 @@ contains
     call run%gradient%differentiate(run%model%solver, run%model%drive, place, &
       run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
-    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message)
+    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
     call run%record%timers%book(in_gradient)
   end subroutine find_gradient
 

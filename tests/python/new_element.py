@@ -11,7 +11,7 @@ from hdengine import mesh
 
 PAGE = (ROOT / "docs/explain/new_element.md").read_text()
 CHANGES = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE, re.S | re.M))
-SOURCES = ("hd_kinds.f90", "hd_gauss.f90", "hd_text.f90", "hd_error.f90", "hd_blas_threads.c", "hd_lapack.f90", "hd_hexahedron.f90")
+SOURCES = ("hd_kinds.f90", "hd_gauss.f90", "hd_text.f90", "hd_error.f90", "hd_openblas.c", "hd_lapack.f90", "hd_hexahedron.f90")
 PROGRAM = """program stiffness
   use hd_error, only: error_t
   use hd_hexahedron, only: element_kind, element_stiffness, elasticity_matrix

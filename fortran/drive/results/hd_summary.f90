@@ -11,6 +11,7 @@ module hd_summary
   use hd_facets, only: sums_t, sum_names, sum_values
   use hd_joint, only: joint_t
   use hd_json, only: json_t
+  use hd_lapack, only: blas_kernels
   use hd_linear_solver, only: linear_solver_t
   use hd_model_error, only: covered, left_out
   use hd_loop, only: loop_t, readings_t, read_loop
@@ -383,6 +384,7 @@ contains
     call json%add('mumps', solver%library)
     call json%add('metis', metis_version)
     call json%add('lapack', lapack_version)
+    call json%add('blas_kernels', blas_kernels())
     call json%add('fftw', fftw_version)
     call json%finish()
   end subroutine add_provenance

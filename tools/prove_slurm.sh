@@ -25,7 +25,7 @@ until test -f "cd14-$long.out/history.csv" -o -f "cd14-$long.out/history.csv.par
 sleep 5
 scancel --signal=TERM "$long"
 wait_for "$long"
-grep -q '"code": 7' "cd14-$long.out/summary.json" || fail "cancelled run"
+grep -q '"status": "interrupted"' "cd14-$long.out/summary.json" || fail "cancelled run"
 
 cat > "$work/small.toml" <<STUDY
 [study]

@@ -22,6 +22,7 @@ module hd_summary
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
+  use hd_system, only: stop_requested
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
@@ -121,7 +122,7 @@ contains
     type(record_t), intent(in) :: record                      !< stopped by a signal
     type(error_t), allocatable, intent(in) :: failure         !< why it ended early
     if (allocated(failure)) then
-      if (record%interrupted) then
+      if (record%interrupted .or. stop_requested()) then  ! between two load steps, or within one
         call json%add('status', 'interrupted')
       else
         call json%add('status', trim(merge('stopped_at_limit', 'failed          ', failure%code == code_stopped)))

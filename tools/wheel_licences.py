@@ -10,7 +10,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-
 # Debian's one text for all of GCC lists no licence by name
 GCC = {"libgfortran5": ["GPL-3.0-or-later WITH GCC-exception-3.1"], "libgomp1": ["GPL-3.0-or-later WITH GCC-exception-3.1"],
        "libquadmath0": ["LGPL-2.1-or-later"]}

@@ -15,7 +15,7 @@ dd if=/dev/urandom of="$work/munge.key" bs=128 count=1 2>/dev/null
 chmod 400 "$work/munge.key"
 munged --force --key-file="$work/munge.key" --socket="$work/munge.sock" --pid-file="$work/munge.pid" --seed-file="$work/munge.seed" \
   --log-file="$work/munge.log" 2>/dev/null
-trap 'scontrol shutdown >/dev/null 2>&1 || true; kill "$(cat "$work/munge.pid")"' EXIT
+trap 'scontrol shutdown >/dev/null 2>&1 || true; kill $(cat "$work"/*.pid 2>/dev/null) 2>/dev/null || true' EXIT
 cat > "$work/slurm.conf" <<CONF
 ClusterName=proof
 SlurmctldHost=$node

@@ -122,7 +122,7 @@ contains
     type(record_t), intent(in) :: record                      !< stopped by a signal
     type(error_t), allocatable, intent(in) :: failure         !< why it ended early
     if (allocated(failure)) then
-      if (record%interrupted .or. stop_requested()) then  ! between two load steps, or within one
+      if (record%interrupted .or. (failure%code == code_stopped .and. stop_requested())) then  ! between load steps, or within one
         call json%add('status', 'interrupted')
       else
         call json%add('status', trim(merge('stopped_at_limit', 'failed          ', failure%code == code_stopped)))

@@ -86,9 +86,14 @@ def write_record(name, facts, **origin):
     path.parent.mkdir(exist_ok=True)
     whole = {"provenance": provenance(**origin), **({"rows": facts} if isinstance(facts, list) else facts)}
     part = path.with_suffix(".json.part")
-    part.write_text(json.dumps(whole, indent=1) + "\n")
+    part.write_text(record_text(whole))
     part.replace(path)
     return path
+
+
+def record_text(whole):
+    """JSON with its innermost lists and objects on a line each."""
+    return re.sub(r"([\[{])\n\s+([^\[\]{}]*?)\n\s*([\]}])", lambda m: m[1] + re.sub(r"\n\s+", " ", m[2]) + m[3], json.dumps(whole, indent=1)) + "\n"
 
 
 def write_part(name, part, facts, **origin):

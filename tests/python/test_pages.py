@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import made_pages  # noqa: E402
 
 SHORT = sorted(str(p.relative_to(ROOT)) for room in ("start", "howto") for p in (ROOT / "docs" / room).glob("*.md"))
-OWN_TEST = ("docs/reference/command_line", "docs/explain/new_element")  # help texts; page of test_new_element.py
+OWN_TEST = ("docs/reference/command_line",)  # help texts
 BLOCK = re.compile(r"(?:<!-- (?:not run: |run by )(?P<why>[^\n]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```", re.S | re.M)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN = {"docs/start/install.md": "conda-forge is not reachable from the machine that runs the tests"}

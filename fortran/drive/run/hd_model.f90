@@ -108,19 +108,20 @@ contains
     real(dp), intent(in) :: fraction           !< of the assembly
     real(dp), intent(in) :: torque             !< [N m]
     type(state_t), intent(inout) :: state      !< guess
-    logical, intent(out), optional :: found    !< there is such a state
+    logical, intent(out) :: found              !< there is such a state
     integer :: i
     i = 0
     if (allocated(self%place)) i = find(self, fraction, torque)
     if (i > 0) state = self%state(i)
-    if (present(found)) found = i > 0
+    found = i > 0
   end subroutine recall
 
   !> Number of the state at a place, 0 if there is none.
   pure integer function find(self, fraction, torque)
     type(assembly_t), intent(in) :: self       !< states
     real(dp), intent(in) :: fraction, torque   !< place
-    find = findloc(abs(self%place(1, :) - fraction) < 1e-12_dp .and. abs(self%place(2, :) - torque) <= 1e-12_dp*abs(torque), &
+    real(dp), parameter :: same = 1e-12_dp     !< rounding of a place
+    find = findloc(abs(self%place(1, :) - fraction) < same .and. abs(self%place(2, :) - torque) <= same*abs(torque), &
       .true., 1)
   end function find
 

@@ -53,7 +53,7 @@ set -e
 cd /job
 ! command -v gcc
 export PATH=$home/bin:\$PATH HOME=/job/home PIP_ROOT_USER_ACTION=ignore PIP_DISABLE_PIP_VERSION_CHECK=1
-rm -rf home env out
+rm -rf home env px out
 mkdir home
 case $way in
   venv) python$version -m venv env; env/bin/pip install -q $(basename "$wheel"); bin=env/bin; libs= ;;

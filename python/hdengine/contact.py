@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _engine
-from ._check import checked, flag
+from ._check import array, checked, flag
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .results import Result, preformatted
@@ -118,8 +118,7 @@ class Run:
         return self._handle
 
     def __reduce__(self) -> str:
-        raise _engine.InputError("a Run is the one view of what the engine solves: it cannot be copied or pickled; open another, or "
-                                 "copy its steps")
+        raise _engine.InputError("a Run cannot be copied or pickled: it is what the engine solves; copy its steps, or open another")
 
     def advance(self) -> Step:
         """Solve the next load step and return it as a Step.
@@ -399,6 +398,7 @@ class Cam:
     curve_m: float
 
 
+@checked(theta=array([(), (None,)]), path=a_path)
 def cam(theta: ArrayLike, path: PathLike = "", **keys: Value) -> Cam:
     """Wave generator of a scene.
 
@@ -420,6 +420,6 @@ def cam(theta: ArrayLike, path: PathLike = "", **keys: Value) -> Cam:
     InputError, FileError
         A key or the table of a measured cam is not valid.
     """
-    theta = np.atleast_1d(np.asarray(theta, float))
+    theta = np.atleast_1d(theta)
     field, curve, length = _engine.call("scene_cam", str(path), "\n".join(_assignments(keys)) or " ", theta)
     return Cam(theta, np.array(field), np.array(curve[:2]), np.array(curve[2:4]), np.array(curve[4]), *map(float, length))

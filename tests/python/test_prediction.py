@@ -415,7 +415,7 @@ def test_tables_are_judged(tmp_path):
 
     assert "no column 'k_n_pa_per_m'" in refused("pressure_pa,k\n1e6,1e12\n2e6,2e12\n")
     assert "valid: rising" in refused("pressure_pa,k_n_pa_per_m\n2e6,1e12\n1e6,2e12\n")
-    assert "line 4, column k_n_pa_per_m: 'soft'" in refused("# bench\npressure_pa,k_n_pa_per_m\n1e6,1e12\n2e6,soft\n")
+    assert "line 4: column k_n_pa_per_m: 'soft'" in refused("# bench\npressure_pa,k_n_pa_per_m\n1e6,1e12\n2e6,soft\n")
     assert "above 0" in refused("pressure_pa,k_n_pa_per_m\n1e6,0\n2e6,1e12\n")
     with pytest.raises(hdengine.InputError, match="table_file"):
         ElasticJoint.of_scene({"joint.model": "table"})

@@ -93,7 +93,7 @@ def ended(scene, **keys):
 
 def default_scene():
     """K_TS of CD-14-100 as it stands, of size 14 on the first rise of its loop, and K2 of the catalogue."""
-    found, drive = ended("cd14.nml")[0].summary["results"], ended("drive14.nml")[0].steps
+    found, drive = ended("cd14.nml")[0].summary["results"], ended("drive14.nml", load__tangent_steps="all")[0].steps
     rise = drive[:int(np.argmax(drive["torque_nm"])) + 1]
     return {"k2_catalogue_nm_per_rad": UNITS[14].k2_nm_per_rad, "tangent_nm_per_rad": found["k_ts_bonded_nm_per_rad"],
             "eq45_nm_per_rad": found["k_ts_nm_per_rad"],

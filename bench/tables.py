@@ -199,18 +199,12 @@ def drive_rows(part="sizes"):
 
 def drive_sizes():
     """Shipped drives beside the catalogue."""
-    return ("drive", "K1 / K2 / K3 in kN m/rad", "over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "von Mises / MPa", "time, memory"), [
-        (r["drive"].replace("_", "-"), triple(r["k"], "{:.3g}"), *(over(r, r["catalogue"]) if r["catalogue"] else ("-", "-")),
+    def cubes(r):
+        return ", ".join(f"{1e3 * k[2] / int(r['drive'][:2])**3:.2f}" for k in (r["k"], r["catalogue"]) if k)
+    return ("drive", "K1 / K2 / K3 in kN m/rad", "over the catalogue's", "K2/K1, K3/K1 over", "K3/size³, catalogue", "hysteresis, lost motion", "von Mises / MPa", "time, memory"), [
+        (r["drive"].replace("_", "-"), triple(r["k"], "{:.3g}"), *(over(r, r["catalogue"]) if r["catalogue"] else ("-", "-")), cubes(r),
          f"{r['hysteresis_arcmin']:.2f}', {r['lost_motion_arcmin']:.2f}'", f"{r['von_mises_mpa']:.0f}", f"{r['cpu_s']:.1f} s, {r['memory_mb']:.0f} MB")
         for r in drive_rows()]
-
-
-def drive_similar():
-    """K over the cube of the size [N m/rad]."""
-    def cubes(k, size):
-        return triple([1e3 * v / int(size) ** 3 for v in k], "{:.2f}")
-    return ("size", "ours, K1 / K2 / K3 over size³", "catalogue"), [
-        (r["drive"], cubes(r["k"], r["drive"]), cubes(r["catalogue"], r["drive"])) for r in drive_rows() if r["drive"].isdigit()]
 
 
 def drive_kin():
@@ -248,13 +242,18 @@ def cause(size, row):
 READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, lost motion", "K_TS, bonded / contact")
 
 
-LEFT_OUT = ("bonded", "clearance 9 µm", "clearance 13.5 µm", "clearance 30 µm", "clearance 0 µm, play 0.5 µm", "clearance 4.5 µm, play 0.5 µm", "play of the closest pair 0.5 µm")
-
-
 def drive_causes():
     """What fit, play, friction and gluing change, on a coarser mesh."""
-    return ("size", "case", *READ), [(r["drive"].replace("_", "-"), r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") + drive_rows("half")
-                                        if r["case"] not in LEFT_OUT]
+    return ("size", "case", *READ), [(r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") + drive_rows("half")]
+
+
+def drive_bands():
+    """95 % bands over the catalogue, how wide they are, and the inputs that make them."""
+    def cells(r):
+        low, high, known = (np.array(r[k]) for k in ("low", "high", "catalogue"))
+        return (r["drive"].replace("_", "-"), *(f"{a:.2f} to {b:.2f}" for a, b in zip(low / known, high / known)), " / ".join(f"{w:.2f}" for w in high / low),
+                ", ".join(f"`{key.split('.')[1]}` {100 * share:.0f} %" for key, share in r["shares"].items()))
+    return ("drive", "K1 over the catalogue's", "K2", "K3", "high over low", "what makes K2's"), [cells(r) for r in drive_rows("bands")]
 
 
 def drive_history():
@@ -453,6 +452,19 @@ def figures():
     return "\n\n".join(map(section, read_record("pareto")["charts"]))
 
 
+def loop_time():
+    """Processor time of drive14 by part, before and now."""
+    found = read_record("gradient")
+    before, now = found["before"], found["now"]
+    return ("part", "before / s", "now / s"), [(part, digits(before[part]), digits(now[part]))
+                                              for part in sorted(before, key="total".__eq__)]
+
+
+def gradient_cost():
+    """Cost of a gradient by scene, in runs."""
+    return ("scene", "keys", "cost / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"])) for r in read_record("gradient")["cost"]]
+
+
 def records():
     """Every record and the engines that made its parts."""
     rows = []
@@ -482,6 +494,8 @@ TABLES = {  # marker: page from docs on, records, builder
     "promises": ("evidence/planner", ["promised_scenes", "promised_drives"], promises),
     "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
     "figures": ("evidence/speed_accuracy", ["pareto"], figures),
+    "loop-time": ("evidence/speed_accuracy", ["gradient"], loop_time),
+    "gradient-cost": ("evidence/speed_accuracy", ["gradient"], gradient_cost),
     "maps": ("evidence/stability", ["stability"], maps),
     "random": ("evidence/stability", ["random_runs"], random_runs),
     "peer-hub": ("evidence/peers", ["peer_hub"], peer_hub),
@@ -491,11 +505,11 @@ TABLES = {  # marker: page from docs on, records, builder
     "premises": ("evidence/comparison", ["paper_comparison"], premises),
     "paper-bench": ("evidence/comparison", ["paper_comparison"], paper_bench),
     "drive-sizes": ("evidence/drive", ["drive_catalogue"], drive_sizes),
-    "drive-similar": ("evidence/drive", ["drive_catalogue"], drive_similar),
     "drive-kin": ("evidence/drive", ["drive_catalogue"], drive_kin),
     "drive-shares": ("evidence/drive", ["drive_catalogue"], drive_shares),
     "drive-slopes": ("evidence/drive", ["drive_catalogue"], drive_slopes),
     "drive-causes": ("evidence/drive", ["drive_catalogue"], drive_causes),
+    "drive-bands": ("evidence/drive", ["drive_catalogue"], drive_bands),
     "drive-history": ("evidence/drive", ["drive_catalogue"], drive_history),
     "frictions": ("evidence/inputs", ["readings"], frictions),
     "joints": ("evidence/inputs", ["readings"], joints),

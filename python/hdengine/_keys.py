@@ -18,6 +18,7 @@ class RunKeys(TypedDict, total=False):
     title: str
     tolerance: float
     band: bool | str
+    gradient: bool | str
 
 
 class GeometryKeys(TypedDict, total=False):
@@ -124,6 +125,7 @@ class LoadKeys(TypedDict, total=False):
     support_stiffness: float  # N/m
     assembly_steps: int
     torque_steps: int
+    tangent_steps: str
 
 
 class BearingKeys(TypedDict, total=False):
@@ -268,6 +270,7 @@ class SceneKeys(TypedDict, total=False):
     run__title: str
     run__tolerance: float
     run__band: bool | str
+    run__gradient: bool | str
     geometry__bore_radius: float
     geometry__wall_thickness: float
     geometry__rim_thickness: float
@@ -339,6 +342,7 @@ class SceneKeys(TypedDict, total=False):
     load__support_stiffness: float
     load__assembly_steps: int
     load__torque_steps: int
+    load__tangent_steps: str
     bearing__balls: int
     bearing__model: str
     bearing__ball_diameter: float

@@ -6,6 +6,7 @@ import base64
 import functools
 import html
 import io
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -23,6 +24,8 @@ from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
 from .joint import Joint, JointWarning
 
+_GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
+            "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
 WORD = 24   # characters beyond which a table is left to the slow reader
 
 
@@ -495,6 +498,34 @@ class Result:
             else:
                 yield joint_of_scene({**self.scene, "joint.fractal_dimension": joint.fractal_dimension,
                                       "joint.roughness": joint.roughness}, friction)
+
+    def gradient(self) -> dict[str, dict[str, float]]:
+        """Derivatives of the results by every number of the drive that is in use.
+
+        They are those of a run with `run.gradient`; another run is solved once more with it, from its echo.nml. Each is found by
+        direct differentiation along the load steps, contact states kept: where a change turns one it holds on one side.
+
+        Returns
+        -------
+        dict of dict
+            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result.
+
+        Raises
+        ------
+        InputError
+            Large displacements, the teeth alone, or `loop.history` 'turned'.
+        """
+        if "gradient" not in self.summary:
+            with tempfile.TemporaryDirectory() as folder:
+                handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0, 1)
+                try:
+                    while not _engine.call("run_advance", handle):
+                        pass
+                finally:
+                    _engine.call("run_close", handle, 0)
+                self.summary["gradient"] = read_summary(f"{folder}/r", "gradient")["gradient"]
+        return {result: {key: np.nan if value is None else value for key, value in by_key.items()}
+                for result, by_key in self.summary["gradient"].items()}
 
     def write_torsion(self) -> Path:
         """Write torsion.csv: torque, K_TS by both forms, FE rotation. Returns its path."""

@@ -254,7 +254,7 @@ def test_typed_keys_are_those_of_the_engine():
 def test_a_result_answers_in_words(tmp_path):
     """A whole drive's result has K1 to K3, K_TS, its tables by name, its figures, its report and a table with the loop for notebooks."""
     pytest.importorskip("pandas")
-    keys = {"mesh": {"divisions": 24, "band_facets": 4}, "load": {"torque_steps": 2}}
+    keys = {"mesh": {"divisions": 24, "band_facets": 4}, "load": {"torque_steps": 2, "tangent_steps": "all"}}
     result = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", **keys)
     found = result.summary["results"]
     assert (result.k1, result.k2, result.k3, result.k_ts) == tuple(found[f"{n}_nm_per_rad"] for n in ("k1", "k2", "k3", "k_ts_bonded"))

@@ -63,4 +63,4 @@ def test_contradictions_are_told(exe, tmp_path, keys, what):
 def test_the_report_draws_the_flange():
     """In the sketch of a report the flange stands beyond the bore."""
     drawn = draw_scene(hdengine.read_scene(ROOT / "tests/cases/pressed_hat.nml"))
-    assert drawn.count('fill="#9fb8d0"') == 4
+    assert drawn.count('fill="#8fb0cc"') == 4

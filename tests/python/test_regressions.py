@@ -22,25 +22,26 @@ from conftest import ROOT, executable
 RECORD = ROOT / "tests/cases/instructions.json"
 SMALL = ("mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=1", "load.torque_steps=1", "output.vtu=none")
 LESS = ("mesh.divisions=16", "mesh.band_facets=3")
+LEAST = ("mesh.divisions=12", "mesh.band_facets=2")
 CASES = {  # name: what it holds, scene, keys
-    "condensed": ("contact condensed by harmonics", "cd14.nml", (*SMALL, "mesh.divisions=48", "mesh.band_facets=8")),
-    "factors": ("Newton matrix, LU of each step", "cd14.nml", (*SMALL, "solver.method=newton", "solver.factors=exact", *LESS)),
+    "condensed": ("contact condensed by harmonics", "cd14.nml", (*SMALL, "mesh.divisions=32", "mesh.band_facets=6")),
+    "factors": ("Newton matrix, LU of each step", "cd14.nml", (*SMALL, "solver.method=newton", "solver.factors=exact", *LEAST)),
     "harmonic": ("Newton matrix, round bodies by harmonics", "cd14.nml", (*SMALL, "solver.method=newton", "solver.factors=harmonic")),
-    "large": ("large displacements", "cd14.nml", (*SMALL, "solver.kinematics=nonlinear", *LESS)),
-    "quadratic": ("quadratic elements", "cd14.nml", (*SMALL, "mesh.element=hex20r")),
+    "large": ("large displacements", "cd14.nml", (*SMALL, "solver.kinematics=nonlinear", *LEAST)),
+    "quadratic": ("quadratic elements", "cd14.nml", (*SMALL, "mesh.element=hex20r", *LESS)),
     "joint": ("rough joint as contact law", "cd14.nml", (*SMALL, "contact.law=joint")),
     "apart": ("non-matching meshes, mortar segments", "cd14.nml", (*SMALL, "mesh.ring_divisions=30", "mesh.ring_facets=5")),
-    "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14")),
+    "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14", *LESS)),
     "teeth": ("bonded ring against teeth", "teeth.nml", (*SMALL,)),
     "product": ("heights by matrix products; fit of ridges", "surface.nml", ("surface.nx=192", "surface.ny=192")),
     "transform": ("heights by the NUFFT", "surface.nml", ("surface.nx=256", "surface.ny=256", "surface.ridges=200", "surface.method=nufft",
                                                          "surface.tolerance=1e-6", "fit.model=none")),
-    "map": ("blind fit of a map of 64 x 64 points", "surface.nml", ("fit.first_file=map.npy", "fit.dx=1e-6")),
+    "map": ("blind fit of a map of 48 x 48 points", "surface.nml", ("fit.first_file=map.npy", "fit.dx=1e-6")),
 }
 LOSS = 1.3
 
 
-def rough_map(n=64, slope=-3.5):
+def rough_map(n=48, slope=-3.5):
     """Heights [m] of n x n points whose power spectrum falls with the given power; the same in every call."""
     q = np.hypot(np.fft.fftfreq(n)[:, None], np.fft.rfftfreq(n))
     q[0, 0] = np.inf

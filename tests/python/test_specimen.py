@@ -203,11 +203,11 @@ def test_unlike_spacing_is_drawn_as_two_lines(small):
 
 
 def test_a_broken_folder_is_never_whole(tmp_path):
-    """A write that fails midway over an earlier folder leaves no record, no cut file, and one error; the next one is whole, without
-    the files of the first; a folder of another command is never written to."""
+    """A write that fails midway over an earlier folder leaves that as it was, and one error; the next one is whole, without the files
+    of the first; a folder of another command is never written to."""
     class Broken:
-        def savefig(self, path):
-            Path(path).write_text("half")
+        def savefig(self, file, format):
+            file.write(b"half")
             raise OSError(28, "no space left")
 
     write_folder(tmp_path, "surface.json", {}, {"a.csv": "1", "old.csv": "2"})
@@ -215,7 +215,7 @@ def test_a_broken_folder_is_never_whole(tmp_path):
         write_folder(tmp_path, "surface.json", {}, {"a.csv": "3"})
     with pytest.raises(hdengine.FileError, match="no space left"):
         write_folder(tmp_path, "surface.json", {}, {"a.csv": "3", "b.png": Broken()}, force=True)
-    assert {p.name for p in tmp_path.iterdir()} == {"a.csv"}
+    assert {p.name for p in tmp_path.iterdir()} == {"a.csv", "old.csv", "surface.json"} and (tmp_path / "a.csv").read_text() == "1"
     write_folder(tmp_path, "surface.json", {"x": float("nan")}, {"a.csv": "4"}, force=True)
     found = json.loads((tmp_path / "surface.json").read_text())
     assert found["x"] is None and found["files"] == ["a.csv"] and (tmp_path / "a.csv").read_text() == "4"

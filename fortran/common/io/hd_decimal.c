@@ -51,7 +51,8 @@ int hd_decimal(double x, char *text)
   if (x < 0) *t++ = '-';
   int ahead = k >= -4 && k < DIGITS ? k + 1 : 1; /* digits before the point */
   if (k < 0 && ahead < 1) {
-    t += sprintf(t, "0.%.*s", -ahead, "000");
+    memcpy(t, "0.000", (size_t)(2 - ahead));
+    t += 2 - ahead;
     ahead = 0;
   } else {
     for (; ahead > kept; kept++) digits[kept] = '0';

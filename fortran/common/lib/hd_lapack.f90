@@ -30,12 +30,20 @@ module hd_lapack
       real(sp), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
       real(sp), intent(inout) :: c(ldc, *)
     end subroutine sgemm
-    subroutine dgesv(n, nrhs, a, lda, pivot, b, ldb, info)
+    subroutine dgetrf(m, n, a, lda, pivot, info)
       import :: dp
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(in) :: m, n, lda
+      real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: pivot(*), info
-    end subroutine dgesv
+    end subroutine dgetrf
+    subroutine dgetrs(trans, n, nrhs, a, lda, pivot, b, ldb, info)
+      import :: dp
+      character(len=1), intent(in) :: trans
+      integer, intent(in) :: n, nrhs, lda, ldb, pivot(*)
+      real(dp), intent(in) :: a(lda, *)
+      real(dp), intent(inout) :: b(ldb, *)
+      integer, intent(out) :: info
+    end subroutine dgetrs
     subroutine dpotrf(uplo, n, a, lda, info)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -144,14 +152,23 @@ contains
     definite = info == 0
   end subroutine solve_definite
 
-  !> Solve A x = b by LU; A is overwritten.
-  subroutine solve_dense(a, b, error)
-    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n)
+  !> Solve A x = b by LU, whose factors overwrite A.
+  subroutine solve_dense(a, b, error, pivot)
+    real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n), or its factors
     real(dp), intent(inout), contiguous :: b(:, :)    !< right-hand sides, then solutions (n, count)
     type(error_t), allocatable, intent(out) :: error  !< singular
-    integer :: pivot(size(a, 1)), info
-    if (size(a, 1) == 0) return
-    call dgesv(size(a, 1), size(b, 2), a, size(a, 1), pivot, b, size(b, 1), info)
+    integer, allocatable, intent(inout), optional :: pivot(:)  !< rows of the factors; unallocated: they are to be made
+    integer, allocatable :: rows(:)
+    integer :: info, n
+    n = size(a, 1)
+    info = 0
+    if (present(pivot)) call move_alloc(pivot, rows)
+    if (.not. allocated(rows)) then
+      allocate (rows(n))
+      if (n > 0) call dgetrf(n, n, a, n, rows, info)
+    end if
+    if (info == 0 .and. n > 0) call dgetrs('N', n, size(b, 2), a, n, rows, b, n, info)
+    if (present(pivot)) call move_alloc(rows, pivot)
     if (info > 0) call raise(error, code_linear_solver, 'the condensed contact matrix is singular at unknown '// &
       to_text(info)//': a body is not held; check load.support, contact.mode and units of lengths')
   end subroutine solve_dense

@@ -78,9 +78,18 @@ contains
     type(body_t), intent(in) :: body   !< body
     real(dp), intent(in) :: u(:, :)    !< nodal vectors (3, nodes)
     real(dp) :: v(3, size(u, 2))
+    real(dp) :: c, s
     integer :: i
+    c = 1
+    s = 0
     do i = 1, size(u, 2)
-      v(:, i) = matmul(frame(body%angle(i)), u(:, i))
+      if (i == 1 .or. abs(body%angle(i) - body%angle(max(1, i - 1))) > 0) then  ! the nodes of a sector share it
+        c = cos(body%angle(i))
+        s = sin(body%angle(i))
+      end if
+      v(1, i) = c*u(1, i) - s*u(2, i)
+      v(2, i) = s*u(1, i) + c*u(2, i)
+      v(3, i) = u(3, i)
     end do
   end function cartesian
 

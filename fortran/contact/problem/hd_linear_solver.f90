@@ -18,6 +18,7 @@ module hd_linear_solver
     logical :: own_threads = .false.           !< runs its harmonics in parallel; BLAS gets one thread
     real(dp) :: accuracy = 1e-9_dp             !< relative residual of a correction that an inner iteration may leave
     integer :: inner = 0                       !< steps of an inner iteration so far
+    integer :: sides = 1                       !< right-hand sides that a matrix is expected to meet
     integer :: most_images = 4                 !< images of the part that is solved, at most: 1, 2 or 4
     type(symmetry_t) :: symmetry               !< used in this load step
     logical :: demanded = .false.              !< fewer in the next load step are an error

@@ -20,7 +20,7 @@ module hd_newton
   use hd_system, only: check_stop
   implicit none
   private
-  public :: newton_options_t, iteration_t, iterate, respond, idle_components
+  public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components
 
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
@@ -283,6 +283,28 @@ contains
     state%traction = state%traction + dt
     state%contact = here%contact
   end subroutine respond
+
+  !> Residuals of a state that has the prescribed displacements of a load, and derivatives of the law there. A point that sticks has
+  !> no slip to turn, and without it a law that is smooth there.
+  subroutine linear_equations(problem, load, previous, state, r_u, r_c, dw, dt)
+    type(problem_t), intent(in) :: problem                 !< problem
+    type(load_t), intent(in) :: load                       !< load
+    type(state_t), intent(in) :: previous                  !< beginning of the load step
+    type(state_t), intent(inout) :: state                  !< gets these displacements, gap and slip
+    real(dp), allocatable, intent(out) :: r_u(:, :)        !< out-of-balance forces (3, n) [N]
+    real(dp), allocatable, intent(out) :: r_c(:, :)        !< residuals of the law (3, multipliers) [Pa]
+    real(dp), allocatable, intent(out) :: dw(:, :, :), dt(:, :, :)  !< its derivatives
+    type(linearisation_t) :: here
+    type(state_t) :: before
+    before = previous
+    where (state%contact == stick_state) before%contact = stick_state
+    call prescribe(problem, load, state%u)
+    call linearise(problem, load, before, state, here)
+    call move_alloc(here%r_u, r_u)
+    call move_alloc(here%r_c, r_c)
+    call move_alloc(here%dw, dw)
+    call move_alloc(here%dt, dt)
+  end subroutine linear_equations
 
   !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
   subroutine globalise(problem, load, previous, iteration, state, here, global, period)

@@ -16,7 +16,7 @@ module hd_rate
   use hd_rate_law, only: rate_point_t, rate_rows, rate_drive, asked_state, missed_work, rate_stick, rate_slip
   implicit none
   private
-  public :: respond_by_rates
+  public :: respond_by_rates, rate_matrices
 
   integer, parameter :: most = 24             !< sets of states
   integer, parameter :: halves = 10           !< of the way of the drives, at most
@@ -43,23 +43,15 @@ contains
     real(dp) :: w(3, size(points))
     real(dp), dimension(size(points)) :: drive, new
     real(dp) :: missed
-    logical :: idle(3, size(points)), accurate, last, negligible
-    integer :: before, c, i, j, k, newtons, turned
-    idle = idle_components(problem)
+    logical :: accurate, last, negligible
+    integer :: before, i, j, k, newtons, turned
     newtons = solver%inner   ! its inner steps are counted for Newton's method alone
     du = 0
     traction = 0
     last = all(points%state /= rate_stick .and. points%state /= rate_slip)
     do k = 1, most
       solver%accuracy = merge(accuracy, coarse, last .and. k == 1)
-      do j = 1, size(points)
-        call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))
-        do c = 1, 3
-          if (.not. idle(c, j)) cycle
-          dw(c, :, j) = 0
-          dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
-        end do
-      end do
+      call rate_matrices(problem, friction, points, dw, dt)
       call solver%update(problem, dw, dt, error)
       if (.not. allocated(error)) call solve_refined(problem, solver, dw, dt, force, of_work, merge(refinements, 1, last), du, &
         traction, accurate, error)
@@ -92,6 +84,25 @@ contains
       points = asked_state(points, drive)
     end do
   end subroutine respond_by_rates
+
+  !> Rows of the points in their states.
+  subroutine rate_matrices(problem, friction, points, dw, dt)
+    type(problem_t), intent(in) :: problem                  !< problem
+    real(dp), intent(in) :: friction                        !< mu
+    type(rate_point_t), intent(in) :: points(:)             !< points
+    real(dp), intent(out) :: dw(:, :, :), dt(:, :, :)       !< rows (3, 3, points)
+    logical :: idle(3, size(points))
+    integer :: c, i, j
+    idle = idle_components(problem)
+    do j = 1, size(points)
+      call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))
+      do c = 1, 3
+        if (.not. idle(c, j)) cycle
+        dw(c, :, j) = 0
+        dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
+      end do
+    end do
+  end subroutine rate_matrices
 
   !> Both states have the same rows.
   elemental logical function alike(a, b)

@@ -7,7 +7,9 @@ module hd_strut_step
   use hd_strut, only: push
   implicit none
   private
-  public :: ahead_t, count_ahead, remember
+  public :: ahead_t, count_ahead, remember, straight
+
+  real(dp), parameter :: straight = 1.25_dp  !< between the powers of flanks, 1, and of balls, 3/2
 
   !> Struts of power 1 that count in Newton's matrix before they push.
   type :: ahead_t
@@ -30,7 +32,6 @@ contains
     type(ahead_t), intent(inout) :: ahead      !< what was counted in this load step
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
-    real(dp), parameter :: straight = 1.25_dp  !< between the powers of flanks, 1, and of balls, 3/2
     real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:)

@@ -40,6 +40,8 @@ module hd_condensed
     integer, allocatable :: image(:)                !< of every node behind the mirror plane
     integer :: steps = first_guess                  !< of GMRES, last time
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)
+    real(dp), allocatable :: factors(:, :)          !< of the dense matrix, until the next update
+    integer, allocatable :: pivot(:)                !< their rows
     type(border_t), allocatable :: border           !< struts and rigid motions, where the problem has any
   contains
     procedure :: begin => begin_condensed
@@ -113,6 +115,8 @@ contains
     if (allocated(error)) return
     self%dw = dw
     self%dt = dt
+    if (allocated(self%factors)) deallocate (self%factors)
+    if (allocated(self%pivot)) deallocate (self%pivot)
     call self%sharing%take_law(self%dw, self%dt)
     if (allocated(self%border)) call self%border%take(problem)
   end subroutine update_condensed
@@ -263,7 +267,7 @@ contains
     logical :: krylov
     part = pack(list, list <= mirrored)
     n = sum(system%rank(part))
-    krylov = self%steps*2*self%compliance%apply_flops/apply_rate < &
+    krylov = self%sides*self%steps*2*self%compliance%apply_flops/apply_rate < &
       2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
     if (krylov) then
       reduced = system
@@ -277,7 +281,7 @@ contains
       krylov = residual <= max(useful, self%accuracy) .or. n > largest_dense
     end if
     if (.not. krylov) then
-      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, error)
+      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, self%factors, self%pivot, error)
       if (allocated(error)) return
     end if
     if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), dtraction)

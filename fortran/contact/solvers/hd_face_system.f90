@@ -176,61 +176,79 @@ contains
   end subroutine number
 
   !> Dense LU. Images behind a mirror plane are folded in.
-  subroutine solve_direct(self, list, mirrored, w, traction, flops, error)
+  subroutine solve_direct(self, list, mirrored, w, traction, flops, factors, pivot, error)
     class(face_system_t), intent(inout) :: self       !< system
     integer, intent(in) :: list(:)                    !< multipliers to solve for
     integer, intent(in) :: mirrored(:)                !< image of each, itself where there is none
     real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
     real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
     real(dp), intent(out) :: flops                    !< operations
+    real(dp), allocatable, intent(inout) :: factors(:, :)   !< of the same matrix; unallocated: gets them
+    integer, allocatable, intent(inout) :: pivot(:)         !< their rows
     type(error_t), allocatable, intent(out) :: error  !< singular
-    real(dp), allocatable :: a(:, :), b(:, :), column(:, :, :)
+    real(dp), allocatable :: b(:, :)
+    integer :: n
+    call number(self, list)
+    n = self%start(size(self%start))
+    flops = 2*real(n, dp)**3/3
+    if (.not. allocated(factors)) call form_matrix(self, mirrored, factors, error)
+    if (allocated(error)) return
+    allocate (b(n + self%more, 1))
+    b(:, 1) = right_side(self, w)
+    call solve_dense(factors, b, error, pivot)
+    if (.not. allocated(error)) call enter(self, b(:, 1), traction)
+  end subroutine solve_direct
+
+  !> Dense matrix of a list.
+  subroutine form_matrix(self, mirrored, a, error)
+    class(face_system_t), intent(inout) :: self       !< numbered
+    integer, intent(in) :: mirrored(:)                !< as of solve_direct
+    real(dp), allocatable, intent(out) :: a(:, :)     !< matrix
+    type(error_t), allocatable, intent(out) :: error  !< memory, a stop asked for
+    real(dp), allocatable :: column(:, :, :)
     real(dp) :: rp(3, 3)
     integer :: c, d, i, j, k, n
     call self%compliance%prepare_columns(error)
     if (allocated(error)) return
-    call number(self, list)
     n = self%start(size(self%start))
-    allocate (a(n + self%more, n + self%more), b(n + self%more, 1))
-    !$omp parallel private(column, rp, c, d, j, k) if(n > 1500)
-    allocate (column(3, 3, size(list)))
-    !$omp do schedule(static)
-    do i = 1, size(list)
-      if (stop_requested()) cycle
-      j = list(i)
-      column = 0
-      call self%compliance%add_column(j, [1._dp, 1._dp, 1._dp], list, column)
-      if (mirrored(i) /= j) call self%compliance%add_column(mirrored(i), mirror_sign, list, column)
-      do c = 1, self%rank(j)
-        call fill_column(self, column, self%p(:, c, j), a(:n, self%start(i) + c))
-      end do
-      k = self%rank(j)
-      rp = self%d(:, :, j)
-      do c = 1, k
-        do d = 1, k
-          a(self%start(i) + d, self%start(i) + c) = a(self%start(i) + d, self%start(i) + c) + rp(d, c)
+    allocate (a(n + self%more, n + self%more))
+    associate (list => self%list)
+      !$omp parallel private(column, rp, c, d, j, k) if(n > 1500)
+      allocate (column(3, 3, size(list)))
+      !$omp do schedule(static)
+      do i = 1, size(list)
+        if (stop_requested()) cycle
+        j = list(i)
+        column = 0
+        call self%compliance%add_column(j, [1._dp, 1._dp, 1._dp], list, column)
+        if (mirrored(i) /= j) call self%compliance%add_column(mirrored(i), mirror_sign, list, column)
+        do c = 1, self%rank(j)
+          call fill_column(self, column, self%p(:, c, j), a(:n, self%start(i) + c))
+        end do
+        k = self%rank(j)
+        rp = self%d(:, :, j)
+        do c = 1, k
+          do d = 1, k
+            a(self%start(i) + d, self%start(i) + c) = a(self%start(i) + d, self%start(i) + c) + rp(d, c)
+          end do
         end do
       end do
-    end do
-    !$omp end do
-    !$omp end parallel
-    call check_stop(error)
-    if (allocated(error)) return
-    if (self%more > 0) then
-      call pack_rows(self)
-      a(:n, n + 1:) = self%right
-      a(n + 1:, :n) = transpose(self%below)
-      do i = 1, size(list)
-        if (mirrored(i) == list(i)) cycle
-        a(n + 1:, self%start(i) + 1:self%start(i + 1)) = 2*a(n + 1:, self%start(i) + 1:self%start(i + 1))
-      end do
-      a(n + 1:, n + 1:) = self%corner
-    end if
-    b(:, 1) = right_side(self, w)
-    flops = 2*real(n, dp)**3/3
-    call solve_dense(a, b, error)
-    if (.not. allocated(error)) call enter(self, b(:, 1), traction)
-  end subroutine solve_direct
+      !$omp end do
+      !$omp end parallel
+      call check_stop(error)
+      if (allocated(error)) return
+      if (self%more > 0) then
+        call pack_rows(self)
+        a(:n, n + 1:) = self%right
+        a(n + 1:, :n) = transpose(self%below)
+        do i = 1, size(list)
+          if (mirrored(i) == list(i)) cycle
+          a(n + 1:, self%start(i) + 1:self%start(i + 1)) = 2*a(n + 1:, self%start(i) + 1:self%start(i + 1))
+        end do
+        a(n + 1:, n + 1:) = self%corner
+      end if
+    end associate
+  end subroutine form_matrix
 
   !> R F p at all multipliers of the list.
   pure subroutine fill_column(self, column, p, a)

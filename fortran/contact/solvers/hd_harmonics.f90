@@ -138,7 +138,7 @@ contains
       do b = 1, size(list)
         do a = 1, size(list)
           delta = k*(alpha(b) - alpha(a))
-          call add_block(list(a), list(b), cos(delta), sin(delta), harmonics%ke(3*a - 2:3*a, 3*b - 2:3*b, c))
+          call add_block(a, b, cos(delta), sin(delta))
         end do
       end do
     end do
@@ -152,21 +152,22 @@ contains
     i = harmonics%anchor(k)
     if (i > 0) band(harmonics%width + 1, i) = 2*band(harmonics%width + 1, i)
   contains
-    !> Add a 3 x 3 block of a cell, folded into the first sector.
-    subroutine add_block(row, column, even, odd, block)
+    !> Add the 3 x 3 block between two nodes of cell c, folded into the first sector.
+    subroutine add_block(row, column, even, odd)
       integer, intent(in) :: row, column
-      real(dp), intent(in) :: even, odd, block(3, 3)
+      real(dp), intent(in) :: even, odd
       real(dp) :: factor
       integer :: p, q, r, s
       do s = 1, 3
-        q = harmonics%equation(s, column)
+        q = harmonics%equation(s, list(column))
         do r = 1, 3
-          p = harmonics%equation(r, row)
+          p = harmonics%equation(r, list(row))
           if (p == 0 .or. q < p) cycle
           factor = even
           if (r == 2 .and. s /= 2) factor = odd
           if (r /= 2 .and. s == 2) factor = -odd
-          band(harmonics%width + 1 + p - q, q) = band(harmonics%width + 1 + p - q, q) + factor*block(r, s)
+          band(harmonics%width + 1 + p - q, q) = band(harmonics%width + 1 + p - q, q) + &
+            factor*harmonics%ke(3*row - 3 + r, 3*column - 3 + s, c)
         end do
       end do
     end subroutine add_block
@@ -213,7 +214,13 @@ contains
     !$omp end do
     !$omp do schedule(static)
     do k = 0, n/2
-      phase = amplitude(k*stride, harmonics%angle, 1)
+      do a = 1, m  ! the nodes of a sector share their angle
+        phase(a) = phase(max(1, a - 1))
+        if (a > 1) then
+          if (.not. abs(harmonics%angle(a) - harmonics%angle(a - 1)) > 0) cycle
+        end if
+        phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
+      end do
       do a = 1, m
         do d = 1, 3
           e = harmonics%equation(d, a)

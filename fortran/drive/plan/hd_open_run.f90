@@ -14,11 +14,12 @@ module hd_open_run
   use hd_output, only: check_folder
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
-  use hd_run, only: run_t, new_run, restore_run, close_run
+  use hd_run, only: run_t, new_run, restore_run, ask_gradient, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
   use hd_system, only: path_kind, path_absent, path_file
   use hd_text, only: percent, rounded, to_text
+  use hd_timers, only: in_band
   use hd_tolerance_runs, only: find_band
   implicit none
   private
@@ -73,6 +74,7 @@ contains
         call restore_run(chosen, input, folder, run, error)
       else
         call new_run(chosen, input, folder, force .or. begun, run, error)
+        if (chosen%with_gradient == '.true.' .and. .not. allocated(error)) call ask_gradient(run, error)
       end if
       if (.not. allocated(error)) then
         if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")
@@ -100,6 +102,7 @@ contains
     call march(run, to, error)
     if (allocated(error) .or. run%scene%with_band == '.false.' .or. allocated(run%record%band%input)) return
     if (.not. run%place < path_end(run%scene)) call find_band(run, error)
+    call run%record%timers%book(in_band)
   end subroutine advance_run
 
   !> Open a run, march to its end, close it.
@@ -121,7 +124,7 @@ contains
     call close_run(run, trouble)
     call give_back(run%model)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(run%record%timers%total)// &
+    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(sum(run%record%timers%seconds))// &
       ' s, results in '//folder)
     if (run%record%level > 0 .and. .not. allocated(error)) call say_limits(promises_of(scene), run%record)
   end subroutine run_to_end

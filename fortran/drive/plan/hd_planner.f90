@@ -19,6 +19,7 @@ module hd_planner
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_text, only: string_t, push, rounded, to_text, percent
+  use hd_timers, only: in_plan
   implicit none
   private
   public :: plan_t, make_plan, enter_plan, plan_text
@@ -318,6 +319,7 @@ contains
   subroutine enter_plan(plan, run)
     type(plan_t), intent(inout) :: plan     !< what was chosen; gets the solver
     type(run_t), intent(inout) :: run       !< run of its scene
+    run%record%timers%seconds(in_plan) = run%clock - plan%begun
     run%clock = plan%begun
     call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(run%scene%symmetry)// &
       ': found from load and state, step by step')

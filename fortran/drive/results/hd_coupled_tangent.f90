@@ -18,7 +18,7 @@ module hd_coupled_tangent
   use hd_rate_law, only: rate_point_t, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
   implicit none
   private
-  public :: answer_t, coupled_response, glued_response, contact_alone
+  public :: answer_t, coupled_response, glued_response, contact_alone, joint_points
 
   !> Answer to a further unit of torque.
   type :: answer_t
@@ -43,37 +43,46 @@ contains
     type(state_t), intent(in) :: state                   !< converged state
     type(answer_t), intent(out) :: answer                !< to a further unit of torque
     type(error_t), allocatable, intent(out) :: error     !< linear solver
+    answer%points = joint_points(drive, joint, load, state)
+    call turn(drive, solver, load, sense, state, joint%mu, answer, error)
+  end subroutine coupled_response
+
+  !> Points on their joint in their first states.
+  function joint_points(drive, joint, load, state) result(points)
+    type(drive_t), intent(in) :: drive     !< drive
+    type(joint_t), intent(in) :: joint     !< joint, its shear capped by the friction of the step
+    type(load_t), intent(in) :: load       !< of the state
+    type(state_t), intent(in) :: state     !< converged state
+    type(rate_point_t) :: points(size(state%contact))
     type(response_t) :: sheared, free
     real(dp) :: shear
     integer :: j, m
-    allocate (answer%points(size(state%contact)))
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
     do j = 1, size(state%contact)
       if (state%contact(j) == open_state) cycle
-      answer%points(j)%state = rate_rigid
+      points(j)%state = rate_rigid
       if (j > m) cycle
-      answer%points(j)%state = rate_open
+      points(j)%state = rate_open
       associate (p => state%traction(1, j), q => state%traction(2:, j))
         shear = norm2(q)
         call evaluate_joint(joint, p, 0._dp, 1._dp, free)
         if (.not. free%k_n > 0) cycle
-        answer%points(j)%k_n = free%k_n
+        points(j)%k_n = free%k_n
         if (.not. (joint%mu > 0 .and. free%k_t > 0 .and. drive%problem%law%mode == frictional)) then  ! pressed, free to slide
-          answer%points(j)%state = rate_rigid
+          points(j)%state = rate_rigid
           cycle
         end if
         call evaluate_joint(joint, p, min(shear, (1 - just)*joint%mu*p), 1._dp, sheared)
-        answer%points(j)%k_0 = free%k_t
-        answer%points(j)%k_t = sheared%k_t
-        answer%points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - just)*joint%mu  ! mu may grow
-        answer%points(j)%state = merge(rate_slip, rate_stick, answer%points(j)%at_bound)
-        answer%points(j)%grows = .not. answer%points(j)%at_bound
-        if (shear > 0) answer%points(j)%direction = q/shear
-        if (.not. answer%points(j)%k_t > 0) answer%points(j)%k_t = just*answer%points(j)%k_0
+        points(j)%k_0 = free%k_t
+        points(j)%k_t = sheared%k_t
+        points(j)%at_bound = state%contact(j) == slip_state .and. load%friction > (1 - just)*joint%mu  ! mu may grow
+        points(j)%state = merge(rate_slip, rate_stick, points(j)%at_bound)
+        points(j)%grows = .not. points(j)%at_bound
+        if (shear > 0) points(j)%direction = q/shear
+        if (.not. points(j)%k_t > 0) points(j)%k_t = just*points(j)%k_0
       end associate
     end do
-    call turn(drive, solver, load, sense, state, joint%mu, answer, error)
-  end subroutine coupled_response
+  end function joint_points
 
   !> The same with the faces glued all over.
   subroutine glued_response(drive, solver, load, sense, state, answer, error)

@@ -40,7 +40,8 @@ contains
     k_ts = ieee_value(1._dp, ieee_quiet_nan)
     if (.not. scene%support%contact) return
     do i = 1, size(models)
-      if (i > 2 .and. models(i) /= scene%joint_model .and. .not. (offered .and. models(i) == 'boundary_elements')) cycle
+      if (models(i) == scene%joint_model) k_ts(i) = sums%k_ts
+      if (models(i) == scene%joint_model .or. (i > 2 .and. .not. (offered .and. models(i) == 'boundary_elements'))) cycle
       other = scene
       other%joint_model = models(i)
       call scene_joint(other, joint, error)

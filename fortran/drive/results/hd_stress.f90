@@ -64,7 +64,7 @@ contains
         do sector = 1, n
           call cell_stress(body, lagrangian, cell, v(:, :, sector), s(:, :, sector), energy)
           do a = 1, size(list)
-            t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), body%angle(list(a)))
+            t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
           end do
         end do
       else
@@ -97,6 +97,7 @@ contains
     real(dp) :: c(6, 6), g(size(list), 3, points), weight(points), b(3*size(list), 6), to_nodes(size(list), points)
     real(dp) :: strain(6*points, 3*size(list))
     real(dp), allocatable :: modes(:, :)
+    real(dp) :: q(3, 3)
     list = cell_nodes(body, cell, 0)
     c = elasticity_matrix(body%young, body%poisson)
     call element_points(body%kind, body%x(:, list), c, g, weight, modes, error)
@@ -114,8 +115,9 @@ contains
     end do
     to_nodes = extrapolation(size(list))
     do a = 1, size(list)
+      q = frame(body%angle(list(a)))
       do i = 1, 3*size(list)
-        at_nodes(6*a - 5:6*a, i) = turned(matmul(reshape(at_points(:, i), [6, points]), to_nodes(a, :)), body%angle(list(a)))
+        at_nodes(6*a - 5:6*a, i) = turned(matmul(reshape(at_points(:, i), [6, points]), to_nodes(a, :)), q)
       end do
     end do
   end subroutine stress_matrices
@@ -134,12 +136,11 @@ contains
   end function extrapolation
 
   !> Cylindrical components at an angle of a stress given in Cartesian ones.
-  pure function turned(s, angle) result(t)
-    real(dp), intent(in) :: s(6)    !< xx, yy, zz, xy, yz, zx
-    real(dp), intent(in) :: angle   !< [rad]
-    real(dp) :: t(6), m(3, 3), q(3, 3)
+  pure function turned(s, q) result(t)
+    real(dp), intent(in) :: s(6)      !< xx, yy, zz, xy, yz, zx
+    real(dp), intent(in) :: q(3, 3)   !< frame there
+    real(dp) :: t(6), m(3, 3)
     m = reshape([s(1), s(4), s(6), s(4), s(2), s(5), s(6), s(5), s(3)], [3, 3])
-    q = frame(angle)
     m = matmul(transpose(q), matmul(m, q))
     t = [m(1, 1), m(2, 2), m(3, 3), m(1, 2), m(2, 3), m(3, 1)]
   end function turned

@@ -22,17 +22,14 @@ module hd_summary
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
+  use hd_timers, only: timers_t, add_timers
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
   use hd_persson_error, only: theory_error_t, steep
   use hd_version, only: version, lapack_version, fftw_version, metis_version, build_type
   implicit none
   private
-  public :: timers_t, tally_t, record_t, write_summary, add_scene
-
-  type :: timers_t
-    real(dp) :: setup = 0, coarser = 0, newton = 0, stiffness = 0, output = 0, turning = 0, total = 0   !< wall clock [s]
-  end type timers_t
+  public :: tally_t, derivatives_t, record_t, write_summary, add_scene
 
   !> What a run counts from its first load step on, also where it was stopped in between.
   type :: tally_t
@@ -41,6 +38,12 @@ module hd_summary
     character(len=8) :: symmetry(2) = '' !< part that was solved in assembly and torque: full, half, quarter
     character(len=32) :: start = ''      !< mesh that gave the first guesses
   end type tally_t
+
+  !> Derivatives of results by keys.
+  type :: derivatives_t
+    type(string_t), allocatable :: results(:), keys(:)
+    real(dp), allocatable :: value(:, :)   !< (keys, results); by a list of numbers where all change alike
+  end type derivatives_t
 
   !> What a run has to say of itself.
   type :: record_t
@@ -62,6 +65,7 @@ module hd_summary
     real(dp), allocatable :: k_ts_by_model(:)  !< Eq. 45 of the last step by every model of the joint [N m/rad]
     integer :: steps = 0               !< load steps of the run
     type(tolerance_band_t) :: band     !< of a loop, if it was asked for
+    type(derivatives_t) :: gradient    !< the same
     real(dp) :: slip_torque = 0        !< torque at which the contact slips as a whole, 0: not met [N m]
   end type record_t
 
@@ -96,6 +100,7 @@ contains
     if (strength%flexspline > 0) call add_strength(json, scene, strength)
     if (scene%support%loop) call add_loop(json, scene, loop, step, sums, record%band)
     call json%finish()
+    if (allocated(record%gradient%value)) call add_gradient(json, record%gradient)
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
     call add_model(json, drive, solver, tally, record)
@@ -159,21 +164,6 @@ contains
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()
   end subroutine add_model
-
-  !> Where the time went.
-  subroutine add_timers(json, timers)
-    type(json_t), intent(inout) :: json                       !< document
-    type(timers_t), intent(in) :: timers                      !< wall clock
-    call json%begin('timers_s')
-    call json%add('setup', timers%setup)
-    call json%add('coarser', timers%coarser)
-    call json%add('newton', timers%newton)
-    call json%add('stiffness', timers%stiffness)
-    call json%add('output', timers%output)
-    if (timers%turning > 0) call json%add('turning', timers%turning)
-    call json%add('total', timers%total)
-    call json%finish()
-  end subroutine add_timers
 
   !> What was promised, and whether it is kept.
   subroutine add_plan(json, scene, record)
@@ -322,6 +312,22 @@ contains
     end do
     call json%finish()
   end subroutine add_band
+
+  !> Derivatives by result and key.
+  subroutine add_gradient(json, gradient)
+    type(json_t), intent(inout) :: json           !< document
+    type(derivatives_t), intent(in) :: gradient   !< derivatives
+    integer :: i, j
+    call json%begin('gradient')
+    do j = 1, size(gradient%results)
+      call json%begin(gradient%results(j)%s)
+      do i = 1, size(gradient%keys)
+        call json%add(gradient%keys(i)%s, gradient%value(i, j))
+      end do
+      call json%finish()
+    end do
+    call json%finish()
+  end subroutine add_gradient
 
   !> Parameters that the joint results rest on.
   subroutine add_joint(json, scene, joint, theory)

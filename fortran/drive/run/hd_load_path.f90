@@ -7,7 +7,7 @@ module hd_load_path
   implicit none
   private
   public :: place_t, operator(<), assembled, path_end, step_end, ahead, place_at, begins, under_torque, assembly_at, torque_at, &
-    load_factor_at, stretch, largest_torque
+    at_peak, load_factor_at, stretch, largest_torque
 
   real(dp), parameter :: whole = 1 - 1e-12_dp  !< share of a load step that is taken for all of it: shares are cut to 2^-max_cuts
 
@@ -146,6 +146,22 @@ contains
     if (abs(way) < 1e-9_dp) torque = ends(leg + 1)
     if (abs(way - 1) < 1e-9_dp) torque = ends(leg + 2)
   end function torque_at
+
+  !> The torque at the end of a load step, in the sense of its first rise, is the largest so far, and falls or ends there.
+  pure logical function at_peak(scene, place) result(peak)
+    type(scene_t), intent(in) :: scene  !< scene
+    type(place_t), intent(in) :: place  !< end of a load step
+    real(dp), parameter :: less = 1 - 1e-9_dp
+    real(dp) :: torque(max(0, place%step + 1 - scene%assembly_steps))
+    integer :: i, n
+    n = place%step - scene%assembly_steps
+    peak = n > 0
+    if (.not. peak) return
+    torque = [(torque_at(scene, place_t(scene%assembly_steps + i, 0)), i=1, size(torque))]
+    torque = sign(1._dp, torque(1))*torque
+    peak = torque(n) > 0 .and. torque(n) >= less*maxval(torque(:n))
+    if (place < path_end(scene)) peak = peak .and. torque(n + 1) < less*torque(n)
+  end function at_peak
 
   !> Length of the next part of the way over that of the last one, by which the last change of a state goes on; 0 where that is no
   !> guide: at the beginning, where the torque begins, and where it does not go on as it came.

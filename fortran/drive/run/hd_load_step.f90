@@ -16,13 +16,14 @@ module hd_load_step
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
   use hd_problem, only: state_t, load_t, pair_bodies
-  use hd_run, only: run_t, accept, kept_text, place_step
+  use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
   use hd_scene, only: scene_t
   use hd_strut_step, only: remember
   use hd_supports, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
+  use hd_timers, only: in_gradient, in_newton, in_output, in_setup, in_turn
   implicit none
   private
   public :: solve_step
@@ -150,7 +151,7 @@ contains
     text = 'stopped at a limit after '//to_text(run%step%number)//' load steps; their results are kept, --resume goes on'
     if (run%step%number == run%first_step) text = 'stopped at the time limit of '//to_text(run%scene%time_limit_s)// &
       ' s before a load step was done ('//to_text(run%step%number)//' before; setting up took '// &
-      rounded(run%record%timers%setup)//' s): --resume gets on only with a longer solver.time_limit_s'
+      rounded(run%record%timers%seconds(in_setup))//' s): --resume gets on only with a longer solver.time_limit_s'
   end function stopped_text
 
   !> The wall-clock limit of the scene has passed.
@@ -189,8 +190,8 @@ contains
     type(newton_options_t) :: options
     type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    real(dp) :: start
     integer :: threads, taken
+    logical :: known
     options%tolerance = run%scene%tolerance
     options%max_iterations = run%scene%max_iterations
     options%runaway = farthest(run%scene, run%model%drive%radius)
@@ -198,12 +199,11 @@ contains
     step%number = run%step%number + 1
     call place_step(run%scene, place, step)
     if (step%loaded) options%torque = largest_torque(run%scene)
-    options%anew = step%loaded .and. .not. stretch(run%scene, run%place_before, run%place, place) > 0
     call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
       run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
-    start = wall_seconds()
-    call first_guess(run, place, step, trial)
+    call first_guess(run, place, step, trial, known)
+    options%anew = step%loaded .and. .not. (known .or. stretch(run%scene, run%place_before, run%place, place) > 0)
     if (run%model%solver%own_threads) threads = blas_threads(1)
     if (run%scene%support%against_teeth .and. step%loaded) then
       call turn_against_teeth(run, step%torque, trial, history, error)
@@ -220,23 +220,29 @@ contains
       sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
     end if
     if (run%model%solver%own_threads) threads = blas_threads(threads)
-    run%record%timers%newton = run%record%timers%newton + wall_seconds() - start
+    call run%record%timers%book(in_newton)
     if (allocated(error)) return
     taken = history(size(history))%iteration
     run%tally%iterations = run%tally%iterations + taken
     if (run%writes) call write_history(run%output, step, attempt, history, error)
+    call run%record%timers%book(in_output)
     if (allocated(error)) return
     call note_iterations(run, history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
-        if (run%scene%history == 'turned') call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+        if (run%scene%history == 'turned') then
+          call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+          call run%record%timers%book(in_turn)
+        end if
         if (allocated(error)) return
         call touch_teeth(run%scene, run%model%drive, trial%u, trial)
       else
         call remember(run%model%drive%problem, load, trial)
       end if
+      if (place%share > 0) call keep_checkpoint(run, error)  ! the state of the last whole step is left
+      if (allocated(error)) return
       run%before = run%state
       run%state = trial
       run%place_before = run%place
@@ -244,14 +250,27 @@ contains
       if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
+      if (allocated(run%gradient)) call lead_companions(run, load, error)
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))
-      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) then
-        slip_torque = 0
-      end if  ! rounding: friction holds nothing
+      ! less is rounding: friction holds nothing
+      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
+
+  !> Take the companions of a gradient to where the run stands.
+  subroutine lead_companions(run, load, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(load_t), intent(in) :: load                  !< of the part that ends here
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    integer :: threads
+    threads = 0
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    call run%gradient%follow(run%model%solver, run%model%drive, load, run%before, run%state, run%place, run%step%loaded, error)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    call run%record%timers%book(in_gradient)
+  end subroutine lead_companions
 
   !> Displacement at which a body counts as sliding away [m].
   pure real(dp) function farthest(scene, radius)
@@ -261,11 +280,12 @@ contains
   end function farthest
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
-  subroutine first_guess(run, place, step, trial)
+  subroutine first_guess(run, place, step, trial, known)
     type(run_t), intent(inout) :: run          !< run
     type(place_t), intent(in) :: place         !< aim
     type(step_t), intent(in) :: step           !< and what stands there
     type(state_t), intent(out) :: trial        !< guess
+    logical, intent(out) :: known              !< it is a solution
     real(dp) :: ratio, part
     trial = run%state
     part = assembly_at(run%scene, place)
@@ -275,7 +295,8 @@ contains
     if (run%model%drive%problem%wheel_turns .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)
-    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial)
+    known = .false.
+    if (.not. run%scene%support%struts .or. .not. step%loaded) call run%model%assembly%recall(part, step%torque, trial, known)
   end subroutine first_guess
 
   !> There is friction to take away, and something else than friction holds the torque.

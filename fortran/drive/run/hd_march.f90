@@ -3,7 +3,6 @@
 !> at the places of a turning wave generator.
 module hd_march
   use hd_kinds, only: dp, pi
-  use hd_clock, only: wall_seconds
   use hd_coarse_start, only: has_coarser, coarser_scene
   use hd_drive, only: touch_teeth
   use hd_error, only: error_t
@@ -15,6 +14,7 @@ module hd_march
   use hd_section, only: band_rows
   use hd_table, only: table_t
   use hd_text, only: to_text
+  use hd_timers, only: in_coarser, in_turning, outside
   use hd_turning, only: angle_of, turned_scene, open_places, book_place
   implicit none
   private
@@ -27,6 +27,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(place_t), intent(in) :: to                   !< end of a load step; beyond the last one: that one
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver, files
+    call run%record%timers%book(outside)
     do while (run%place < to .and. run%place < path_end(run%scene) .and. .not. allocated(error))
       if (begins(run%scene, run%place) .and. has_coarser(run%scene) .and. .not. allocated(run%coarser)) call solve_coarser(run)
       call solve_step(run, error)
@@ -41,9 +42,7 @@ contains
     type(run_t), intent(inout) :: run                 !< gets the coarser states
     type(run_t), allocatable :: coarse
     type(error_t), allocatable :: error
-    real(dp) :: start
     integer :: level
-    start = wall_seconds()
     call set_log_level(quiet, level)
     allocate (coarse)
     call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
@@ -56,7 +55,7 @@ contains
     call say('start     first guess from a mesh of '//trim(run%tally%start)//', '//to_text(coarse%tally%iterations)//' iterations')
     if (allocated(coarse%model)) call coarse%model%solver%release()
     call move_alloc(coarse%model, run%coarser)
-    run%record%timers%coarser = wall_seconds() - start
+    call run%record%timers%book(in_coarser)
   end subroutine solve_coarser
 
   !> The drive at all places of the turn: first the assemblies, for teeth fit the mean of them, then the torque.
@@ -67,9 +66,7 @@ contains
     type(error_t), allocatable :: trouble
     type(table_t) :: rows
     real(dp), allocatable :: mean(:, :)
-    real(dp) :: start
     integer :: i, level, inner
-    start = wall_seconds()
     inner = run%model%solver%inner
     allocate (places(run%scene%turning_positions))
     call open_places(run, rows, error)
@@ -100,7 +97,7 @@ contains
     call fit_run(run, trouble)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(run%model)) run%model%solver%inner = inner
-    run%record%timers%turning = wall_seconds() - start
+    call run%record%timers%book(in_turning)
     if (allocated(error)) error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, &
       size(places)))*180/pi)//' degrees: '//error%message
   end subroutine turn_wave_generator

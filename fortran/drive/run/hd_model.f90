@@ -108,12 +108,12 @@ contains
     real(dp), intent(in) :: fraction           !< of the assembly
     real(dp), intent(in) :: torque             !< [N m]
     type(state_t), intent(inout) :: state      !< guess
-    logical, intent(out), optional :: found    !< there is such a state
+    logical, intent(out) :: found              !< there is such a state
     integer :: i
     i = 0
     if (allocated(self%place)) i = find(self, fraction, torque)
     if (i > 0) state = self%state(i)
-    if (present(found)) found = i > 0
+    found = i > 0
   end subroutine recall
 
   !> Number of the state at a place, 0 if there is none.

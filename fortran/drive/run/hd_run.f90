@@ -9,12 +9,13 @@ module hd_run
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
+  use hd_gradient, only: gradient_t, new_gradient
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
   use hd_joint, only: joint_t, at_friction
   use hd_joint_range, only: check_stiffness, range_warnings
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
-  use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque
+  use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque, at_peak
   use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
   use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
@@ -33,14 +34,18 @@ module hd_run
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
+  use hd_timers, only: in_checkpoint, in_fields, in_gradient, in_newton, in_output, in_setup, &
+    in_stiffness, in_stress, outside
   use hd_tolerance_band, only: banded_values
   use hd_twist_shares, only: twist_shares, part_names, in_contact
   use hd_warning_list, only: numbered
   implicit none
   private
-  public :: run_t, new_run, restore_run, fit_run, accept, place_step, close_run, kept_text, leave_model
+  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, ask_gradient, &
+    close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
+  real(dp), parameter :: rest = 50           !< from a checkpoint to the next, over what writing it took: 2 % of a run
 
   type, extends(mark_t) :: run_t
     type(scene_t) :: scene
@@ -60,12 +65,16 @@ module hd_run
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
+    type(gradient_t), allocatable :: gradient   !< for derivatives of the results, if they were asked for
     type(output_t) :: output
     type(folder_lock_t) :: lock             !< of its folder, where it is stepped from outside
     logical :: writes = .false.             !< has an output folder
     type(record_t) :: record
     type(error_t), allocatable :: failure   !< what ended the run early
     real(dp) :: clock = 0, step_clock = 0   !< when the run and the present load step began [s]
+    type(mark_t) :: owed                    !< mark of the last load step, while it has no checkpoint
+    logical :: owes = .false.               !< it has none
+    real(dp) :: due = 0                     !< clock from which the next checkpoint is written [s]
   end type run_t
 
 contains
@@ -107,10 +116,13 @@ contains
     if (allocated(error)) return
     run%writes = .true.
     run%record%resumed = .true.
+    if (scene%with_gradient == '.true.') call push(run%record%warnings, 'no gradient: it is found along all load '// &
+      'steps of a run that is not resumed. Call hdengine.load(folder).gradient()')
     run%first_step = run%step%number
     call pair_bodies(run%model%drive%problem, run%state%u)
     call measure(run, again=.true.)
     call enter_stiffness(run)
+    call run%record%timers%book(in_setup)
     call say('resumed   after load step '//to_text(run%step%number)//', torque '//to_text(run%step%torque)//' N m')
   end subroutine restore_run
 
@@ -126,6 +138,7 @@ contains
       return
     end if
     run%clock = wall_seconds()
+    call run%record%timers%begin(run%clock)
     run%scene = scene
     run%keeps_all = scene%planned_tolerance > 0
     run%record%started = timestamp()
@@ -145,7 +158,7 @@ contains
     run%record%choice = run%model%choice
     call new_state(run%model%drive%problem, run%state)
     run%before = run%state
-    run%record%timers%setup = wall_seconds() - run%clock
+    call run%record%timers%book(in_setup)
     call say('mesh      '//to_text(3*run%model%drive%problem%n)//' dof, '//to_text(size(run%model%drive%face%nodes, 2))// &
       ' contact facets, '//to_text(run%model%solver%unknowns)//' unknowns')
     call say(trim('solver    '//trim(run%model%solver%name)//merge(', taken over from the last run', repeat(' ', 30), &
@@ -189,18 +202,21 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< files
     character(len=100) :: line
-    real(dp) :: start
-    start = wall_seconds()
+    real(dp) :: stress
+    call run%record%timers%book(in_newton)
     run%step%number = run%step%number + 1
-    run%step%seconds = start - run%step_clock
+    run%step%seconds = wall_seconds() - run%step_clock
     call measure(run, again=.false.)
     if (.not. run%step%loaded) then
       run%rotation_assembled = run%sums%rotation
       run%sums%rotation = 0
     end if
-    call find_flexibility(run, error)
+    call run%record%timers%book(in_fields)
+    run%flexibility%known = run%flexibility%known .and. wants_tangent(run)
+    if (wants_tangent(run)) call find_flexibility(run, error)
     if (allocated(error)) return
     call enter_stiffness(run)
+    call run%record%timers%book(in_stiffness)
     associate (c => run%state%contact)
       write (line, '(i4,1x,a8,f7.3,f10.4,i4,8x,3i6,f10.2,f10.3)') run%step%number, &
         merge('torque  ', 'assembly', run%step%loaded), run%step%load_factor, &
@@ -209,11 +225,14 @@ contains
     end associate
     call say(trim(line))
     if (run%scene%support%loop) call note_reference(run)
+    stress = max(run%strength%flexspline, run%strength%ring)
     if (run%writes) then
       call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
+      call run%record%timers%book(in_output)
       if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
         run%step%torque, error)
+      call run%record%timers%book(in_stress)
       if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
         run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
       if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
@@ -223,12 +242,74 @@ contains
       if (.not. (allocated(error) .or. allocated(run%teeth))) then
         call find_table_sizes(run%output, run%table_sizes, error)
         run%table_sums = table_sums(run%output)
-        if (.not. allocated(error)) call save_checkpoint(run%output, run%scene, run%mark_t, run%before, run%state, run%top, &
-          run%loop, error)
+        run%owed = run%mark_t
+        run%owes = .not. allocated(error)
+        call run%record%timers%book(in_output)
+        if (run%owes .and. (wall_seconds() >= run%due .or. .not. run%place < path_end(run%scene))) call keep_checkpoint(run, error)
       end if
     end if
-    run%record%timers%output = run%record%timers%output + wall_seconds() - start
+    call run%record%timers%book(in_output)
+    if (.not. allocated(run%gradient) .or. allocated(error)) return
+    call run%gradient%book(run%place, run%step%loaded, .not. run%scene%support%loop .or. &
+      (run%reference%known .and. run%reference%step%number == run%step%number), &
+      max(run%strength%flexspline, run%strength%ring) > stress)
+    call run%record%timers%book(in_gradient)
   end subroutine accept
+
+  !> Let the run, at rest, find the derivatives of its results.
+  subroutine ask_gradient(run, error)
+    type(run_t), intent(inout) :: run                 !< gets its companions
+    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
+    allocate (run%gradient)
+    call new_gradient(run%scene, run%model%drive, run%joint, run%gradient, error)
+    call run%record%timers%book(in_gradient)
+  end subroutine ask_gradient
+
+  !> Derivatives of the results of a run that is over.
+  subroutine find_gradient(run)
+    type(run_t), intent(inout) :: run  !< its record gets them
+    type(error_t), allocatable :: error
+    type(place_t) :: place
+    integer :: threads
+    if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
+    place = place_t(run%step%number, 0)
+    threads = 0
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    call run%gradient%differentiate(run%model%solver, run%model%drive, place, &
+      run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message)
+    call run%record%timers%book(in_gradient)
+  end subroutine find_gradient
+
+  !> Write the checkpoint of the last whole load step, if it has none: seldom enough to cost little, before its state is left, and
+  !> where the run ends.
+  subroutine keep_checkpoint(run, error)
+    type(run_t), intent(inout) :: run                 !< in the state of that step
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    real(dp) :: begun
+    if (.not. run%owes) return
+    begun = wall_seconds()
+    call save_checkpoint(run%output, run%scene, run%owed, run%before, run%state, run%top, run%loop, error)
+    run%owes = .false.
+    run%due = wall_seconds() + rest*(wall_seconds() - begun)
+    call run%record%timers%book(in_checkpoint)
+  end subroutine keep_checkpoint
+
+  !> The last load step gets a tangent K_TS: none before the assembly's end, else by choice those that a result needs. In a loop
+  !> that is the step its results are of; elsewhere secant and K_TS over the torque need all of them.
+  pure logical function wants_tangent(run) result(wants)
+    type(run_t), intent(in) :: run  !< run
+    wants = run%asks_tangent .and. .not. run%place < assembled(run%scene)
+    select case (run%scene%tangent_steps)
+    case ('none')
+      wants = .false.
+    case ('last')
+      wants = wants .and. .not. run%place < path_end(run%scene)
+    case ('needed')
+      if (run%scene%support%loop) wants = wants .and. at_peak(run%scene, run%place)
+    end select
+  end function wants_tangent
 
   !> Facets, forces and rotation of the present state.
   subroutine measure(run, again)
@@ -259,11 +340,9 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< linear solver
     type(load_t) :: load
     type(answer_t) :: now, bonded
-    real(dp) :: sense, start, friction
+    real(dp) :: sense, friction
     integer :: threads
     if (run%joint%paper .or. .not. run%scene%support%contact .or. run%scene%bonded()) return
-    if (run%place < assembled(run%scene) .or. .not. run%asks_tangent) return
-    start = wall_seconds()
     sense = sign(1._dp, run%scene%torque)
     call drive_load(run%model%drive, 1._dp, run%step%torque, step_friction(run%scene, run%step%loaded), load, run%state, run%before)
     call update_tangent(run%model%drive%problem, run%state%u)
@@ -296,7 +375,6 @@ contains
       f%coupled = now%flexibility
       f%torque = run%step%torque
     end associate
-    run%record%timers%stiffness = run%record%timers%stiffness + wall_seconds() - start
   end subroutine find_flexibility
 
   !> Tangent and secant of what the contact adds to the drive with glued faces. With the joint as contact law the secant is
@@ -321,6 +399,7 @@ contains
       if (.not. abs(f%torque) > 0) return
       turn = merge(f%turned, run%sums%rotation, run%scene%hard())/f%torque
       if (turn > f%glued) run%sums%k_secant = 1/(turn - f%glued)
+      if (run%scene%tangent_steps == 'last' .and. run%scene%hard()) run%sums%k_secant = ieee_value(1._dp, ieee_quiet_nan)
     end associate
   end subroutine enter_stiffness
 
@@ -339,12 +418,18 @@ contains
   !> The results of a loop are those of its reference step: state, sums and facets of the run become those.
   subroutine take_reference(run)
     type(run_t), intent(inout) :: run  !< run at its end
+    type(error_t), allocatable :: error
     if (.not. run%reference%known) return
     run%state = run%top
     run%sums = run%reference%sums
     run%certain = run%reference%certain
     run%step = run%reference%step
     call evaluate_facets(run%model%drive, at_friction(run%joint, step_friction(run%scene, .true.)), run%state, run%facets)
+    if (run%sums%k_tangent == run%sums%k_tangent .or. run%unsettled .or. run%scene%tangent_steps /= 'needed') return
+    run%before = run%top  ! it ended before its torque came to a peak
+    call pair_bodies(run%model%drive%problem, run%state%u)
+    call find_flexibility(run, error)
+    if (.not. allocated(error)) call enter_stiffness(run)
   end subroutine take_reference
 
   !> Close the run: warnings, last grids of a run that ended early, summary.
@@ -353,27 +438,35 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
     type(error_t), allocatable :: trouble
+    call run%record%timers%book(outside)
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
     if (run%step%number > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
       run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
     if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%model%drive, run%model%solver, run%joint, &
       run%flexibility, run%before, run%state, run%sums%theory)
+    call run%record%timers%book(in_stiffness)
     run%record%steps = run%step%number
-    call take_reference(run)
-    call judge_results(run)
     if (.not. allocated(run%failure) .and. run%place < path_end(run%scene)) call raise(run%failure, &
       code_stopped, kept_text(trim(merge('interrupted', 'closed     ', run%record%interrupted)), run%step%number))
-    run%record%timers%total = wall_seconds() - run%clock
+    if (allocated(run%failure)) call keep_checkpoint(run, error)
+    call take_reference(run)
+    call run%record%timers%book(in_fields)
+    call find_gradient(run)
+    call judge_results(run)
+    call run%record%timers%book(in_fields)
     if (run%writes) then
       if ((run%scene%vtu == 'last' .and. run%reference%known) .or. (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. &
         run%step%number > 0)) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       call close_output(run%output, error)
+      call run%record%timers%book(in_output)
       if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &
         run%step%torque, run%sums)
+      call run%record%timers%book(in_fields)
       if (.not. allocated(error)) call write_fatigue(run%output%folder, run%model%drive%problem%bodies(run%model%drive%b_cup), &
         run%loop%fatigue, error)
+      call run%record%timers%book(in_output)
       if (allocated(error) .and. .not. allocated(run%failure)) run%failure = error
       call write_summary(run%output%folder, run%scene, run%model%drive, run%joint, run%model%solver, &
         run%step, run%sums, run%strength, run%tally, run%record, run%loop, run%failure, trouble)

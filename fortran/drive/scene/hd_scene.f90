@@ -21,7 +21,7 @@ module hd_scene
     integer :: version = 1
     character(len=title_length) :: title = ''
     real(dp) :: planned_tolerance = 0
-    character(len=name_length) :: with_band = '.false.'
+    character(len=name_length) :: with_band = '.false.', with_gradient = '.false.'
     ! geometry
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
     real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
@@ -58,6 +58,7 @@ module hd_scene
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5
+    character(len=name_length) :: tangent_steps = 'needed'
     ! bearing: balls of the whole drive
     integer :: balls = 21
     real(dp) :: ball_diameter = 3.2e-3_dp, inner_conformity = 0.52_dp, outer_conformity = 0.52_dp, ball_clearance = 0

@@ -175,7 +175,7 @@ def _plan(result):
     text += f"<p>Why (changes are relative, the largest of what is promised):</p><ul>{reasons}</ul>"
     if (folder / "plan.csv").is_file():
         table = read_rows(folder / "plan.csv")
-        head = [*(n for n in table[0] if n in _PROMISED), "seconds"]
+        head = [*(n for n in table[0] if n in _PROMISED)]
         rows = [[_mesh(r["mesh"]), *(r[n] for n in head)] for r in table]
         text += "<p>Solved for it:</p>" + _columns(("facets without edge cells, edge cells, layers, steps, element", *head), rows)
     return text
@@ -441,7 +441,7 @@ def _study_convergence(rows):
         return "<p>No load step was solved.</p>"
     iterations = [r["iterations"] for r in done]
     return _pairs({"load steps solved": len(done), "Newton iterations of a load step, mean": np.mean(iterations),
-                   "most": max(iterations), "time in all / s": sum(r["seconds"] for r in done),
+                   "most": max(iterations),
                    "largest torque out of balance / N m": max(abs(r["torque_balance_nm"]) for r in done)})
 
 

@@ -19,6 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from PIL import Image
+
 import hdengine
 import hdengine_x
 from hdengine.figures.style import new_axes, new_figure, styled  # noqa: F401  (the scripts take them from here)
@@ -84,9 +86,14 @@ def write_record(name, facts, **origin):
     path.parent.mkdir(exist_ok=True)
     whole = {"provenance": provenance(**origin), **({"rows": facts} if isinstance(facts, list) else facts)}
     part = path.with_suffix(".json.part")
-    part.write_text(json.dumps(whole, indent=1) + "\n")
+    part.write_text(record_text(whole))
     part.replace(path)
     return path
+
+
+def record_text(whole):
+    """JSON with its innermost lists and objects on a line each."""
+    return re.sub(r"([\[{])\n\s+([^\[\]{}]*?)\n\s*([\]}])", lambda m: m[1] + re.sub(r"\n\s+", " ", m[2]) + m[3], json.dumps(whole, indent=1)) + "\n"
 
 
 def write_part(name, part, facts, **origin):
@@ -247,10 +254,11 @@ def solve(scene, *assignments, out=None, limit=None, threads=1):
         return json.loads(file.read_text()) if file.exists() else None, done
 
 
-def save_figure(figure, name):
-    """Write docs/figures/NAME.png and return its path."""
+def save_figure(figure, name, **keys):
+    """Write docs/figures/NAME.png, of 256 colours (a third of the bytes), and return its path."""
     path = FIGURES / f"{name}.png"
-    figure.savefig(path)
+    figure.savefig(path, **keys)
+    Image.open(path).convert("RGB").quantize(256).save(path, optimize=True)
     return path
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from pareto_charts import CHARTS
 
-from common import FIGURES, RESULTS, new_axes, write_record
+from common import RESULTS, new_axes, save_figure, write_record
 from hdengine import _engine, read_scene
 
 
@@ -49,9 +49,7 @@ def draw(chart):
         limit(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))   # whole decades have labels enough
         axis.set_minor_formatter(NullFormatter())
     figure.legend(*ax.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=columns, columnspacing=1)
-    path = FIGURES / f"speed/{chart['name']}.png"
-    path.parent.mkdir(exist_ok=True)
-    figure.savefig(path, dpi=80)
+    save_figure(figure, f"speed/{chart['name']}", dpi=80)
 
 
 def shown(error):

@@ -25,7 +25,7 @@ from blind_generators import field
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
-from common import FIGURES, RESULTS, new_axes, solve, write_record
+from common import RESULTS, new_axes, save_figure, solve, write_record
 from hdengine import HdengineError, Joint, surface
 from hdengine.elastic import stiffness_from_spectrum
 from hdengine.prediction.choice import TRUST, choose
@@ -312,7 +312,7 @@ def draw(maps):
     for ax in axes.flat[len(maps):]:
         ax.remove()
     figure.legend([Patch(color=c) for c in COLOURS.values()], order, loc="outside lower center", ncols=4)
-    figure.savefig(FIGURES / "stability.png", dpi=90)
+    save_figure(figure, "stability", dpi=90)
 
 
 def main():

@@ -10,6 +10,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+# Debian's one text for all of GCC lists no licence by name
+GCC = {"libgfortran5": ["GPL-3.0-or-later WITH GCC-exception-3.1"], "libgomp1": ["GPL-3.0-or-later WITH GCC-exception-3.1"],
+       "libquadmath0": ["LGPL-2.1-or-later"]}
+
 
 def said(*command):
     """What a command prints."""
@@ -17,17 +21,13 @@ def said(*command):
 
 
 def package_of(library):
-    """Debian package of a vendored library, whose name carries a hash: libmetis-1a2b3c4d.so.5.1.0 is libmetis.so.5*."""
-    stem, version = re.fullmatch(r"(.+)-[0-9a-f]{8}\.so\.?(.*)", library).groups()
-    for folder in ("/usr/lib/x86_64-linux-gnu", "/lib/x86_64-linux-gnu", "/usr/lib/x86_64-linux-gnu/openblas-pthread"):
-        for path in sorted(Path(folder).glob(f"{stem}.so.{version}*" if version else f"{stem}.so*")):
-            for name in (path.resolve(), path):
-                found = subprocess.run(["dpkg", "-S", str(name).replace("/usr", "", 1) if not name.exists() else str(name)], capture_output=True, text=True)
-                if found.returncode:
-                    found = subprocess.run(["dpkg", "-S", str(name).removeprefix("/usr")], capture_output=True, text=True)
-                if found.returncode == 0:
-                    return found.stdout.split(":")[0]
-    raise SystemExit(f"no Debian package holds {library}")
+    """Debian package of a vendored library, whose name carries a hash: libscotch-7-f76822b3.0.3.so is libscotch-7.0.3.so."""
+    path = min(Path("/usr/lib/x86_64-linux-gnu").rglob(re.sub("-[0-9a-f]{8}", "", library)), key=lambda p: len(p.parts)).resolve()
+    for name in (str(path), str(path).removeprefix("/usr")):
+        found = subprocess.run(["dpkg", "-S", name], capture_output=True, text=True)
+        if found.returncode == 0:
+            return found.stdout.split(":")[0]
+    raise SystemExit(f"no Debian package holds {path}")
 
 
 def main(wheel, folder):
@@ -41,22 +41,27 @@ def main(wheel, folder):
         packages = {}
         for library in sorted(p.name for p in root.glob("*.libs/*")):
             packages.setdefault(package_of(library), []).append(library)
+        known = {}
         rows = ["| library | Debian package | sources | licence |", "|---|---|---|---|"]
         licences = {}
         for package, libraries in packages.items():
             source, version = said("dpkg-query", "-W", "-f", "${source:Package} ${source:Version}", package).split()
             text = Path("/usr/share/doc", package, "copyright").read_text(errors="replace")
             (texts / f"{package}.txt").write_text(text)
-            names = sorted(set(re.findall(r"^License: (\S.*)$", text, re.M)))
-            licences |= dict.fromkeys(libraries, names)
+            for name in re.findall(r"/usr/share/common-licenses/([A-Z]+-[0-9.]*[0-9])", text):  # Debian's texts point there
+                (texts / f"{name}.txt").write_bytes(Path("/usr/share/common-licenses", name).read_bytes())
+            names = GCC.get(package) or sorted(set(re.findall(r"^License: (\S.*)$", text, re.M)))
+            licences[package] = names
+            known[package] = {"type": "library", "name": package, "version": version, "purl": f"pkg:deb/debian/{package}@{version}"}
             rows.append(f"| {', '.join(libraries)} | {package} {version} | https://snapshot.debian.org/package/{source}/{version}/ | "
-                        f"{', '.join(names) or f'see {package}.txt'} |")
+                        f"{', '.join(names)} |")
         (texts / "LIBRARIES.md").write_text("# Libraries inside this wheel\n\n" + "\n".join(rows) + "\n")
         for bill in info.glob("sboms/*.json"):
             told = json.loads(bill.read_text())
-            for part in told.get("components", []):
-                near = next((names for library, names in licences.items() if part.get("name", "") in packages and library in packages[part["name"]]), None)
-                part["licenses"] = [{"license": {"name": name}} for name in near or ["see licenses/LIBRARIES.md"]]
+            listed = {part["name"] for part in told["components"]}
+            told["components"] += [part for package, part in known.items() if package not in listed]
+            for part in told["components"]:
+                part["licenses"] = [{"license": {"name": name}} for name in licences.get(part["name"], ["GPL-3.0-or-later"])]
             bill.write_text(json.dumps(told, indent=1))
         said(sys.executable, "-m", "wheel", "pack", str(root), "-d", folder)
     print(max(Path(folder).glob("*.whl"), key=lambda p: p.stat().st_mtime))

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Build, repair and prove wheels as root on Debian: tools/wheels.sh FOLDER [PYTHON ...]   (default: every python3.10 to 3.14 of PATH)
+# Build, repair and prove wheels as root on Debian: tools/wheels.sh FOLDER [PYTHON ...]   (default: every python3.10 to 3.14 of PATH, each with a prefix of its own)
 # Needs the Debian packages of ./hd and debootstrap. Each wheel is installed in a bare system without compilers in four ways (venv,
 # --user, --target, pipx) and solves a scene there by program and package. FOLDER/wheels keeps them, FOLDER/table.md says what ran.
 set -euo pipefail
@@ -23,17 +23,19 @@ if [ ! -d "$system/usr" ]; then
   mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources 2>/dev/null | awk '/^(URIs:|deb )/ {print $2; exit}')
   quietly debootstrap --variant=minbase --include=ca-certificates,libbz2-1.0,libexpat1,libffi8,liblzma5,libncursesw6,libreadline8,libsqlite3-0,libssl3,zlib1g \
     bookworm "$system" "$mirror"
-  for f in /etc/ssl/certs /usr/local/share/ca-certificates /etc/pip.conf /etc/resolv.conf /etc/hosts "${PIP_CERT:-}" "${PIP_FIND_LINKS:-}"; do
-    if [ -e "$f" ]; then echo "${f#/}"; fi
-  done | tar -C / -chf - -T - | tar -C "$system" -xf -
 fi
-trap 'umount -l "$system"/python 2>/dev/null || true; umount -l "$system/proc" 2>/dev/null || true' EXIT
+for f in /etc/ssl/certs /usr/local/share/ca-certificates /etc/pip.conf /etc/resolv.conf /etc/hosts "${PIP_CERT:-}" "${PIP_FIND_LINKS:-}"; do
+  if [ -e "$f" ]; then echo "${f#/}"; fi
+done | tar -C / -chf - -T - | tar -C "$system" -xf -
+home=
+trap '[ -z "$home" ] || umount -l "$system$home" 2>/dev/null || true; umount -l "$system/proc" 2>/dev/null || true' EXIT
 mountpoint -q "$system/proc" || mount -t proc proc "$system/proc"
 
 echo '| Python | wheel | MB | installed by | K_TS |' >"$work/table.md"
 echo '|---|---|---|---|---|' >>"$work/table.md"
 for python in "${pythons[@]}"; do
   home=$("$python" -c 'import sys; print(sys.base_prefix)')
+  [ "$home" != /usr ] || { echo "error: $python shares /usr with compilers; name an interpreter with a prefix of its own (pyenv, conda)" >&2; exit 2; }
   version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
   [ -x "$work/env-$version/bin/python" ] || quietly "$python" -m venv "$work/env-$version"
   pip=("$work/env-$version/bin/python" -m pip)
@@ -42,16 +44,16 @@ for python in "${pythons[@]}"; do
   quietly "${pip[@]}" wheel -q . --no-deps -w "$work/raw/$version"
   PATH="$work/env-$version/bin:$PATH" quietly "$work/env-$version/bin/python" -m auditwheel repair "$work/raw/$version"/*.whl -w "$work/raw/$version/fixed"
   wheel=$("$work/env-$version/bin/python" tools/wheel_licences.py "$work/raw/$version/fixed"/*.whl "$work/wheels")
-  mkdir -p "$system/python" "$system/job"
+  mkdir -p "$system$home" "$system/job"
   cp "$wheel" data/cd14.nml "$system/job"
-  mount --rbind "$home" "$system/python"
+  mount --bind "$home" "$system$home"
   for way in venv user target pipx; do
     cat >"$system/job/prove" <<JOB
 set -e
 cd /job
 ! command -v gcc
-export PATH=/python/bin:\$PATH HOME=/job/home PIP_ROOT_USER_ACTION=ignore PIP_DISABLE_PIP_VERSION_CHECK=1
-rm -rf home env out
+export PATH=$home/bin:\$PATH HOME=/job/home PIP_ROOT_USER_ACTION=ignore PIP_DISABLE_PIP_VERSION_CHECK=1
+rm -rf home env px out
 mkdir home
 case $way in
   venv) python$version -m venv env; env/bin/pip install -q $(basename "$wheel"); bin=env/bin; libs= ;;
@@ -66,5 +68,5 @@ JOB
     k_ts=$(env -u PYTHONPATH chroot "$system" bash /job/prove 2>"$work/log") || { cat "$work/log" >&2; exit 1; }
     echo "| $version | $(basename "$wheel") | $(($(stat -c %s "$wheel") / 1000000)) | $way | ${k_ts##*$'\n'} |" | tee -a "$work/table.md"
   done
-  umount -l "$system/python"
+  umount -l "$system$home"
 done

@@ -19,7 +19,7 @@ from hdengine.figures.run import plot_joint
 from hdengine.record import Record
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "bench"))
-from common import DATA, FIGURES, new_axes, save_figure, styled  # noqa: E402
+from common import DATA, new_axes, save_figure, styled  # noqa: E402
 
 BORE, HUB = 17.5e-3, 8e-3
 
@@ -77,7 +77,7 @@ def main():
     save_figure(plot_joint(Joint(asperity_radius=250e-6, s_min=1e-15), np.logspace(-3, 3.2, 200) * 1e6).figure, "joint_stiffness")
     parts = [specimen.read(DATA / f"specimen_{name}.sdf") for name in ("flexspline", "bearing")]
     waves = roughness.Ridges(length=0.5e-3, shortest_wavelength=1e-6, ridges=10, gamma=1.5)
-    specimen.equivalent(*parts, surface=waves).plot().savefig(FIGURES / "joint_surface.png", dpi=80)
+    save_figure(specimen.equivalent(*parts, surface=waves).plot(), "joint_surface", dpi=80)
     save_figure(Record.read(DATA / "torque_record.csv").plot(), "record")
     save_figure(hdengine.tooth_gaps(hdengine.Involute(0.1778e-3), DATA / "drive14.nml").plot(), "tooth_gaps")
     with tempfile.TemporaryDirectory() as folder:

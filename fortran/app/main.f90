@@ -5,13 +5,13 @@ program main
   use hd_command_line, only: command_t, read_command_line, obey
   use hd_error, only: error_t
   use hd_log, only: check_log
-  use hd_system, only: catch_signals, fill_streams, keep_memory, wait_passively
+  use hd_system, only: catch_signals, fill_streams, keep_memory, set_libraries
   implicit none
   type(command_t) :: command
   type(error_t), allocatable :: error
   integer :: status
   call fill_streams()
-  call wait_passively()
+  call set_libraries()
   call catch_signals()
   call keep_memory()
   call read_command_line(command, error)

@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import made_pages  # noqa: E402
 
 SHORT = sorted(str(p.relative_to(ROOT)) for room in ("start", "howto") for p in (ROOT / "docs" / room).glob("*.md"))
-OWN_TEST = ("docs/reference/command_line", "docs/explain/new_element")  # help texts; page of test_new_element.py
+OWN_TEST = ("docs/reference/command_line",)  # help texts
 BLOCK = re.compile(r"(?:<!-- (?:not run: |run by )(?P<why>[^\n]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```", re.S | re.M)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NOT_RUN = {"docs/start/install.md": "conda-forge is not reachable from the machine that runs the tests"}
@@ -176,7 +176,7 @@ def test_glossary_is_sorted():
     """The glossary has each word once, in alphabetical order, and explains it."""
     block = re.search(r"```{glossary}\n(.*?)```", (ROOT / "docs/reference/glossary.md").read_text(), re.S)[1]
     words = re.findall(r"^(\S.*)\n  \S", block, re.M)
-    assert words == re.findall(r"^(\S.*)$", block, re.M) and len(words) > 80
+    assert words == re.findall(r"^(\S.*)$", block, re.M) and len(words) > 70
     assert [w.lower() for w in words] == sorted({w.lower() for w in words})
 
 

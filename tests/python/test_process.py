@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -19,7 +20,7 @@ from hdengine.studies.study import Study, StudyResult
 
 CD14 = ROOT / "data/cd14.nml"
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
-FREE = {k: v for k, v in os.environ.items() if k not in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_WAIT_POLICY")}
+FREE = {k: v for k, v in os.environ.items() if k not in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_WAIT_POLICY", "OPENBLAS_CORETYPE")}
 LONG = ["mesh.divisions=160", "mesh.band_facets=24", "load.assembly_steps=40", "load.torque_steps=40"]  # minutes
 
 
@@ -77,6 +78,18 @@ def test_waiting_threads_sleep(exe, tmp_path):
     for words in ((exe, "--version"), python_words):
         assert spins(*words) == 0
         assert spins(*words, OMP_WAIT_POLICY="active") > 1_000_000 and spins(*words, GOMP_SPINCOUNT="77") == 77
+
+
+def test_old_kernels_of_openblas(exe, tmp_path):
+    """Where OpenBLAS takes kernels without AVX2 on a processor that has it, the program begins again with others; an environment that names some stays."""
+    if "avx2" not in Path("/proc/cpuinfo").read_text().split():
+        pytest.skip("the processor lacks AVX2")
+    (tmp_path / "old.c").write_text('#include <stdlib.h>\nchar *openblas_get_corename(void) { char *k = getenv("OPENBLAS_CORETYPE"); return k ? k : "Prescott"; }\n')
+    subprocess.run(["gcc", "-shared", "-fPIC", "old.c", "-o", "old.so"], cwd=tmp_path, check=True)
+    for chosen, found in (({}, ("Haswell", "SkylakeX")), ({"OPENBLAS_CORETYPE": "Nehalem"}, ("Nehalem",))):
+        done = call(exe, CD14, *(f"{k}={v}" for k, v in SMALL.items()), "--out", "o.out", "--force", "-q", cwd=tmp_path, env=FREE | {"LD_PRELOAD": "./old.so"} | chosen)
+        assert done.returncode == 0, done.stderr
+        assert json.loads((tmp_path / "o.out/summary.json").read_text())["provenance"]["blas_kernels"] in found
 
 
 def test_a_script_needs_no_main_guard(tmp_path):

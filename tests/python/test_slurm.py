@@ -25,26 +25,30 @@ def node(tmp_path_factory):
         pytest.skip(f"Slurm does not start here: {' '.join(done.stderr.split()[-20:])}")
 
 
-def submitted(page, folder):
-    """States of the jobs after the page's Slurm blocks ran in the folder."""
+def submitted(page, folder, more=""):
+    """States of the jobs after the page's Slurm blocks and more ran in the folder."""
     for name in ("data", "hpc"):
         (folder / name).symlink_to(ROOT / name)
     (folder / ".venv").symlink_to(sys.prefix)
-    (folder / "block.sh").write_text("set -e\n" + "".join(text for _, text, _ in blocks(page) if on_slurm(text)) + WAIT)
+    (folder / "block.sh").write_text("set -e\n" + "".join(text for _, text, _ in blocks(page) if on_slurm(text)) + more + WAIT)
     printed = shell(f"{NODE} {folder}/node bash block.sh", folder)
     return printed.count("JobState=COMPLETED"), printed
 
 
 def test_run_and_study_on_slurm(tmp_path):
-    """The page of studies submits one run and one study: both complete, the study with three rows for each of four points."""
+    """The page of studies submits one run, one study with three rows for each of four points, and the study's shards: all complete, with one table."""
     page = "docs/howto/study.md"
     (tmp_path / "w.toml").write_text(next(text for _, text, _ in blocks(page) if text.startswith("# w.toml")))
-    done, printed = submitted(page, tmp_path)
+    array = "sbatch --array=1-2 hpc/study_array.slurm w.toml"
+    assert array.replace("1-2", "1-8") in (ROOT / page).read_text()
+    done, printed = submitted(page, tmp_path, f"{array} --out shards.out\n")
     logs = "".join(log.read_text() for log in tmp_path.glob("slurm-*.out"))
-    assert done == 2, printed + logs
+    assert done == 4, printed + logs
     run, = tmp_path.glob("cd14-*.out")
     assert json.loads((run / "summary.json").read_text())["status"] == "complete" and (run / "pressure_band.png").exists(), logs
     assert len((tmp_path / "w.out/study.csv").read_text().splitlines()) == 1 + 4 * 3
+    collected = shell(f"{sys.executable} -m hdengine study w.toml --out shards.out --collect", tmp_path)
+    assert (tmp_path / "shards.out/study.csv").read_bytes() == (tmp_path / "w.out/study.csv").read_bytes(), collected
 
 
 def test_job_resumes_on_slurm(tmp_path):

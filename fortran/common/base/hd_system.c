@@ -160,12 +160,30 @@ void hd_become(char *const words[])
   execvp(words[0], words);
 }
 
-/* Threads of OpenMP spin while they wait, and take the processor from others; the library reads what it is told only as it is
-   loaded, so the program begins again. */
-void hd_wait_passively(void)
+char *openblas_get_corename(void) __attribute__((weak));
+
+/* An OpenBLAS older than the processor takes kernels without AVX2 (its issue 4267): the name of better ones, or NULL. */
+static const char *better_kernels(void)
+{
+#ifdef __x86_64__
+  static const char *const old[] = {"Prescott", "Nehalem", "Sandybridge", "Barcelona", "Bulldozer"};
+  if (openblas_get_corename && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    for (size_t i = 0; i < sizeof old / sizeof *old; i++)
+      if (strcmp(openblas_get_corename(), old[i]) == 0)
+        return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
+          ? "SkylakeX" : "Haswell";
+#endif
+  return NULL;
+}
+
+/* Threads of OpenMP spin while they wait, and take the processor from others; this and the kernels of OpenBLAS are read from the
+   environment only as a library is loaded, so the program begins again. */
+void hd_set_libraries(void)
 {
   char path[PATH_MAX], *words[4096];
-  if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+  const char *kernels = getenv("OPENBLAS_CORETYPE") ? NULL : better_kernels();
+  int spins = !getenv("OMP_WAIT_POLICY") && !getenv("GOMP_SPINCOUNT");
+  if (!spins && !kernels) return;
   ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
   FILE *file = fopen("/proc/self/cmdline", "rbe");
   if (n > 0 && file) {
@@ -175,7 +193,8 @@ void hd_wait_passively(void)
     for (size_t i = 0; i < size && count < 4095; i += strlen(text + i) + 1) words[count++] = text + i;
     words[count] = NULL;
     path[n] = 0;
-    if (size < sizeof text && count > 0 && count < 4095 && setenv("OMP_WAIT_POLICY", "passive", 1) == 0) execv(path, words);
+    if (size < sizeof text && count > 0 && count < 4095 && (!spins || setenv("OMP_WAIT_POLICY", "passive", 1) == 0) &&
+        (!kernels || setenv("OPENBLAS_CORETYPE", kernels, 1) == 0)) execv(path, words);
   }
   if (file) fclose(file);
 }

@@ -7,7 +7,7 @@ module hd_system
   use hd_text, only: string_t
   implicit none
   private
-  public :: wait_passively, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
+  public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
     remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
   public :: path_absent, path_file, path_directory
@@ -27,9 +27,10 @@ module hd_system
     integer(c_int) function unwatch_signals() bind(c, name='hd_unwatch_signals')
       import :: c_int
     end function unwatch_signals
-    !> Threads of OpenMP that wait sleep, from the program's start on; an environment that says otherwise is left alone.
-    subroutine wait_passively() bind(c, name='hd_wait_passively')
-    end subroutine wait_passively
+    !> From the program's start on threads of OpenMP that wait sleep, and OpenBLAS takes kernels with AVX2 if there is any;
+    !> an environment that says otherwise is left alone.
+    subroutine set_libraries() bind(c, name='hd_set_libraries')
+    end subroutine set_libraries
     subroutine keep_memory() bind(c, name='hd_keep_memory')
     end subroutine keep_memory
     integer(c_int) function c_stop() bind(c, name='hd_stop_requested')

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> LAPACK and BLAS: products and factorisations of dense matrices.
 module hd_lapack
-  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_c_binding, only: c_char, c_int
   use hd_kinds, only: dp, sp
   use hd_error, only: error_t, raise, code_linear_solver
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, sgemm, blas_threads, multiply_dense, multiply_transposed, solve_dense, invert_symmetric, multiply_symmetric
-  public :: inverse_factor, solve_definite
+  public :: dgemm, sgemm, blas_threads, blas_kernels, multiply_dense, multiply_transposed, solve_dense, invert_symmetric
+  public :: multiply_symmetric, inverse_factor, solve_definite
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -16,6 +16,11 @@ module hd_lapack
       import :: c_int
       integer(c_int), value :: n
     end function c_threads
+    subroutine c_kernels(text, size) bind(c, name='hd_blas_kernels')
+      import :: c_char, c_int
+      character(kind=c_char), intent(out) :: text(*)
+      integer(c_int), value :: size
+    end subroutine c_kernels
     subroutine dgemm(ta, tb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
       import :: dp
       character(len=1), intent(in) :: ta, tb
@@ -88,6 +93,14 @@ contains
     integer, intent(in) :: n  !< threads
     before = c_threads(int(n, c_int))
   end function blas_threads
+
+  !> The processor whose kernels BLAS uses; '' where it does not say.
+  function blas_kernels() result(name)
+    character(len=:), allocatable :: name
+    character(len=32) :: text
+    call c_kernels(text, len(text, c_int))
+    name = trim(text)
+  end function blas_kernels
 
   !> C = A B.
   subroutine multiply_dense(a, b, c)

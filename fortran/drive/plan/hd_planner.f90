@@ -25,7 +25,11 @@ module hd_planner
   public :: plan_t, make_plan, enter_plan, plan_text
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
+  real(dp), parameter :: half = 0.5_dp          !< of it: what a simpler model may change
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
+  real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
+  real(dp), parameter :: looped = 2, stepped = 0.1_dp  !< run over trial, whose answers are stored, with a loop and without,
+  real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all four by judgement
   integer, parameter :: few_steps = 4           !< of each leg of a loop on which kinematics are compared
   integer, parameter :: doublings = 4           !< of load steps, at most
 
@@ -97,13 +101,13 @@ contains
       return
     end if
     change = relative(s, large_q - small_q, large_q)
-    if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) then
+    if (maxval(change) > half*plan%scene%planned_tolerance) then
       plan%scene%kinematics = 'nonlinear'
     else
       plan%simpler = hypot(plan%simpler, change)
     end if
     call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
-      ', half the tolerance is '//percent(0.5_dp*plan%scene%planned_tolerance))
+      ', half the tolerance is '//percent(half*plan%scene%planned_tolerance))
   end subroutine choose_kinematics
 
   !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls.
@@ -137,7 +141,7 @@ contains
       change = relative(s, q - balls_q, q)
       if (len(text) > 0) text = text//', '
       text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(s, change, 'by')
-      if (maxval(change) > 0.5_dp*plan%scene%planned_tolerance) cycle
+      if (maxval(change) > half*plan%scene%planned_tolerance) cycle
       plan%scene%balls = 0
       plan%scene%groove_depth = 0
       plan%scene%ball_stiffness = s%ball_stiffness
@@ -147,7 +151,7 @@ contains
     if (len(text) == 0) text = 'no simpler one converges'
     call note(plan, 'wave generator '//trim(merge('on its balls', merge('even spring ', 'rigid       ', &
       plan%scene%ball_stiffness > 0), plan%scene%balls > 0))//': '//text//'; half the tolerance is '// &
-      percent(0.5_dp*plan%scene%planned_tolerance))
+      percent(half*plan%scene%planned_tolerance))
   end subroutine choose_wave_generator
 
   !> Load steps, doubled on a coarse mesh until that changes less than three tenths of the tolerance. Steps that do not converge
@@ -389,9 +393,9 @@ contains
     before = sum(trials%known%seconds)
     do level = coarse - 1, levels
       s = meshed(plan%scene, level)
-      seconds = base*(s%divisions*band_rows(s)/facets)**[growth, 1.1_dp]
-      if (.not. s%large()) seconds(2) = merge(2._dp, 0.1_dp, s%support%loop)*seconds(1)
-      if (s%large() .and. has_coarser(s)) seconds(2) = 0.4_dp*seconds(2)
+      seconds = base*(s%divisions*band_rows(s)/facets)**[growth, few_more]
+      if (.not. s%large()) seconds(2) = merge(looped, stepped, s%support%loop)*seconds(1)
+      if (s%large() .and. has_coarser(s)) seconds(2) = started*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &

@@ -11,6 +11,7 @@ module hd_summary
   use hd_facets, only: sums_t, sum_names, sum_values
   use hd_joint, only: joint_t
   use hd_json, only: json_t
+  use hd_lapack, only: blas_kernels
   use hd_linear_solver, only: linear_solver_t
   use hd_model_error, only: covered, left_out
   use hd_loop, only: loop_t, readings_t, read_loop
@@ -21,6 +22,7 @@ module hd_summary
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
+  use hd_system, only: stop_requested
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
   use hd_timers, only: timers_t, add_timers
   use hd_twist_shares, only: part_names
@@ -125,7 +127,7 @@ contains
     type(record_t), intent(in) :: record                      !< stopped by a signal
     type(error_t), allocatable, intent(in) :: failure         !< why it ended early
     if (allocated(failure)) then
-      if (record%interrupted) then
+      if (record%interrupted .or. (failure%code == code_stopped .and. stop_requested())) then  ! between load steps, or within one
         call json%add('status', 'interrupted')
       else
         call json%add('status', trim(merge('stopped_at_limit', 'failed          ', failure%code == code_stopped)))
@@ -389,6 +391,7 @@ contains
     call json%add('mumps', solver%library)
     call json%add('metis', metis_version)
     call json%add('lapack', lapack_version)
+    call json%add('blas_kernels', blas_kernels())
     call json%add('fftw', fftw_version)
     call json%finish()
   end subroutine add_provenance

@@ -13,6 +13,7 @@ module hd_coarse_start
   private
   public :: has_coarser, coarser_scene, guess_from
 
+  real(dp), parameter :: rounding = 1e-9_dp !< of a share of the way between two load steps
   integer, parameter :: worthwhile = 1000  !< facets from which a coarser mesh saves time
 
   !> Linear interpolation: (1 - part) of entry `low`, part of the next.
@@ -162,7 +163,7 @@ contains
         k = k + 1
       end do
       at(i) = between_t(k, min(1._dp, max(0._dp, (x(i) - among(k))/(among(k + 1) - among(k)))))
-      if (abs(at(i)%part - nint(at(i)%part)) < 1e-9_dp) at(i)%part = nint(at(i)%part)
+      if (abs(at(i)%part - nint(at(i)%part)) < rounding) at(i)%part = nint(at(i)%part)
     end do
   end function places
 end module hd_coarse_start

@@ -9,6 +9,7 @@ module hd_load_path
   public :: place_t, operator(<), assembled, path_end, step_end, ahead, place_at, begins, under_torque, assembly_at, torque_at, &
     at_peak, load_factor_at, stretch, largest_torque
 
+  real(dp), parameter :: rounding = 1e-9_dp    !< of a place on the way, in legs
   real(dp), parameter :: whole = 1 - 1e-12_dp  !< share of a load step that is taken for all of it: shares are cut to 2^-max_cuts
 
   !> A place on the way.
@@ -140,18 +141,18 @@ contains
     if (.not. under_torque(scene, place)) return
     ends = [0._dp, ends_of(scene)]
     way = load_factor_at(scene, place)*(size(ends) - 1)
-    leg = min(floor(way + 1e-9_dp), size(ends) - 2)
+    leg = min(floor(way + rounding), size(ends) - 2)
     way = way - leg
     torque = (1 - way)*ends(leg + 1) + way*ends(leg + 2)
-    if (abs(way) < 1e-9_dp) torque = ends(leg + 1)
-    if (abs(way - 1) < 1e-9_dp) torque = ends(leg + 2)
+    if (abs(way) < rounding) torque = ends(leg + 1)
+    if (abs(way - 1) < rounding) torque = ends(leg + 2)
   end function torque_at
 
   !> The torque at the end of a load step, in the sense of its first rise, is the largest so far, and falls or ends there.
   pure logical function at_peak(scene, place) result(peak)
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< end of a load step
-    real(dp), parameter :: less = 1 - 1e-9_dp
+    real(dp), parameter :: less = 1 - rounding
     real(dp) :: torque(max(0, place%step + 1 - scene%assembly_steps))
     integer :: i, n
     n = place%step - scene%assembly_steps

@@ -33,6 +33,9 @@ module hd_load_step
   real(dp), parameter :: below_bound = 1e-6_dp
   real(dp), parameter :: some_friction = 1e-3_dp  !< capacity over the torque carried while sliding: below it there was none
   real(dp), parameter :: nearly = 0.95_dp    !< share of its capacity from which friction is said to be used up
+  real(dp), parameter :: unbalanced = 1e-2_dp   !< share of the torque out of balance that is refused,
+  real(dp), parameter :: of_pressure = 1e-6_dp  !< beyond rounding: this of normal force times radius
+  real(dp), parameter :: used_up = 1.003_dp  !< capacity of friction over the torque at which no further part is worth a trial
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
 contains
@@ -73,7 +76,7 @@ contains
         if (slip_torque > 0) then
           part = cautious(run, slip_torque)
           if (target < part) part = target
-          if (slip_torque <= abs(run%step%torque)*1.003_dp) call let_go(run, part, slip_torque, error)
+          if (slip_torque <= abs(run%step%torque)*used_up) call let_go(run, part, slip_torque, error)
         end if
       else if (.not. out_of_time(run)) then
         cuts = cuts + 1
@@ -252,8 +255,7 @@ contains
       call place_step(run%scene, place, run%step)
       if (allocated(run%gradient)) call lead_companions(run, load, error)
     else if (sliding) then
-      slip_torque = abs(contact_torque(run%model%drive, trial))
-      ! less is rounding: friction holds nothing
+      slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance it is rounding: friction holds nothing
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
@@ -276,7 +278,8 @@ contains
   pure real(dp) function farthest(scene, radius)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), intent(in) :: radius      !< of the contact [m]
-    farthest = 0.05_dp*radius + 10*(abs(scene%w) + abs(scene%eccentricity) + abs(scene%interference))
+    real(dp), parameter :: much = 0.05_dp, many = 10  ! a twentieth of the radius is no torsion, ten times the lift no assembly
+    farthest = much*radius + many*(abs(scene%w) + abs(scene%eccentricity) + abs(scene%interference))
   end function farthest
 
   !> First guess of a part: extrapolated from the last two, from a coarser mesh, or an assembly solved before.
@@ -372,7 +375,8 @@ contains
     type(run_t), intent(in) :: run                    !< run after a load step
     type(error_t), allocatable, intent(out) :: error  !< the message
     if (.not. allocated(run%model%drive%problem%lagrangian) .or. .not. run%step%loaded) return
-    if (abs(run%sums%torque%balance) <= 1e-2_dp*abs(run%scene%torque) + 1e-6_dp*run%sums%normal_force*run%model%drive%radius) return
+    if (abs(run%sums%torque%balance) <= &
+      unbalanced*abs(run%scene%torque) + of_pressure*run%sums%normal_force*run%model%drive%radius) return
     call raise(error, code_not_converged, "the slip is too large for kinematics = 'nonlinear': at T = "// &
       to_text(run%step%torque)//' N m '//to_text(run%sums%torque%balance)//' N m are out of balance (friction carries '// &
       'mu int p r dA = '//to_text(run%sums%friction_capacity)//' N m). Lower the torque or use solver.kinematics = '// &

@@ -120,7 +120,8 @@ contains
   pure integer function find(self, fraction, torque)
     type(assembly_t), intent(in) :: self       !< states
     real(dp), intent(in) :: fraction, torque   !< place
-    find = findloc(abs(self%place(1, :) - fraction) < 1e-12_dp .and. abs(self%place(2, :) - torque) <= 1e-12_dp*abs(torque), &
+    real(dp), parameter :: same = 1e-12_dp     !< rounding of a place
+    find = findloc(abs(self%place(1, :) - fraction) < same .and. abs(self%place(2, :) - torque) <= same*abs(torque), &
       .true., 1)
   end function find
 

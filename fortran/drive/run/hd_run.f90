@@ -45,6 +45,7 @@ module hd_run
     close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
+  real(dp), parameter :: at_largest = 1 - 1e-9_dp !< share of the largest torque from which a step has it
   real(dp), parameter :: rest = 50           !< from a checkpoint to the next, over what writing it took: 2 % of a run
 
   type, extends(mark_t) :: run_t
@@ -278,7 +279,7 @@ contains
     call run%gradient%differentiate(run%model%solver, run%model%drive, place, &
       run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
-    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message)
+    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
     call run%record%timers%book(in_gradient)
   end subroutine find_gradient
 
@@ -410,7 +411,7 @@ contains
     if (.not. run%step%loaded) return
     sense = sign(1._dp, run%loop%torque(2))
     if (.not. sense*run%step%torque > 0) return
-    if (run%reference%known .and. sense*run%step%torque < (1 - 1e-9_dp)*sense*run%reference%step%torque) return
+    if (run%reference%known .and. sense*run%step%torque < at_largest*sense*run%reference%step%torque) return
     run%reference = reference_t(.true., run%step, run%sums, run%certain)
     run%top = run%state
   end subroutine note_reference

@@ -2,8 +2,8 @@
 """Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1]
 
 A copy of HEAD in FOLDER gets all mutants at once, each behind a switch, so that one build serves all: `x = a + b` becomes
-`if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each file of tests reaches;
-a mutant then runs the files that reach it, the quickest first, until one fails. Mutants are drawn by rule: every room in turn, a
+`if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each test reaches; a mutant
+then runs the tests that reach it, those of the quickest file first, until one fails. Mutants are drawn by rule: every room in turn, a
 line at random in it, a change at random of those that it allows. The outcome goes to tools/mutants.json. Needs ./hd test once.
 """
 import argparse
@@ -15,13 +15,14 @@ import re
 import subprocess
 import sys
 import time
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PLACES = 4096      # mutants that the switch has room for
 SLOW = {"test_house", "test_pages", "test_site", "test_regressions", "test_slurm", "test_version"}  # of sources, pages and machines
-LONGEST = 400      # seconds of tests that one mutant may take
+LONGEST = 200      # seconds of tests that one mutant may take
 CHANGES = [(r" \+ ", " - "), (r" - ", " + "), (r"(?<=[\w)])\*(?=[\w(])", "/"), (r"(?<=[\w)])/(?=[\w(])", "*"), (r" < ", " <= "),
            (r" > ", " >= "), (r" <= ", " < "), (r" >= ", " > "), (r" == ", " /= "), (r" /= ", " == "), (r"\.and\.", ".or."),
            (r"\.or\.", ".and."), (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\bsin\(", "cos("), (r"\bcos\(", "sin("),
@@ -63,6 +64,30 @@ def mutated(n):
     return n == _chosen
 """
 
+REACHED_PY = """import json, mmap, os, pytest
+_first, _setup, _found = set(), {}, []
+_all = mmap.mmap(os.open(os.environ["HDENGINE_REACHED"], os.O_RDWR), 4096) if "HDENGINE_REACHED" in os.environ else None
+def taken():
+    found = {n for n in range(4096) if _all[n]}
+    _all[:] = bytes(4096)
+    return found
+if _all is not None:
+    def pytest_collection_finish(session):
+        _first.update(taken())  # by imports: all tests
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_runtest_makereport(item, call):
+        outcome = yield
+        if call.when == "setup":  # by fixtures, which tests may share: all tests of the file
+            _setup.update({n: 0 for n in taken()})
+            item.seconds = call.duration
+        elif call.when == "call" and outcome.get_result().passed:
+            _found.append((item.nodeid, item.seconds + call.duration, taken()))
+    def pytest_sessionfinish():
+        told = [(name, seconds, sorted(reached | _first | set(_setup))) for name, seconds, reached in _found]
+        with open(os.environ["HDENGINE_TOLD"], "w") as file:
+            json.dump(told, file)
+"""
+
 
 def fortran_mutants(text):
     """(line, original, mutated, lines that hold both) of every change that a Fortran module allows."""
@@ -75,23 +100,22 @@ def fortran_mutants(text):
             masked = True
         if re.match(r"end (where|forall)", word):
             masked = False
-        if not inside or masked or "&" in code or (i and "&" in lines[i - 1]) or "'" in code or "::" in code or "!" in line:
+        if not inside or masked or "&" in code or (i and "&" in lines[i - 1]) or "'" in code or "::" in code or "!" in line \
+                or re.match(r"(\w+: )?do ", word):
             continue
-        block = re.fullmatch(r"(\s*)(if|else if|do while) \((.*)\)( then)?", code)
+        block = re.fullmatch(r"(\s*)(if|else if) \((.*)\) then", code)
         plain = re.fullmatch(r"(\s*)([a-z][\w%(),: +*-]* = [^>].*)", code) or re.fullmatch(r"(\s*)(if \(.*\) (?!then).*)", code)
         if not (block or plain):
             continue
         for pattern, new in CHANGES:
             for hit in re.finditer(pattern, code):
                 other = code[:hit.start()] + hit.expand(new) + code[hit.end():]
+                if re.search(r"\b(\w+):\1 - \d", other):  # a section of no length, which compilers refuse
+                    continue
                 if block:
-                    pad, kind, old, then = block.groups()
-                    if hit.start() < block.start(3):
-                        continue
-                    changed = other[block.start(3):len(other) - len(then or "") - 1]
-                    both = f"{pad}{kind} (merge(1, 0, {{on}}) == 1 .and. ({changed}) .or. merge(1, 0, {{on}}) == 0 .and. ({old})){then or ''}"
-                    if kind == "do while" or len(both) > 500:
-                        continue
+                    pad, kind, old = block.groups()
+                    changed = other[block.start(3):-len(") then")]
+                    both = f"{pad}{kind} (merge(1, 0, {{on}}) == 1 .and. ({changed}) .or. merge(1, 0, {{on}}) == 0 .and. ({old})) then"
                 else:
                     pad = plain[1]
                     both = f"{pad}if ({{on}}) then\n{other}\n{pad}else\n{code}\n{pad}end if"
@@ -162,7 +186,7 @@ def build(folder, mutants):
         path = tree / name
         lines = path.read_text().splitlines()
         for line, n, both in places:
-            lines[line - 1] = both.format(on=f"mutated({n})")
+            lines[line - 1] = both.replace("{on}", f"mutated({n})")
         text = "\n".join(lines) + "\n"
         head, use = ((r"^(module \w+)$", r"\1\n  use hd_mutants, only: mutated") if name.endswith(".f90") else
                      (r"^(from __future__ import annotations)$", r"\1\nfrom hdengine._mutants import mutated"))
@@ -172,54 +196,66 @@ def build(folder, mutants):
     (base / "hd_mutants_switch.c").write_text(SWITCH_C)
     with open(base / "meson.build", "a") as file:
         file.write("srcs += files('hd_mutants.f90', 'hd_mutants_switch.c')\n")
+    rules = tree / "config/meson.build"
+    rules.write_text(rules.read_text().replace(", '-ffree-line-length-132'", "").replace(
+        "add_project_arguments(", "add_project_arguments('-ffree-line-length-none', "))
     python = ROOT / ".venv/bin/python"
     env = os.environ | {"PATH": f"{ROOT}/.venv/bin:{os.environ['PATH']}"}
     subprocess.run([python, "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "--upgrade", "--target",
-                    folder / "site", f"--config-settings=build-dir={folder}/build", "--config-settings=setup-args=-Dfortran_args=-ffree-line-length-none",
-                    tree], check=True, env=env)
+                    folder / "site", f"--config-settings=build-dir={folder}/build", tree], check=True, env=env)
+    subprocess.run(["ninja", "-C", folder / "build", "--quiet", "tests/fortran/hd_tester"], check=True, env=env)
     (folder / "site/hdengine/_mutants.py").write_text(SWITCH_PY)
+    (folder / "mutants_reached.py").write_text(REACHED_PY)
 
 
-def run(folder, test, limit, left_out=(), first=False, **env):
-    """Passed or not, seconds, what was printed: of the Fortran tests or of one file of Python's."""
-    command = [folder / "build/tests/fortran/hd_tester"] if test == "fortran" else [
-        ROOT / ".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", *(["-x"] if first else []), "-rfE", f"tests/python/{test}.py",
-        *(f"--deselect={name}" for name in left_out)]
+def run(folder, tests, limit, **env):
+    """Passed or not, seconds: of the Fortran tests or of tests of Python, the first failure ends them."""
+    command = [folder / "build/tests/fortran/hd_tester"] if tests == ["fortran"] else [
+        ROOT / ".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "mutants_reached",
+        *([] if "HDENGINE_REACHED" in env else ["-x"]), *tests]
     start = time.monotonic()
     try:
-        done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", capture_output=True, text=True, errors="replace",
-                              env=os.environ | {"HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site", "OMP_NUM_THREADS": "1",
-                                                "OPENBLAS_NUM_THREADS": "1"} | env)
-    except OSError as error:
-        return False, 0, str(error)
-    return done.returncode in (0, 5), time.monotonic() - start, done.stdout
+        done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, env=os.environ | {
+                                  "HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site:{folder}",
+                                  "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} | env)
+    except OSError:
+        return False, 0
+    return done.returncode == 0, time.monotonic() - start
 
 
-def survey(folder, count, tests):
-    """Of every file of tests: seconds, tests that fail without a mutant, mutants that it reaches."""
-    def one(test):
-        place = folder / f"{test}.reached"
+def survey(folder, count, files):
+    """Of every test that passes without a mutant: its file, name, seconds, the mutants that it reaches."""
+    def one(file):
+        place, told = folder / f"{file}.reached", folder / f"{file}.json"
         place.write_bytes(bytes(PLACES))
-        passed, seconds, text = run(folder, test, 900, HDENGINE_REACHED=str(place))
-        broken = re.findall(r"^(?:FAILED|ERROR) (\S+)", text, re.M)
-        print(f"{test}: {seconds:.0f} s" + ("" if passed else f", left out: {', '.join(broken) or 'all'}"), flush=True)
-        return test, seconds, broken, [n for n in range(count) if place.read_bytes()[n]], passed or bool(broken)
+        if file == "fortran":
+            passed, seconds = run(folder, [file], 900, HDENGINE_REACHED=str(place))
+            tests = [[file, file, seconds, [n for n in range(count) if place.read_bytes()[n]]]] if passed else []
+        else:
+            seconds = run(folder, [f"tests/python/{file}.py"], 900, HDENGINE_REACHED=str(place), HDENGINE_TOLD=str(told))[1]
+            tests = [[file, *t] for t in json.loads(told.read_text())] if told.exists() else []
+        print(f"{file}: {seconds:.0f} s, {len(tests)} tests", flush=True)
+        return tests
     with ThreadPoolExecutor(2) as pool:
-        return [found[:4] for found in pool.map(one, tests) if found[4]]
+        return [test for tests in pool.map(one, files) for test in tests]
 
 
 def fate(folder, n, tests):
-    """What becomes of a mutant: killed by a file of tests, survived, or reached by none."""
-    spent = 0.0
-    reaching = sorted((t for t in tests if n in t[3]), key=lambda t: t[1])
-    for test, seconds, broken, _ in reaching:
+    """What becomes of a mutant: killed by a file of tests, survived, undecided (no time for the rest), or reached by none."""
+    files, spent = {}, 0.0
+    for file, name, seconds, reached in tests:
+        if n in reached:
+            files.setdefault(file, []).append((seconds, name))
+    for file, known in sorted(files.items(), key=lambda f: sum(t[0] for t in f[1])):
+        seconds = sum(t[0] for t in known)
         if spent + seconds > LONGEST:
-            return {"fate": "survived", "tests": f"{spent:.0f} s"}
-        passed, took, _ = run(folder, test, 3 * seconds + 30, broken, first=True, HDENGINE_MUTANT=str(n))
+            return {"fate": "undecided", "files_left": sum(sum(t[0] for t in other) >= seconds for other in files.values())}
+        passed, took = run(folder, [t[1] for t in known], 3 * seconds + 30, HDENGINE_MUTANT=str(n))
         spent += took
         if not passed:
-            return {"fate": "killed", "by": test}
-    return {"fate": "survived" if reaching else "not reached"}
+            return {"fate": "killed", "by": file}
+    return {"fate": "survived" if files else "not reached"}
 
 
 def main():
@@ -234,6 +270,7 @@ def main():
         for n, m in enumerate(mutants):
             print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}")
         return
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
     build(folder, mutants)
     tests = survey(folder, args.count, ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
     with ThreadPoolExecutor(2) as pool:
@@ -241,11 +278,10 @@ def main():
             m.update(found)
             del m["both"]
             print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}: {m['fate']} {m.get('by', '')}", flush=True)
-    killed = sum(m["fate"] == "killed" for m in mutants)
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
-    record = {"commit": commit, "seed": args.seed, "mutants": args.count, "killed": killed, "left": [m for m in mutants if m["fate"] != "killed"]}
+    fates = Counter(m["fate"] for m in mutants)
+    record = {"commit": commit, "seed": args.seed, "mutants": args.count, **fates, "left": [m for m in mutants if m["fate"] != "killed"]}
     (ROOT / "tools/mutants.json").write_text(json.dumps(record, indent=1) + "\n")
-    print(f"{killed} of {args.count} killed")
+    print(f"of {args.count}: {dict(fates)}")
 
 
 if __name__ == "__main__":

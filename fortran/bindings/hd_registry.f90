@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Runs and locks that Python holds by an integer handle; a stale handle is an error, not a crash. The model of the run that was
+!> Runs and locks that Python holds by an integer handle; a run's is never used again: a stale one is an error. The model of the run that was
 !> closed last is kept for the next one.
 module hd_registry
   use hd_error, only: error_t, raise, code_input
@@ -13,9 +13,11 @@ module hd_registry
 
   integer, parameter :: capacity = 64   !< runs open at the same time
   type :: run_slot_t
+    integer :: handle = 0
     type(run_t), allocatable :: run
   end type run_slot_t
   type(run_slot_t), save, target :: slots(capacity)
+  integer, save :: latest = 0           !< handle given last
   type(model_t), allocatable, save :: last_model
   type(folder_lock_t), save :: locks(capacity)
   logical, save :: taken(capacity) = .false.
@@ -27,14 +29,19 @@ contains
     integer, intent(out) :: handle                    !< its handle
     type(run_t), pointer, intent(out) :: run          !< an empty run with the model of the last one
     type(error_t), allocatable, intent(out) :: error  !< too many
+    integer :: i
     nullify (run)
-    do handle = 1, capacity
-      if (allocated(slots(handle)%run)) cycle
-      allocate (slots(handle)%run)
-      run => slots(handle)%run
+    do i = 1, capacity
+      if (allocated(slots(i)%run)) cycle
+      latest = latest + 1
+      handle = latest
+      slots(i)%handle = handle
+      allocate (slots(i)%run)
+      run => slots(i)%run
       call move_alloc(last_model, run%model)
       return
     end do
+    handle = 0
     call raise(error, code_input, to_text(capacity)//' runs are open; close some with Run.close()')
   end subroutine put_run
 
@@ -43,9 +50,11 @@ contains
     integer, intent(in) :: handle                     !< handle
     type(run_t), pointer, intent(out) :: run          !< its run
     type(error_t), allocatable, intent(out) :: error  !< no such run
+    integer :: i
     nullify (run)
-    if (handle >= 1 .and. handle <= capacity) then
-      if (allocated(slots(handle)%run)) run => slots(handle)%run
+    i = findloc(slots%handle, handle, 1)
+    if (i > 0) then
+      if (allocated(slots(i)%run)) run => slots(i)%run
     end if
     if (.not. associated(run)) call raise(error, code_input, 'this run is closed (handle '//to_text(handle)//')')
   end subroutine find_run
@@ -53,10 +62,12 @@ contains
   !> Forget a run, but its model.
   subroutine drop_run(handle)
     integer, intent(in) :: handle  !< handle
-    if (handle < 1 .or. handle > capacity) return
-    if (.not. allocated(slots(handle)%run)) return
-    call leave_model(slots(handle)%run, last_model)
-    deallocate (slots(handle)%run)
+    integer :: i
+    i = findloc(slots%handle, handle, 1)
+    if (i == 0) return
+    if (.not. allocated(slots(i)%run)) return
+    call leave_model(slots(i)%run, last_model)
+    deallocate (slots(i)%run)
   end subroutine drop_run
 
   !> Give back the memory of the last run's model.

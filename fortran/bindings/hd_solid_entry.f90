@@ -36,9 +36,11 @@ module hd_solid_entry
   end type solid_t
 
   type :: solid_slot_t
+    integer :: handle = 0
     type(solid_t), allocatable :: solid
   end type solid_slot_t
   type(solid_slot_t), save, target :: slots(capacity)
+  integer, save :: latest = 0               !< handle given last; none is used again
 
 contains
 
@@ -47,13 +49,18 @@ contains
     character(len=*), intent(in) :: element, mode     !< element; bonded, frictionless, frictional or nothing
     integer, intent(out) :: handle                    !< its handle
     type(error_t), allocatable, intent(out) :: error  !< too many
-    do handle = 1, capacity
-      if (allocated(slots(handle)%solid)) cycle
-      allocate (slots(handle)%solid)
-      slots(handle)%solid%element = element
-      slots(handle)%solid%mode = mode
+    integer :: i
+    do i = 1, capacity
+      if (allocated(slots(i)%solid)) cycle
+      latest = latest + 1
+      handle = latest
+      slots(i)%handle = handle
+      allocate (slots(i)%solid)
+      slots(i)%solid%element = element
+      slots(i)%solid%mode = mode
       return
     end do
+    handle = 0
     call raise(error, code_input, to_text(capacity)//' solid problems are open')
   end subroutine put_solid
 
@@ -62,9 +69,11 @@ contains
     integer, intent(in) :: handle                     !< handle
     type(solid_t), pointer, intent(out) :: solid      !< its problem
     type(error_t), allocatable, intent(out) :: error  !< no such problem
+    integer :: i
     nullify (solid)
-    if (handle >= 1 .and. handle <= capacity) then
-      if (allocated(slots(handle)%solid)) solid => slots(handle)%solid
+    i = findloc(slots%handle, handle, 1)
+    if (i > 0) then
+      if (allocated(slots(i)%solid)) solid => slots(i)%solid
     end if
     if (.not. associated(solid)) call raise(error, code_input, 'this solid problem is closed (handle '//to_text(handle)//')')
   end subroutine find_solid
@@ -72,8 +81,10 @@ contains
   !> Forget a problem.
   subroutine drop_solid(handle)
     integer, intent(in) :: handle  !< handle
-    if (handle < 1 .or. handle > capacity) return
-    if (allocated(slots(handle)%solid)) deallocate (slots(handle)%solid)
+    integer :: i
+    i = findloc(slots%handle, handle, 1)
+    if (i == 0) return
+    if (allocated(slots(i)%solid)) deallocate (slots(i)%solid)
   end subroutine drop_solid
 
   !> Field of a name.

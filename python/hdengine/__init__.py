@@ -28,7 +28,7 @@ def _report(*args, **options):
     return write_report(*args, **options)
 
 
-Result.reporter = staticmethod(_report)
+Result._reporter = staticmethod(_report)
 __version__ = _version()
 __all__ = [
     "Cam", "DoubleArc", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Involute", "Joint",

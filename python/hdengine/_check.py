@@ -152,9 +152,21 @@ def flag(name, value):
     return _fail(name, value, "True or False")
 
 
-def optional_flag(name, value):
-    """A rule: true, false or None."""
-    return None if value is None else flag(name, value)
+def optional(rule):
+    """A rule: another one, or None."""
+    return lambda name, value: None if value is None else rule(name, value)
+
+
+def like(what, *names):
+    """A rule: an object that has attributes of some names, as what `what` says has."""
+    def rule(name, value):
+        return value if all(hasattr(value, n) for n in names) else _fail(name, value, what)
+    return rule
+
+
+RUN = like("a Result: what hdengine.load gives", "scene", "steps", "summary", "folder")
+AXES = optional(like("matplotlib axes, or None", "loglog"))
+function = like("a function", "__call__")
 
 
 def word(*choices, optional=False):

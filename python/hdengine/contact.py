@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _engine
-from ._check import checked, flag
+from ._check import array, checked, flag
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .results import Result, preformatted
@@ -111,6 +111,15 @@ class Run:
         self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
+    def _open(self) -> int:
+        """Handle of the run, which must be open."""
+        if self._handle is None:
+            raise _engine.InputError("this run is closed")
+        return self._handle
+
+    def __reduce__(self) -> str:
+        raise _engine.InputError("a Run cannot be copied or pickled: it is what the engine solves; copy its steps, or open another")
+
     def advance(self) -> Step:
         """Solve the next load step and return it as a Step.
 
@@ -119,15 +128,17 @@ class Run:
         NotConvergedError
             Gross slip, or no convergence after all cut-backs; `step()` still gives the last converged state.
         """
+        handle = self._open()
         if self._process != os.getpid():
             raise _engine.InputError(f"this run belongs to process {self._process}, of which this one is a fork: open a run here")
-        self.done = bool(_engine.call("run_advance", self._handle))
+        self.done = bool(_engine.call("run_advance", handle))
         return self.step()
 
     def step(self) -> Step:
         """The last converged step."""
-        sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", self._handle, len(_SUMS)))))
-        fields = _engine.call("run_facets", self._handle, self.facets, len(_FIELDS))
+        handle = self._open()
+        sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", handle, len(_SUMS)))))
+        fields = _engine.call("run_facets", handle, self.facets, len(_FIELDS))
         return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)), self._teeth)
 
     def __repr__(self) -> str:
@@ -141,6 +152,7 @@ class Run:
         while not self.done:
             yield self.advance()
 
+    @checked(interrupted=flag)
     def close(self, interrupted: bool = False) -> None:
         """Write the summary, if there is a folder, and give back all memory.
 
@@ -386,6 +398,7 @@ class Cam:
     curve_m: float
 
 
+@checked(theta=array([(), (None,)]), path=a_path)
 def cam(theta: ArrayLike, path: PathLike = "", **keys: Value) -> Cam:
     """Wave generator of a scene.
 
@@ -407,6 +420,6 @@ def cam(theta: ArrayLike, path: PathLike = "", **keys: Value) -> Cam:
     InputError, FileError
         A key or the table of a measured cam is not valid.
     """
-    theta = np.atleast_1d(np.asarray(theta, float))
+    theta = np.atleast_1d(theta)
     field, curve, length = _engine.call("scene_cam", str(path), "\n".join(_assignments(keys)) or " ", theta)
     return Cam(theta, np.array(field), np.array(curve[:2]), np.array(curve[2:4]), np.array(curve[4]), *map(float, length))

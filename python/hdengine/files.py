@@ -106,6 +106,9 @@ def write_files(files: Mapping[Path, Any]) -> None:
 @contextlib.contextmanager
 def _parts(files):
     """Files under temporary names; at the end of the block they get their own, in order."""
+    for path in files:
+        if not path.name:
+            raise FileError(f"'{path}' is a folder, not the name of a file")
     parts = {path: path.with_name(path.name + ".part") for path in files}
     try:
         for path, content in files.items():

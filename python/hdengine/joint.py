@@ -11,13 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _engine
-from ._check import array, checked, flag, integer, number, together
+from ._check import AXES, array, checked, flag, integer, mapping, number, seen, together
 from ._check import fields as check_fields
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _warned: set[str] = set()  # beginnings of the warnings that were given
+
+
+def scene_lines(keys):
+    """Lines 'group.key=value' of a scene's texts and numbers."""
+    for key, value in keys.items():
+        if not isinstance(value, (str, int, float, np.number, np.bool_)):
+            raise _engine.InputError(f"{key} = {seen(value)}: must be a number or a text")
+    return "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
 
 
 def _joint_of(lines):
@@ -86,6 +94,7 @@ class Joint:
                      plastic=flag)
 
     @classmethod
+    @checked(scene=mapping, friction=number(least=0, optional=True))
     def of_scene(cls, scene: dict, friction: float | None = None) -> Joint:
         """Joint of a scene, as the engine makes it.
 
@@ -105,8 +114,7 @@ class Joint:
         keys["joint.model"] = "hu2023"
         if friction is not None:
             keys["contact.friction"] = friction
-        lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
-        return cls(**_joint_of(lines))
+        return cls(**_joint_of(scene_lines(keys)))
 
     def __str__(self) -> str:
         p = self.asperity()[0]
@@ -316,7 +324,8 @@ class Joint:
                 yield replace(self, fractal_dimension=d, roughness=np.exp(ln_g))
 
     @checked(pressure=array(), shear=array(), level=number(above=0, below=1))
-    def band(self, pressure: ArrayLike, shear: ArrayLike = 0.0, *, level: float = 0.95, **errors: Any) -> dict:
+    def band(self, pressure: ArrayLike, shear: ArrayLike = 0.0, *, d_error: float, ln_g_error: float, level: float = 0.95,
+             **more: Any) -> dict:
         """K_N and K_T with a band from the standard errors of D and G.
 
         Parameters
@@ -325,7 +334,7 @@ class Joint:
             [Pa].
         level : float
             Probability inside the band.
-        **errors
+        d_error, ln_g_error, **more
             As in `samples`.
 
         Returns
@@ -335,10 +344,11 @@ class Joint:
         """
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JointWarning)
-            values = np.array([joint.stiffness(pressure, shear) for joint in self.samples(**errors)])
+            values = np.array([joint.stiffness(pressure, shear) for joint in self.samples(d_error, ln_g_error, **more)])
         quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
         return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
+    @checked(pressure=array((None,), above=0, optional=True), axis=AXES)
     def plot(self, pressure: ArrayLike | None = None, axis: Axes | None = None) -> Axes:
         """K_N and K_T per nominal area over the pressure, the regimes of the largest spot shaded.
 

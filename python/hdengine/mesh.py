@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._check import array, checked, fields, flag, integers, number
+from ._check import function as a_function
 from ._engine import InputError
 
 _CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]])
@@ -81,9 +82,10 @@ class Mesh:
         every = self.cells[:, sides].reshape(-1, sides.shape[1])
         return every[chosen[every].all(1)]
 
+    @checked(function=a_function)
     def warp(self, function: Callable[[np.ndarray], ArrayLike]) -> Mesh:
         """The mesh with its points (n, 3) moved by a function."""
-        return Mesh(np.asarray(function(self.points), float), self.cells)
+        return Mesh(function(self.points), self.cells)  # type: ignore[arg-type]  # checked there
 
 
 def _ascending(name, value):

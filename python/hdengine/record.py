@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._check import array, checked, integer, kind, number, word
+from ._check import array, checked, fields, flag, integer, kind, mapping, number, word
+from ._check import path as a_path
 from ._engine import InputError
 from ._types import PathLike
 from .catalogue import UNITS, Unit, stages
@@ -45,12 +46,16 @@ class Curve:
     low_nm_per_rad: np.ndarray
     high_nm_per_rad: np.ndarray
 
+    def __post_init__(self) -> None:
+        fields(self, **dict.fromkeys(vars(self), array((None,), finite=False)))
+
     def __str__(self) -> str:
         lines = ["torque / N m   K / (N m/rad)   band"]
         for t in np.linspace(self.torque_nm[0], self.torque_nm[-1], 5):
             lines.append("{:12.4g}   {:13.0f}   {:.0f} to {:.0f}".format(t, *self.at(t)))
         return "\n".join(lines)
 
+    @checked(torque_nm=number())
     def at(self, torque_nm: float) -> tuple[float, ...]:
         """Stiffness and its band at a torque [N m/rad]."""
         return tuple(float(np.interp(torque_nm, self.torque_nm, y))
@@ -92,6 +97,7 @@ class Record:
                       for sense, part in ((1, self.up), (-1, self.down))}
 
     @classmethod
+    @checked(path=a_path)
     def read(cls, path: PathLike, **errors: Any) -> Record:
         """Record of a CSV table with columns torque_nm and angle_rad or angle_arcsec."""
         table = read_csv(path)
@@ -217,6 +223,7 @@ class Record:
 
     FILES = ("record.json", "curve.csv", "record.png", "scene.nml")  #: that `write` leaves in a folder
 
+    @checked(folder=a_path, numbers=mapping, source=a_path, size=integer(), force=flag)
     def write(self, folder: PathLike, numbers: dict, source: PathLike, size: int, force: bool = False) -> list:
         """Write what the record gives into a folder.
 

@@ -15,9 +15,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked, input_file
+from ._check import checked, flag, input_file, integer, number, seen
 from ._check import path as a_path
-from ._engine import FileError
+from ._check import text as a_text
+from ._engine import FileError, InputError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
@@ -209,7 +210,7 @@ class Result:
         Facets round the circumference, facets along the band.
     """
 
-    reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
+    _reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
 
     @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
@@ -229,15 +230,23 @@ class Result:
             raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
         return {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
 
+    def _row(self, step):
+        """Row of a load step, counted from 0, or back from the end where negative."""
+        rows = range(len(self.steps))
+        if not -len(rows) <= step < len(rows):
+            raise InputError(f"step = {step}: the run has {len(rows)} load steps, counted from 0")
+        return rows[step]
+
+    @checked(step=integer(-2**31))
     def contact_at(self, step: int) -> Mapping[str, np.ndarray]:
         """Columns of contact.csv of one load step, counted from 0, (facets,) each; the other steps are not read.
 
         Raises
         ------
-        IndexError
+        InputError
             There is no such step.
         """
-        step = range(len(self.steps))[step]
+        step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
         facets = self.shape[0] * self.shape[1]
@@ -291,6 +300,10 @@ class Result:
 
     def vectors(self, *names: str) -> np.ndarray:
         """Columns stacked as (steps, facets, len(names))."""
+        wrong = [name for name in names if name not in self.contact]
+        if wrong or not names:
+            raise InputError(f"columns {', '.join(map(seen, wrong)) or 'of no name'}: valid are those of contact.csv, "
+                             f"{', '.join(self.contact)}")
         return np.stack([self.contact[name] for name in names], axis=-1)
 
     def secant_stiffness(self) -> np.ndarray:
@@ -330,6 +343,7 @@ class Result:
             row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
         return steps
 
+    @checked(table=a_text)
     def frame(self, table: str = "steps") -> Any:
         """A table of the run as a pandas.DataFrame (needs pandas).
 
@@ -410,6 +424,7 @@ class Result:
         """Torsional stiffness of the contact, the tangent beside bonded faces [N m/rad]; NaN where the run has none."""
         return self._reading("k_ts_bonded_nm_per_rad")
 
+    @checked(debug=flag)
     def plot(self, debug: bool = False) -> list:
         """Make the run's figures in its folder; returns their paths.
 
@@ -432,26 +447,28 @@ class Result:
         **options
             picture, animation: of `hdengine.report.write_report`.
         """
-        return Result.reporter(self.folder, path, **options)
+        return Result._reporter(self.folder, path, **options)
 
     @property
     def joint(self) -> Joint | ElasticJoint:
         """The Joint that the run computed the stiffness of its last step with."""
         return self.joint_at(-1)
 
+    @checked(step=integer(-2**31))
     def joint_at(self, step: int) -> Joint | ElasticJoint:
         """The Joint of a load step: its shear is capped by the friction of that step (contact.torque_friction under a torque)."""
-        return joint_of_scene(self.scene, float(self.steps["friction"][step]))
+        return joint_of_scene(self.scene, float(self.steps["friction"][self._row(step)]))
 
-    def torsional_band(self, *, level: float = 0.95, **errors: float) -> np.ndarray:
+    @checked(level=number(above=0, below=1))
+    def torsional_band(self, *, d_error: float, ln_g_error: float, level: float = 0.95, **more: float) -> np.ndarray:
         """K_TS of each step (Eq. 45) with a band from the standard errors of D and G.
 
         Parameters
         ----------
         level : float
             Probability inside the band.
-        **errors
-            d_error, ln_g_error and the rest of `Joint.samples`.
+        d_error, ln_g_error, **more
+            As in `Joint.samples`.
 
         Returns
         -------
@@ -465,7 +482,7 @@ class Result:
             for mu in np.unique(self.steps["friction"]):
                 rows = self.steps["friction"] == mu
                 facets = {name: column[rows] for name, column in self.contact.items()}
-                joints = self._samples(float(mu), errors)
+                joints = self._samples(float(mu), {"d_error": d_error, "ln_g_error": ln_g_error, **more})
                 parts.append((rows, [torsion.torsional_stiffness(*facet_stiffness(facets, joint), place[rows], normal[rows])
                                      for joint in joints]))
         values = np.empty((len(parts[0][1]), len(self.steps)))

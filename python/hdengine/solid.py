@@ -61,6 +61,7 @@ class Face:
         if any(len(set(f)) < len(f) for f in self.facets.tolist()):
             raise _engine.InputError("a facet names a node twice")
 
+    @checked(period=number(least=0))
     def arrays(self, period: float) -> tuple[np.ndarray, np.ndarray]:
         """Node numbers (nodes, k) from 1 and corner coordinates (2, 4, k), counter-clockwise."""
         facets = np.array(self.facets)

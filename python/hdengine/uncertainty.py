@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import torsion
+from ._check import RUN, checked, integer
 from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
@@ -55,9 +56,10 @@ class ContactField:
         Row of steps.csv; default: the last.
     """
 
+    @checked(result=RUN, step=integer(-2**31))
     def __init__(self, result: Result, step: int = -1) -> None:
         self.scene = dict(result.scene)
-        self._facets = c = {name: column[step] for name, column in result.contact.items()}
+        self._facets = c = dict(result.contact_at(step))
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["bent_n_x"], c["bent_n_y"], c["bent_n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
         self._friction = float(result.steps["friction"][step])

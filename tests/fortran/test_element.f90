@@ -4,7 +4,8 @@ module test_element
   use hd_check, only: check, check_close
   use hd_error, only: error_t
   use hd_face, only: face_t
-  use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i, nodes_per_element, shape_hexahedron
+  use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i, natural_coordinates, nodes_per_element, &
+    shape_hexahedron
   use hd_kinds, only: dp
   use hd_newton, only: iterate, iteration_t, newton_options_t
   use hd_newton_matrix, only: new_newton_matrix, newton_matrix_t
@@ -24,6 +25,7 @@ contains
     integer :: i
     do i = 1, 3
       call patch(kinds(i), names(i))
+      call shapes(kinds(i), names(i))
     end do
     call inverted()
     call ring(hex8i, 40, 0.04_dp)
@@ -44,6 +46,31 @@ contains
       x(:, 8 + k) = 0.5_dp*(x(:, ends(1, k)) + x(:, ends(2, k)))
     end do
   end function distorted
+
+  !> A shape function is one at its node, zero at the others; they sum to one, their derivatives are those of differences.
+  subroutine shapes(kind, name)
+    integer, intent(in) :: kind
+    character(len=*), intent(in) :: name
+    real(dp), parameter :: inside(3) = [0.3_dp, -0.2_dp, 0.6_dp], step = 1e-4_dp
+    real(dp), dimension(nodes_per_element(kind)) :: n, low, high, unit
+    real(dp) :: dn(3, nodes_per_element(kind)), other(3, nodes_per_element(kind)), move(3)
+    integer :: a, d
+    do a = 1, size(n)
+      unit = 0
+      unit(a) = 1
+      call shape_hexahedron(kind, natural_coordinates(a), n, dn)
+      call check_close(maxval(abs(n - unit)), 0._dp, 1e-15_dp, name//': a shape function is one at its node alone')
+    end do
+    call shape_hexahedron(kind, inside, n, dn)
+    call check_close(sum(n), 1._dp, 1e-14_dp, name//': the shape functions sum to one')
+    do d = 1, 3
+      move = 0
+      move(d) = step
+      call shape_hexahedron(kind, inside - move, low, other)
+      call shape_hexahedron(kind, inside + move, high, other)
+      call check_close(maxval(abs(dn(d, :) - (high - low)/(2*step))), 0._dp, 1e-7_dp, name//': their derivatives are right')
+    end do
+  end subroutine shapes
 
   !> A linear displacement field gives nodal forces that no self-balanced virtual linear field notices, and exact energy.
   subroutine patch(kind, name)

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrong arguments end with the package's errors: never with a raw error from inside, never with the end of the process."""
+import importlib
+import inspect
+import random
+import re
 import warnings
 
 import numpy as np
@@ -7,7 +11,10 @@ import pytest
 from api_targets import targets
 
 import hdengine
-from hdengine import mesh, solid, surface
+from conftest import ROOT
+from hdengine import catalogue, elastic, mesh, record, roughness, solid, specimen, surface, uncertainty
+from hdengine.surfaces import texture
+from hdengine.teeth import rim
 
 hypothesis = pytest.importorskip("hypothesis")
 st = hypothesis.strategies
@@ -96,3 +103,55 @@ def test_letters_beyond_ascii(tmp_path):
     assert hdengine.read_scene(tmp_path / "Wälzlager.nml")["run.title"] == "Prüfstand µ"
     with pytest.raises(hdengine.FileError, match="Getriebe_ü"):
         hdengine.read_scene(tmp_path / "Getriebe_ü.nml")
+
+
+def objects(small_run):
+    """One object of each public class whose methods take arguments."""
+    part, joint, z = mesh.block([0, 1, 2], [0, 1], [0, 1]), hdengine.Joint(), np.random.default_rng(1).normal(size=(30, 24)) * 1e-8
+    turn = np.concatenate([np.linspace(0, 5, 20), np.linspace(5, -5, 40), np.linspace(-5, 5, 40)])
+    bench, run, made = record.Record(turn, turn / 5e3 + 1e-9 * turn**2), hdengine.load(small_run), specimen.Specimen(z, 1e-6)
+    steps = np.geomspace(1e5, 1e8, 9)
+    return [part, joint, bench, bench.curve(draws=2), run, uncertainty.ContactField(run), made, made.fit(), texture.texture(made),
+            elastic.ElasticJoint(steps, 1e6 * steps, 1e6 * steps), hdengine.Involute(4e-4), hdengine.DoubleArc(4e-4), catalogue.UNITS[14],
+            rim.Rim.read(ROOT / "data/drive14.nml"), solid.Face(part.facets(part.points[:, 2] == 1), part.points[:, :2]),
+            hdengine.Study(grid={"load.torque": [1, 2]}), roughness.Ridges(1e-4, 1e-6, 10, 1.5)]
+
+
+def public(small_run):
+    """(name, function) of the functions, classes and methods on the page of the Python interface; without those that solve or draw."""
+    held = {type(o): o for o in objects(small_run)}
+    for name in re.findall(r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(), re.M):
+        module, _, last = f"hdengine.{name}".rpartition(".")
+        found = getattr(importlib.import_module(module), last)
+        if isinstance(found, type) and issubclass(found, BaseException):
+            continue
+        if name not in ("run", "prediction.law.predict", "report.write_pdf"):
+            yield name, found
+        for part, raw in vars(found).items() if isinstance(found, type) else ():
+            bound = isinstance(raw, classmethod) or (callable(raw) and found in held)
+            if bound and not part.startswith("_") and part not in ("run", "plot", "report", "write"):
+                yield f"{name}.{part}", getattr(held.get(found, found), part)
+
+
+def test_every_public_name_checks_its_arguments(small_run, tmp_path, monkeypatch):
+    """Whatever a public function, class or method gets for its arguments, it answers, or raises an error of the package."""
+    monkeypatch.chdir(tmp_path)
+    values = [None, -1, 2**31, 1.5, np.nan, 1e300, "x", "\0", b"x", [], [[1, 2], [3]], {1: 2}, np.ones((4, 4)), np.zeros((0, 3)),
+              np.full(3, np.nan), np.array("s"), object(), 1j, slice(1)]
+    lot, raw, count = random.Random(1), [], 0
+    for name, function in public(small_run):
+        known = [p for p in inspect.signature(function).parameters.values() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+        for _ in range(6 if known else 0):
+            given = {p.name: lot.choice(values) for p in known if p.default is p.empty or lot.random() < 0.5}
+            count += 1
+            with warnings.catch_warnings(), np.errstate(all="ignore"):
+                warnings.simplefilter("ignore")
+                try:
+                    function(**given)
+                except hdengine.InternalError:
+                    raise
+                except hdengine.HdengineError:
+                    pass
+                except Exception as error:
+                    raw.append((name, given, error))
+    assert count > 600 and not raw

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pages of evidence and the README show what the records of the benches hold."""
+import json
 import sys
 
 import pytest
@@ -29,3 +30,11 @@ def test_evidence_is_short():
     assert len(PAGES) <= 12 and sum(len(page.read_text().split()) for page in PAGES) <= 12500
     for page in PAGES:
         assert page.read_text().split("\n\n")[1].startswith("Th"), page.name
+
+
+def test_mutants_are_those_of_the_record():
+    """The page names the mutants that the record holds; each that was not killed is listed with its fate."""
+    record = json.loads((ROOT / "tools/mutants.json").read_text())
+    said = f"{record['killed']} of {record['mutants']} killed, {record['undecided']} undecided"
+    assert said in (ROOT / "docs/evidence/stability.md").read_text()
+    assert len(record["left"]) == record["mutants"] - record["killed"] == record["undecided"] + record["survived"]

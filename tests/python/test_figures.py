@@ -3,9 +3,11 @@
 import subprocess
 import sys
 
+import numpy as np
+
 import hdengine
 from conftest import ROOT
-from hdengine.figures.run import plot_run
+from hdengine.figures.run import plot_positions, plot_run
 
 CODE = """
 import matplotlib
@@ -41,3 +43,15 @@ def test_a_run_stopped_in_the_assembly_is_drawn(tmp_path):
         next(iter(run))
     names = {p.name for p in plot_run(hdengine.load(tmp_path / "a"))}
     assert "pressure_band.png" in names and "torsion.png" not in names
+
+
+def test_stresses_are_drawn_in_megapascal(small_run):
+    """The lines of the contact's stresses are the columns of contact.csv over 1e6, at the angles in degrees."""
+    result = hdengine.load(small_run)
+    contact = np.genfromtxt(small_run / "contact.csv", delimiter=",", names=True)
+    last = contact[contact["step"] == contact["step"].max()]
+    for axis, name in zip(plot_positions(result).axes, ("pressure_pa", "traction_theta_pa")):
+        for line in axis.lines[:3]:
+            rows = [last[last["i_z"] == i] for i in np.unique(last["i_z"])]
+            assert any(np.allclose(line.get_ydata(), row[name] / 1e6) for row in rows)
+            assert np.allclose(line.get_xdata(), np.degrees(rows[0]["theta_rad"]))

@@ -47,6 +47,7 @@ def test_hertz_joint_is_mindlins():
     assert d == pytest.approx(exact - 1.5 * 1e4 / (1e13 * (1e4 / 1e6) ** (1 / 3)), rel=1e-6)
     assert joint.pressure(d, zero_pressure=1e4)[0] == pytest.approx([load, 2 * load], rel=1e-10)
     share = np.array([0.1, 0.5, 0.9, 0.999])
+    assert joint.stiffness(load, 0, 2e-6) == pytest.approx((2e-6 * 1e13 * 30 ** (1 / 3), 2e-6 * 0.8e13 * 30 ** (1 / 3)), rel=1e-6)
     assert joint.stiffness(load, share * 0.2 * load)[1] == pytest.approx(0.8 * k[0] * (1 - share) ** (1 / 3), rel=1e-6)
     slide = 1.5 * 0.2 * load / (0.8 * k[0])
     q, _, slips = joint.shear(load, slide * (1 - (1 - share) ** (2 / 3)))

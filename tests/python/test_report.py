@@ -187,6 +187,8 @@ def test_report_opens_with_the_answer(folder):
     head, rest = page.split("<nav>")
     assert "<details" not in head and head.count("<img") == 3 and "<svg" in head
     assert "m/rad</p>" in head and "arcsec" in head and "Band: The error of the mesh is not known: run again" in head
+    k, said = hdengine.load(folder).k_ts, re.search(r"by ([\d.e+-]+) arcsec \(([\d.e+-]+) µrad", head)
+    assert [float(v) for v in said.groups()] == pytest.approx([206264.806 / k, 1e6 / k], rel=5e-3)  # 206264.806 arcsec a radian
     links = re.findall(r'href="#([^"]+)"', rest)
     assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
     assert all(page.count(f'id="{mark}"') == 1 for mark in links)

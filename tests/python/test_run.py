@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whole runs of hdengine.x and of hdengine.Run: equilibrium, history, output, slip."""
+import copy
 import json
+import pickle
 import re
 
 import meshio
@@ -9,6 +11,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT, SMALL, call
+from hdengine import _engine
 
 CD14 = ROOT / "data/cd14.nml"
 
@@ -239,8 +242,24 @@ def test_python_steps_give_the_same_numbers(small_run):
     for i, step in enumerate(steps):
         np.testing.assert_allclose(step.facets["pressure_pa"], table.contact["pressure_pa"][i], rtol=1e-9, atol=1)
         assert step.k_ts_nm_per_rad == pytest.approx(table.torsional_stiffness()[0][i], rel=1e-9)
-    with pytest.raises(hdengine.InputError, match="closed"):
-        run.__class__.step(type("Closed", (), {"_handle": 99, "facets": 1})())
+
+
+def test_a_run_has_one_handle_that_no_other_gets(tmp_path):
+    """A run cannot be copied; closed, it answers with the package's error, and its handle in other hands is none of a later run's."""
+    keys = {"mesh": {"divisions": 16, "band_facets": 4}, "load": {"torque_steps": 1, "assembly_steps": 1}}
+    with hdengine.Run(**keys) as run:
+        stale = run._handle
+        for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(hdengine.InputError, match="cannot be copied"):
+                copied(run)
+    for use in (run.advance, run.step, lambda: next(iter(run))):
+        with pytest.raises(hdengine.InputError, match="closed"):
+            use()
+    with hdengine.Run(**keys) as other:
+        for name in ("run_sizes", "run_advance"):
+            with pytest.raises(hdengine.InputError, match="closed"):
+                _engine.call(name, stale)
+        assert other._handle > stale
 
 
 def test_runs_in_threads_do_not_disturb_each_other():

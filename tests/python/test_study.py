@@ -37,6 +37,12 @@ def test_studies_of_the_paper_are_valid(path):
         hdengine.read_scene(study.scene, **{**study.fixed, **point})
 
 
+def test_a_study_says_what_it_varies():
+    """Its text names the number of points and the keys, or the torque alone."""
+    assert "2 points over load.torque;" in str(Study(grid={"load.torque": [1, 2]}))
+    assert "1 points over the torque alone;" in str(Study())
+
+
 def test_torques_are_drawn_at_their_last_step(tmp_path):
     """A study of final torques is one line of one point each, not one line per load step."""
     result = small(grid={"load.torque": [2.0, 3.0, 4.0]}).run(tmp_path / "t", show=False)

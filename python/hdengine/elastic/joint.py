@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
-from ..joint import Joint, JointWarning
+from .._check import array, checked, fields, mapping, number, text, together
+from ..joint import Joint, JointWarning, scene_lines
 
 _MOST = 100_000  # rows of a scene's table
 
@@ -37,7 +38,16 @@ class ElasticJoint:
     model: str = "table"
     paper = False
 
+    def __post_init__(self) -> None:
+        column = array((None,), least=0)
+        fields(self, table_pressure=column, k_n=column, k_t=column, friction=number(least=0), model=text)
+        rows = len(self.table_pressure)
+        if not (rows > 1 and rows == len(self.k_n) == len(self.k_t) and (np.diff(self.table_pressure) > 0).all()):
+            raise _engine.InputError(f"table of {rows} pressures, {len(self.k_n)} k_n, {len(self.k_t)} k_t: must be as many, two "
+                                     "or more, at rising pressures")
+
     @classmethod
+    @checked(scene=mapping, friction=number(least=0, optional=True))
     def of_scene(cls, scene: dict, friction: float | None = None) -> ElasticJoint | None:
         """Elastic joint of a scene as the engine makes it; None where joint.model is 'hu2023'.
 
@@ -55,8 +65,7 @@ class ElasticJoint:
         """
         keys = {k: v for k, v in scene.items()
                 if k.startswith(("joint.", "material.")) or k in ("contact.friction", "contact.zero_pressure")}
-        lines = "\n".join(f"{k}='{v}'" if isinstance(v, str) else f"{k}={float(v)!r}" for k, v in keys.items())
-        p, k_n, k_t, rows, mu = _engine.call("elastic_of_scene", " ", lines or " ", _MOST)
+        p, k_n, k_t, rows, mu = _engine.call("elastic_of_scene", " ", scene_lines(keys) or " ", _MOST)
         if not rows:
             return None
         mu = float(mu if friction is None else friction)
@@ -66,6 +75,7 @@ class ElasticJoint:
         low, high = self.table_pressure[[0, -1]] / 1e6
         return (f"ElasticJoint from {self.model}, {len(self.k_n)} pressures from {low:.3g} to {high:.4g} MPa, mu {self.friction:g}")
 
+    @checked(pressure=array(), shear=array(), area=array())
     def stiffness(self, pressure: ArrayLike, shear: ArrayLike = 0.0, area: ArrayLike = 1.0) -> tuple[np.ndarray, np.ndarray]:
         """K_N and K_T of facets [N/m]: `area` times k_N(P) and k_T(P - q/mu); no K_T where q reaches mu P.
 
@@ -80,22 +90,25 @@ class ElasticJoint:
         -------
         k_n, k_t : ndarray
         """
-        p, q, a = np.broadcast_arrays(np.asarray(pressure, float), np.asarray(shear, float), np.asarray(area, float))
+        p, q, a = together(pressure=pressure, shear=shear, area=area)
         k_n, k_t, _ = _engine.call("elastic_facets", self.table_pressure, self.k_n, self.k_t, self.friction, p.ravel(), q.ravel())
         return k_n.reshape(p.shape) * a, k_t.reshape(p.shape) * a
 
+    @checked(pressure=array(), zero_pressure=number(above=0))
     def closure(self, pressure: ArrayLike, zero_pressure: float = 1e3) -> tuple[np.ndarray, np.ndarray]:
         """Approach int dP/k_N from zero_pressure [m], and k_N [Pa/m], at pressures [Pa]."""
-        p = np.asarray(pressure, dtype=float)
+        p = np.asarray(pressure, float)
         d = _engine.call("elastic_normal_law", self.table_pressure, self.k_n, zero_pressure, 0, p.ravel())
         return d.reshape(p.shape), self.stiffness(p)[0]
 
+    @checked(closure=array(), zero_pressure=number(above=0))
     def pressure(self, closure: ArrayLike, zero_pressure: float = 1e3) -> tuple[np.ndarray, np.ndarray]:
         """Inverse of `closure`: pressure [Pa] and k_N [Pa/m] at approaches [m]."""
         d = np.asarray(closure, dtype=float)
         p = _engine.call("elastic_normal_law", self.table_pressure, self.k_n, zero_pressure, 1, d.ravel()).reshape(d.shape)
         return p, self.stiffness(p)[0]
 
+    @checked(pressure=array(), displacement=array(least=0))
     def shear(self, pressure: ArrayLike, displacement: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Shear after a tangential displacement at constant pressure, loaded from zero.
 
@@ -115,11 +128,12 @@ class ElasticJoint:
         slipping : ndarray of bool
             The friction limit is reached.
         """
-        p, u = np.broadcast_arrays(np.asarray(pressure, dtype=float), np.asarray(displacement, dtype=float))
+        p, u = together(pressure=pressure, displacement=displacement)
         q, k, slips = _engine.call("elastic_tangential_law", self.table_pressure, self.k_t, self.friction, p.ravel(), u.ravel())
         return q.reshape(p.shape), k.reshape(p.shape), slips.reshape(p.shape) > 0
 
 
+@checked(scene=mapping, friction=number(least=0, optional=True))
 def joint_of_scene(scene: dict, friction: float | None = None) -> Joint | ElasticJoint:
     """The joint of a scene by its joint.model: `Joint` (hu2023) or `ElasticJoint`.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .._engine import InputError
+from .._check import RUN, checked, optional, word
+from .._check import path as a_path
 from .._types import PathLike, RunLike
 from ..files import write_files
 from .deck import to_deck
@@ -15,6 +16,7 @@ from .law import joint_law
 KINDS = (*FORMATS, "inp")
 
 
+@checked(run=RUN, kind=word(*KINDS), path=optional(a_path))
 def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
     """Write a run for another program.
 
@@ -35,8 +37,6 @@ def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
     InputError, FileError
         No such kind; the run has no loop, or no grid; the file cannot be written.
     """
-    if kind not in KINDS:
-        raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
     if kind == "inp":
         text, name = to_deck(run), "deck.inp"
     else:

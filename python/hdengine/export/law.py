@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._check import RUN, checked
 from .._engine import InputError
 from .._types import RunLike
 
@@ -52,6 +53,7 @@ def _angle_of(torque, angle, at):
     return np.interp(at, torque[order], angle[order])
 
 
+@checked(run=RUN)
 def joint_law(run: RunLike) -> JointLaw:
     """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the first rise mirrored.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .._check import fields, number
 from ..elastic import moduli
 from ..joint import Joint
 
@@ -17,6 +18,10 @@ class Bodies:
     e2: float = Joint.e2
     nu2: float = Joint.nu2
     hardness: float = Joint.hardness
+
+    def __post_init__(self) -> None:
+        positive, ratio = number(above=0), number(above=-1, most=0.5)
+        fields(self, e1=positive, nu1=ratio, e2=positive, nu2=ratio, hardness=positive)
 
     @property
     def e_star(self) -> float:

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
+from .._check import array, checked, flag, function, integer, kind, number, optional, text
+from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike
 from ..elastic import ElasticJoint, contact_from_spectrum, stiffness_from_spectrum
@@ -105,6 +107,7 @@ class Prediction:
 
         return plot_prediction(self)
 
+    @checked(folder=a_path, force=flag)
     def write(self, folder: PathLike, force: bool = False) -> list[Path]:
         """Write joint.csv, spectrum.csv, joint.png and, last, joint.json; returns their paths.
 
@@ -131,6 +134,9 @@ class Prediction:
                                                        FILES[3]: self.plot()}, force)
 
 
+@checked(pressure=array([(), (None,)]), bodies=kind(Bodies, optional=True), model=optional(text), patch=text,
+         longest=number(above=0, finite=False), draws=integer(0, 10**6), points=integer(2, 2**15), seed=integer(0, 2**63 - 1),
+         seconds=number(finite=False), loaded=number(optional=True, finite=False), say=optional(function))
 def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str | None = None, bodies: Bodies | None = None,
             longest: float = np.inf, draws: int = 200, points: int = 256, seed: int = 1, seconds: float = np.inf,
             loaded: float | None = None, patch: str = "periodic", say: Callable[[str, bool], None] | None = None) -> Prediction:
@@ -189,8 +195,8 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     free = patch == "free"
     if free and model == "spectrum":
         raise InputError("patch 'free' with model 'spectrum': the theory knows no edge; valid: model 'boundary_elements'")
-    p = np.atleast_1d(np.asarray(pressure, float))
-    if p.size == 0 or not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
+    p = np.atleast_1d(pressure)
+    if not (np.all(np.diff(p) > 0) and p[0] > 0 and p[-1] < bodies.hardness):
         raise InputError(f"pressures {', '.join(f'{x:g}' for x in p)} Pa; valid: rising, above 0, below the hardness, "
                          f"{bodies.hardness:g} Pa")
     if loaded is not None and not 0 < loaded < np.inf:

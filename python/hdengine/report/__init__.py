@@ -7,6 +7,8 @@ import html
 from pathlib import Path
 
 from .. import _engine
+from .._check import checked, flag, optional
+from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike
 from ..files import write_files
@@ -29,6 +31,7 @@ def _render(title, parts):
     return page.render(title=title, parts=parts, version=_engine.version(), made=made)
 
 
+@checked(folder=a_path, path=optional(a_path), picture=flag, animation=flag)
 def write_report(folder: PathLike, path: PathLike | None = None, picture: bool = False, animation: bool = False) -> Path:
     """Write the report of a run, a study or a comparison.
 
@@ -63,6 +66,7 @@ def write_report(folder: PathLike, path: PathLike | None = None, picture: bool =
     return path
 
 
+@checked(path=a_path)
 def write_pdf(path: PathLike) -> Path:
     """The report as a PDF beside its HTML file (needs WeasyPrint).
 

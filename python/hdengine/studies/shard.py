@@ -217,8 +217,8 @@ def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
                 rows.add(point, found)
     with FolderLock(out):
         if not force:
-            study.earlier(out, identity)
-        study.write(out, identity, scene, rows, [_engine.version()])
+            study._earlier(out, identity)
+        study._write(out, identity, scene, rows, [_engine.version()])
     missing = []
     if len(rows) < len(study.points):
         for number, mine in enumerate(deal(study, head["shards"]), 1):

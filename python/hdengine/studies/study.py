@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, text
+from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, number, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
@@ -90,6 +90,7 @@ class Study:
                     raise InputError(f"'{key}' stands in two groups of the study")
 
     @classmethod
+    @checked(path=a_path)
     def read(cls, path: PathLike) -> Study:
         """Study of a file (TOML); the scene's path is relative to it.
 
@@ -185,12 +186,12 @@ class Study:
         identity = self.identity()
         out.absolute().parent.mkdir(parents=True, exist_ok=True)
         with FolderLock(out):
-            rows, versions = ({}, []) if force else self.earlier(out, identity, retry, other_version)
+            rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
             versions = [v for v in versions if v != _engine.version()] + [_engine.version()]
             points = self.points
             todo = [i for i in range(len(points)) if i not in rows]
             progress = Progress(len(points), len(points) - len(todo), show)
-            self.write(out, identity, scene, rows, versions)
+            self._write(out, identity, scene, rows, versions)
             tasks = [(i, self.scene, {**self.fixed, **points[i]}, self.rows) for i in todo]
             due = 0.0
             try:
@@ -198,17 +199,17 @@ class Study:
                     rows[i] = result
                     start = time.monotonic()
                     if start >= due:
-                        self.write(out, identity, scene, rows, versions)
+                        self._write(out, identity, scene, rows, versions)
                         due = time.monotonic() + WRITES_APART * (time.monotonic() - start)
                     changed = [f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}"
                                for k, v in points[i].items() if v != points[0][k]]
                     more = [f"and {len(changed) - 3} more"] if len(changed) > 3 else []
                     progress.step(", ".join(changed[:3] + more) or "first point", result[-1]["status"] == "failed")
             finally:
-                self.write(out, identity, scene, rows, versions)
+                self._write(out, identity, scene, rows, versions)
             return StudyResult(out)
 
-    def earlier(self, out: Path, identity: dict, retry: bool = False, other_version: bool = False) -> tuple[dict, list]:
+    def _earlier(self, out: Path, identity: dict, retry: bool = False, other_version: bool = False) -> tuple[dict, list]:
         """Rows of finished points in an earlier table of the same study, by point, and the versions that solved them."""
         if not (out / "study.json").is_file():
             return {}, []
@@ -225,7 +226,7 @@ class Study:
             rows.setdefault(row["point"], []).append(row)
         return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}, summary["versions"]
 
-    def write(self, out: Path, identity: dict, scene: dict, rows: Mapping[int, list], versions: list) -> None:
+    def _write(self, out: Path, identity: dict, scene: dict, rows: Mapping[int, list], versions: list) -> None:
         """Table and its description, each under a temporary name first; the description holds checksums of both."""
         points = self.points
         names, failed = {"point": None}, 0
@@ -321,25 +322,31 @@ class StudyResult:
         converged state.
     """
 
+    @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_study_summary(self.folder)
         self.rows = read_rows(self.folder / "study.csv")
 
+    @checked(name=text)
     def column(self, name: str, rows: Sequence[Mapping] | None = None) -> np.ndarray:
         """A column as an array; NaN where a row has no value."""
         rows = self.rows if rows is None else rows
         values = [row.get(name, np.nan) for row in rows]
         return np.array(values, dtype=object if any(isinstance(v, str) for v in values) else float)
 
+    @checked(torque_nm=number(optional=True))
     def select(self, torque_nm: float | None = None, **keys: Value) -> list:
         """Solved rows with the given values; group__key stands for 'group.key'."""
         keys = {k.replace("__", "."): v for k, v in keys.items()}
         if torque_nm is not None:
             keys["torque_nm"] = torque_nm
+        keys = {k: v if isinstance(v, str) else number()(k, v) for k, v in keys.items()}
 
         def same(a, b):
-            return a == b if isinstance(b, str) else a is not None and abs(a - b) <= 1e-9 * max(abs(a), abs(b))
+            if isinstance(a, str) or isinstance(b, str):
+                return a == b
+            return a is not None and abs(a - b) <= 1e-9 * max(abs(a), abs(b))
         return [r for r in self.rows if r["status"] == "done" and all(same(r.get(k), v) for k, v in keys.items())]
 
     @property

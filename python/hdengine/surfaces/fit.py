@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from .. import _engine
-from .._check import fields, integer, number
+from .._check import AXES, checked, fields, integer, number, text
 from .._engine import InputError
 from ..results import preformatted
 
@@ -170,6 +170,7 @@ class Fit:
     def _repr_html_(self):
         return preformatted(self)
 
+    @checked(axis=AXES, label=text, colour=text)
     def plot(self, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:
         """S with the fit and its 95 % band.
 
@@ -186,6 +187,10 @@ class Fit:
         -------
         matplotlib.axes.Axes
         """
+        from matplotlib.colors import is_color_like
+
         from ..figures.surface import plot_fit
 
+        if not is_color_like(colour):
+            raise InputError(f"colour = {colour!r}: must be a colour of matplotlib")
         return plot_fit(self, axis, label, colour)

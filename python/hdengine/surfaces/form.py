@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .._check import checked, kind, text
 from .._engine import InputError
 from .specimen import Specimen
 
@@ -26,6 +27,7 @@ class Form:
     axis_rad: float = float("nan")          #: direction of its axis, from x towards y, -pi/2 to pi/2 [rad]
 
 
+@checked(specimen=kind(Specimen), form=text)
 def remove(specimen: Specimen, form: str = "plane") -> Form:
     """Take the form off by least squares of the heights; holes stay holes.
 

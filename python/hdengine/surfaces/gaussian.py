@@ -8,13 +8,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._check import array, checked, number
 from .._engine import InputError
 from .._types import Spacing
 
+HEIGHTS = array([(None,), (None, None)], holes=True)
+STEPS = array([(), (1,), (2,)], above=0)
 ALPHA = np.sqrt(np.log(2) / np.pi)      #: half of a wave as long as the nesting index passes (ISO 16610-21)
 _REACH = 1.5                            #: half width of the weights, in nesting indices: what lies beyond weighs 1e-14
 
 
+@checked(heights=HEIGHTS, spacing=STEPS, nesting_index=number(above=0))
 def lowpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.ndarray:
     """The mean surface: what is longer than the nesting index.
 
@@ -37,8 +41,8 @@ def lowpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.nd
     InputError
         The nesting index is shorter than two spacings or longer than the map.
     """
-    z = np.asarray(heights, dtype=float)
-    steps = tuple(np.broadcast_to(np.asarray(spacing, float), 2).tolist())[-z.ndim:]
+    z = np.asarray(heights)
+    steps = tuple(np.broadcast_to(spacing, 2).tolist())[-z.ndim:]
     sides = [n * d for n, d in zip(z.shape, steps)]
     if not 2 * max(steps) <= nesting_index <= max(sides):
         raise InputError(f"nesting index {nesting_index:.6g} m: at least two spacings, {2 * max(steps):.3g} m, and at most the "
@@ -51,9 +55,10 @@ def lowpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.nd
         return np.where(good, total / weight, np.nan)
 
 
+@checked(heights=HEIGHTS, spacing=STEPS, nesting_index=number(above=0))
 def highpass(heights: ArrayLike, spacing: Spacing, nesting_index: float) -> np.ndarray:
     """What is shorter than the nesting index: heights less `lowpass`; arguments and errors as there."""
-    return np.asarray(heights, dtype=float) - lowpass(heights, spacing, nesting_index)
+    return heights - lowpass(heights, spacing, nesting_index)
 
 
 def _smooth(a, index, axis):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
-from .._check import array, checked, flag, integers, kind, number, optional_flag, word
+from .._check import array, checked, flag, integers, kind, number, optional, word
 from .._engine import InputError
 from .._types import Spacing
 from .fit import Fit, Ridges
@@ -179,7 +179,7 @@ def _noise(name, value):
     return value if isinstance(value, str) else number(least=0)(name, value)
 
 
-@checked(lags=integers((2,), 0, optional=True), weighted=optional_flag, level=flag, band=array((2,), optional=True), noise=_noise,
+@checked(lags=integers((2,), 0, optional=True), weighted=optional(flag), level=flag, band=array((2,), optional=True), noise=_noise,
          outliers=flag)
 def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = None, model: str | None = None,
         surface: Ridges | None = None, weighted: bool | None = None, level: bool = True, band: tuple[float, float] | None = None,

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from .. import _engine
+from .._check import checked, flag
+from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import _assignments
@@ -16,6 +18,7 @@ from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 
 
+@checked(path=a_path, out=a_path, force=flag)
 def run_surface(path: PathLike | None = "", out: PathLike = "surface.out", force: bool = False,
                 **keys: Value) -> SurfaceResult:
     """Generate a surface, or read one or two specimens, and fit D and G, as hdengine.x does.
@@ -66,6 +69,7 @@ class SurfaceResult:
         By name: generated; or first, second, equivalent. Empty if no fit was asked for.
     """
 
+    @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(folder, "fits", "spacing_m")

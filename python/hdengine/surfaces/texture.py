@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._check import array, checked, flag, integer, kind, number, text
 from .._engine import InputError
 from .._types import Spacing
 from . import form as forms
@@ -18,6 +19,14 @@ CORE = 0.4                              #: share of the material ratio curve tha
 _ANGLES = 360                           #: directions over half a turn
 _BINS = 180                             #: of the angular spectrum over half a turn
 _FINER = 2                              #: modes per wave of the map: the window's lobe is then smooth
+
+
+def _seen_heights(name, value):
+    """A rule: heights, some of which are no holes."""
+    z = gaussian.HEIGHTS(name, value)
+    if not np.isfinite(z).any():
+        raise InputError(f"{name}: all points are holes")
+    return z
 
 
 @dataclass(frozen=True)
@@ -33,6 +42,7 @@ class Texture:
     holes: int                              #: points without height, outliers among them
     filled: bool                            #: holes were filled
 
+    @checked(count=integer(2, 10**7))
     def material_ratio(self, count: int = 101) -> tuple:
         """The material ratio curve: heights c about the mean [m], falling, and Smr(c), 0 to 1."""
         z = _descending(self.specimen.heights)
@@ -56,6 +66,8 @@ class Texture:
         return "\n".join([*words, "areal     " + ", ".join(f"{k} {v:.4g}" for k, v in self.numbers.items())])
 
 
+@checked(specimen=kind(Specimen), form=text, s_filter=number(above=0, optional=True), l_filter=number(above=0, optional=True),
+         outliers=flag, fill=flag, seams=flag)
 def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = None, l_filter: float | None = None,
             outliers: bool = False, fill: bool = False, seams: bool = False) -> Texture:
     """Prepare a specimen and take its numbers: seams, outliers, holes, S-filter, form, L-filter, in this order.
@@ -100,6 +112,7 @@ def texture(specimen: Specimen, form: str = "plane", s_filter: float | None = No
     return Texture(numbers(heights, specimen.spacing), kept, found, s_filter, l_filter, spikes, holes, bool(fill and holes))
 
 
+@checked(heights=_seen_heights, spacing=gaussian.STEPS)
 def numbers(heights: ArrayLike, spacing: Spacing) -> dict:
     """Numbers of ISO 25178-2 of heights as they are: only their mean is taken off.
 
@@ -134,12 +147,14 @@ def numbers(heights: ArrayLike, spacing: Spacing) -> dict:
     return out | _core(_descending(z)) | {"sxp_m": float(np.subtract(*smc(z, [0.025, 0.5])))}
 
 
+@checked(heights=_seen_heights, c=array())
 def smr(heights: ArrayLike, c: ArrayLike) -> np.ndarray:
     """Areal material ratio Smr(c): share of the heights at or above c [m] about their mean."""
     z = _descending(heights)[::-1]
     return 1 - np.searchsorted(z, np.asarray(c, dtype=float), side="left") / len(z)
 
 
+@checked(heights=_seen_heights, ratio=array(least=0, most=1))
 def smc(heights: ArrayLike, ratio: ArrayLike) -> np.ndarray:
     """Inverse areal material ratio Smc(mr): height about the mean [m] that a share mr, 0 to 1, reaches."""
     z = _descending(heights)

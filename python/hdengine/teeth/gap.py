@@ -4,6 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._check import array, checked
+from .._engine import InputError
+
+
+def _line(name, value):
+    """A rule: a polyline."""
+    points = array((None, 2))(name, value)
+    if len(points) < 2 or not np.diff(points, axis=0).any(1).all():
+        raise InputError(f"{name} of {len(points)} points: must be two or more, none twice in turn")
+    return points
+
 
 def _onto(points, curve, left):
     """Nearest places of a curve for points: distance, side (positive: free), before or after the curve's ends, way, normal."""
@@ -21,6 +32,7 @@ def _onto(points, curve, left):
     return far[row, i], cross, before, after, -foot[row, i], normal
 
 
+@checked(tooth=_line, space=_line)
 def flank_gap(tooth: np.ndarray, space: np.ndarray) -> tuple[float, float, float]:
     """Clearance of a tooth's flank from the flank of the space it is in.
 
@@ -55,6 +67,7 @@ def flank_gap(tooth: np.ndarray, space: np.ndarray) -> tuple[float, float, float
     return best
 
 
+@checked(flanks=array((None, None, 2)), radius=array((None,)))
 def envelope(flanks: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Half angles of the space that a flank in all its places leaves free, at radii.
 

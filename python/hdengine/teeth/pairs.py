@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import checked, integer, kind, number
+from .._check import checked, flag, integer, kind, number
 from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike, Value
@@ -102,6 +102,7 @@ class ToothGaps:
 
         return plot_gaps(self)
 
+    @checked(folder=a_path, force=flag)
     def write(self, folder: PathLike, force: bool = False) -> list[Path]:
         """Write gaps.csv, gaps.nml (lines for the scene), gaps.png and, last, gaps.json; returns their paths.
 

@@ -12,8 +12,10 @@ from math import asin, cos, hypot, pi, radians, tan
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._check import fields, number
+from .._check import checked, fields, integer, number
 from .._engine import InputError
+
+_TEETH, _POINTS = integer(1, 10**6), integer(2, 10**6)
 
 
 def involute_angle(radius: ArrayLike, base: float) -> np.ndarray:
@@ -71,6 +73,7 @@ class Involute:
                x1=number(least=-5, most=20, optional=True), x2=number(least=-5, most=20, optional=True),
                addendum=number(above=0, most=2), spline_addendum=number(above=0, most=2), dedendum=number(above=0, most=3))
 
+    @checked(teeth=_TEETH, root=number())
     def shift(self, teeth: int, root: float) -> float:
         """Profile shift of the flexspline.
 
@@ -87,6 +90,7 @@ class Involute:
         """
         return root / self.module - teeth / 2 + self.dedendum if self.x1 is None else self.x1
 
+    @checked(teeth=_TEETH, root=number(), points=_POINTS)
     def flank(self, teeth: int, root: float, points: int) -> np.ndarray:
         """Flank of the flexspline's tooth at rest.
 
@@ -110,11 +114,14 @@ class Involute:
         x = self.shift(teeth, root)
         curve = self._curve(teeth, x, teeth / 2 + x - self.dedendum, teeth / 2 + x + self.addendum, points)
         if len(curve) < points:
+            if not len(curve):
+                raise InputError(f"no flank of {teeth} teeth with shift {x:.4g} has a width; valid: root = about module teeth/2")
             most = curve[-1, 1] / self.module - teeth / 2 - x
             raise InputError(f"addendum = {self.addendum:g}: flanks of {teeth} teeth with shift {x:.4g} meet {most:.4g} modules "
                              "out; valid: less than that")
         return curve
 
+    @checked(teeth=_TEETH, x2=number(), points=_POINTS)
     def spline_flank(self, teeth: int, x2: float, points: int) -> np.ndarray:
         """Flank of the circular spline's space.
 
@@ -220,6 +227,7 @@ class DoubleArc:
                              "ends, by addendum and dedendum, or arcs nearer to each other")
         return tip, tangent, root
 
+    @checked(teeth=_TEETH, root=number(), points=_POINTS)
     def flank(self, teeth: int, root: float, points: int) -> np.ndarray:
         """Flank of the flexspline's tooth at rest; arguments, result and error as of `Involute.flank`."""
         tip, tangent, end = self._angles()

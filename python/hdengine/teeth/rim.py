@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from .._check import array, checked, fields, integer, kind, mapping
+from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import cam, read_scene
@@ -38,7 +40,11 @@ class Rim:
     keys: dict
     shape: RimShape | None = None
 
+    def __post_init__(self) -> None:
+        fields(self, scene=mapping, path=a_path, keys=mapping, shape=kind(RimShape, optional=True))
+
     @classmethod
+    @checked(path=a_path)
     def read(cls, path: PathLike, **keys: Value) -> Rim:
         """Rim of a scene, or of a run.
 
@@ -81,6 +87,7 @@ class Rim:
         """Outside of the wall, where the teeth begin [m]."""
         return self.scene["geometry.bore_radius"] + self.scene["geometry.wall_thickness"]
 
+    @checked(theta=array((None,)))
     def poses(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points of the deformed line and its outward normals.
 
@@ -101,6 +108,7 @@ class Rim:
             "wave_generator.shape": "pressed", "geometry.bore_radius": self.radius + self.scene["geometry.ring_thickness"]})
         return found.points, found.normal
 
+    @checked(flank=array((None, 2)), places=array((None,)), spaces=integer(1), side=integer(-1, 1), end=integer(0, 1))
     def flanks(self, flank: np.ndarray, places: np.ndarray, spaces: int, side: int = 1, end: int = 0) -> np.ndarray:
         """A tooth's flank at places of the rim, as the space sees it that the tooth enters.
 
@@ -122,7 +130,7 @@ class Rim:
         ndarray (n, m, 2)
             (s, r) in the space, s towards the flank's own side [m].
         """
-        turn = 2 * np.pi * np.asarray(places, float)
+        turn = 2 * np.pi * places
         points, normals = self.poses(turn / self.scene["load.teeth"] + end * np.pi)
         height, along = flank[:, 1] - self.radius, side * flank[:, 0]
         tangents = np.stack([-normals[1], normals[0]])

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Runs and locks that Python holds by an integer handle; a run's is never used again: a stale one is an error. The model of the run that was
-!> closed last is kept for the next one.
+!> Runs and locks that Python holds by an integer handle; a run's is never used again: a stale one is an error. The model of the run
+!> that was closed last is kept for the next one.
 module hd_registry
   use hd_error, only: error_t, raise, code_input
   use hd_folder_lock, only: folder_lock_t

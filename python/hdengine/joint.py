@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _warned: set[str] = set()  # beginnings of the warnings that were given
 
 
-def scene_lines(keys):
+def scene_lines(keys: dict) -> str:
     """Lines 'group.key=value' of a scene's texts and numbers."""
     for key, value in keys.items():
         if not isinstance(value, (str, int, float, np.number, np.bool_)):

@@ -23,6 +23,7 @@ module hd_circulant
   !> where contact or slip ends, F^-1 of the whole face answers too stiffly. On meshes with edge cells GMRES takes 40 steps for 66
   !> under torque (six scenes; 0.03 to 0.3: 38 to 42), on others as many as without it.
   real(dp), parameter :: softer = 0.1_dp
+  real(dp), parameter :: rounding = 1e-10_dp    !< of a weight of 1
   real(dp), parameter :: negligible = 1e-12_dp  !< entries of F that are left out, relative (hd_harmonic_matrix)
   real(dp), parameter :: small = 1e-8_dp        !< the same where single precision is enough
   real(dp), parameter :: rough = 1e-4_dp        !< the same of its inverse
@@ -232,7 +233,7 @@ contains
         if (at(self%sides(1)%row(j)) == 0) at(self%sides(1)%row(j)) = self%sides(2)%row(j)
         merged = merged .and. at(self%sides(1)%row(j)) == self%sides(2)%row(j) .and. &
           self%sides(1)%sector(j) == self%sides(2)%sector(j) .and. &
-          abs(abs(self%sides(1)%val(j)) - 1) < 1e-10_dp .and. abs(abs(self%sides(2)%val(j)) - 1) < 1e-10_dp
+          abs(abs(self%sides(1)%val(j)) - 1) < rounding .and. abs(abs(self%sides(2)%val(j)) - 1) < rounding
       end do
     end if
     self%part = merge(3, [1, 2], merged)

@@ -34,6 +34,9 @@ module hd_cost
 
   real(dp), parameter :: iterations = 20        !< Newton iterations
   real(dp), parameter :: entries_1 = 7.1e6_dp, flops_1 = 2.0e9_dp, dof_1 = 19680   !< E and F of LU at this size
+  real(dp), parameter :: harmonic_time = 0.011_dp, harmonic_growth = 1.2_dp  !< of one iteration by harmonics at dof_1 [s]
+  real(dp), parameter :: pressed_mb = 2.1e-3_dp, formed_mb = 2.9e-3_dp, pair_mb = 4e-6_dp  !< of both sides: per node, per pair
+  real(dp), parameter :: usable = 0.8_dp        !< share of the free memory that a run may take
   real(dp), parameter :: entry_time = 22e-9_dp  !< per entry of the factors, handling
   real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
   real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
@@ -65,10 +68,10 @@ contains
     extra = min(thick - 1, 2._dp)
     small = .not. s%large()
     tangent = merge(0._dp, tangent_time*dof, small)
-    harmonic = 0.011_dp*(dof/dof_1)**1.2_dp
+    harmonic = harmonic_time*(dof/dof_1)**harmonic_growth
     list(1) = cost_t('condensed', seconds=iterations*harmonic, memory_mb=harmonic_mb(s, nodes, section, rows, thick, images))
     list(2) = cost_t('harmonic', seconds=iterations*(8*(harmonic/3 + apply_time*dof) + tangent), &
-      memory_mb=list(1)%memory_mb + merge(2.1e-3_dp, 2.9e-3_dp, .not. s%formed())*nodes + 4e-6_dp*s%divisions*rows**2)
+      memory_mb=list(1)%memory_mb + merge(pressed_mb, formed_mb, .not. s%formed())*nodes + pair_mb*s%divisions*rows**2)
     list(3) = cost_t('exact', seconds=iterations*(factor_time(dof) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
@@ -159,7 +162,7 @@ contains
   real(dp) function allowed_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
     mb = s%memory_limit_mb
-    if (mb <= 0) mb = 0.8_dp*free_memory_mb()
+    if (mb <= 0) mb = usable*free_memory_mb()
   end function allowed_memory_mb
 
   !> Refuse a mesh that does not fit before it is tried.

@@ -26,6 +26,7 @@ module hd_trial_runs
   private
   public :: trial_runs_t, new_trial_runs, growth
 
+  real(dp), parameter :: a_moment = 1e-3_dp  !< where the limit has passed [s]; 0 would be none
   real(dp), parameter :: growth = 1.4_dp  !< time of a mesh goes as this power of its facets, small displacements
 
   !> Results of a mesh.
@@ -94,7 +95,7 @@ contains
     if (i > 0) q = self%known(i)%q
     if (i > 0) return
     s = scene
-    if (s%time_limit_s > 0) s%time_limit_s = max(1e-3_dp, s%time_limit_s - (wall_seconds() - self%begun))
+    if (s%time_limit_s > 0) s%time_limit_s = max(a_moment, s%time_limit_s - (wall_seconds() - self%begun))
     s%turning_positions = 0
     new%seconds = wall_seconds()
     call set_log_level(quiet, level)  ! one line instead of a run's own

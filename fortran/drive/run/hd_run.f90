@@ -118,7 +118,7 @@ contains
     run%writes = .true.
     run%record%resumed = .true.
     if (scene%with_gradient == '.true.') call push(run%record%warnings, 'no gradient: it is found along all load '// &
-      'steps of a run that is not resumed. Call hdengine.load(folder).gradient()')
+      'steps of a run that is not resumed. Use hdengine.load(folder).gradient()')
     run%first_step = run%step%number
     call pair_bodies(run%model%drive%problem, run%state%u)
     call measure(run, again=.true.)

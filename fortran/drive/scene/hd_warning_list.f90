@@ -49,7 +49,8 @@ module hd_warning_list
     warning_t('the tolerance is not met: the estimated', 'raise mesh.memory_limit_mb or run.tolerance'), &
     warning_t('what large displacements would change', 'they do not converge. Results are of small displacements'), &
     warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
-    warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth')]
+    warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth'), &
+    warning_t('no gradient: ', 'the run was resumed, or its method has none. Use result.gradient(), or compare two runs')]
 
 contains
 

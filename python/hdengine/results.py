@@ -6,6 +6,7 @@ import base64
 import functools
 import html
 import io
+import mmap
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -65,7 +66,26 @@ def _table_with_gaps(path):
     return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
 
 
-def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndarray:
+def _lines_of_step(path, step):
+    """Head and lines of one load step, which rises in the first column; found by bisection, the rest of a long file is not read."""
+    with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        def after(at):
+            return data.find(b"\n", at) + 1 or len(data)
+
+        def first_of(number):
+            low, high = after(0), len(data)
+            while low < high:
+                line = data.rfind(b"\n", 0, (low + high) // 2) + 1
+                if int(data[line:line + 20].split(b",")[0]) < number:
+                    low = after(line)
+                else:
+                    high = line
+            return low
+        text = data[:after(0)] + data[first_of(step):first_of(step + 1)]
+    return text.decode("utf-8").splitlines()
+
+
+def read_csv(path: PathLike, *needed: str, step: int | None = None) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
     Parameters
@@ -73,8 +93,8 @@ def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndar
     path : str or Path
     *needed : str
         Columns.
-    rows : slice, optional
-        Read no others as numbers; default: all.
+    step : int, optional
+        Rows of this load step alone, which the first column counts; default: all.
 
     Raises
     ------
@@ -90,9 +110,8 @@ def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndar
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             source: Any = path
-            if rows is not None:
-                head, *lines = Path(path).read_bytes().splitlines()
-                source = [line.decode("utf-8") for line in (head, *lines[rows])]
+            if step is not None:
+                source = _lines_of_step(path, step)
             try:
                 table = _table(source)
             except (ValueError, Warning, IndexError):
@@ -218,7 +237,7 @@ class Result:
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", rows=slice(-1, None))
+        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=int(self.steps["step"][-1]))
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
     @functools.cached_property
@@ -249,8 +268,7 @@ class Result:
         step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
-        facets = self.shape[0] * self.shape[1]
-        table = read_csv(self.folder / "contact.csv", rows=slice(step * facets, (step + 1) * facets))
+        table = read_csv(self.folder / "contact.csv", "facet", step=int(self.steps["step"][step]))
         return {name: table[name] for name in table.dtype.names or ()}
 
     @property

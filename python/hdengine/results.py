@@ -237,7 +237,8 @@ class Result:
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=int(self.steps["step"][-1]))
+        self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
+        last = self.contact_at(-1)
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
     @functools.cached_property
@@ -268,8 +269,11 @@ class Result:
         step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
-        table = read_csv(self.folder / "contact.csv", "facet", step=int(self.steps["step"][step]))
-        return {name: table[name] for name in table.dtype.names or ()}
+        if step not in self._facets:
+            number = int(self.steps["step"][step])
+            table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=number)
+            self._facets[step] = {name: table[name] for name in table.dtype.names or ()}
+        return self._facets[step]
 
     @property
     def scene(self) -> dict:
@@ -353,13 +357,14 @@ class Result:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
 
-    def rows(self) -> list:
-        """One dict per load step with the columns of a study's table."""
-        steps = [{name: row[name].item() for name in self.steps.dtype.names or ()} for row in self.steps]
-        for i, row in enumerate(steps):
-            facets = {name: column[i] for name, column in self.contact.items()}
-            row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
-        return steps
+    def rows(self, steps: Sequence[int] | None = None) -> list:
+        """One dict per load step, of all or those listed from 0, with the columns of a study's table."""
+        found = []
+        for i in range(len(self.steps)) if steps is None else steps:
+            row = {name: self.steps[name][i].item() for name in self.steps.dtype.names or ()}
+            place = self.scene["output.positions"], self.scene["geometry.band_length"]
+            found.append(row | long_axis(self.contact_at(i), self.shape, *place))
+        return found
 
     @checked(table=a_text)
     def frame(self, table: str = "steps") -> Any:

@@ -589,8 +589,7 @@ class Result:
                 stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
-            stiffness = f"K_TS tangent {_number(r['k_ts_bonded_nm_per_rad'])}, secant {_number(r['k_ts_secant_nm_per_rad'])} " \
-                        f"N m/rad   Eq. 45 {_number(r['k_ts_nm_per_rad'])} N m/rad, as printed {_number(r['k_ts_paper_n'])} N"
+            stiffness = f"K_TS {_number(r['k_ts_bonded_nm_per_rad'])} N m/rad, the tangent beside bonded faces"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
@@ -600,7 +599,9 @@ class Result:
             f"  {stiffness}",
         ]
         if r.get("k3_nm_per_rad") is not None:
-            k = ", ".join(f"K{i} {_number(r[f'k{i}_nm_per_rad'])}" for i in (1, 2, 3))
+            bands = [[r.get(f"k{i}_nm_per_rad{end}") for end in ("", "_low", "_high")] for i in (1, 2, 3)]
+            k = ", ".join(f"K{i} {_number(k)}" + (f" ({low:.4g} to {high:.4g})" if low and high else "")
+                          for i, (k, low, high) in enumerate(bands, 1))
             lines.append(f"  drive: {k} N m/rad" + "".join(f"; {key[:-4].replace('_', ' ')} {_number(r[key])} rad" for key in (
                 "hysteresis_rad", "lost_motion_rad") if r.get(key) is not None))
         if "k_ts_bonded_nm_per_rad" in self.limits:

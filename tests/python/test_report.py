@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reports: one file that holds everything, of runs and studies, finished or not."""
+import contextlib
 import json
 import os
 import re
@@ -30,7 +31,8 @@ KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "lo
 def folder(small_run, tmp_path_factory):
     """A copy of the small run with its sensitivity and its report, made without PyVista."""
     out = shutil.copytree(small_run, tmp_path_factory.mktemp("report") / "run.out")
-    assert main(["sensitivity", str(out), "--draws", "30"]) == 0
+    with open(out / "progress.txt", "w") as told, contextlib.redirect_stderr(told):
+        assert main(["sensitivity", str(out), "--draws", "30"]) == 0
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "pyvista", None)
         write_report(out, picture=True, animation=True)
@@ -54,6 +56,12 @@ def test_sensitivity_in_the_report(folder):
     low, _, high = found["bands_95_nm_per_rad"]["D and G"]
     assert low < found["k_ts_nm_per_rad"] < high
     assert "Uncertainty of K_TS" in (folder / "report.html").read_text() and (folder / "tornado_joint.png").exists()
+
+
+def test_sensitivity_shows_progress_to_its_end(folder):
+    """Bands and indices are counted in tenths on standard error, up to all of them."""
+    counts = re.findall(r"^(\d+)/(\d+), ", (folder / "progress.txt").read_text(), re.M)
+    assert counts == [(str(i + 1), str(len(counts))) for i in range(len(counts))] and len(counts) in (20, 30)
 
 
 def test_picture_is_optional(folder, monkeypatch):

@@ -212,7 +212,7 @@ def test_hd_names_what_another_linux_lacks(tmp_path):
     systems install it."""
     for name in ("sh", "dirname", "cat", "gcc", "gfortran", "as", "ld", "python3"):
         (tmp_path / name).symlink_to(shutil.which(name))
-    for flags, missing in (("", "pkg-config"), ("-nostdlib -static", "pkg-config MUMPS(sequential) metis openblas fftw3 fftw3f")):
+    for flags, missing in (("", "pkg-config"), ("-m32", "pkg-config MUMPS(sequential) metis openblas fftw3 fftw3f")):
         done = subprocess.run([ROOT / "hd", "setup"], env={"PATH": str(tmp_path), "LDFLAGS": flags}, capture_output=True, text=True)
         assert done.returncode == 2 and f"error: not found: {missing}. Install" in done.stderr, done.stderr
         assert all(f"\n  {system} " in done.stderr for system in ("Fedora", "SUSE", "conda", "modules"))

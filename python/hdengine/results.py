@@ -602,8 +602,9 @@ class Result:
             bands = [[r.get(f"k{i}_nm_per_rad{end}") for end in ("", "_low", "_high")] for i in (1, 2, 3)]
             k = ", ".join(f"K{i} {_number(k)}" + (f" ({low:.4g} to {high:.4g})" if low and high else "")
                           for i, (k, low, high) in enumerate(bands, 1))
-            lines.append(f"  drive: {k} N m/rad" + "".join(f"; {key[:-4].replace('_', ' ')} {_number(r[key])} rad" for key in (
-                "hysteresis_rad", "lost_motion_rad") if r.get(key) is not None))
+            widths = "".join(f"; {name.replace('_', ' ')} {np.degrees(60 * r[f'{name}_rad']):.3g}'"
+                             for name in ("hysteresis", "lost_motion") if r.get(f"{name}_rad") is not None)
+            lines.append(f"  drive: {k} N m/rad{widths}")
         if "k_ts_bonded_nm_per_rad" in self.limits:
             k, error, mesh = self.limits["k_ts_bonded_nm_per_rad"]
             lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "

@@ -84,7 +84,7 @@ def plot_contact(result: RunLike) -> Figure:
         right.set_axis_off()
         right.text(0, 0, f"{around}\nup to {along.max():.3g}", ha="center", va="center", fontsize=11)
     axes[1, 0].set_xlabel("angle from the long axis / degree")
-    figure.suptitle(f"contact at {band.torque:.3g} N m, {100 * band.closed:.0f} % of the facets closed; grey: open",
+    figure.suptitle(f"contact at {band.torque:.3g} N m, {100 * band.closed:.0f} % of the facets closed; grey: {band.rest}",
                     fontsize=12)
     return figure
 

@@ -14,7 +14,7 @@ from .. import _engine
 from .._types import PathLike, RunLike
 from ..files import write_files
 from ..views.palette import PRESSURE, SIGNED
-from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positions_of
+from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positions_of, rest_of
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
 from .style import new_axes, styled
 
@@ -122,15 +122,10 @@ def plot_band(result: RunLike) -> Figure:
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
     node = result.steps["pressure_max_pa"][-1] / 1e6
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: {_grey(result)}; means of facets up to "
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: {rest_of(result)}; means of facets up to "
                    f"{p.max():.0f} MPa, nodes up to {node:.0f} MPa", fontsize=12)
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
-
-
-def _grey(result):
-    """What grey facets are."""
-    return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
 @styled
@@ -164,7 +159,7 @@ def plot_steps(result: RunLike, most: int = 6) -> Figure:
         axis.set_xticks(range(0, 361, 90))
     for axis in axes.flat[len(steps):]:
         axis.remove()
-    title = f"Contact pressure (grey: {_grey(result)})"
+    title = f"Contact pressure (grey: {rest_of(result)})"
     if alike:
         title += f" and its change over the torque, {_against_resolution(result, p, steps)}"
     figure.suptitle(title, fontsize=12)

@@ -13,7 +13,7 @@ from ..views.palette import STEPS
 
 Values: TypeAlias = Union[Sequence[float], np.ndarray]  # noqa: UP007
 WIDTH, HEIGHT, SIDE, TOP, FOOT = 480, 320, 56, 34, 48   # of a chart; margins of its axes
-_FONT = 13
+_FONT, _LETTER = 13, 7.0   # height, and mean width of a letter [px]
 
 
 def _number(value):
@@ -45,7 +45,7 @@ def _legend(marks, width, y):
     """Marks and names in rows, from the left."""
     found, x = [], 8.0
     for colour, name in marks:
-        wide = 24 + 7.0 * len(name)
+        wide = 24 + _LETTER * len(name)
         if x > 8 and x + wide > width:
             x, y = 8.0, y + 18
         found.append(f'<rect x="{x:.1f}" y="{y - 8:.1f}" width="14" height="8" rx="2" fill="{colour}"/>'
@@ -118,6 +118,10 @@ class Chart:
     def area(self, x: Values, y: Values, colour: str, opacity: float = 1) -> None:
         """A closed outline, filled."""
         self.parts.append(f'<path d="{self._path(x, y)}Z" fill="{colour}" fill-opacity="{opacity}"/>')
+
+    def fits(self, x: float, text: str) -> bool:
+        """Whether words beside a point of the data end inside of the axes."""
+        return self._x(x) + 10 + _LETTER * len(text) < WIDTH - self.right
 
     def note(self, x: float, y: float, text: str, colour: str = "currentColor", anchor: str = "start",
              shift: tuple[float, float] = (8, 4)) -> None:

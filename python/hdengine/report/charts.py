@@ -39,8 +39,8 @@ def _loop_chart(result):
     chart.line(loop.angle, loop.torque, COLOURS[0], "computed loop", dots=2)
     for angle, torque, text in loop.chords:
         chart.line(angle, torque, COLOURS[1], "chords", width=3)
-        left = angle.mean() > (chart.x0 + chart.x1) / 2 and len(text) > 12   # where a band would run out of the chart
-        chart.note(angle.mean(), torque.mean(), text, COLOURS[1], *(("end", (-24, 2)) if left else ("start", (10, 16))))
+        fits = chart.fits(angle.mean(), text)
+        chart.note(angle.mean(), torque.mean(), text, COLOURS[1], *(("start", (10, 16)) if fits else ("end", (-24, 2))))
     return chart.svg()
 
 
@@ -71,8 +71,8 @@ def _twist_charts(result):
 def _band_charts(band, slip):
     """Pressure, on request also slip, on the unrolled band."""
     angles = np.linspace(0, 360, len(band.load) + 1)
-    fields = [(f"contact pressure at {band.torque:.3g} N m; blank: open", band.pressure, "MPa")]
-    if slip:
+    fields = [(f"contact pressure at {band.torque:.3g} N m; blank: {band.rest}", band.pressure, "MPa")]
+    if slip and band.rest == "open":   # bonded faces do not slip
         fields.append((f"slip at {band.torque:.3g} N m", band.slip, "µm"))
     for title, values, unit in fields:
         chart = Chart(title, "angle from the long axis / degree", "from front edge / mm", angles, band.edges, _ROUND, 230, 64)

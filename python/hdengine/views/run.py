@@ -116,6 +116,8 @@ class Band:
         Ends of the rows from the front edge [mm].
     closed : float
         Share of the facets.
+    rest : str
+        What the others are: open, or in tension where faces are bonded.
     """
 
     torque: float
@@ -125,6 +127,7 @@ class Band:
     moved: np.ndarray
     edges: np.ndarray
     closed: float
+    rest: str
 
 
 def band_of(result: RunLike) -> Band:
@@ -138,7 +141,12 @@ def band_of(result: RunLike) -> Band:
     arc = 2 * np.pi * result.scene["geometry.bore_radius"] / len(closed)
     return Band(result.torque_nm[step], np.where(closed, field["pressure_pa"] / 1e6, np.nan), slip,
                 1e-3 * (field["pressure_pa"] * field["area_m2"]).sum(1) / arc, np.nan_to_num(slip).max(1),
-                1e3 * result.row_edges(), closed.mean())
+                1e3 * result.row_edges(), closed.mean(), rest_of(result))
+
+
+def rest_of(result: RunLike) -> str:
+    """What facets without pressure are."""
+    return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
 def forces_of(result: RunLike, table: np.ndarray) -> list:

@@ -27,6 +27,7 @@ from .joint import Joint, JointWarning
 
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
             "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
+KEPT = 8    # steps of contact.csv that a result holds besides the whole
 WORD = 24   # characters beyond which a table is left to the slow reader
 
 
@@ -270,6 +271,8 @@ class Result:
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
         if step not in self._facets:
+            if len(self._facets) == KEPT:
+                self._facets.clear()
             number = int(self.steps["step"][step])
             table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=number)
             self._facets[step] = {name: table[name] for name in table.dtype.names or ()}

@@ -45,6 +45,8 @@ contains
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
       'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 and hysteresis of '// &
       'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
+    call add_choice(t, 'run', 'wanted', 'control', s%wanted, '', &
+      "results that run.tolerance is for, parted by blanks, such as 'k2 k3'; empty: those that it names, and the pressure field")
     call add_choice(t, 'run', 'band', 'output', s%with_band, '.false. .true.', &
       "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; it costs some thirty runs on a "// &
       'coarse mesh, more than the run itself')

@@ -21,8 +21,8 @@ module hd_run
   use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
-  use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_teeth, &
-    write_grids, close_output
+  use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
+    write_teeth, write_grids, close_output
   use hd_lapack, only: blas_threads
   use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
   use hd_promises, only: promised_values, most_steps
@@ -228,7 +228,9 @@ contains
     if (run%scene%support%loop) call note_reference(run)
     stress = max(run%strength%flexspline, run%strength%ring)
     if (run%writes) then
-      call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
+      call write_step(run%output, run%step, run%sums, error)
+      if (run%scene%contact_table == 'all' .and. .not. allocated(error)) call write_facets(run%output, run%step, &
+        run%model%drive, run%facets, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       call run%record%timers%book(in_output)
       if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
@@ -460,6 +462,8 @@ contains
         run%step%number > 0)) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
+      if (run%scene%contact_table == 'last' .and. run%step%number > 0 .and. .not. allocated(error)) call write_facets(run%output, &
+        run%step, run%model%drive, run%facets, error)
       call close_output(run%output, error)
       call run%record%timers%book(in_output)
       if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &

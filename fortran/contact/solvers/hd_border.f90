@@ -239,10 +239,11 @@ contains
     real(dp), intent(inout) :: w(:, :)       !< gets the displacements (3, multipliers) [m]
     real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
     real(dp) :: u(3, problem%n)
-    integer, allocatable :: list(:)
+    integer, allocatable :: list(:), points(:)
     integer :: i
     list = self%columns()
-    known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, :, list(i))*pressed), i=1, size(list))]
+    points = pack([(i, i=1, size(pressed, 2))], any(abs(pressed) > 0, 1))  ! few
+    known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, points, list(i))*pressed(:, points)), i=1, size(list))]
     where (self%blind) known(:size(self%blind)) = 0
     do i = 1, self%struts
       if (abs(forces(i)) > 0) w = w + forces(i)*self%side(:, :, i)

@@ -12,7 +12,7 @@ module hd_output
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress, principal_stresses, von_mises
+  use hd_stress, only: body_stress, stress_matrices_t, principal_stresses, von_mises
   use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
@@ -260,6 +260,7 @@ contains
     type(state_t), intent(in) :: state                !< its state
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     type(vtu_field_t) :: fields(8), of_grid(3)
+    type(stress_matrices_t) :: matrices(2)
     real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:, :)
     real(dp) :: time
     integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
@@ -273,7 +274,7 @@ contains
         associate (body => problem%bodies(b), range => problem%first(b))
           x(:, range + 1:range + body%nodes()) = body%x
           u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
-          call body_stress(problem, b, state%u, error, stress(:, range + 1:range + body%nodes()), &
+          call body_stress(problem, b, state%u, matrices(b), error, stress(:, range + 1:range + body%nodes()), &
             peak(:, m + 1:m + body%sectors*size(body%cells, 2)))
           if (allocated(error)) return
           do s = 0, body%sectors - 1

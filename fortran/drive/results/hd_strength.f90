@@ -8,7 +8,7 @@ module hd_strength
   use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress
+  use hd_stress, only: body_stress, stress_matrices_t
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
@@ -25,9 +25,10 @@ module hd_strength
 contains
 
   !> Stresses of a converged step; with them, of a whole drive, the flexspline's life.
-  subroutine book_stress(strength, fatigue, scene, drive, state, torque, error)
+  subroutine book_stress(strength, fatigue, matrices, scene, drive, state, torque, error)
     type(strength_t), intent(inout) :: strength       !< gets them
     type(fatigue_t), intent(inout) :: fatigue         !< of a whole drive
+    type(stress_matrices_t), intent(inout) :: matrices(2)   !< of the bodies, made if there are none
     type(scene_t), intent(in) :: scene                !< limits
     type(drive_t), intent(in) :: drive                !< model
     type(state_t), intent(in) :: state                !< converged state
@@ -40,10 +41,10 @@ contains
       associate (body => drive%problem%bodies(b))
         if (scene%support%loop .and. b == drive%b_cup) then
           allocate (stress(6, body%nodes()))
-          call body_stress(drive%problem, b, state%u, error, stress, largest=largest)
+          call body_stress(drive%problem, b, state%u, matrices(b), error, stress, largest=largest)
           if (.not. allocated(error)) call judge_fatigue(scene, body, stress, torque, fatigue)
         else
-          call body_stress(drive%problem, b, state%u, error, largest=largest)
+          call body_stress(drive%problem, b, state%u, matrices(b), error, largest=largest)
         end if
         if (allocated(error)) return
         if (b == drive%b_ring) strength%ring = max(strength%ring, largest)

@@ -29,6 +29,7 @@ module hd_run
   use hd_pressure_patches, only: patch_pressures
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_stress, only: stress_matrices_t
   use hd_strength, only: book_stress, strength_text, strength_warnings
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
@@ -66,6 +67,7 @@ module hd_run
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
+    type(stress_matrices_t) :: matrices(2)  !< of its bodies
     type(gradient_t), allocatable :: gradient   !< for derivatives of the results, if they were asked for
     type(output_t) :: output
     type(folder_lock_t) :: lock             !< of its folder, where it is stepped from outside
@@ -233,8 +235,8 @@ contains
         run%model%drive, run%facets, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       call run%record%timers%book(in_output)
-      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
-        run%step%torque, error)
+      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%matrices, run%scene, &
+        run%model%drive, run%state, run%step%torque, error)
       call run%record%timers%book(in_stress)
       if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
         run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)

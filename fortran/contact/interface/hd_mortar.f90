@@ -9,6 +9,7 @@
 module hd_mortar
   use hd_kinds, only: dp
   use hd_face, only: face_t
+  use hd_vector, only: many
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
@@ -255,13 +256,14 @@ contains
   end subroutine drop_rounding
 
   !> Relative displacement w of the master against the slave at the multipliers.
-  pure function relative_displacement(mortar, u) result(w)
+  function relative_displacement(mortar, u) result(w)
     type(mortar_t), intent(in) :: mortar  !< coupling
     real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
     real(dp) :: w(3, mortar%n), sides(3, 2)
     integer :: j, k
-    w = 0
+    !$omp parallel do schedule(static) private(sides, k) if(size(mortar%val) > many)
     do j = 1, mortar%n
+      w(:, j) = 0
       if (allocated(mortar%turn)) then
         sides = side_sums(mortar, mortar%slave_nodes, u, j)
         w(:, j) = matmul(mortar%turn(:, :, j), sides(:, 1)) + matmul(mortar%carry(:, :, j), sides(:, 2))
@@ -271,6 +273,7 @@ contains
         end do
       end if
     end do
+    !$omp end parallel do
   end function relative_displacement
 
   !> Weighted sums over the nodes of a multiplier, those of the slave and of the master, each in the dofs of its nodes.

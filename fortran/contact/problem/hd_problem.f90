@@ -247,15 +247,11 @@ contains
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
     type(problem_t), intent(in) :: problem  !< problem
-    integer :: b
-    k = 0
     if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
       k = maxval(abs(problem%stiffness%val))
-      return
+    else
+      k = maxval(problem%sector%largest)
     end if
-    do b = 1, size(problem%sector)
-      k = max(k, maxval(abs(problem%sector(b)%val)))
-    end do
   end function largest_stiffness
 
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.

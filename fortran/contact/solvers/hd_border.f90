@@ -142,17 +142,19 @@ contains
   end subroutine list_modes
 
   !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves its first node by so much.
-  pure subroutine add_rigid_motion(self, problem, mode, amount, u)
+  subroutine add_rigid_motion(self, problem, mode, amount, u)
     class(border_t), intent(in) :: self       !< border
     type(problem_t), intent(in) :: problem    !< problem of revolved bodies
     integer, intent(in) :: mode               !< motion
     real(dp), intent(in) :: amount            !< [m]
     real(dp), intent(inout) :: u(:, :)        !< displacements (3, n) [m]
     integer :: i
-    associate (first => problem%first(self%body(mode)))
-      do i = first + 1, first + problem%bodies(self%body(mode))%nodes()
+    associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
+      !$omp parallel do schedule(static) if(3*nodes > many)
+      do i = first + 1, first + nodes
         u(:2, i) = u(:2, i) + self%motion(mode, amount, i, first + 1)
       end do
+      !$omp end parallel do
     end associate
   end subroutine add_rigid_motion
 
@@ -234,7 +236,7 @@ contains
   end function border_matrix
 
   !> Right-hand sides of the border for forces that are known and the displacements they make.
-  pure function known_side(self, problem, f, v) result(b)
+  function known_side(self, problem, f, v) result(b)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
@@ -243,7 +245,9 @@ contains
     real(dp) :: left(3, problem%n)
     integer :: i, n
     n = size(self%active)
-    if (self%modes > 0) left = f - problem%spring*v
+    !$omp parallel workshare if(size(v) > many)
+    left = f - problem%spring*v
+    !$omp end parallel workshare
     do i = 1, n
       b(i) = merge(0._dp, -closing_of(problem%struts(self%active(i)), v), self%blind(i))
     end do
@@ -316,10 +320,14 @@ contains
     do i = 1, size(self%active)
       call push(problem%struts(self%active(i)), x(i), f)
     end do
+    !$omp parallel workshare if(size(u) > many)
     u = 0
+    !$omp end parallel workshare
     do i = 1, self%modes
       call add_rigid_motion(self, problem, i, self%scale*x(size(self%active) + i), u)
     end do
+    !$omp parallel workshare if(size(u) > many)
     f = f - problem%spring*u
+    !$omp end parallel workshare
   end subroutine add_solution
 end module hd_border

@@ -34,6 +34,13 @@ module hd_mortar
     real(dp), allocatable :: offset(:, :)      !< part of the relative position that is not of displacements (3, multipliers) [m]
   end type mortar_t
 
+  integer, parameter :: batch = 1024   !< facets whose overlaps are found together
+
+  !> Overlaps of a facet.
+  type :: overlaps_t
+    type(point_t), allocatable :: points(:)
+  end type overlaps_t
+
 contains
 
   !> Couple two faces; their node numbers belong to one common numbering.
@@ -43,6 +50,7 @@ contains
     type(mortar_t), intent(out) :: mortar  !< coupling
     real(dp), intent(in), optional :: shift(:, :)  !< way on the chart from each multiplier to its opposite (2, multipliers) [m]
     type(point_t), allocatable :: points(:)
+    type(overlaps_t) :: found(batch)
     type(face_t) :: moved
     type(bins_t) :: bins
     integer, allocatable :: row(:), col(:)
@@ -57,7 +65,14 @@ contains
     allocate (row(0), col(0), val(0))
     nnz = 0
     do f = 1, size(slave%nodes, 2)
-      call integrate_overlaps(moved, f, master, bins, points)
+      if (modulo(f - 1, batch) == 0) then
+        !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
+        do k = f, min(f + batch - 1, size(slave%nodes, 2))
+          call integrate_overlaps(moved, k, master, bins, found(k - f + 1)%points)
+        end do
+        !$omp end parallel do
+      end if
+      call move_alloc(found(modulo(f - 1, batch) + 1)%points, points)
       if (size(points) == 0) cycle
       if (present(shift)) points%weight = points%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
       dual = dual_basis(points)

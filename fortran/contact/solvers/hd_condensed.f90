@@ -16,7 +16,7 @@ module hd_condensed
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
   use hd_text, only: to_text
-  use hd_vector, only: many
+  use hd_vector, only: length, many
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -193,11 +193,11 @@ contains
     if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
-      scale = max(scale, norm2(f - v))
+      scale = max(scale, length(size(f), f - v))
     else if (easy) then
       v = f
     end if
-    if (easy) easy = norm2(merge(0._dp, v, problem%fixed)) <= balanced*scale
+    if (easy) easy = length(size(v), free_part(v, problem%fixed)) <= balanced*scale
     if (easy) then
       call self%compliance%apply(.false., pressed, w)
       if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
@@ -256,6 +256,20 @@ contains
     !$omp end do
     !$omp end parallel
   end subroutine balance
+
+  !> Nodal vectors without what is at fixed dofs (3, n).
+  function free_part(v, fixed) result(f)
+    real(dp), intent(in) :: v(:, :)     !< vectors
+    logical, intent(in) :: fixed(:, :)  !< dofs
+    real(dp), allocatable :: f(:, :)
+    integer :: i
+    allocate (f, mold=v)
+    !$omp parallel do schedule(static) if(size(v) > many)
+    do i = 1, size(v, 2)
+      f(:, i) = merge(0._dp, v(:, i), fixed(:, i))
+    end do
+    !$omp end parallel do
+  end function free_part
 
   !> The opposite of nodal vectors (3, n).
   function negative(r) result(f)

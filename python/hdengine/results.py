@@ -220,11 +220,24 @@ class Result:
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
         last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", rows=slice(-1, None))
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
+        #: rows of steps.csv whose facets contact.csv holds
+        self._held = range(len(self.steps))
+        if self.scene.get("output.contact") == "last":
+            row = int(np.flatnonzero(self.steps["step"] == last["step"][-1])[0])
+            self._held = range(row, row + 1)
 
     @functools.cached_property
     def contact(self) -> dict:
-        """Columns of contact.csv, (steps, facets) each; read when they are first asked for."""
+        """Columns of contact.csv, (steps, facets) each; read when they are first asked for.
+
+        Raises
+        ------
+        InputError
+            It holds one step alone (output.contact = 'last').
+        """
         path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
+        if len(self._held) < len(self.steps):
+            raise InputError(f"'{path}' holds one load step (output.contact = 'last'): valid is contact_at({self._held[0]})")
         table = read_csv(path, "facet", "i_theta", "i_z", "pressure_pa")
         if len(table) != facets * len(self.steps):
             raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
@@ -244,12 +257,14 @@ class Result:
         Raises
         ------
         InputError
-            There is no such step.
+            There is no such step, or contact.csv does not hold it.
         """
         step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
-        facets = self.shape[0] * self.shape[1]
+        if step not in self._held:
+            raise InputError(f"step = {step}: contact.csv holds step {self._held[0]} alone (output.contact = 'last')")
+        step, facets = self._held.index(step), self.shape[0] * self.shape[1]
         table = read_csv(self.folder / "contact.csv", rows=slice(step * facets, (step + 1) * facets))
         return {name: table[name] for name in table.dtype.names or ()}
 
@@ -333,14 +348,15 @@ class Result:
 
     def row_edges(self) -> np.ndarray:
         """Ends of the facet rows, from the front edge of the band [m]."""
-        return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
+        return row_edges(self.contact_at(self._held[0])["area_m2"], self.shape, self.scene["geometry.band_length"])
 
     def rows(self) -> list:
         """One dict per load step with the columns of a study's table."""
         steps = [{name: row[name].item() for name in self.steps.dtype.names or ()} for row in self.steps]
-        for i, row in enumerate(steps):
-            facets = {name: column[i] for name, column in self.contact.items()}
-            row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
+        for i in self._held:
+            whole = len(self._held) == len(steps)
+            facets = {name: column[i] for name, column in self.contact.items()} if whole else self.contact_at(i)
+            steps[i].update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
         return steps
 
     @checked(table=a_text)

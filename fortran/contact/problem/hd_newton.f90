@@ -432,7 +432,7 @@ contains
     type(state_t), intent(in) :: previous           !< beginning of the load step
     type(state_t), intent(inout) :: state           !< iterate; gets its gap and slip
     type(linearisation_t), intent(inout) :: here    !< linearisation
-    real(dp), allocatable :: force(:, :)
+    real(dp), allocatable :: force(:, :), left(:, :)
     real(dp) :: scale, law, moved
     integer :: c, i, j
     if (.not. allocated(here%contact)) then
@@ -464,6 +464,7 @@ contains
     end do
     !$omp end parallel do
     here%r_u = internal_residual(problem, load, state)
+    allocate (left(3, problem%n))
     allocate (force(3, problem%n), source=0._dp)
     call add_nodal_forces(problem%mortar, state%traction, force)
     law = norm2(spread(problem%mortar%area, 1, 3)*here%r_c)
@@ -472,18 +473,14 @@ contains
     !$omp parallel do schedule(static) if(size(force) > many)
     do j = 1, problem%n
       force(:, j) = merge(here%r_u(:, j), 0._dp, problem%fixed(:, j))
+      left(:, j) = here%r_u(:, j) - force(:, j)
     end do
     !$omp end parallel do
     scale = scale + length(size(force), force)
-    !$omp parallel do schedule(static) if(size(force) > many)
-    do j = 1, problem%n
-      force(:, j) = merge(0._dp, here%r_u(:, j), problem%fixed(:, j))
-    end do
-    !$omp end parallel do
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
     here%forceless = scale <= rounding*here%stiffness*moved
     scale = scale + unstrained*here%stiffness*moved  ! bodies moved as a whole have no forces but rounding
-    here%distance = hypot(length(size(force), force), law)
+    here%distance = hypot(length(size(left), left), law)
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise

@@ -1,19 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the time of a loop goes beside an earlier engine, and what a gradient costs beside the run that it is of.
+"""Where the time of a loop goes and what two threads gain, beside an earlier engine, and what a gradient costs beside the run that it is of.
 
 Usage: bench/gradient.py [EARLIER_HDENGINE_X]; writes bench/results/gradient.json. Runs take turns, one thread. A part is its share of the clock
-times the processor time; without an earlier engine the record keeps what it has of it.
+times the processor time; without an earlier engine the record keeps what it has of it. The gain of two threads is the processor time of one
+over that of the busier of two: what two free cores allow, also where the machine is not free.
 """
+import contextlib
 import json
+import os
+import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from common import DATA, ROOT, measured, program, read_record, write_record
 
 SCENES = {"CD-14-100": DATA / "cd14.nml", "pressed drive": ROOT / "tests/cases/pressed_drive.nml", "drive14": DATA / "drive14.nml"}
 TURNS = 3
+LARGE = {"drive14, 28 000 dof": (DATA / "drive14.nml",), "drive14, 158 000 dof": (DATA / "drive14.nml", "mesh.divisions=188", "mesh.band_facets=26"),
+         "CD-14-100, 1.07 million dof": (DATA / "cd14.nml", "mesh.divisions=344", "mesh.band_facets=60", "mesh.through_wall=4", "mesh.through_ring=4")}
 
 
 def run(engine, scene, *words):
@@ -40,6 +47,31 @@ def parts(engine):
     return {part: float(f"{cpu * seconds / times['total']:.3g}") for part, seconds in times.items() if seconds > 1e-3}
 
 
+def busiest(engine, words, threads):
+    """Processor time of the busiest thread of a run."""
+    env = os.environ | {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive"}
+    with tempfile.TemporaryDirectory() as folder:
+        process, used = subprocess.Popen([engine, *words, "--out", f"{folder}/r", "-q"], env=env), {}
+        while process.poll() is None:
+            with contextlib.suppress(OSError):  # a thread may end between list and look
+                for task in Path(f"/proc/{process.pid}/task").glob("*/schedstat"):
+                    used[task.parent.name] = int((task.read_text().split() or [0])[0]) / 1e9
+            time.sleep(0.02)
+        return max(used.values())
+
+
+def gain(engine, scene):
+    """Of two threads."""
+    return float(f"{busiest(engine, LARGE[scene], 1) / busiest(engine, LARGE[scene], 2):.3g}")
+
+
+def threads(earlier):
+    """Gain of two threads by scene."""
+    old = {row["scene"]: row["before"] for row in read_record("gradient").get("threads", [])}
+    return [{"scene": scene, "before": gain(earlier, scene) if earlier else old[scene], "now": gain(program("hdengine.x"), scene)}
+            for scene in LARGE]
+
+
 def cost(scene):
     """Keys of a gradient, those among them that have a part, and its processor time over that of the run."""
     engine = program("hdengine.x")
@@ -52,7 +84,8 @@ def cost(scene):
 def main(words):
     """Measure."""
     before = parts(words[0]) if words else read_record("gradient")["before"]
-    write_record("gradient", {"before": before, "now": parts(program("hdengine.x")), "cost": [cost(scene) for scene in SCENES]}, threads=1)
+    write_record("gradient", {"before": before, "now": parts(program("hdengine.x")), "threads": threads(words[0] if words else None),
+                              "cost": [cost(scene) for scene in SCENES]}, threads=1)
 
 
 if __name__ == "__main__":

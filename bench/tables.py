@@ -466,6 +466,11 @@ def loop_time():
                                               for part in sorted(before, key="total".__eq__)]
 
 
+def thread_gain():
+    """Gain of two threads by scene, before and now."""
+    return ("scene", "before", "now"), [(r["scene"], digits(r["before"], 3), digits(r["now"], 3)) for r in read_record("gradient")["threads"]]
+
+
 def gradient_cost():
     """Cost of a gradient by scene, in runs."""
     return ("scene", "keys", "cost / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"])) for r in read_record("gradient")["cost"]]
@@ -501,6 +506,7 @@ TABLES = {  # marker: page from docs on, records, builder
     "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
     "figures": ("evidence/speed_accuracy", ["pareto"], figures),
     "loop-time": ("evidence/speed_accuracy", ["gradient"], loop_time),
+    "thread-gain": ("evidence/speed_accuracy", ["gradient"], thread_gain),
     "gradient-cost": ("evidence/speed_accuracy", ["gradient"], gradient_cost),
     "maps": ("evidence/stability", ["stability"], maps),
     "random": ("evidence/stability", ["random_runs"], random_runs),

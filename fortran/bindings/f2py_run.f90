@@ -135,7 +135,7 @@ end subroutine run_sums
 subroutine run_facets(handle, n, columns, fields, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t
-  use hd_facets, only: facet_row
+  use hd_facets, only: facet_rows
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
@@ -146,15 +146,10 @@ subroutine run_facets(handle, n, columns, fields, status, message)
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
   type(run_t), pointer :: run
-  integer :: f
   fields = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
-    if (run%step%number > 0) then
-      do f = 1, n
-        fields(f, :) = facet_row(run%facets, f)
-      end do
-    end if
+    if (run%step%number > 0) fields = transpose(facet_rows(run%facets))
   end if
   call tell(error, status, message)
 end subroutine run_facets

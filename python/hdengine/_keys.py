@@ -209,6 +209,7 @@ class OutputKeys(TypedDict, total=False):
     """Keys of &output."""
 
     vtu: str
+    contact: str
     positions: Sequence[float] | float  # m
 
 
@@ -391,6 +392,7 @@ class SceneKeys(TypedDict, total=False):
     joint__closure: str
     joint__plastic_spots: str
     output__vtu: str
+    output__contact: str
     output__positions: Sequence[float] | float
     surface__nx: int
     surface__ny: int

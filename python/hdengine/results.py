@@ -241,11 +241,24 @@ class Result:
         self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
         last = self.contact_at(-1)
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
+        #: rows of steps.csv whose facets contact.csv holds
+        self._held = range(len(self.steps))
+        if self.scene.get("output.contact") == "last":
+            row = int(np.flatnonzero(self.steps["step"] == last["step"][-1])[0])
+            self._held = range(row, row + 1)
 
     @functools.cached_property
     def contact(self) -> dict:
-        """Columns of contact.csv, (steps, facets) each; read when they are first asked for."""
+        """Columns of contact.csv, (steps, facets) each; read when they are first asked for.
+
+        Raises
+        ------
+        InputError
+            It holds one step alone (output.contact = 'last').
+        """
         path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
+        if len(self._held) < len(self.steps):
+            raise InputError(f"'{path}' holds one load step (output.contact = 'last'): valid is contact_at({self._held[0]})")
         table = read_csv(path, "facet", "i_theta", "i_z", "pressure_pa")
         if len(table) != facets * len(self.steps):
             raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
@@ -265,11 +278,13 @@ class Result:
         Raises
         ------
         InputError
-            There is no such step.
+            There is no such step, or contact.csv does not hold it.
         """
         step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
+        if step not in self._held:
+            raise InputError(f"step = {step}: contact.csv holds step {self._held[0]} alone (output.contact = 'last')")
         if step not in self._facets:
             if len(self._facets) == KEPT:
                 self._facets.clear()
@@ -358,15 +373,17 @@ class Result:
 
     def row_edges(self) -> np.ndarray:
         """Ends of the facet rows, from the front edge of the band [m]."""
-        return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
+        return row_edges(self.contact_at(self._held[0])["area_m2"], self.shape, self.scene["geometry.band_length"])
 
     def rows(self, steps: Sequence[int] | None = None) -> list:
         """One dict per load step, of all or those listed from 0, with the columns of a study's table."""
         found = []
         for i in range(len(self.steps)) if steps is None else steps:
             row = {name: self.steps[name][i].item() for name in self.steps.dtype.names or ()}
-            place = self.scene["output.positions"], self.scene["geometry.band_length"]
-            found.append(row | long_axis(self.contact_at(i), self.shape, *place))
+            if i in self._held:
+                place = self.scene["output.positions"], self.scene["geometry.band_length"]
+                row |= long_axis(self.contact_at(i), self.shape, *place)
+            found.append(row)
         return found
 
     @checked(table=a_text)

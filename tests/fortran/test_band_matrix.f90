@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 module test_band_matrix
+  !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   use hd_band_matrix, only: factorise_band, part_of_inverse, solve_band
   use hd_check, only: check
   use hd_error, only: error_t
   use hd_kinds, only: dp
-  use hd_lapack, only: invert_symmetric
+  use hd_lapack, only: invert_symmetric, solve_dense
   use hd_text, only: to_text
   implicit none
   private
@@ -26,7 +27,34 @@ contains
     singular = 1
     call factorise_band(singular, error)
     call check(allocated(error), 'a singular band is refused')
+    call check_large(600)
   end subroutine run_band_matrix
+
+  !> A full matrix whose factorisation threads share: the solution, the same bits for any number of them, what is singular.
+  subroutine check_large(n)
+    integer, intent(in) :: n
+    real(dp), allocatable :: a(:, :), b(:, :), factors(:, :), x(:, :), first(:, :)
+    type(error_t), allocatable :: error
+    integer :: i, j, most, threads
+    most = 1
+    !$ most = omp_get_max_threads()
+    allocate (a(n, n))
+    a = reshape([((sin(0.37_dp*i*j + j), i=1, n), j=1, n)], [n, n])
+    b = reshape([(cos(1._dp*i), i=1, n)], [n, 1])
+    do threads = 1, 3, 2
+      !$ call omp_set_num_threads(threads)
+      factors = a
+      x = b
+      call solve_dense(factors, x, error)
+      if (threads == 1) first = x
+    end do
+    !$ call omp_set_num_threads(most)
+    call check(all(abs(first - x) <= 0), 'three threads give the bits of one')
+    call check(norm2(matmul(a, x) - b) < 1e-9_dp*norm2(a)*norm2(x), 'a large system is solved')
+    a(:, n) = 0
+    call solve_dense(a, x, error)
+    call check(allocated(error), 'a large singular matrix is refused')
+  end subroutine check_large
 
   !> Against the inverse of the full matrix.
   subroutine check_size(n, kd)

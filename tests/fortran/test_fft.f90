@@ -3,8 +3,8 @@
 module test_fft
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_fft, only: forward_real, backward_real, forward_real_2d, backward_real_2d, &
-    smooth_size
+  use hd_fft, only: execute_rows, forward_real, backward_real, forward_real_2d, backward_real_2d, free_rows, plan_rows, &
+    rows_plan_t, smooth_size
   use hd_kinds, only: dp, pi
   implicit none
   private
@@ -42,5 +42,30 @@ contains
     call check_close(maxval(abs(b / (nx * ny) - a)), 0._dp, 1e-14_dp, 'backward_real_2d inverts it up to nx ny')
     call check(smooth_size(7, .false.) == 8 .and. smooth_size(31, .true.) == 32 .and. smooth_size(25, .true.) == 30, &
       'smooth sizes are products of 2, 3 and 5, even if asked')
+    call check_rows(35)
+    call check_rows(32)
   end subroutine run_fft
+
+  !> Rows that threads share in parts, the last one shorter or not.
+  subroutine check_rows(count)
+    integer, intent(in) :: count
+    integer, parameter :: n = 1000
+    type(rows_plan_t) :: forward, backward
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: a(:, :), b(:, :), turned(:, :)
+    complex(dp), allocatable :: s(:, :), columns(:, :)
+    integer :: i, j
+    allocate (a(count, n), b(count, n), s(count, n/2 + 1), columns(n/2 + 1, count))
+    a = reshape([((sin(0.7_dp*i*j), i=1, count), j=1, n)], [count, n])
+    b = a
+    call plan_rows(n, count, b, s, forward, backward, error)
+    call execute_rows(forward, n, b, s, .true.)
+    turned = transpose(a)
+    call forward_real(turned, columns, error)
+    call check_close(maxval(abs(transpose(columns) - s)), 0._dp, 1e-11_dp, 'transforms of rows are those of columns')
+    call execute_rows(backward, n, b, s, .false.)
+    call check_close(maxval(abs(b/n - a)), 0._dp, 1e-13_dp, 'and go back')
+    call free_rows(forward)
+    call free_rows(backward)
+  end subroutine check_rows
 end module test_fft

@@ -604,6 +604,22 @@ def test_turning_is_drawn_and_asked_for_with_a_drive_only(exe, tmp_path):
     assert done.returncode == 2 and "turning.positions = 3" in done.stderr and "load.support = 'drive'" in done.stderr
 
 
+def test_contact_table_of_one_step(exe, tmp_path):
+    """With output.contact = 'last' contact.csv holds the step of the results alone, with the same bytes, and Python says so."""
+    for steps in ("all", "last"):
+        solve(exe, tmp_path / steps, f"output.contact={steps}")
+    whole, one = load(tmp_path / "all"), load(tmp_path / "last")
+    lines = (tmp_path / "last/contact.csv").read_text().splitlines(keepends=True)
+    row = int(lines[1].split(",")[0]) - 1
+    assert whole.torque_nm[row] == max(whole.torque_nm) and row < len(whole.steps) - 1 and len(lines) == 1 + whole.shape[0] * whole.shape[1]
+    assert "".join(lines[1:]) in (tmp_path / "all/contact.csv").read_text()
+    assert all(np.array_equal(column, whole.contact_at(row)[name]) for name, column in one.contact_at(row).items())
+    assert np.array_equal(one.row_edges(), whole.row_edges()) and [i for i, r in enumerate(one.rows()) if "shear_long_1_pa" in r] == [row]
+    for ask in (lambda: one.contact, lambda: one.contact_at(0)):
+        with pytest.raises(hdengine.InputError, match="output.contact = 'last'"):
+            ask()
+
+
 def test_tangents_and_times_of_a_loop(exe, drive, tmp_path):
     """A loop has a tangent where its torque is largest, the same as among tangents in all steps; the parts of its time add up to the total."""
     found = {}

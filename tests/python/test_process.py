@@ -68,6 +68,16 @@ open_run.close()
     assert json.loads((tmp_path / "parent.out/summary.json").read_text())["status"] == "stopped_at_limit"
 
 
+def test_threads_do_not_change_a_bit(exe, tmp_path):
+    """One and three threads write the same tables of a mesh that is large enough for all of their loops."""
+    keys = ["mesh.divisions=240", "mesh.band_facets=44", "load.assembly_steps=1", "load.torque_steps=1", "contact.friction=0.3", "output.vtu=none"]
+    for n in (1, 3):
+        done = call(exe, CD14, *keys, "--out", tmp_path / str(n), "-q", env=FREE | {"OMP_NUM_THREADS": str(n), "OPENBLAS_NUM_THREADS": str(n)})
+        assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "1/summary.json").read_text())["model"]["dof"] > 100_000
+    assert (tmp_path / "1/contact.csv").read_bytes() == (tmp_path / "3/contact.csv").read_bytes()
+
+
 def test_waiting_threads_sleep(exe, tmp_path):
     """Program and package tell OpenMP to wait passively and leave an environment that says otherwise alone; Python's stays clean."""
     def spins(*words, **variables):

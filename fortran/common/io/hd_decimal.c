@@ -23,17 +23,17 @@ static int slowly(double x, char *text)
   return length;
 }
 
-/* 17 digits of x > 0 as an integer, and the power of ten of the first. The product of x and a power of ten in 64 bits errs by
-   at most 0.02 of the last digit beside the rounding; numbers of double precision lie 1.1 of it apart or more. */
+/* 17 digits of x > 0 as an integer, and the power of ten of the first, which is that of x's power of two or one more. The product
+   of x and a power of ten in 64 bits errs by at most 0.02 of the last digit beside the rounding; numbers of double precision lie
+   1.1 of it apart or more. */
 static uint64_t digits_of(double x, int *power)
 {
   static long double tens[LAST - FIRST + 1];
   if (tens[LAST - FIRST] == 0)
     for (int i = 0; i <= LAST - FIRST; i++) tens[i] = powl(10, FIRST + i); /* threads that meet here write the same */
-  int k = (int)floor(log10(x));
+  int k = (int)floor(ilogb(x) * 0.30102999566398120);
   uint64_t m = (uint64_t)(x * tens[DIGITS - 1 - k - FIRST] + 0.5L);
-  if (m < LEAST) m = (uint64_t)(x * tens[DIGITS - 1 - --k - FIRST] + 0.5L);
-  else if (m >= 10 * LEAST) m = (uint64_t)(x * tens[DIGITS - 1 - ++k - FIRST] + 0.5L);
+  if (m >= 10 * LEAST) m = (uint64_t)(x * tens[DIGITS - 1 - ++k - FIRST] + 0.5L);
   *power = k;
   return m;
 }
@@ -46,7 +46,9 @@ int hd_decimal(double x, char *text)
   int k, kept = DIGITS;
   uint64_t m = digits_of(fabs(x), &k);
   char digits[DIGITS], *t = text;
-  for (int i = DIGITS - 1; i >= 0; i--, m /= 10) digits[i] = (char)('0' + m % 10);
+  uint32_t low = (uint32_t)(m % 1000000000), high = (uint32_t)(m / 1000000000);
+  for (int i = DIGITS - 1; i >= DIGITS - 9; i--, low /= 10) digits[i] = (char)('0' + low % 10);
+  for (int i = DIGITS - 10; i >= 0; i--, high /= 10) digits[i] = (char)('0' + high % 10);
   while (kept > 1 && digits[kept - 1] == '0') kept--;
   if (x < 0) *t++ = '-';
   int ahead = k >= -4 && k < DIGITS ? k + 1 : 1; /* digits before the point */
@@ -72,4 +74,20 @@ int hd_decimal(double x, char *text)
   }
   *t = 0;
   return (int)(t - text);
+}
+
+/* Lines of a table: each begins with n characters, numbers follow (columns, rows), joined by commas. Length of text, which holds
+   n + 25 characters a number for each. */
+long long hd_rows(const char *first, int n, const double *numbers, int columns, int rows, char *text)
+{
+  char *t = text;
+  for (int i = 0; i < rows; i++) {
+    memcpy(t, first, (size_t)n);
+    t += n;
+    for (int j = 0; j < columns; j++) {
+      t += hd_decimal(*numbers++, t);
+      *t++ = j < columns - 1 ? ',' : '\n';
+    }
+  }
+  return t - text;
 }

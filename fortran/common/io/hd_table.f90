@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> CSV tables, written row by row.
 module hd_table
-  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_checksum, only: checksum
@@ -12,6 +12,10 @@ module hd_table
   implicit none
   private
   public :: table_t
+
+  integer, parameter :: longest = 26            !< characters of a real and what follows it
+  integer, parameter :: block = 512             !< rows that a thread makes at once
+  integer, parameter :: batch = 16              !< blocks made before they are written
 
   type :: table_t
     private
@@ -25,7 +29,7 @@ module hd_table
     procedure :: find_bytes
     generic :: add => add_integer, add_real, add_text
     procedure, private :: add_integer, add_real, add_text, begin_row
-    procedure :: end_row
+    procedure :: end_row, end_rows
     procedure :: close => close_table
   end type table_t
 
@@ -35,6 +39,13 @@ module hd_table
       real(c_double), value :: x
       character(kind=c_char), intent(out) :: text(*)
     end function c_decimal
+    integer(c_long_long) function c_rows(first, n, numbers, columns, rows, text) bind(c, name='hd_rows')
+      import :: c_char, c_double, c_int, c_long_long
+      integer(c_int), value :: n, columns, rows
+      character(kind=c_char), intent(in) :: first(*)
+      real(c_double), intent(in) :: numbers(columns, *)
+      character(kind=c_char), intent(out) :: text(*)
+    end function c_rows
   end interface
 
 contains
@@ -132,6 +143,32 @@ contains
     call self%begin_row()
     call tell(self, error)
   end subroutine end_row
+
+  !> Write rows that share what the row so far holds; numbers follow it.
+  subroutine end_rows(self, numbers, error)
+    class(table_t), intent(inout) :: self             !< table
+    real(dp), intent(in) :: numbers(:, :)             !< (columns, rows)
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    character(len=block*(self%used + longest*size(numbers, 1))), allocatable :: text(:)
+    integer(int64) :: length(batch)
+    integer :: b, first, from, last
+    allocate (text(min(batch, (size(numbers, 2) + block - 1)/block)))
+    do from = 0, size(numbers, 2) - 1, block*batch
+      !$omp parallel do schedule(static) private(first, last) if(size(text) > 2)
+      do b = 1, size(text)
+        first = from + block*(b - 1) + 1
+        last = min(size(numbers, 2), first + block - 1)
+        length(b) = c_rows(self%line, self%used, numbers(:, first:last), size(numbers, 1), max(0, last + 1 - first), text(b))
+      end do
+      !$omp end parallel do
+      do b = 1, size(text)
+        call self%file%put(text(b)(:length(b)))
+        self%sum = checksum(text(b)(:length(b)), self%sum)
+      end do
+    end do
+    call self%begin_row()
+    call tell(self, error)
+  end subroutine end_rows
 
   !> Close the file; an error that is there already stays.
   subroutine close_table(self, error)

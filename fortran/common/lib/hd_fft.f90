@@ -15,7 +15,7 @@ module hd_fft
   public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, plan_rows, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan, smooth_size
   public :: plan_complex_single, plan_backward_real_single, execute_complex_single, execute_backward_real_single
-  public :: plan_rows_single, execute_forward_real_single
+  public :: rows_plan_t, plan_rows_single, execute_rows, execute_rows_single, free_rows
 
   include 'fftw3.f03'
 
@@ -26,6 +26,16 @@ module hd_fft
     logical :: single = .false.    !< of FFTW in single precision
     logical :: kept = .false.      !< for the next that asks: not to be freed
   end type fft_plan_t
+
+  !> Plans of `plan_rows`.
+  type :: rows_plan_t
+    private
+    type(fft_plan_t) :: part(2)    !< of a part, and of the last one if it is shorter
+    integer :: rows = 0            !< of all parts
+  end type rows_plan_t
+
+  integer, parameter :: rows_of_part = 16     !< parts begin at multiples of 16 bytes, as FFTW asks
+  integer, parameter :: long_rows = 30000     !< numbers from which two threads are worth waking
 
   !> Plans of the NUFFT stay for the next call: making them costs more than a small transform.
   type :: kept_t
@@ -209,19 +219,29 @@ contains
     call check_plan(p, n, error)
   end subroutine plan_backward_real_single
 
-  !> Plan transforms of rows of real numbers (count, n) to rows of half spectra (count, n/2 + 1), and back.
+  !> Plan transforms of rows of real numbers (count, n) to rows of half spectra (count, n/2 + 1), and back. Many are done in
+  !> parts of `rows_of_part` rows, which threads share: the same parts for any number of them.
   subroutine plan_rows(n, count, a, s, forward, backward, error)
     integer, intent(in) :: n, count                     !< size, number
     real(dp), intent(inout) :: a(*)                     !< rows; kept
     complex(dp), intent(inout) :: s(*)                  !< half spectra; kept
-    type(fft_plan_t), intent(out) :: forward, backward  !< plans
+    type(rows_plan_t), intent(out) :: forward, backward !< plans
     type(error_t), allocatable, intent(out) :: error    !< no plan
+    integer :: i, m(2)
+    m = parts_of(n, count)
     call lock_planner()
-    forward%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
-    backward%plan = fftw_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
+    do i = 1, 2
+      if (m(i) == 0) cycle
+      forward%part(i)%plan = fftw_plan_many_dft_r2c(1, [n], m(i), a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+      backward%part(i)%plan = fftw_plan_many_dft_c2r(1, [n], m(i), s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
+    end do
     call unlock_planner()
-    call check_plan(forward, n, error)
-    if (.not. allocated(error)) call check_plan(backward, n, error)
+    forward%rows = count
+    backward%rows = count
+    do i = 1, 2
+      if (m(i) > 0 .and. .not. allocated(error)) call check_plan(forward%part(i), n, error)
+      if (m(i) > 0 .and. .not. allocated(error)) call check_plan(backward%part(i), n, error)
+    end do
   end subroutine plan_rows
 
   !> The same in single precision.
@@ -229,17 +249,34 @@ contains
     integer, intent(in) :: n, count                     !< size, number
     real(sp), intent(inout) :: a(*)                     !< rows; kept
     complex(sp), intent(inout) :: s(*)                  !< half spectra; kept
-    type(fft_plan_t), intent(out) :: forward, backward  !< plans
+    type(rows_plan_t), intent(out) :: forward, backward !< plans
     type(error_t), allocatable, intent(out) :: error    !< no plan
+    integer :: i, m(2)
+    m = parts_of(n, count)
     call lock_planner()
-    forward%plan = fftwf_plan_many_dft_r2c(1, [n], count, a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
-    backward%plan = fftwf_plan_many_dft_c2r(1, [n], count, s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
+    do i = 1, 2
+      if (m(i) == 0) cycle
+      forward%part(i)%plan = fftwf_plan_many_dft_r2c(1, [n], m(i), a, [n], count, 1, s, [n / 2 + 1], count, 1, FFTW_ESTIMATE)
+      backward%part(i)%plan = fftwf_plan_many_dft_c2r(1, [n], m(i), s, [n / 2 + 1], count, 1, a, [n], count, 1, FFTW_ESTIMATE)
+    end do
     call unlock_planner()
-    forward%single = .true.
-    backward%single = .true.
-    call check_plan(forward, n, error)
-    if (.not. allocated(error)) call check_plan(backward, n, error)
+    forward%part%single = .true.
+    backward%part%single = .true.
+    forward%rows = count
+    backward%rows = count
+    do i = 1, 2
+      if (m(i) > 0 .and. .not. allocated(error)) call check_plan(forward%part(i), n, error)
+      if (m(i) > 0 .and. .not. allocated(error)) call check_plan(backward%part(i), n, error)
+    end do
   end subroutine plan_rows_single
+
+  !> Rows of a part, and of the last one if it is shorter.
+  pure function parts_of(n, count) result(rows)
+    integer, intent(in) :: n, count  !< size, number
+    integer :: rows(2)
+    rows = [count, 0]
+    if (n*count > long_rows .and. count > rows_of_part) rows = [rows_of_part, modulo(count, rows_of_part)]
+  end function parts_of
 
   !> Run a plan of `plan_complex`.
   subroutine execute_complex(p, a)
@@ -263,14 +300,6 @@ contains
     call fftw_execute_dft_r2c(p%plan, a, s)
   end subroutine execute_forward_real
 
-  !> The same in single precision.
-  subroutine execute_forward_real_single(p, a, s)
-    type(fft_plan_t), intent(in) :: p       !< plan
-    real(sp), intent(inout) :: a(*)         !< real columns; kept
-    complex(sp), intent(inout) :: s(*)      !< half spectra
-    call fftwf_execute_dft_r2c(p%plan, a, s)
-  end subroutine execute_forward_real_single
-
   !> Run a plan of `plan_backward_real`.
   subroutine execute_backward_real(p, s, a)
     type(fft_plan_t), intent(in) :: p       !< plan
@@ -286,6 +315,51 @@ contains
     real(sp), intent(inout) :: a(*)         !< real columns
     call fftwf_execute_dft_c2r(p%plan, s, a)
   end subroutine execute_backward_real_single
+
+  !> Run a plan of `plan_rows`; s or a is destroyed backward.
+  subroutine execute_rows(p, n, a, s, forward)
+    type(rows_plan_t), intent(in) :: p            !< plan
+    integer, intent(in) :: n                      !< size
+    real(dp), intent(inout) :: a(p%rows, n)       !< rows
+    complex(dp), intent(inout) :: s(p%rows, n/2 + 1)  !< half spectra
+    logical, intent(in) :: forward                !< from rows to half spectra
+    integer :: i, m(2)
+    m = parts_of(n, p%rows)
+    !$omp parallel do schedule(static) if(m(1) < p%rows)
+    do i = 1, p%rows, m(1)
+      associate (plan => p%part(merge(1, 2, i + m(1) <= p%rows + 1))%plan)
+        if (forward) call fftw_execute_dft_r2c(plan, a(i, 1), s(i, 1))
+        if (.not. forward) call fftw_execute_dft_c2r(plan, s(i, 1), a(i, 1))
+      end associate
+    end do
+    !$omp end parallel do
+  end subroutine execute_rows
+
+  !> The same in single precision.
+  subroutine execute_rows_single(p, n, a, s, forward)
+    type(rows_plan_t), intent(in) :: p            !< plan
+    integer, intent(in) :: n                      !< size
+    real(sp), intent(inout) :: a(p%rows, n)       !< rows
+    complex(sp), intent(inout) :: s(p%rows, n/2 + 1)  !< half spectra
+    logical, intent(in) :: forward                !< from rows to half spectra
+    integer :: i, m(2)
+    m = parts_of(n, p%rows)
+    !$omp parallel do schedule(static) if(m(1) < p%rows)
+    do i = 1, p%rows, m(1)
+      associate (plan => p%part(merge(1, 2, i + m(1) <= p%rows + 1))%plan)
+        if (forward) call fftwf_execute_dft_r2c(plan, a(i, 1), s(i, 1))
+        if (.not. forward) call fftwf_execute_dft_c2r(plan, s(i, 1), a(i, 1))
+      end associate
+    end do
+    !$omp end parallel do
+  end subroutine execute_rows_single
+
+  !> Give plans of rows back.
+  subroutine free_rows(p)
+    type(rows_plan_t), intent(inout) :: p   !< plans
+    call free_plan(p%part(1))
+    call free_plan(p%part(2))
+  end subroutine free_rows
 
   !> Give a plan back.
   subroutine free_plan(p)

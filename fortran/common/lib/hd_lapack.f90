@@ -63,6 +63,18 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dtrtri
+    subroutine dlaswp(n, a, lda, first, last, rows, step)
+      import :: dp
+      integer, intent(in) :: n, lda, first, last, rows(*), step
+      real(dp), intent(inout) :: a(lda, *)
+    end subroutine dlaswp
+    subroutine dtrsm(side, uplo, trans, diag, m, n, alpha, a, lda, b, ldb)
+      import :: dp
+      character(len=1), intent(in) :: side, uplo, trans, diag
+      integer, intent(in) :: m, n, lda, ldb
+      real(dp), intent(in) :: alpha, a(lda, *)
+      real(dp), intent(inout) :: b(ldb, *)
+    end subroutine dtrsm
     subroutine dposv(uplo, n, nrhs, a, lda, b, ldb, info)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -85,6 +97,9 @@ module hd_lapack
       real(dp), intent(inout) :: y(*)
     end subroutine dsymv
   end interface
+
+  integer, parameter :: large = 500   !< order from which threads share a factorisation
+  integer, parameter :: block = 64    !< columns that one of them takes
 
 contains
 
@@ -165,6 +180,36 @@ contains
     definite = info == 0
   end subroutine solve_definite
 
+  !> LU factors. Of a large matrix threads share blocks of columns, the same blocks for any number of them.
+  subroutine factorise(n, a, rows, info)
+    integer, intent(in) :: n              !< order
+    real(dp), intent(inout) :: a(n, n)    !< matrix, then factors
+    integer, intent(out) :: rows(n)       !< pivots
+    integer, intent(out) :: info          !< unknown that is singular, or 0
+    integer :: c, j, part, w
+    info = 0
+    if (n == 0) return
+    if (n < large) then
+      call dgetrf(n, n, a, n, rows, info)
+      return
+    end if
+    do j = 1, n, block
+      w = min(block, n + 1 - j)
+      call dgetrf(n + 1 - j, w, a(j, j), n, rows(j), part)
+      if (part > 0 .and. info == 0) info = part + j - 1
+      rows(j:j + w - 1) = rows(j:j + w - 1) + j - 1
+      !$omp parallel do schedule(dynamic)
+      do c = 1, n, block
+        if (c == j) cycle
+        call dlaswp(min(block, n + 1 - c), a(1, c), n, j, j + w - 1, rows, 1)
+        if (c < j) cycle
+        call dtrsm('L', 'L', 'N', 'U', w, min(block, n + 1 - c), 1._dp, a(j, j), n, a(j, c), n)
+        call dgemm('N', 'N', n + 1 - j - w, min(block, n + 1 - c), w, -1._dp, a(j + w, j), n, a(j, c), n, 1._dp, a(j + w, c), n)
+      end do
+      !$omp end parallel do
+    end do
+  end subroutine factorise
+
   !> Solve A x = b by LU, whose factors overwrite A.
   subroutine solve_dense(a, b, error, pivot)
     real(dp), intent(inout), contiguous :: a(:, :)    !< matrix (n, n), or its factors
@@ -178,7 +223,7 @@ contains
     if (present(pivot)) call move_alloc(pivot, rows)
     if (.not. allocated(rows)) then
       allocate (rows(n))
-      if (n > 0) call dgetrf(n, n, a, n, rows, info)
+      call factorise(n, a, rows, info)
     end if
     if (info == 0 .and. n > 0) call dgetrs('N', n, size(b, 2), a, n, rows, b, n, info)
     if (present(pivot)) call move_alloc(rows, pivot)

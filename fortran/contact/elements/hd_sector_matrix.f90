@@ -18,6 +18,7 @@ module hd_sector_matrix
     integer, allocatable :: col(:)          !< column nodes of a sector
     integer, allocatable :: shift(:)        !< -1, 0 or 1
     real(dp), allocatable :: val(:, :, :)   !< blocks (3, 3, size(col)) [N/m]
+    real(dp) :: largest = 0                 !< entry [N/m]
   end type sector_matrix_t
 
   interface
@@ -82,6 +83,7 @@ contains
         a%val(:, :, a%ptr(i):a%ptr(i + 1) - 1) = val(:, :, from:to)
       end associate
     end do
+    a%largest = maxval(abs(a%val))
   end subroutine new_sector_matrix
 
   !> y = y + A u.

@@ -9,6 +9,7 @@
 module hd_mortar
   use hd_kinds, only: dp
   use hd_face, only: face_t
+  use hd_vector, only: many
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
@@ -33,6 +34,13 @@ module hd_mortar
     real(dp), allocatable :: offset(:, :)      !< part of the relative position that is not of displacements (3, multipliers) [m]
   end type mortar_t
 
+  integer, parameter :: batch = 1024   !< facets whose overlaps are found together
+
+  !> Overlaps of a facet.
+  type :: overlaps_t
+    type(point_t), allocatable :: points(:)
+  end type overlaps_t
+
 contains
 
   !> Couple two faces; their node numbers belong to one common numbering.
@@ -42,6 +50,7 @@ contains
     type(mortar_t), intent(out) :: mortar  !< coupling
     real(dp), intent(in), optional :: shift(:, :)  !< way on the chart from each multiplier to its opposite (2, multipliers) [m]
     type(point_t), allocatable :: points(:)
+    type(overlaps_t) :: found(batch)
     type(face_t) :: moved
     type(bins_t) :: bins
     integer, allocatable :: row(:), col(:)
@@ -56,7 +65,14 @@ contains
     allocate (row(0), col(0), val(0))
     nnz = 0
     do f = 1, size(slave%nodes, 2)
-      call integrate_overlaps(moved, f, master, bins, points)
+      if (modulo(f - 1, batch) == 0) then
+        !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
+        do k = f, min(f + batch - 1, size(slave%nodes, 2))
+          call integrate_overlaps(moved, k, master, bins, found(k - f + 1)%points)
+        end do
+        !$omp end parallel do
+      end if
+      call move_alloc(found(modulo(f - 1, batch) + 1)%points, points)
       if (size(points) == 0) cycle
       if (present(shift)) points%weight = points%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
       dual = dual_basis(points)
@@ -255,13 +271,14 @@ contains
   end subroutine drop_rounding
 
   !> Relative displacement w of the master against the slave at the multipliers.
-  pure function relative_displacement(mortar, u) result(w)
+  function relative_displacement(mortar, u) result(w)
     type(mortar_t), intent(in) :: mortar  !< coupling
     real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
     real(dp) :: w(3, mortar%n), sides(3, 2)
     integer :: j, k
-    w = 0
+    !$omp parallel do schedule(static) private(sides, k) if(size(mortar%val) > many)
     do j = 1, mortar%n
+      w(:, j) = 0
       if (allocated(mortar%turn)) then
         sides = side_sums(mortar, mortar%slave_nodes, u, j)
         w(:, j) = matmul(mortar%turn(:, :, j), sides(:, 1)) + matmul(mortar%carry(:, :, j), sides(:, 2))
@@ -271,6 +288,7 @@ contains
         end do
       end if
     end do
+    !$omp end parallel do
   end function relative_displacement
 
   !> Weighted sums over the nodes of a multiplier, those of the slave and of the master, each in the dofs of its nodes.

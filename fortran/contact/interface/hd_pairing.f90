@@ -80,7 +80,7 @@ contains
 
   !> What displacements have moved since the faces were paired, in the mean over the pressure: distance of the pairs along the face,
   !> and turn of their normals.
-  pure subroutine pairing_error(pairing, mortar, u, pressure, apart_by, turned_by)
+  subroutine pairing_error(pairing, mortar, u, pressure, apart_by, turned_by)
     type(pairing_t), intent(in) :: pairing     !< faces
     type(mortar_t), intent(in) :: mortar       !< their coupling
     real(dp), intent(in) :: u(:, :)            !< displacements (3, nodes) [m]

@@ -7,6 +7,7 @@ module hd_checked_solve
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
+  use hd_vector, only: dot, length, many, work
   implicit none
   private
   public :: solve_checked, solve_refined
@@ -57,22 +58,25 @@ contains
     real(dp), intent(inout) :: dtraction(:, :)           !< first guess, then tractions (3, multipliers) [Pa]
     logical, intent(out) :: accurate                     !< the accuracy is reached
     type(error_t), allocatable, intent(out) :: error     !< solver failure
-    real(dp), dimension(3, size(du, 2)) :: left_u, more_u
+    real(dp), dimension(3, size(du, 2)) :: left_u, more_u, against
     real(dp), dimension(3, size(dtraction, 2)) :: left_c, more_c, none
-    real(dp) :: residual, work
+    real(dp) :: residual
     integer :: i
     none = 0
-    left_u = -force  ! a wheel that turns is loaded there too
+    against = -force  ! a wheel that turns is loaded there too
+    left_u = against
     left_c = 0
-    if (any(abs(du) > 0)) call find_remainder(problem, dw, dt, -force, none, du, dtraction, left_u, left_c, residual)
+    if (any(abs(du) > 0)) call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
     do i = 1, most
       call solver%solve(problem, left_u, left_c, more_u, more_c, error)
       if (allocated(error)) return
+      !$omp parallel workshare if(size(du) > many)
       du = du + more_u
+      !$omp end parallel workshare
       dtraction = dtraction + more_c
-      call find_remainder(problem, dw, dt, -force, none, du, dtraction, left_u, left_c, residual)
-      work = sum(abs(du*left_u)) + sum(spread(problem%mortar%area, 1, 3)*abs(dtraction*left_c))/problem%law%scale
-      accurate = work <= accuracy*abs(sum(force*du))
+      call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
+      accurate = work(size(du), du, left_u) + sum(spread(problem%mortar%area, 1, 3)*abs(dtraction*left_c))/problem%law%scale <= &
+        accuracy*abs(dot(size(du), force, du))
       if (accurate) return
     end do
   end subroutine solve_refined
@@ -87,22 +91,36 @@ contains
     real(dp), intent(in) :: dtraction(:, :)              !< solution (3, multipliers) [Pa]
     real(dp), intent(out) :: left_u(:, :), left_c(:, :)  !< what remains of r_u and r_c
     real(dp), intent(out) :: relative                    !< backward error
-    real(dp) :: w(3, size(r_c, 2)), f(3, size(r_u, 2))
-    integer :: j
-    f = 0
-    call add_nodal_forces(problem%mortar, dtraction, f)
-    left_u = r_u + apply_stiffness(problem, du) - f
-    where (problem%fixed) left_u = 0
+    real(dp) :: w(3, size(r_c, 2)), f(3, size(r_u, 2)), loaded(3, size(r_u, 2)), pressed(3, size(r_c, 2))
+    real(dp) :: given
+    integer :: i, j, n
+    n = size(r_u)
+    left_u = apply_stiffness(problem, du)
     w = relative_displacement(problem%mortar, du)
+    !$omp parallel if(n > many)
+    !$omp do schedule(static)
+    do i = 1, size(r_u, 2)
+      f(:, i) = 0
+    end do
+    !$omp end do
+    !$omp single
+    call add_nodal_forces(problem%mortar, dtraction, f)
+    !$omp end single
+    !$omp do schedule(static)
+    do i = 1, size(r_u, 2)
+      left_u(:, i) = merge(0._dp, r_u(:, i) + left_u(:, i) - f(:, i), problem%fixed(:, i))
+      loaded(:, i) = merge(0._dp, r_u(:, i), problem%fixed(:, i))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
     do j = 1, size(r_c, 2)
       left_c(:, j) = r_c(:, j) + matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), dtraction(:, j))
+      pressed(:, j) = problem%mortar%area(j)*r_c(:, j)
+      w(:, j) = problem%mortar%area(j)*left_c(:, j)
     end do
-    relative = size_of(left_u, left_c)/max(size_of(merge(0._dp, r_u, problem%fixed), r_c) + &
-      largest_stiffness(problem)*norm2(du), tiny(1._dp))
-  contains
-    pure real(dp) function size_of(u, c)
-      real(dp), intent(in) :: u(:, :), c(:, :)
-      size_of = sqrt(sum(u**2) + sum((spread(problem%mortar%area, 1, 3)*c)**2))
-    end function size_of
+    !$omp end do
+    !$omp end parallel
+    given = hypot(length(n, loaded), length(size(pressed), pressed))
+    relative = hypot(length(n, left_u), length(size(w), w))/max(given + largest_stiffness(problem)*length(n, du), tiny(1._dp))
   end subroutine find_remainder
 end module hd_checked_solve

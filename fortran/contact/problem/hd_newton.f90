@@ -18,6 +18,7 @@ module hd_newton
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
+  use hd_vector, only: length, many
   implicit none
   private
   public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components
@@ -431,8 +432,8 @@ contains
     type(state_t), intent(in) :: previous           !< beginning of the load step
     type(state_t), intent(inout) :: state           !< iterate; gets its gap and slip
     type(linearisation_t), intent(inout) :: here    !< linearisation
-    real(dp), allocatable :: force(:, :)
-    real(dp) :: scale, law
+    real(dp), allocatable :: force(:, :), left(:, :)
+    real(dp) :: scale, law, moved
     integer :: c, i, j
     if (.not. allocated(here%contact)) then
       allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
@@ -444,6 +445,7 @@ contains
       here%lead = leads(previous)
     end if
     call gap_and_slip(problem, load, previous, state)
+    !$omp parallel do schedule(static) private(c, i) if(9*problem%mortar%n > many)
     do j = 1, problem%mortar%n
       if (j > problem%mortar%n - problem%mortar%rigid) then
         call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &
@@ -460,15 +462,25 @@ contains
         here%dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
       end do
     end do
+    !$omp end parallel do
     here%r_u = internal_residual(problem, load, state)
+    allocate (left(3, problem%n))
     allocate (force(3, problem%n), source=0._dp)
     call add_nodal_forces(problem%mortar, state%traction, force)
-    law = sqrt(sum((spread(problem%mortar%area, 1, 3)*here%r_c)**2))
-    scale = norm2(force) + norm2(load%force) + norm2(pack(here%r_u, problem%fixed)) + law + tiny(scale)
+    law = norm2(spread(problem%mortar%area, 1, 3)*here%r_c)
+    moved = length(size(state%u), state%u)
+    scale = length(size(force), force) + length(size(load%force), load%force) + law + tiny(scale)
+    !$omp parallel do schedule(static) if(size(force) > many)
+    do j = 1, problem%n
+      force(:, j) = merge(here%r_u(:, j), 0._dp, problem%fixed(:, j))
+      left(:, j) = here%r_u(:, j) - force(:, j)
+    end do
+    !$omp end parallel do
+    scale = scale + length(size(force), force)
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
-    here%forceless = scale <= rounding*here%stiffness*norm2(state%u)
-    scale = scale + unstrained*here%stiffness*norm2(state%u)  ! bodies moved as a whole have no forces but rounding
-    here%distance = sqrt(sum(here%r_u**2, mask=.not. problem%fixed) + law**2)
+    here%forceless = scale <= rounding*here%stiffness*moved
+    scale = scale + unstrained*here%stiffness*moved  ! bodies moved as a whole have no forces but rounding
+    here%distance = hypot(length(size(left), left), law)
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise

@@ -11,6 +11,7 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
+  use hd_vector, only: many
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
@@ -233,7 +234,9 @@ contains
       f = multiply(problem%stiffness, u)
       return
     end if
+    !$omp parallel workshare if(size(u) > many)
     f = problem%spring*u
+    !$omp end parallel workshare
     do b = 1, size(problem%bodies)
       associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
         call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
@@ -244,15 +247,11 @@ contains
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
     type(problem_t), intent(in) :: problem  !< problem
-    integer :: b
-    k = 0
     if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
       k = maxval(abs(problem%stiffness%val))
-      return
+    else
+      k = maxval(problem%sector%largest)
     end if
-    do b = 1, size(problem%sector)
-      k = max(k, maxval(abs(problem%sector(b)%val)))
-    end do
   end function largest_stiffness
 
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.
@@ -275,7 +274,10 @@ contains
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
       r = r + problem%spring*state%u - f
     else
-      r = elastic_forces(problem, state%u) - f
+      r = elastic_forces(problem, state%u)
+      !$omp parallel workshare if(size(f) > many)
+      r = r - f
+      !$omp end parallel workshare
     end if
   end function internal_residual
 
@@ -427,7 +429,7 @@ contains
 
   !> Gap and total tangential displacement of the master against the slave. Points that are paired anew add the way of the load
   !> step, in their present frame, to the way before.
-  pure subroutine gap_and_slip(problem, load, previous, state)
+  subroutine gap_and_slip(problem, load, previous, state)
     type(problem_t), intent(in) :: problem   !< problem
     type(load_t), intent(in) :: load         !< load
     type(state_t), intent(in) :: previous    !< state at the beginning of the load step

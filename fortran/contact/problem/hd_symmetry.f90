@@ -6,6 +6,7 @@ module hd_symmetry
   use hd_body, only: body_t
   use hd_error, only: error_t, raise, code_input
   use hd_problem, only: problem_t, load_t, state_t
+  use hd_vector, only: many
   implicit none
   private
   public :: symmetry_t, sharing_t, use_symmetry, symmetrise, share_law, same_shape, symmetry_name, image_sector, &
@@ -97,7 +98,7 @@ contains
   end subroutine use_symmetry
 
   !> Symmetry that meshes, load and state share.
-  pure type(symmetry_t) function find_symmetry(problem, load, state) result(symmetry)
+  type(symmetry_t) function find_symmetry(problem, load, state) result(symmetry)
     type(problem_t), intent(in) :: problem  !< revolved bodies, supports the same in every sector
     type(load_t), intent(in) :: load        !< load at the end of the step
     type(state_t), intent(in) :: state      !< state at its beginning
@@ -111,7 +112,7 @@ contains
   end function find_symmetry
 
   !> One operation leaves load and state as they are.
-  pure logical function holds(problem, load, state, mirror) result(yes)
+  logical function holds(problem, load, state, mirror) result(yes)
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< state
@@ -153,7 +154,7 @@ contains
   end function node_images
 
   !> Radii and heights of bodies that were formed have the symmetry too.
-  pure logical function same_shape(round, formed, symmetry) result(yes)
+  logical function same_shape(round, formed, symmetry) result(yes)
     type(problem_t), intent(in) :: round      !< round bodies
     type(problem_t), intent(in) :: formed     !< bodies with the same nodes
     type(symmetry_t), intent(in) :: symmetry  !< of the load step
@@ -221,7 +222,7 @@ contains
   end subroutine share_law
 
   !> Replace the derivatives of the law by those that count.
-  pure subroutine take_law(self, dw, dt)
+  subroutine take_law(self, dw, dt)
     class(sharing_t), intent(in) :: self            !< sharing
     real(dp), intent(inout) :: dw(:, :, :)          !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(inout) :: dt(:, :, :)          !< dR/dt (3, 3, multipliers)
@@ -234,18 +235,21 @@ contains
   end subroutine take_law
 
   !> A field equals its image.
-  pure logical function same(field, image, sign, tolerance) result(yes)
+  logical function same(field, image, sign, tolerance) result(yes)
     real(dp), intent(in) :: field(:, :)  !< (3, points)
     integer, intent(in) :: image(:)      !< image of each point
     real(dp), intent(in) :: sign(3)      !< signs of the components
     real(dp), intent(in) :: tolerance    !< relative to the largest entry
-    real(dp) :: largest
+    real(dp) :: largest, apart
     integer :: i
-    largest = maxval(abs(field))
-    yes = .false.
+    largest = 0
+    apart = 0
+    !$omp parallel do schedule(static) reduction(max: largest, apart) if(size(field) > many)
     do i = 1, size(image)
-      if (any(abs(field(:, i) - sign*field(:, image(i))) > tolerance*largest)) return
+      largest = max(largest, maxval(abs(field(:, i))))
+      apart = max(apart, maxval(abs(field(:, i) - sign*field(:, image(i)))))
     end do
-    yes = .true.
+    !$omp end parallel do
+    yes = apart <= tolerance*largest
   end function same
 end module hd_symmetry

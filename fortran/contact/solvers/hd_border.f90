@@ -21,6 +21,7 @@ module hd_border
   use hd_flank_friction, only: lean_rows
   use hd_strut, only: closing_of, push
   use hd_symmetry, only: symmetry_t
+  use hd_vector, only: many
   implicit none
   private
   public :: border_t, new_border
@@ -38,6 +39,7 @@ module hd_border
     type(symmetry_t) :: symmetry                 !< that these motions have
     integer :: serial = 0                        !< of the pairs behind `side`
     integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
+    real(dp), allocatable :: cosine(:), sine(:), radius(:)   !< of the nodes' places (n) [1, 1, m]
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
     logical, allocatable :: blind(:)             !< of these: their force does not see displacements
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
@@ -51,6 +53,8 @@ module hd_border
     procedure :: split => split_forces
     procedure :: respond => respond_struts
     procedure :: columns => active_columns
+    procedure, private :: work => work_of_motion
+    procedure, private :: motion => motion_of_node
     procedure :: add_solution
   end type border_t
 
@@ -70,6 +74,14 @@ contains
     border%symmetry = symmetry
     border%serial = problem%mortar%serial
     call list_modes(problem, border)
+    allocate (border%cosine(problem%n), border%sine(problem%n), border%radius(problem%n))
+    do i = 1, size(problem%bodies)
+      associate (body => problem%bodies(i), low => problem%first(i) + 1, high => problem%first(i) + problem%bodies(i)%nodes())
+        border%cosine(low:high) = cos(body%angle)
+        border%sine(low:high) = sin(body%angle)
+        border%radius(low:high) = hypot(body%x(1, :), body%x(2, :))
+      end associate
+    end do
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
     allocate (f(3, problem%n), u(3, problem%n), v(3, problem%n), border%held(border%modes), border%shares(n, n))
     do i = 1, n
@@ -95,7 +107,7 @@ contains
     end if
     do i = 1, border%modes
       u = 0
-      call add_rigid_motion(problem, border%body(i), border%kind(i), border%scale, u)
+      call add_rigid_motion(border, problem, i, border%scale, u)
       f = problem%spring*u
       call compliance%solve(problem, f, v, error)
       if (allocated(error)) return
@@ -130,25 +142,56 @@ contains
   end subroutine list_modes
 
   !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves its first node by so much.
-  pure subroutine add_rigid_motion(problem, body, kind, amount, u)
+  subroutine add_rigid_motion(self, problem, mode, amount, u)
+    class(border_t), intent(in) :: self       !< border
     type(problem_t), intent(in) :: problem    !< problem of revolved bodies
-    integer, intent(in) :: body, kind         !< as of border_t
+    integer, intent(in) :: mode               !< motion
     real(dp), intent(in) :: amount            !< [m]
     real(dp), intent(inout) :: u(:, :)        !< displacements (3, n) [m]
-    associate (b => problem%bodies(body), low => problem%first(body) + 1, &
-        high => problem%first(body) + problem%bodies(body)%nodes())
-      select case (kind)
-      case (1)
-        u(1, low:high) = u(1, low:high) + amount*cos(b%angle)
-        u(2, low:high) = u(2, low:high) - amount*sin(b%angle)
-      case (2)
-        u(1, low:high) = u(1, low:high) + amount*sin(b%angle)
-        u(2, low:high) = u(2, low:high) + amount*cos(b%angle)
-      case default
-        u(2, low:high) = u(2, low:high) + amount*hypot(b%x(1, :), b%x(2, :))/hypot(b%x(1, 1), b%x(2, 1))
-      end select
+    integer :: i
+    associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
+      !$omp parallel do schedule(static) if(3*nodes > many)
+      do i = first + 1, first + nodes
+        u(:2, i) = u(:2, i) + self%motion(mode, amount, i, first + 1)
+      end do
+      !$omp end parallel do
     end associate
   end subroutine add_rigid_motion
+
+  !> The same of a node, along r and theta [m].
+  pure function motion_of_node(self, mode, amount, node, first) result(u)
+    class(border_t), intent(in) :: self  !< border
+    integer, intent(in) :: mode          !< motion
+    real(dp), intent(in) :: amount       !< [m]
+    integer, intent(in) :: node, first   !< and the first one of its body
+    real(dp) :: u(2)
+    select case (self%kind(mode))
+    case (1)
+      u = [amount*self%cosine(node), -amount*self%sine(node)]
+    case (2)
+      u = [amount*self%sine(node), amount*self%cosine(node)]
+    case default
+      u = [0._dp, amount*self%radius(node)/self%radius(first)]
+    end select
+  end function motion_of_node
+
+  !> Work of nodal forces on the unit of a motion [N m].
+  pure real(dp) function work_of_motion(self, problem, mode, f) result(work)
+    class(border_t), intent(in) :: self      !< border
+    type(problem_t), intent(in) :: problem   !< problem
+    integer, intent(in) :: mode              !< motion
+    real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
+    real(dp) :: u(2)
+    integer :: i
+    work = 0
+    associate (first => problem%first(self%body(mode)))
+      do i = first + 1, first + problem%bodies(self%body(mode))%nodes()
+        u = self%motion(mode, self%scale, i, first + 1)
+        work = work + u(1)*f(1, i)
+        work = work + u(2)*f(2, i)
+      end do
+    end associate
+  end function work_of_motion
 
   !> Struts that push at the present iterate.
   subroutine take_active(self, problem)
@@ -193,22 +236,23 @@ contains
   end function border_matrix
 
   !> Right-hand sides of the border for forces that are known and the displacements they make.
-  pure function known_side(self, problem, f, v) result(b)
+  function known_side(self, problem, f, v) result(b)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
     real(dp), intent(in) :: v(:, :)          !< C f (3, n) [m]
     real(dp) :: b(size(self%active) + self%modes)
-    real(dp) :: u(3, problem%n)
+    real(dp) :: left(3, problem%n)
     integer :: i, n
     n = size(self%active)
+    !$omp parallel workshare if(size(v) > many)
+    left = f - problem%spring*v
+    !$omp end parallel workshare
     do i = 1, n
       b(i) = merge(0._dp, -closing_of(problem%struts(self%active(i)), v), self%blind(i))
     end do
     do i = 1, self%modes
-      u = 0
-      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale, u)
-      b(n + i) = -sum(u*(f - problem%spring*v))
+      b(n + i) = -self%work(problem, i, left)
     end do
   end function known_side
 
@@ -238,20 +282,29 @@ contains
     real(dp), intent(in) :: left(:, :)       !< of split_forces: the bodies do not answer to it (3, n) [N]
     real(dp), intent(inout) :: w(:, :)       !< gets the displacements (3, multipliers) [m]
     real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
-    real(dp) :: u(3, problem%n)
-    integer, allocatable :: list(:)
-    integer :: i
+    integer, allocatable :: list(:), points(:)
+    integer :: i, j
     list = self%columns()
-    known = [(-dot_product(self%own(:, list(i)), forces) - sum(self%side(:, :, list(i))*pressed), i=1, size(list))]
-    where (self%blind) known(:size(self%blind)) = 0
-    do i = 1, self%struts
-      if (abs(forces(i)) > 0) w = w + forces(i)*self%side(:, :, i)
+    points = pack([(i, i=1, size(pressed, 2))], any(abs(pressed) > 0, 1))  ! often few
+    allocate (known(size(list)))
+    !$omp parallel if(3*size(points)*size(list) > many)
+    !$omp do schedule(static)
+    do i = 1, size(list)
+      known(i) = -dot_product(self%own(:, list(i)), forces) - sum(self%side(:, points, list(i))*pressed(:, points))
     end do
+    !$omp end do
+    !$omp do schedule(static)
+    do j = 1, size(w, 2)
+      do i = 1, self%struts
+        if (abs(forces(i)) > 0) w(:, j) = w(:, j) + forces(i)*self%side(:, j, i)
+      end do
+    end do
+    !$omp end do
+    !$omp end parallel
+    where (self%blind) known(:size(self%blind)) = 0
     do i = 1, self%modes
-      u = 0
-      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale, u)
       associate (entry => known(size(self%active) + i))
-        entry = entry - sum(u*left)
+        entry = entry - self%work(problem, i, left)
       end associate
     end do
   end subroutine respond_struts
@@ -267,10 +320,14 @@ contains
     do i = 1, size(self%active)
       call push(problem%struts(self%active(i)), x(i), f)
     end do
+    !$omp parallel workshare if(size(u) > many)
     u = 0
+    !$omp end parallel workshare
     do i = 1, self%modes
-      call add_rigid_motion(problem, self%body(i), self%kind(i), self%scale*x(size(self%active) + i), u)
+      call add_rigid_motion(self, problem, i, self%scale*x(size(self%active) + i), u)
     end do
+    !$omp parallel workshare if(size(u) > many)
     f = f - problem%spring*u
+    !$omp end parallel workshare
   end subroutine add_solution
 end module hd_border

@@ -8,13 +8,14 @@ module hd_circulant
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
     side_block, release_side, line_up, fade_out
   use hd_error, only: error_t, raise, code_input
-  use hd_fft, only: execute_backward_real_single, execute_forward_real_single, fft_plan_t, free_plan, plan_rows_single
+  use hd_fft, only: execute_rows_single, free_rows, plan_rows_single, rows_plan_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_system, only: stop_requested, check_stop
   use hd_harmonics, only: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries
   use hd_lapack, only: invert_symmetric
   use hd_problem, only: problem_t
   use hd_symmetry, only: symmetry_t
+  use hd_vector, only: many
   implicit none
   private
   public :: circulant_t, new_circulant, has_circulant
@@ -33,7 +34,7 @@ module hd_circulant
     type(harmonic_matrix_t) :: hat                  !< [N/m]
     real(sp), allocatable :: field(:, :)            !< (3 rows, n/stride)
     complex(sp), allocatable :: wave(:, :)          !< (3 rows, n/stride/2 + 1)
-    type(fft_plan_t) :: forward, backward
+    type(rows_plan_t) :: forward, backward
   end type inverse_t
 
   type :: circulant_t
@@ -264,8 +265,10 @@ contains
     integer :: b
     do b = 1, 2
       associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
-        u(:, low:high) = 0
-        if (.not. any(abs(f(:, low:high)) > 0)) cycle
+        if (.not. any(abs(f(:, low:high)) > 0)) then
+          u(:, low:high) = 0
+          cycle
+        end if
         call solve_body(self%bodies(b), self%stride, f(:, low:high), u(:, low:high), error)
       end associate
       if (allocated(error)) return
@@ -296,15 +299,19 @@ contains
     if (allocated(error)) return
     associate (ring => self%ring)
       n = size(ring%field, 2)
+      !$omp parallel do schedule(static) if(size(w) > many)
       do j = 1, size(w, 2)
         if (self%sector(j) < n) ring%field(3*self%row(j) - 2:3*self%row(j), self%sector(j) + 1) = real(w(:, j), sp)
       end do
-      call execute_forward_real_single(ring%forward, ring%field, ring%wave)
+      !$omp end parallel do
+      call execute_rows_single(ring%forward, n, ring%field, ring%wave, .true.)
       call ring%hat%multiply_single(self%stride, ring%wave)
-      call execute_backward_real_single(ring%backward, ring%wave, ring%field)
+      call execute_rows_single(ring%backward, n, ring%field, ring%wave, .false.)
+      !$omp parallel do schedule(static) if(size(w) > many)
       do j = 1, size(w, 2)
         f(:, j) = ring%field(3*self%row(j) - 2:3*self%row(j), modulo(self%sector(j), n) + 1)/real(n, sp)
       end do
+      !$omp end parallel do
     end associate
   end subroutine precondition_circulant
 
@@ -415,8 +422,8 @@ contains
   subroutine release_parts(self)
     class(circulant_t), intent(inout) :: self  !< compliance
     integer :: p
-    call free_plan(self%ring%forward)
-    call free_plan(self%ring%backward)
+    call free_rows(self%ring%forward)
+    call free_rows(self%ring%backward)
     if (allocated(self%ring%field)) deallocate (self%ring%field, self%ring%wave)
     self%inverted = .false.
     do p = self%part(1), self%part(2)

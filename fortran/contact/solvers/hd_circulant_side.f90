@@ -4,9 +4,10 @@
 module hd_circulant_side
   use hd_kinds, only: dp
   use hd_error, only: error_t
-  use hd_fft, only: backward_real, fft_plan_t, free_plan, execute_backward_real, execute_forward_real, plan_rows
+  use hd_fft, only: backward_real, execute_rows, free_rows, plan_rows, rows_plan_t
   use hd_harmonic_matrix, only: harmonic_matrix_t
   use hd_problem, only: problem_t
+  use hd_vector, only: many
   implicit none
   private
   public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side, &
@@ -27,7 +28,7 @@ module hd_circulant_side
     real(dp), allocatable :: near(:, :, :)          !< that between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
     real(dp), allocatable :: field(:, :)            !< workspace of apply (3 nodes, n/stride)
     complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
-    type(fft_plan_t) :: forward, backward
+    type(rows_plan_t) :: forward, backward
   end type circulant_side_t
 
 contains
@@ -134,9 +135,12 @@ contains
     real(dp) :: sums(3)
     integer :: c, j, k, n, s
     n = size(side%field, 2)
+    !$omp parallel workshare if(size(side%field) > many)
     side%field = 0
+    !$omp end parallel workshare
     do j = 1, size(f, 2)
       if (.not. first(j)) cycle
+      if (.not. any(abs(f(:, j)) > 0)) cycle
       do k = side%ptr(j), side%ptr(j + 1) - 1
         s = modulo(side%sector(k), n) + 1
         do c = 1, 3
@@ -144,9 +148,10 @@ contains
         end do
       end do
     end do
-    call execute_forward_real(side%forward, side%field, side%wave)
+    call execute_rows(side%forward, n, side%field, side%wave, .true.)
     call side%hat%multiply(stride, side%wave, single)
-    call execute_backward_real(side%backward, side%wave, side%field)
+    call execute_rows(side%backward, n, side%field, side%wave, .false.)
+    !$omp parallel do schedule(static) private(sums, c, k, s) if(size(side%field) > many)
     do j = 1, size(f, 2)
       sums = 0
       do k = side%ptr(j), side%ptr(j + 1) - 1
@@ -157,6 +162,7 @@ contains
       end do
       w(:, j) = w(:, j) + sums/n
     end do
+    !$omp end parallel do
   end subroutine add_response
 
   !> Add the blocks F(list, j) diag(sign) to a column of blocks.
@@ -199,8 +205,8 @@ contains
   !> Give back plans and what they work on.
   subroutine release_side(side)
     type(circulant_side_t), intent(inout) :: side  !< planned
-    call free_plan(side%forward)
-    call free_plan(side%backward)
+    call free_rows(side%forward)
+    call free_rows(side%backward)
     if (allocated(side%field)) deallocate (side%field, side%wave, side%near)
     if (allocated(side%kernel)) deallocate (side%kernel)
   end subroutine release_side

@@ -16,6 +16,7 @@ module hd_condensed
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
   use hd_text, only: to_text
+  use hd_vector, only: length, many
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -151,7 +152,7 @@ contains
     if (self%symmetry%mirror > 0) mirrored = images(self, list, self%symmetry%mirror)
     call solve_face(self, system, list, mirrored, w, dtraction, error)
     if (allocated(error)) return
-    f = -r_u
+    f = negative(r_u)
     call add_nodal_forces(problem%mortar, dtraction, f)
     if (bordered) then
       allocate (motion, mold=f)
@@ -159,7 +160,11 @@ contains
     end if
     call balance(self, f)
     call self%compliance%solve(problem, f, du, error)
-    if (bordered) du = du + motion
+    if (bordered) then
+      !$omp parallel workshare if(size(du) > many)
+      du = du + motion
+      !$omp end parallel workshare
+    end if
     call balance(self, du)
   end subroutine solve_condensed
 
@@ -180,17 +185,19 @@ contains
     allocate (pressed, source=spread(problem%mortar%area, 1, 3)*system%q)
     allocate (w, mold=pressed)
     scale = norm2(spread(problem%mortar%area, 1, 3)*r_c)
-    f = -r_u
+    f = negative(r_u)
     call balance(self, f)
-    v = f
+    allocate (v, mold=f)
     easy = .true.
     if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
     if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
-      scale = max(scale, norm2(f - v))
+      scale = max(scale, length(size(f), f - v))
+    else if (easy) then
+      v = f
     end if
-    if (easy) easy = norm2(merge(0._dp, v, problem%fixed)) <= balanced*scale
+    if (easy) easy = length(size(v), free_part(v, problem%fixed)) <= balanced*scale
     if (easy) then
       call self%compliance%apply(.false., pressed, w)
       if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
@@ -230,11 +237,52 @@ contains
   end subroutine add_border
 
   !> Forces or displacements without the rounding that breaks the mirror plane: a body that turns freely would turn far by it.
-  pure subroutine balance(self, f)
+  subroutine balance(self, f)
     class(condensed_t), intent(in) :: self  !< solver
     real(dp), intent(inout) :: f(:, :)      !< nodal vectors (3, n)
-    if (self%symmetry%mirror > 0) f = (f + spread(mirror_sign, 2, size(f, 2))*f(:, self%image))/2
+    real(dp) :: other(3, size(f, 2))
+    integer :: i
+    if (self%symmetry%mirror == 0) return
+    !$omp parallel if(size(f) > many)
+    !$omp do schedule(static)
+    do i = 1, size(f, 2)
+      other(:, i) = mirror_sign*f(:, self%image(i))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do i = 1, size(f, 2)
+      f(:, i) = (f(:, i) + other(:, i))/2
+    end do
+    !$omp end do
+    !$omp end parallel
   end subroutine balance
+
+  !> Nodal vectors without what is at fixed dofs (3, n).
+  function free_part(v, fixed) result(f)
+    real(dp), intent(in) :: v(:, :)     !< vectors
+    logical, intent(in) :: fixed(:, :)  !< dofs
+    real(dp), allocatable :: f(:, :)
+    integer :: i
+    allocate (f, mold=v)
+    !$omp parallel do schedule(static) if(size(v) > many)
+    do i = 1, size(v, 2)
+      f(:, i) = merge(0._dp, v(:, i), fixed(:, i))
+    end do
+    !$omp end parallel do
+  end function free_part
+
+  !> The opposite of nodal vectors (3, n).
+  function negative(r) result(f)
+    real(dp), intent(in) :: r(:, :)  !< vectors
+    real(dp), allocatable :: f(:, :)
+    integer :: i
+    allocate (f, mold=r)
+    !$omp parallel do schedule(static) if(size(r) > many)
+    do i = 1, size(r, 2)
+      f(:, i) = -r(:, i)
+    end do
+    !$omp end parallel do
+  end function negative
 
   !> Points on the mirror plane get no circumferential shear, for the same reason.
   subroutine hold_on_plane(self, r_c)

@@ -14,7 +14,7 @@ module hd_face_system
   use hd_lapack, only: solve_dense
   use hd_symmetry, only: symmetry_t, mirror_sign
   use hd_system, only: stop_requested, check_stop
-  use hd_vector, only: cross
+  use hd_vector, only: cross, many
   implicit none
   private
   public :: face_system_t, new_face_system
@@ -79,6 +79,7 @@ contains
     allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m), system%q(3, m), system%s(3, m))
     allocate (system%rank(m), system%f(3, m), system%w(3, m))
     system%area = area
+    !$omp parallel do schedule(static) private(k) if(9*m > many)
     do j = 1, m
       system%r(:, :, j) = dw(:, :, j)
       system%t(:, :, j) = dt(:, :, j)
@@ -88,6 +89,7 @@ contains
       call split_tractions(system%r(:, :, j), system%t(:, :, j), system%s(:, j), k, system%p(:, :, j), system%q(:, j))
       system%d(:, :, j) = matmul(system%t(:, :, j), system%p(:, :, j))/area(j)
     end do
+    !$omp end parallel do
   end subroutine new_face_system
 
   !> Orthonormal rows by Gram-Schmidt with pivots; rows without displacement come last. The same is done to T and s.
@@ -406,19 +408,25 @@ contains
     class(face_system_t), intent(inout) :: self  !< system
     real(dp), intent(in) :: x(:)                 !< unknowns [N]
     real(dp), intent(out) :: y(:)                !< rows [m]
-    integer :: k, l, n
+    integer :: i, k, l, n
     n = size(self%at)
     self%f = 0
-    do l = 1, n
-      self%f(:, self%at(l)) = self%f(:, self%at(l)) + self%columns(:, l)*x(l)
+    !$omp parallel do schedule(static) private(l) if(n > many/4)
+    do i = 1, size(self%list)
+      do l = self%start(i) + 1, self%start(i + 1)
+        self%f(:, self%list(i)) = self%f(:, self%list(i)) + self%columns(:, l)*x(l)
+      end do
     end do
+    !$omp end parallel do
     call self%compliance%apply(self%single, self%f, self%w)
+    !$omp parallel do schedule(static) private(k) if(n > many/4)
     do l = 1, n
       y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
       do k = self%first(l), min(self%first(l) + 2, n)
         y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
       end do
     end do
+    !$omp end parallel do
     if (allocated(self%strut_forces)) y(:n) = y(:n) - matmul(self%strut_right, matmul(self%strut_forces(:, :n), x(:n)))
     if (self%more == 0) return
     y(:n) = y(:n) + matmul(self%right, x(n + 1:))
@@ -446,11 +454,15 @@ contains
     real(dp), intent(in) :: x(:)                      !< rows [m]
     real(dp), intent(out) :: y(:)                     !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    integer :: l
+    integer :: i, l
     self%w = 0
-    do l = 1, size(x)
-      self%w(:, self%at(l)) = self%w(:, self%at(l)) + self%rows(:, l)*(self%share(l)*x(l))
+    !$omp parallel do schedule(static) private(l) if(size(x) > many/4)
+    do i = 1, size(self%list)
+      do l = self%start(i) + 1, self%start(i + 1)
+        self%w(:, self%list(i)) = self%w(:, self%list(i)) + self%rows(:, l)*(self%share(l)*x(l))
+      end do
     end do
+    !$omp end parallel do
     do l = 1, size(self%fringe)
       self%w(:, self%fringe(l)) = self%w(:, self%fringe(l)) + self%fade(l)*self%w(:, self%from(l))
     end do
@@ -459,8 +471,10 @@ contains
     do l = size(self%fringe), 1, -1
       self%f(:, self%from(l)) = self%f(:, self%from(l)) + self%fade(l)*self%f(:, self%fringe(l))
     end do
+    !$omp parallel do schedule(static) if(size(x) > many/4)
     do l = 1, size(x)
       y(l) = self%share(l)*sum(self%rows(:, l)*self%f(:, self%at(l))) + self%diagonal(l)*x(l)
     end do
+    !$omp end parallel do
   end subroutine approximate_points
 end module hd_face_system

@@ -4,6 +4,7 @@ module hd_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_system, only: check_stop
+  use hd_vector, only: dot, many
   implicit none
   private
   public :: operator_t, solve_gmres
@@ -72,8 +73,10 @@ contains
       if (size(kept, 2) > 0) kept(:, j) = z
       call op%multiply(z, v(:, j + 1))
       do i = 1, j
-        h(i, j) = dot_product(v(:, i), v(:, j + 1))
+        h(i, j) = dot(size(b), v(:, i), v(:, j + 1))
+        !$omp parallel workshare if(size(b) > many)
         v(:, j + 1) = v(:, j + 1) - h(i, j)*v(:, i)
+        !$omp end parallel workshare
       end do
       h(j + 1, j) = norm2(v(:, j + 1))
       if (h(j + 1, j) > 0) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)

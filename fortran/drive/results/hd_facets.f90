@@ -18,7 +18,7 @@ module hd_facets
   use hd_vector, only: cross
   implicit none
   private
-  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_row, evaluate_facets, sum_up, sum_stiffness
+  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness
 
   !> Facets are numbered axially first, then round the axis.
   type :: facets_t
@@ -71,7 +71,7 @@ module hd_facets
     type(theory_error_t) :: theory     !< of a joint by theory
   end type sums_t
 
-  !> Names of what `facet_row` returns, as in contact.csv and Python.
+  !> Names of what `facet_rows` returns, as in contact.csv and Python.
   character(len=*), parameter :: facet_names = 'theta_rad,x_m,y_m,z_m,n_x,n_y,n_z,area_m2,bent_n_x,bent_n_y,'// &
     'bent_n_z,gap_m,pressure_pa,'// &
     'traction_theta_pa,traction_z_pa,slip_theta_m,slip_z_m,state,k_n_n_per_m,k_t_n_per_m,pressure_1_pa,shear_1_pa,'// &
@@ -89,14 +89,18 @@ module hd_facets
 
 contains
 
-  !> Fields of a facet in the order of `facet_names`.
-  pure function facet_row(facets, f) result(row)
+  !> Fields of the facets, one column each, in the order of `facet_names`.
+  pure function facet_rows(facets) result(rows)
     type(facets_t), intent(in) :: facets  !< fields
-    integer, intent(in) :: f              !< facet
-    real(dp), allocatable :: row(:)
-    row = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%bent(:, f), facets%gap(f), &
-      facets%traction(:, f), facets%slip(:, f), real(facets%state(f), dp), facets%k_n(f), facets%k_t(f), facets%corner(:, :, f)]
-  end function facet_row
+    real(dp), allocatable :: rows(:, :)
+    integer :: f, i
+    integer, parameter :: columns = 1 + count([(facet_names(i:i) == ',', i=1, len(facet_names))])
+    allocate (rows(columns, size(facets%area)))
+    do f = 1, size(rows, 2)
+      rows(:, f) = [facets%theta(f), facets%x(:, f), facets%normal(:, f), facets%area(f), facets%bent(:, f), facets%gap(f), &
+        facets%traction(:, f), facets%slip(:, f), real(facets%state(f), dp), facets%k_n(f), facets%k_t(f), facets%corner(:, :, f)]
+    end do
+  end function facet_rows
 
   !> Sums in the order of `sum_names`.
   pure function sum_values(s) result(values)
@@ -337,8 +341,7 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
-    real(dp), allocatable :: r(:, :), p(:)
-    type(state_t) :: free
+    real(dp), allocatable :: forces(:, :), r(:, :), p(:)
     integer :: first, last
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)
@@ -353,22 +356,20 @@ contains
       sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)
       call middle_pressure(drive, state, facets, sums%pressure_middle, sums%pressure_middle_max)
-      allocate (r(3, problem%n), source=0._dp)
-      call add_nodal_forces(problem%mortar, state%traction, r)
-      sums%friction_torque = moment(drive, state, r, drive%b_cup)
+      allocate (forces(3, problem%n), source=0._dp)
+      call add_nodal_forces(problem%mortar, state%traction, forces)
+      sums%friction_torque = moment(drive, state, forces, drive%b_cup)
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
-      sums%torque = support_torques(drive, load, state)
       r = internal_residual(problem, load, state)
+      forces = forces + r  ! without the contact's
       where (.not. problem%fixed) r = 0
+      sums%torque = support_torques(drive, load, state, r)
       sums%axial_balance = sum(r(3, :))
-      free = state
-      free%traction = 0
-      r = internal_residual(problem, load, free)
-      where (problem%fixed) r = 0
+      where (problem%fixed) forces = 0
       first = problem%first(drive%b_cup)
       last = first + problem%bodies(drive%b_cup)%nodes()
-      sums%reaction_force = sums%normal_force + (sum(r(1, first + 1:last)) - &
+      sums%reaction_force = sums%normal_force + (sum(forces(1, first + 1:last)) - &
         radial_force(problem%mortar, state%traction, drive%b_cup == 2, m))
     end associate
   end subroutine sum_up

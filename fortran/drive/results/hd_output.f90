@@ -6,13 +6,13 @@ module hd_output
   use hd_body, only: cartesian, cell_nodes
   use hd_drive, only: drive_t
   use hd_error, only: error_t, raise, code_file, code_input
-  use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_row
+  use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows
   use hd_hexahedron, only: hex20r
   use hd_input, only: write_echo
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress, principal_stresses, von_mises
+  use hd_stress, only: body_stress, stress_matrices_t, principal_stresses, von_mises
   use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
@@ -21,8 +21,8 @@ module hd_output
   use hd_vtu, only: vtu_field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, check_folder, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_teeth, &
-    write_history, write_grids, close_output, add_place
+  public :: output_t, step_t, check_folder, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
+    write_teeth, write_history, write_grids, close_output, add_place
 
   !> Where a step stands in the run.
   type :: step_t
@@ -167,28 +167,33 @@ contains
     call table%add(step%torque)
   end subroutine add_place
 
-  !> Rows of a converged step: one in steps.csv, one per facet in contact.csv.
-  subroutine write_step(output, step, drive, facets, sums, error)
+  !> Rows of a step in contact.csv, one per facet.
+  subroutine write_facets(output, step, drive, facets, error)
     type(output_t), intent(inout) :: output           !< tables
     type(step_t), intent(in) :: step                  !< step
     type(drive_t), intent(in) :: drive                !< drive
     type(facets_t), intent(in) :: facets              !< its facets
+    type(error_t), allocatable, intent(out) :: error  !< disk full
+    real(dp), allocatable :: fields(:, :), rows(:, :)
+    integer :: f
+    fields = facet_rows(facets)
+    allocate (rows(3 + size(fields, 1), size(fields, 2)))
+    do f = 1, size(rows, 2)
+      rows(:3, f) = [f, (f - 1)/drive%axial_facets + 1, modulo(f - 1, drive%axial_facets) + 1]
+      rows(4:, f) = fields(:, f)
+    end do
+    call add_place(output%contact, step)
+    call output%contact%end_rows(rows, error)
+  end subroutine write_facets
+
+  !> Row of a converged step in steps.csv.
+  subroutine write_step(output, step, sums, error)
+    type(output_t), intent(inout) :: output           !< tables
+    type(step_t), intent(in) :: step                  !< step
     type(sums_t), intent(in) :: sums                  !< its sums
     type(error_t), allocatable, intent(out) :: error  !< disk full
     real(dp), allocatable :: values(:)
-    integer :: f, i
-    do f = 1, size(facets%area)
-      call add_place(output%contact, step)
-      call output%contact%add(f)
-      call output%contact%add((f - 1)/drive%axial_facets + 1)
-      call output%contact%add(modulo(f - 1, drive%axial_facets) + 1)
-      values = facet_row(facets, f)
-      do i = 1, size(values)
-        call output%contact%add(values(i))
-      end do
-      call output%contact%end_row(error)
-      if (allocated(error)) return
-    end do
+    integer :: i
     call add_place(output%steps, step)
     values = sum_values(sums)
     do i = 1, size(values)
@@ -255,6 +260,7 @@ contains
     type(state_t), intent(in) :: state                !< its state
     type(error_t), allocatable, intent(out) :: error  !< cannot be written
     type(vtu_field_t) :: fields(8), of_grid(3)
+    type(stress_matrices_t) :: matrices(2)
     real(dp), allocatable :: x(:, :), u(:, :), tag(:, :), stress(:, :), peak(:, :)
     real(dp) :: time
     integer, allocatable :: cells(:, :), place(:), used(:)   ! used: nodes of the contact face; place: their numbers among them
@@ -268,8 +274,8 @@ contains
         associate (body => problem%bodies(b), range => problem%first(b))
           x(:, range + 1:range + body%nodes()) = body%x
           u(:, range + 1:range + body%nodes()) = cartesian(body, state%u(:, range + 1:range + body%nodes()))
-          call body_stress(problem, b, state%u, stress(:, range + 1:range + body%nodes()), &
-            peak(:, m + 1:m + body%sectors*size(body%cells, 2)), error)
+          call body_stress(problem, b, state%u, matrices(b), error, stress(:, range + 1:range + body%nodes()), &
+            peak(:, m + 1:m + body%sectors*size(body%cells, 2)))
           if (allocated(error)) return
           do s = 0, body%sectors - 1
             do c = 1, size(body%cells, 2)

@@ -8,7 +8,7 @@ module hd_strength
   use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress, von_mises
+  use hd_stress, only: body_stress, stress_matrices_t
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
@@ -25,28 +25,30 @@ module hd_strength
 contains
 
   !> Stresses of a converged step; with them, of a whole drive, the flexspline's life.
-  subroutine book_stress(strength, fatigue, scene, drive, state, torque, error)
+  subroutine book_stress(strength, fatigue, matrices, scene, drive, state, torque, error)
     type(strength_t), intent(inout) :: strength       !< gets them
     type(fatigue_t), intent(inout) :: fatigue         !< of a whole drive
+    type(stress_matrices_t), intent(inout) :: matrices(2)   !< of the bodies, made if there are none
     type(scene_t), intent(in) :: scene                !< limits
     type(drive_t), intent(in) :: drive                !< model
     type(state_t), intent(in) :: state                !< converged state
     real(dp), intent(in) :: torque                    !< of the step [N m]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: stress(:, :), peak(:, :)
+    real(dp), allocatable :: stress(:, :)
+    real(dp) :: largest
     integer :: b
     do b = 1, 2
       associate (body => drive%problem%bodies(b))
-        allocate (stress(6, body%nodes()), peak(6, body%sectors*size(body%cells, 2)))
-        call body_stress(drive%problem, b, state%u, stress, peak, error)
-        if (allocated(error)) return
-        if (b == drive%b_ring) then
-          strength%ring = max(strength%ring, maxval(von_mises(peak)))
+        if (scene%support%loop .and. b == drive%b_cup) then
+          allocate (stress(6, body%nodes()))
+          call body_stress(drive%problem, b, state%u, matrices(b), error, stress, largest=largest)
+          if (.not. allocated(error)) call judge_fatigue(scene, body, stress, torque, fatigue)
         else
-          strength%flexspline = max(strength%flexspline, maxval(von_mises(peak)))
-          if (scene%support%loop) call judge_fatigue(scene, body, stress, torque, fatigue)
+          call body_stress(drive%problem, b, state%u, matrices(b), error, largest=largest)
         end if
-        deallocate (stress, peak)
+        if (allocated(error)) return
+        if (b == drive%b_ring) strength%ring = max(strength%ring, largest)
+        if (b == drive%b_cup) strength%flexspline = max(strength%flexspline, largest)
       end associate
     end do
   end subroutine book_stress

@@ -12,82 +12,159 @@ module hd_stress
   use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
   private
-  public :: body_stress, nodal_stress, von_mises, principal_stresses, signed_equivalent
+  public :: stress_matrices_t, body_stress, nodal_stress, von_mises, principal_stresses, signed_equivalent
 
+  integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
   real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
+
+  !> Stresses of the cells of a sector per displacement of their nodes, under small displacements; kept between load steps.
+  type :: stress_matrices_t
+    real(dp), allocatable :: at_points(:, :, :)  !< Cartesian, at the Gauss points (6 points, 3 nodes, cells) [Pa/m]
+    real(dp), allocatable :: at_nodes(:, :, :)   !< cylindrical, at the nodes (6 nodes, 3 nodes, cells) [Pa/m]
+  end type stress_matrices_t
 
 contains
 
-  !> Stresses at the nodes of a body of a problem, and at that Gauss point of every cell where von Mises' stress is largest.
-  subroutine body_stress(problem, b, u, stress, peak, error)
+  !> Stresses of a body of a problem, those that are asked for.
+  subroutine body_stress(problem, b, u, matrices, error, stress, peak, largest)
     type(problem_t), intent(in) :: problem            !< bodies
     integer, intent(in) :: b                          !< which
     real(dp), intent(in) :: u(:, :)                   !< displacements of all (3, n) [m]
-    real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
-    real(dp), intent(out) :: peak(:, :)               !< (6, cells of all sectors) [Pa]
+    type(stress_matrices_t), intent(inout) :: matrices   !< of the body, made if there are none
     type(error_t), allocatable, intent(out) :: error  !< inverted element
+    real(dp), intent(out), optional :: stress(:, :)   !< at the nodes (6, nodes) [Pa]
+    real(dp), intent(out), optional :: peak(:, :)     !< at the Gauss point of every cell where von Mises' stress is largest
+                                                      !< (6, cells of all sectors) [Pa]
+    real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     associate (body => problem%bodies(b), low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
       if (allocated(problem%lagrangian)) then
-        call nodal_stress(body, u(:, low:high), stress, peak, error, problem%lagrangian(b))
+        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak, largest, problem%lagrangian(b))
       else
-        call nodal_stress(body, u(:, low:high), stress, peak, error)
+        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak, largest)
       end if
     end associate
   end subroutine body_stress
 
-  !> Stresses at the nodes of a revolved body, and at that Gauss point of every cell where von Mises' stress is largest.
-  subroutine nodal_stress(body, u, stress, peak, error, lagrangian)
+  !> Stresses of a revolved body, those that are asked for.
+  subroutine nodal_stress(body, u, matrices, error, stress, peak, largest, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
-    real(dp), intent(out) :: stress(:, :)             !< (6, nodes) [Pa]
-    real(dp), intent(out) :: peak(:, :)               !< (6, cells of all sectors) [Pa]
+    type(stress_matrices_t), intent(inout) :: matrices   !< made if there are none
     type(error_t), allocatable, intent(out) :: error  !< inverted element
+    real(dp), intent(out), optional :: stress(:, :)   !< at the nodes (6, nodes) [Pa]
+    real(dp), intent(out), optional :: peak(:, :)     !< at the Gauss point of every cell where von Mises' stress is largest
+                                                      !< (6, cells of all sectors) [Pa]
+    real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
-    integer :: list(nodes_per_element(body%kind))
-    real(dp), dimension(6*points, 3*size(list)) :: at_points
-    real(dp), dimension(6*size(list), 3*size(list)) :: at_nodes
-    real(dp), allocatable :: v(:, :, :), s(:, :, :), t(:, :, :)
+    real(dp), allocatable :: s(:, :, :), t(:, :, :)
     integer, allocatable :: meets(:)
-    real(dp) :: to_nodes(size(list), points), energy
-    integer :: cell, sector, a, n
-    n = body%sectors
-    to_nodes = extrapolation(size(list))
-    allocate (v(3, size(list), n), s(6, points, n), t(6, size(list), n))
+    real(dp) :: square
+    integer :: cell, sector, a, list(nodes_per_element(body%kind))
+    if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
+    if (allocated(error)) return
     allocate (meets(body%nodes()), source=0)
-    stress = 0
-    do cell = 1, size(body%cells, 2)  ! that of all sectors at once: they have the same matrices
-      do sector = 1, n
-        v(:, :, sector) = u(:, cell_nodes(body, cell, sector - 1))
-      end do
-      if (present(lagrangian)) then
-        list = cell_nodes(body, cell, 0)
-        do sector = 1, n
-          call cell_stress(body, lagrangian, cell, v(:, :, sector), s(:, :, sector), energy)
-          do a = 1, size(list)
-            t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
-          end do
-        end do
-      else
-        call stress_matrices(body, cell, at_points, at_nodes, error)
-        if (allocated(error)) return
-        call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, at_points, 6*points, v, 3*size(list), 0._dp, s, 6*points)
-        call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, at_nodes, 6*size(list), v, 3*size(list), 0._dp, t, &
-          6*size(list))
-      end if
-      do sector = 1, n
+    if (present(stress)) stress = 0
+    square = 0
+    !$omp parallel private(s, t, sector, a, list) reduction(max: square) if(body%nodes() > many_nodes)
+    allocate (s(6, points, body%sectors), t(6, size(list), body%sectors))
+    !$omp do ordered schedule(static, 1)
+    do cell = 1, size(body%cells, 2)
+      call cell_stresses(body, cell, u, matrices, present(stress), s, t, lagrangian)
+      do sector = 1, merge(body%sectors, 0, present(peak))
         peak(:, (sector - 1)*size(body%cells, 2) + cell) = s(:, maxloc(von_mises(s(:, :, sector)), 1), sector)
-        list = cell_nodes(body, cell, sector - 1)
+      end do
+      if (present(largest)) square = max(square, largest_square(size(s)/6, s))
+      !$omp ordered
+      list = body%cells(:, cell)
+      do sector = 1, merge(body%sectors, 0, present(stress))
         do a = 1, size(list)
           stress(:, list(a)) = stress(:, list(a)) + t(:, a, sector)
           meets(list(a)) = meets(list(a)) + 1
         end do
+        list = ahead(body, list)
       end do
+      !$omp end ordered
     end do
-    stress = stress/spread(max(1, meets), 1, 6)
+    !$omp end do
+    !$omp end parallel
+    if (present(stress)) stress = stress/spread(max(1, meets), 1, 6)
+    if (present(largest)) largest = sqrt(square)
   end subroutine nodal_stress
 
+  !> Nodes of a cell in the next sector.
+  pure function ahead(body, list) result(next)
+    type(body_t), intent(in) :: body    !< body
+    integer, intent(in) :: list(:)      !< nodes of the cell
+    integer :: next(size(list))
+    next = list + body%nodes_per_sector
+    where (next > body%nodes()) next = next - body%nodes()
+  end function ahead
+
+  !> Largest square of von Mises' stress [Pa^2].
+  pure real(dp) function largest_square(n, s)
+    integer, intent(in) :: n          !< stresses
+    real(dp), intent(in) :: s(6, n)   !< [Pa]
+    integer :: i
+    largest_square = 0
+    do i = 1, n
+      largest_square = max(largest_square, square_of(s(:, i)))
+    end do
+  end function largest_square
+
+  !> Stresses of a cell of the first sector and of those like it in all others at once: they have the same matrices.
+  subroutine cell_stresses(body, cell, u, matrices, nodal, s, t, lagrangian)
+    type(body_t), intent(in) :: body                  !< body
+    integer, intent(in) :: cell                       !< cell
+    real(dp), intent(in) :: u(:, :)                   !< displacements of the body (3, nodes) [m]
+    type(stress_matrices_t), intent(in) :: matrices   !< of all cells
+    logical, intent(in) :: nodal                      !< t is wanted
+    real(dp), intent(out), contiguous :: s(:, :, :)   !< at the Gauss points (6, points, sectors) [Pa]
+    real(dp), intent(out), contiguous :: t(:, :, :)   !< at the nodes (6, nodes, sectors) [Pa]
+    type(total_lagrangian_t), intent(in), optional :: lagrangian  !< as of nodal_stress
+    integer :: list(nodes_per_element(body%kind)), sector, a, n
+    real(dp) :: to_nodes(size(list), points), energy
+    real(dp), allocatable :: v(:, :, :)
+    n = body%sectors
+    allocate (v(3, size(list), n))
+    list = body%cells(:, cell)
+    do sector = 1, n
+      v(:, :, sector) = u(:, list)
+      list = ahead(body, list)
+    end do
+    if (present(lagrangian)) then
+      to_nodes = extrapolation(size(list))
+      list = cell_nodes(body, cell, 0)
+      do sector = 1, n
+        call cell_stress(body, lagrangian, cell, v(:, :, sector), s(:, :, sector), energy)
+        do a = 1, merge(size(list), 0, nodal)
+          t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
+        end do
+      end do
+      return
+    end if
+    call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, matrices%at_points(:, :, cell), 6*points, v, 3*size(list), 0._dp, s, &
+      6*points)
+    if (nodal) call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, matrices%at_nodes(:, :, cell), 6*size(list), v, &
+      3*size(list), 0._dp, t, 6*size(list))
+  end subroutine cell_stresses
+
+  !> Those of all cells.
+  subroutine find_matrices(body, matrices, error)
+    type(body_t), intent(in) :: body                  !< body
+    type(stress_matrices_t), intent(inout) :: matrices   !< gets them
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: cell
+    associate (n => nodes_per_element(body%kind), cells => size(body%cells, 2))
+      allocate (matrices%at_points(6*points, 3*n, cells), matrices%at_nodes(6*n, 3*n, cells))
+    end associate
+    do cell = 1, size(body%cells, 2)
+      call cell_matrices(body, cell, matrices%at_points(:, :, cell), matrices%at_nodes(:, :, cell), error)
+      if (allocated(error)) return
+    end do
+  end subroutine find_matrices
+
   !> Stresses of a cell per displacement of its nodes.
-  subroutine stress_matrices(body, cell, at_points, at_nodes, error)
+  subroutine cell_matrices(body, cell, at_points, at_nodes, error)
     type(body_t), intent(in) :: body                  !< body
     integer, intent(in) :: cell                       !< cell of the first sector
     real(dp), intent(out) :: at_points(:, :)          !< Cartesian, at the Gauss points (6 points, 3 nodes) [Pa/m]
@@ -97,7 +174,7 @@ contains
     real(dp) :: c(6, 6), g(size(list), 3, points), weight(points), b(3*size(list), 6), to_nodes(size(list), points)
     real(dp) :: strain(6*points, 3*size(list))
     real(dp), allocatable :: modes(:, :)
-    real(dp) :: q(3, 3)
+    real(dp) :: turn(6, 6), q(3, 3)
     list = cell_nodes(body, cell, 0)
     c = elasticity_matrix(body%young, body%poisson)
     call element_points(body%kind, body%x(:, list), c, g, weight, modes, error)
@@ -116,11 +193,16 @@ contains
     to_nodes = extrapolation(size(list))
     do a = 1, size(list)
       q = frame(body%angle(list(a)))
-      do i = 1, 3*size(list)
-        at_nodes(6*a - 5:6*a, i) = turned(matmul(reshape(at_points(:, i), [6, points]), to_nodes(a, :)), q)
+      do i = 1, 6
+        turn(:, i) = turned([(merge(1._dp, 0._dp, p == i), p=1, 6)], q)
       end do
+      at_nodes(6*a - 5:6*a, :) = 0
+      do p = 1, points
+        at_nodes(6*a - 5:6*a, :) = at_nodes(6*a - 5:6*a, :) + to_nodes(a, p)*at_points(6*p - 5:6*p, :)
+      end do
+      at_nodes(6*a - 5:6*a, :) = matmul(turn, at_nodes(6*a - 5:6*a, :))
     end do
-  end subroutine stress_matrices
+  end subroutine cell_matrices
 
   !> Values at the nodes of a cell from those at its Gauss points.
   pure function extrapolation(nodes) result(n)
@@ -149,20 +231,34 @@ contains
   pure function von_mises(s) result(v)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
     real(dp) :: v(size(s, 2))
-    v = sqrt(max(0._dp, ((s(1, :) - s(2, :))**2 + (s(2, :) - s(3, :))**2 + (s(3, :) - s(1, :))**2)/2 + &
-      3*(s(4, :)**2 + s(5, :)**2 + s(6, :)**2)))
+    integer :: i
+    v = sqrt([(square_of(s(:, i)), i=1, size(v))])
   end function von_mises
+
+  !> Its square [Pa^2].
+  pure real(dp) function square_of(s) result(square)
+    real(dp), intent(in) :: s(6)  !< [Pa]
+    square = ((s(1) - s(2))**2 + (s(2) - s(3))**2 + (s(3) - s(1))**2)/2 + 3*(s(4)**2 + s(5)**2 + s(6)**2)
+  end function square_of
+
+  !> Mean stress, and second and third invariant of the deviator.
+  pure subroutine find_invariants(s, mean, j2, j3)
+    real(dp), intent(in) :: s(6)           !< [Pa]
+    real(dp), intent(out) :: mean, j2, j3  !< [Pa], [Pa^2], [Pa^3]
+    real(dp) :: d(6)
+    mean = sum(s(:3))/3
+    d = [s(:3) - mean, s(4:)]
+    j2 = sum(d(:3)**2)/2 + sum(d(4:)**2)
+    j3 = d(1)*(d(2)*d(3) - d(5)**2) - d(4)*(d(4)*d(3) - d(5)*d(6)) + d(6)*(d(4)*d(5) - d(2)*d(6))
+  end subroutine find_invariants
 
   !> Principal stresses, largest first, by the angle of the deviator [Pa].
   pure function principal_stresses(s) result(p)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
-    real(dp) :: p(3, size(s, 2)), mean, d(6), j2, j3, angle
+    real(dp) :: p(3, size(s, 2)), mean, j2, j3, angle
     integer :: i
     do i = 1, size(s, 2)
-      mean = sum(s(:3, i))/3
-      d = [s(:3, i) - mean, s(4:, i)]
-      j2 = sum(d(:3)**2)/2 + sum(d(4:)**2)
-      j3 = d(1)*(d(2)*d(3) - d(5)**2) - d(4)*(d(4)*d(3) - d(5)*d(6)) + d(6)*(d(4)*d(5) - d(2)*d(6))
+      call find_invariants(s(:, i), mean, j2, j3)
       p(:, i) = mean
       if (.not. j2 > 0) cycle
       angle = acos(max(-1._dp, min(1._dp, 1.5_dp*sqrt(3._dp)*j3/j2**1.5_dp)))/3
@@ -170,11 +266,21 @@ contains
     end do
   end function principal_stresses
 
-  !> Von Mises stress with the sign of the principal stress of the largest amount [Pa].
+  !> Von Mises stress with the sign of the principal stress of the largest amount, which is that of the largest and the smallest
+  !> together: of twice the mean less the deviator's middle root [Pa].
   pure function signed_equivalent(s) result(v)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
-    real(dp) :: v(size(s, 2)), p(3, size(s, 2))
-    p = principal_stresses(s)
-    v = sign(von_mises(s), maxval(p, 1) + minval(p, 1))
+    real(dp) :: v(size(s, 2)), mean, j2, j3, twice
+    integer :: i
+    v = von_mises(s)
+    do i = 1, size(v)
+      call find_invariants(s(:, i), mean, j2, j3)
+      twice = 2*mean
+      if (3*twice**2 > j2) then  ! beyond that root in any case
+        if (twice < 0) v(i) = -v(i)
+      else if (twice*(twice**2 - j2) - j3 > 0) then  ! between the outer roots the cubic falls
+        v(i) = -v(i)
+      end if
+    end do
   end function signed_equivalent
 end module hd_stress

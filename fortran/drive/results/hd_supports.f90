@@ -24,17 +24,16 @@ module hd_supports
 contains
 
   !> Moments of the supports.
-  function support_torques(drive, load, state) result(torque)
+  function support_torques(drive, load, state, r) result(torque)
     type(drive_t), intent(in) :: drive  !< drive
     type(load_t), intent(in) :: load    !< load of the step
     type(state_t), intent(in) :: state  !< converged state
+    real(dp), intent(in) :: r(:, :)     !< reactions at fixed dofs, else 0 (3, n) [N]
     type(support_torques_t) :: torque
-    real(dp), dimension(3, drive%problem%n) :: r, part, all
+    real(dp), dimension(3, drive%problem%n) :: part, all
     real(dp), allocatable :: force(:)
     integer :: i
     associate (problem => drive%problem)
-      r = internal_residual(problem, load, state)
-      where (.not. problem%fixed) r = 0
       part = 0
       part(:, drive%hub) = r(:, drive%hub)
       part(:, drive%sprung) = part(:, drive%sprung) - problem%spring(:, drive%sprung)*state%u(:, drive%sprung)

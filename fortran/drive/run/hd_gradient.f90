@@ -28,6 +28,7 @@ module hd_gradient
   use hd_rate_law, only: rate_point_t, rate_glued
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_stress, only: stress_matrices_t
   use hd_strength, only: strength_t, book_stress
   use hd_strut, only: push
   use hd_strut_step, only: ahead_t, count_ahead, remember, straight
@@ -410,6 +411,7 @@ contains
     type(readings_t) :: readings
     type(strength_t) :: strength
     type(fatigue_t) :: fatigue
+    type(stress_matrices_t) :: matrices(2)
     type(scene_t) :: plain
     type(error_t), allocatable :: error
     associate (scene => c%scene, torque => torque_at(c%scene, place), friction => step_friction(c%scene, .true.))
@@ -419,7 +421,7 @@ contains
       call sum_stiffness(scene, drive, torque, c%top, facets, sums)
       plain = scene
       plain%support%loop = .false.  ! no fatigue
-      call book_stress(strength, fatigue, plain, drive, strained, torque, error)
+      call book_stress(strength, fatigue, matrices, plain, drive, strained, torque, error)
       allocate (value(0))
       if (scene%support%loop) then
         readings = read_loop(c%loop, scene)

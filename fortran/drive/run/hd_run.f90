@@ -21,14 +21,15 @@ module hd_run
   use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
-  use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_teeth, &
-    write_grids, close_output
+  use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
+    write_teeth, write_grids, close_output
   use hd_lapack, only: blas_threads
   use hd_problem, only: state_t, load_t, new_state, pair_bodies, update_struts, update_tangent
   use hd_promises, only: promised_values, most_steps
   use hd_pressure_patches, only: patch_pressures
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
+  use hd_stress, only: stress_matrices_t
   use hd_strength, only: book_stress, strength_text, strength_warnings
   use hd_summary, only: record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
@@ -66,6 +67,7 @@ module hd_run
     type(sums_t) :: sums                    !< of that step
     type(teeth_t), allocatable :: teeth     !< of the circular spline, with support 'teeth'
     type(loop_t) :: loop                    !< of the whole drive, with support 'drive'
+    type(stress_matrices_t) :: matrices(2)  !< of its bodies
     type(gradient_t), allocatable :: gradient   !< for derivatives of the results, if they were asked for
     type(output_t) :: output
     type(folder_lock_t) :: lock             !< of its folder, where it is stepped from outside
@@ -228,11 +230,13 @@ contains
     if (run%scene%support%loop) call note_reference(run)
     stress = max(run%strength%flexspline, run%strength%ring)
     if (run%writes) then
-      call write_step(run%output, run%step, run%model%drive, run%facets, run%sums, error)
+      call write_step(run%output, run%step, run%sums, error)
+      if (run%scene%contact_table == 'all' .and. .not. allocated(error)) call write_facets(run%output, run%step, &
+        run%model%drive, run%facets, error)
       if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
       call run%record%timers%book(in_output)
-      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%scene, run%model%drive, run%state, &
-        run%step%torque, error)
+      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%matrices, run%scene, &
+        run%model%drive, run%state, run%step%torque, error)
       call run%record%timers%book(in_stress)
       if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
         run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
@@ -460,6 +464,8 @@ contains
         run%step%number > 0)) then
         call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
+      if (run%scene%contact_table == 'last' .and. run%step%number > 0 .and. .not. allocated(error)) call write_facets(run%output, &
+        run%step, run%model%drive, run%facets, error)
       call close_output(run%output, error)
       call run%record%timers%book(in_output)
       if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &

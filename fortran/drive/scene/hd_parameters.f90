@@ -271,6 +271,8 @@ contains
     call add_choice(t, 'joint', 'plastic_spots', 'joint', s%plastic_spots, 'none elastic', &
       'stiffness of spots that are fully plastic. none: 0, as in the paper; elastic: that of their elastic unloading, 2 E a')
     call add_choice(t, 'output', 'vtu', 'output', s%vtu, 'none last all', 'steps written for ParaView')
+    call add_choice(t, 'output', 'contact', 'output', s%contact_table, 'all last', &
+      'steps of contact.csv; last: the one that the results are of')
     call add_reals(t, 'output', 'positions', 'output', s%positions, 'm', 0._dp, big, &
       'Positions I, II, III: distances from the front edge of the contact band')
   end subroutine add_solver_keys

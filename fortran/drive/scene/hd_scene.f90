@@ -93,6 +93,7 @@ module hd_scene
     logical :: surface_only = .false.     !< the input asks for a surface alone: no contact
     ! output
     character(len=name_length) :: vtu = 'last'
+    character(len=name_length) :: contact_table = 'all'
     real(dp) :: positions(3) = [0._dp, 5e-3_dp, 10e-3_dp]
   contains
     procedure :: bonded

@@ -47,29 +47,31 @@ contains
     integer, allocatable :: row(:), col(:)
     real(dp), allocatable :: val(:)
     real(dp) :: dual(4, 4), phi(4), near(8, 4), far(8, 4)
-    integer :: f, k, p, nnz
+    integer :: f, k, n, near_nodes, far_nodes, p, nnz
     call number_multipliers(slave, mortar)
     moved = slave
     if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
     call new_bins(master, bins)
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
-    allocate (row(0), col(0), val(0))
+    allocate (row(0), col(0), val(0), points(0))
+    near_nodes = size(slave%nodes, 1)
+    far_nodes = size(master%nodes, 1)
     nnz = 0
     do f = 1, size(slave%nodes, 2)
-      call integrate_overlaps(moved, f, master, bins, points)
-      if (size(points) == 0) cycle
-      if (present(shift)) points%weight = points%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
-      dual = dual_basis(points)
+      call integrate_overlaps(moved, f, master, bins, present(shift), points, n)
+      if (n == 0) cycle
+      if (present(shift)) points(:n)%weight = points(:n)%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
+      dual = dual_basis(points(:n))
       near = 0
       far = 0
-      do p = 1, size(points)
+      do p = 1, n
         phi = matmul(dual, points(p)%corner)*points(p)%weight
         mortar%share(:, f) = mortar%share(:, f) + phi
         do k = 1, 4
-          near(:, k) = near(:, k) - phi(k)*points(p)%slave
-          far(:, k) = far(:, k) + phi(k)*points(p)%master
+          near(:near_nodes, k) = near(:near_nodes, k) - phi(k)*points(p)%slave(:near_nodes)
+          far(:far_nodes, k) = far(:far_nodes, k) + phi(k)*points(p)%master(:far_nodes)
         end do
-        if (p < size(points)) then
+        if (p < n) then
           if (points(p + 1)%facet == points(p)%facet) cycle
         end if
         do k = 1, 4

@@ -4,7 +4,7 @@ module hd_block_matrix
   use hd_kinds, only: dp
   implicit none
   private
-  public :: block_matrix_t, graph_from_cells, add_cell, multiply
+  public :: block_matrix_t, graph_from_cells, cell_places, add_cell, largest_diagonal, multiply
 
   !> Row a holds the blocks of nodes col(ptr(a):ptr(a+1)-1), ascending.
   type :: block_matrix_t
@@ -84,15 +84,27 @@ contains
     end do
   end subroutine sort
 
+  !> Places of the blocks of one cell.
+  pure function cell_places(a, nodes) result(place)
+    type(block_matrix_t), intent(in) :: a  !< matrix
+    integer, intent(in) :: nodes(:)        !< nodes of the cell
+    integer :: place(size(nodes), size(nodes)), i, j
+    do j = 1, size(nodes)
+      do i = 1, size(nodes)
+        place(i, j) = find(a, nodes(i), nodes(j))
+      end do
+    end do
+  end function cell_places
+
   !> Add the stiffness of one cell.
-  pure subroutine add_cell(a, nodes, ke)
+  pure subroutine add_cell(a, place, ke)
     type(block_matrix_t), intent(inout) :: a  !< matrix
-    integer, intent(in) :: nodes(:)           !< nodes of the cell
+    integer, intent(in) :: place(:, :)        !< of its blocks
     real(dp), intent(in) :: ke(:, :)          !< stiffness (3 nodes, 3 nodes)
     integer :: i, j, k
-    do i = 1, size(nodes)
-      do j = 1, size(nodes)
-        k = find(a, nodes(i), nodes(j))
+    do i = 1, size(place, 1)
+      do j = 1, size(place, 1)
+        k = place(i, j)
         a%val(:, :, k) = a%val(:, :, k) + ke(3*i - 2:3*i, 3*j - 2:3*j)
       end do
     end do
@@ -114,6 +126,19 @@ contains
       end if
     end do
   end function find
+
+  !> Largest entry of the diagonal; that of a definite matrix is the largest of all.
+  pure real(dp) function largest_diagonal(a) result(most)
+    type(block_matrix_t), intent(in) :: a  !< matrix
+    integer :: c, i, k
+    most = 0
+    do i = 1, a%n
+      k = find(a, i, i)
+      do c = 1, 3
+        most = max(most, abs(a%val(c, c, k)))
+      end do
+    end do
+  end function largest_diagonal
 
   !> y = A u.
   pure function multiply(a, u) result(y)

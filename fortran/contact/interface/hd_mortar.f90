@@ -12,7 +12,7 @@ module hd_mortar
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
-  public :: mortar_t, new_mortar, add_rigid, relative_displacement, side_sums, add_nodal_forces, coupling_block, &
+  public :: mortar_t, new_mortar, add_rigid, moved_share, relative_displacement, side_sums, add_nodal_forces, coupling_block, &
     radial_force, facet_mean
 
   !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
@@ -138,6 +138,23 @@ contains
     mortar%area = [mortar%area, area]
     mortar%n = mortar%n + mortar%rigid
   end subroutine add_rigid
+
+  !> Part of the weights that couplings of the same faces have at different nodes: 0 equal, 1 no node in common.
+  pure real(dp) function moved_share(a, b) result(share)
+    type(mortar_t), intent(in) :: a, b   !< couplings
+    real(dp) :: both, common
+    integer :: i, j, k
+    both = 0
+    common = 0
+    do j = 1, b%n
+      do k = b%ptr(j), b%ptr(j + 1) - 1
+        i = findloc(a%col(a%ptr(j):a%ptr(j + 1) - 1), b%col(k), 1)
+        both = both + abs(b%val(k))
+        if (i > 0) common = common + min(abs(b%val(k)), abs(a%val(a%ptr(j) + i - 1)))
+      end do
+    end do
+    share = 1 - common/max(both, tiny(1._dp))
+  end function moved_share
 
   !> Number the corner nodes of the slave face as multipliers, in the order in which the facets meet them.
   subroutine number_multipliers(slave, mortar)

@@ -144,13 +144,12 @@ contains
   pure function multiply(a, u) result(y)
     type(block_matrix_t), intent(in) :: a  !< matrix
     real(dp), intent(in) :: u(:, :)        !< (3, n)
-    real(dp) :: y(3, size(u, 2)), s(3), x(3)
+    real(dp) :: y(3, size(u, 2)), s(3)
     integer :: i, k
     do i = 1, a%n
       s = 0
       do k = a%ptr(i), a%ptr(i + 1) - 1
-        x = u(:, a%col(k))
-        s = s + (a%val(:, 1, k)*x(1) + a%val(:, 2, k)*x(2) + a%val(:, 3, k)*x(3))  ! each sum waits for one addition only
+        s = s + a%val(:, 1, k)*u(1, a%col(k)) + a%val(:, 2, k)*u(2, a%col(k)) + a%val(:, 3, k)*u(3, a%col(k))
       end do
       y(:, i) = s
     end do

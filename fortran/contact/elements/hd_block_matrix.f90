@@ -11,6 +11,7 @@ module hd_block_matrix
     integer :: n = 0                        !< nodes
     integer, allocatable :: ptr(:)          !< row pointers (n + 1)
     integer, allocatable :: col(:)          !< column nodes
+    integer, allocatable :: own(:)          !< place of each node's block on the diagonal (n)
     real(dp), allocatable :: val(:, :, :)   !< blocks (3, 3, size(col))
   end type block_matrix_t
 
@@ -65,6 +66,7 @@ contains
       end do
       if (pass == 1) allocate (a%col(a%ptr(n + 1) - 1))
     end do
+    a%own = [(find(a, i, i), i=1, n)]
     allocate (a%val(3, 3, size(a%col)), source=0._dp)
   end subroutine graph_from_cells
 
@@ -130,12 +132,11 @@ contains
   !> Largest entry of the diagonal; that of a definite matrix is the largest of all.
   pure real(dp) function largest_diagonal(a) result(most)
     type(block_matrix_t), intent(in) :: a  !< matrix
-    integer :: c, i, k
+    integer :: c, i
     most = 0
     do i = 1, a%n
-      k = find(a, i, i)
       do c = 1, 3
-        most = max(most, abs(a%val(c, c, k)))
+        most = max(most, abs(a%val(c, c, a%own(i))))
       end do
     end do
   end function largest_diagonal

@@ -175,10 +175,9 @@ contains
     type(block_matrix_t), intent(inout) :: matrix  !< matrix
     integer, intent(in) :: node, component         !< dof
     real(dp), intent(in) :: rate                   !< [N/m]
-    integer :: k
-    do k = matrix%ptr(node), matrix%ptr(node + 1) - 1
-      if (matrix%col(k) == node) matrix%val(component, component, k) = matrix%val(component, component, k) + rate
-    end do
+    associate (k => matrix%own(node))
+      matrix%val(component, component, k) = matrix%val(component, component, k) + rate
+    end associate
   end subroutine add_to_diagonal
 
   !> State of rest.

@@ -142,18 +142,18 @@ contains
   !> Part of the weights that couplings of the same faces have at different nodes: 0 equal, 1 no node in common.
   pure real(dp) function moved_share(a, b) result(share)
     type(mortar_t), intent(in) :: a, b   !< couplings
-    real(dp) :: both, common
+    real(dp) :: whole, alike
     integer :: i, j, k
-    both = 0
-    common = 0
+    whole = 0
+    alike = 0
     do j = 1, b%n
       do k = b%ptr(j), b%ptr(j + 1) - 1
         i = findloc(a%col(a%ptr(j):a%ptr(j + 1) - 1), b%col(k), 1)
-        both = both + abs(b%val(k))
-        if (i > 0) common = common + min(abs(b%val(k)), abs(a%val(a%ptr(j) + i - 1)))
+        whole = whole + abs(b%val(k))
+        if (i > 0) alike = alike + min(abs(b%val(k)), abs(a%val(a%ptr(j) + i - 1)))
       end do
     end do
-    share = 1 - common/max(both, tiny(1._dp))
+    share = 1 - alike/max(whole, tiny(1._dp))
   end function moved_share
 
   !> Number the corner nodes of the slave face as multipliers, in the order in which the facets meet them.

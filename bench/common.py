@@ -27,7 +27,9 @@ from hdengine.figures.style import new_axes, new_figure, styled  # noqa: F401  (
 from hdengine.studies.planner import mesh_of_level  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[1]
-DATA, RESULTS, FIGURES = ROOT / "data", ROOT / "bench/results", ROOT / "docs/figures"
+# `bench/all.py --quick` names another folder: its records of fewer points do not replace those of the pages
+OUT = Path(os.environ["HDENGINE_BENCH"]) if "HDENGINE_BENCH" in os.environ else None
+DATA, RESULTS, FIGURES = ROOT / "data", OUT or ROOT / "bench/results", OUT or ROOT / "docs/figures"
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 START = time.time()
 
@@ -255,8 +257,9 @@ def solve(scene, *assignments, out=None, limit=None, threads=1):
 
 
 def save_figure(figure, name, **keys):
-    """Write docs/figures/NAME.png, of 256 colours (a third of the bytes), and return its path."""
+    """Write NAME.png into the figures, of 256 colours (a third of the bytes), and return its path."""
     path = FIGURES / f"{name}.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, **keys)
     Image.open(path).convert("RGB").quantize(256).save(path, optimize=True)
     return path

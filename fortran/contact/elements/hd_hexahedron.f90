@@ -8,7 +8,7 @@ module hd_hexahedron
   use hd_gauss, only: gauss_2
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
-  use hd_lapack, only: multiply_dense, multiply_transposed
+  use hd_lapack, only: inverse_factor, multiply_dense, multiply_transposed
   use hd_text, only: to_text
   implicit none
   private
@@ -140,6 +140,7 @@ contains
     type(error_t), allocatable, intent(out) :: error     !< inverted element
     real(dp) :: n(20), dn(3, 20), jac(3, 3), inv(3, 3), inv0(3, 3), det0, xi(3), m(9, 6), cm(9, 6, points), kmm(9, 9)
     integer :: nn, p, i
+    logical :: definite
     nn = nodes_per_element(kind)
     call shape_hexahedron(kind, [0._dp, 0._dp, 0._dp], n, dn)
     jac = matmul(dn(:, :nn), transpose(x(:, :nn)))
@@ -162,9 +163,13 @@ contains
     end do
     allocate (condensed_modes(6*points, merge(9, 0, kind == hex8i)))
     if (kind /= hex8i) return
-    call factor_spd(kmm)
+    call inverse_factor(kmm, definite)
+    if (.not. definite) then
+      call raise(error, code_input, "the incompatible modes of an element have no stiffness: Young's modulus must be positive")
+      return
+    end if
     do i = 1, 9
-      condensed_modes(:, i) = (reshape(cm(i, :, :), [6*points]) - matmul(condensed_modes(:, :i - 1), kmm(i, :i - 1)))/kmm(i, i)
+      condensed_modes(:, i) = matmul(kmm(i, :i), reshape(cm(:i, :, :), [i, 6*points]))
     end do
   end subroutine element_points
 
@@ -231,17 +236,4 @@ contains
     det = dot_product(a(1, :), inv(:, 1))
     inv = inv/det
   end subroutine invert3
-
-  !> Cholesky factor of a small symmetric positive definite matrix, in its lower triangle. LAPACK differs from it in the last bits,
-  !> and so would every result.
-  pure subroutine factor_spd(a)
-    real(dp), intent(inout) :: a(:, :)  !< matrix, overwritten by its factor
-    integer :: i, j
-    do j = 1, size(a, 1)
-      a(j, j) = sqrt(a(j, j) - dot_product(a(j, :j - 1), a(j, :j - 1)))
-      do i = j + 1, size(a, 1)
-        a(i, j) = (a(i, j) - dot_product(a(i, :j - 1), a(j, :j - 1)))/a(j, j)
-      end do
-    end do
-  end subroutine factor_spd
 end module hd_hexahedron

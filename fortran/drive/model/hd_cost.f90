@@ -75,7 +75,7 @@ contains
     list(3) = cost_t('exact', seconds=iterations*(factor_time(dof) + tangent), &
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
-    round = .not. s%support%against_teeth .and. .not. (s%slave == 'cup' .and. s%ring_contact == 'unilateral')
+    round = .not. s%support%against_teeth .and. .not. (s%cup_is_slave() .and. s%ring_lifts())
     newton = s%method == 'auto' .or. s%method == 'newton'
     list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. .not. s%formed())
     list(2:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(2:)%name)

@@ -73,7 +73,7 @@ contains
     call ring_strip(scene, drive%ring)
     call cup_strip(scene, drive%cup, first, last)
     sectors = merge(scene%ring_divisions, scene%divisions, scene%ring_divisions > 0)
-    if (scene%slave == 'cup') then
+    if (scene%cup_is_slave()) then
       drive%b_ring = 2
       drive%b_cup = 1
     end if
@@ -92,7 +92,7 @@ contains
       call strip_face(drive%cup, cup, drive%cup%layers + 1, 1, rim_end(scene, drive%cup), drive%radius, drive%rim)
     end associate
     drive%axial_facets = size(drive%ring%inner, 2) - 1
-    if (scene%slave == 'cup') then
+    if (scene%cup_is_slave()) then
       drive%axial_facets = last - first
       slave = master
       master = drive%face
@@ -114,8 +114,8 @@ contains
     inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
     if (scene%large() .and. .not. scene%bonded() .and. (.not. scene%formed() .or. &
       .not. abs(scene%cone_angle_deg) > 0)) call follow_faces(scene, drive, bore, inside)
-    if (scene%slave == 'cup') drive%problem%mortar%val = -drive%problem%mortar%val
-    if (scene%ring_contact == 'unilateral') call add_rigid(drive%problem%mortar, inside)
+    if (scene%cup_is_slave()) drive%problem%mortar%val = -drive%problem%mortar%val
+    if (scene%ring_lifts()) call add_rigid(drive%problem%mortar, inside)
     drive%problem%law%scale = sqrt(scene%ring_e*scene%flexspline_e)/drive%radius
     call hold(scene, drive)
     call load_rim(scene, drive)
@@ -133,9 +133,9 @@ contains
       pairing%slave = drive%face
       pairing%master = master
       pairing%rest = drive%problem%mortar
-      if (scene%ring_contact == 'unilateral') pairing%inside = inside
+      if (scene%ring_lifts()) pairing%inside = inside
       pairing%radius = drive%radius
-      if (scene%slave == 'cup') pairing%sign = -1
+      if (scene%cup_is_slave()) pairing%sign = -1
       pairing%slave_nodes = drive%problem%bodies(1)%nodes()
       allocate (pairing%stretch(n), source=1._dp)
       allocate (pairing%bend(n), source=1/drive%radius)
@@ -175,7 +175,7 @@ contains
     integer :: middle
     associate (problem => drive%problem)
       inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
-      problem%fixed(1, inner) = scene%ring_contact == 'tied' .and. .not. scene%ball_stiffness > 0
+      problem%fixed(1, inner) = .not. scene%ring_lifts() .and. .not. scene%ball_stiffness > 0
       if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
       if (scene%support%struts .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
@@ -186,7 +186,7 @@ contains
         call loosen(problem, drive%b_ring, 3)
       else
         if (.not. scene%bonded()) call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
-        if (scene%ring_contact == 'tied') call loosen(problem, drive%b_ring, 3)
+        if (.not. scene%ring_lifts()) call loosen(problem, drive%b_ring, 3)
       end if
       if (scene%support%struts .and. allocated(problem%loose) .and. scene%frictionless()) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))

@@ -235,7 +235,7 @@ contains
     run%easy = taken < few_iterations
     if (solved) then
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
-        if (run%scene%history == 'turned') then
+        if (run%scene%turned()) then
           call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
           call run%record%timers%book(in_turn)
         end if

@@ -88,9 +88,9 @@ contains
       s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
     call ask(faults, .not. s%support%friction_alone .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
       "'frictional' with load.support = 'bearing', where all torque goes through friction")
-    call ask(faults, s%ring_contact == 'tied' .or. (s%element /= 'hex20r' .and. .not. s%support%against_teeth), &
+    call ask(faults, .not. s%ring_lifts() .or. (s%element /= 'hex20r' .and. .not. s%support%against_teeth), &
       'wave_generator.ring_contact', s%ring_contact, "'tied' with mesh.element = 'hex20r' or load.support = 'teeth'")
-    call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. s%ring_contact == 'tied'), &
+    call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. .not. s%ring_lifts()), &
       'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i")
     call ask(faults, &
       .not. s%support%friction_alone .or. s%ring_tangent /= 'free' .or. s%formed() .or. .not. abs(s%torque) > 0, &
@@ -105,7 +105,7 @@ contains
       "'.false.', but with load.support = 'drive'")
     call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. (s%with_band == '.false.' .and. .not. &
       s%planned_tolerance > 0), 'load.tangent_steps', s%tangent_steps, "'needed' or 'all' with run.band or run.tolerance")
-    call ask(faults, s%with_gradient == '.false.' .or. .not. (s%large() .or. s%support%against_teeth .or. s%history == 'turned' &
+    call ask(faults, s%with_gradient == '.false.' .or. .not. (s%large() .or. s%support%against_teeth .or. s%turned() &
       .or. s%planned_tolerance > 0), 'run.gradient', s%with_gradient, "'.false.' with solver.kinematics = 'nonlinear', "// &
       "load.support = 'teeth', loop.history = 'turned' or run.tolerance")
     call need(faults, s%turning_positions == 0 .or. s%support%struts, 'turning.positions', real(s%turning_positions, dp), &
@@ -122,7 +122,7 @@ contains
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
     call check_groove(s, faults)
     call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
-    call ask(faults, s%ring_contact == 'tied', 'wave_generator.ring_contact', s%ring_contact, &
+    call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
     call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
       "'auto' or 'exact' with load.support = 'drive'")
@@ -134,7 +134,7 @@ contains
       '0 where bearing.balls stand for it')
     call need(faults, .not. s%spline_diameter > 0 .or. s%spline_diameter > 2*(s%bore_radius + s%rim_thickness), &
       'load.spline_diameter', s%spline_diameter, '0, or above that of the rim', 2*(s%bore_radius + s%rim_thickness))
-    call ask(faults, s%history /= 'turned' .or. (.not. s%large() .and. (s%ring_divisions == 0 .or. s%ring_divisions == &
+    call ask(faults, .not. s%turned() .or. (.not. s%large() .and. (s%ring_divisions == 0 .or. s%ring_divisions == &
       s%divisions)), 'loop.history', s%history, &
       "'loop' or 'assembled' with solver.kinematics = 'nonlinear' or with mesh.ring_divisions")
     call need(faults, s%torque_2 > s%torque_1, 'loop.torque_2', s%torque_2, 'above torque_1', s%torque_1)

@@ -99,6 +99,9 @@ module hd_scene
     procedure :: hard
     procedure :: formed
     procedure :: large
+    procedure :: cup_is_slave
+    procedure :: ring_lifts
+    procedure :: turned
   end type scene_t
 
 contains
@@ -132,4 +135,22 @@ contains
     class(scene_t), intent(in) :: self  !< scene
     large = self%kinematics == 'nonlinear'
   end function large
+
+  !> The contact points are the cup's, the ring's face is the one they meet.
+  pure logical function cup_is_slave(self)
+    class(scene_t), intent(in) :: self  !< scene
+    cup_is_slave = self%slave == 'cup'
+  end function cup_is_slave
+
+  !> The ring lies on the wave generator, from which it may lift; else it is tied to it.
+  pure logical function ring_lifts(self)
+    class(scene_t), intent(in) :: self  !< scene
+    ring_lifts = self%ring_contact == 'unilateral'
+  end function ring_lifts
+
+  !> The answer is that of a drive whose wave generator has turned.
+  pure logical function turned(self)
+    class(scene_t), intent(in) :: self  !< scene
+    turned = self%history == 'turned'
+  end function turned
 end module hd_scene

@@ -2,7 +2,7 @@
 module test_circulant
   use hd_check, only: check, check_close
   use hd_circulant, only: circulant_t
-  use hd_circulant_side, only: circulant_side_t, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side
+  use hd_circulant_side, only: circulant_side_t, plan_side, fill_kernel, add_response, add_side_column, release_side
   use hd_error, only: error_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_kinds, only: dp, sp
@@ -182,7 +182,7 @@ contains
       do k = 1, n
         expected(:, k) = expected(:, k) + matmul(column(:, :, k), f(:, j))
       end do
-      call check_close(maxval(abs(column(:, :, j) - side_block(side, j))), 0._dp, 1e-12_dp, &
+      call check_close(maxval(abs(column(:, :, j) - side%own(:, :, j))), 0._dp, 1e-12_dp, &
         'the block of a multiplier is that of its column')
     end do
     w = 0

@@ -7,6 +7,7 @@ module test_registers
   use hd_sector_matrix, only: hd_sector_product
   use hd_spread, only: window_rows, window_rows_single, spread_rows, spread_rows_single
   use hd_text, only: to_text
+  use hd_total_lagrangian, only: hd_large_strain
   implicit none
   private
   public :: run_registers
@@ -22,6 +23,8 @@ contains
     end do
     call check_symmetric(520)
     call check_sectors(24, 5)
+    call check_cells(8, 9)
+    call check_cells(20, 0)
     do n = 4, 28, 4
       call check_spreading(n)
       call check_spreading_single(n)
@@ -81,6 +84,30 @@ contains
     end do
     call check(all(s(:, :, 1) == s(:, :, 2)), 'a product of sectors has the same bits in registers of 64 and 32 bytes')
   end subroutine check_sectors
+
+  !> Sectors of a cell under large displacements do not know each other: all widths give the same, and equal sectors the same bits.
+  subroutine check_cells(nodes, modes)
+    integer, intent(in) :: nodes, modes    !< of the cell
+    real(dp) :: turn(2, nodes), g(nodes, 3, 8), weight(8), eased(48, modes), pushed(3, nodes, 8, modes), u(8, 3, nodes)
+    real(dp) :: stress(8, 48, 3), energy(8, 3), f(8, 3*nodes, 3), k(8, 9*nodes**2, 3)
+    integer :: i
+    call random_number(turn)
+    call random_number(g)
+    call random_number(weight)
+    call random_number(eased)
+    call random_number(pushed)
+    call random_number(u)
+    u(8, :, :) = u(1, :, :)
+    do i = 1, 3
+      call hd_large_strain(widths(i), nodes, modes, 1.2_dp, 0.8_dp, turn, g, weight + 1, eased, pushed, u, stress(:, :, i), &
+        energy(:, i), f(:, :, i), k(:, :, i))
+      call check(maxval(abs(k(:, :, i) - k(:, :, 1))) < 1e-13_dp*maxval(abs(k)) .and. &
+        maxval(abs(f(:, :, i) - f(:, :, 1))) < 1e-13_dp*maxval(abs(f)), 'cells under large displacements in registers of '// &
+        to_text(widths(i))//' bytes')
+      call check(all(k(8, :, i) == k(1, :, i)) .and. all(stress(8, :, i) == stress(1, :, i)) .and. &
+        abs(energy(8, i) - energy(1, i)) < tiny(1._dp), 'equal sectors of a cell have the same bits')
+    end do
+  end subroutine check_cells
 
   !> The same of a window's weights and of spreading.
   subroutine check_spreading(width)

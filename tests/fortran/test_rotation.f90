@@ -4,11 +4,11 @@ module test_rotation
   use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_hexahedron, only: elasticity_matrix, element_points, element_stiffness, hex20r, hex8, hex8i, points
+  use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i
   use hd_kinds, only: dp, pi
   use hd_problem, only: use_lagrangian, internal_residual, load_t, new_problem, new_state, problem_t, state_t, update_tangent
   use hd_static, only: solve_static
-  use hd_total_lagrangian, only: element_response
+  use hd_total_lagrangian, only: cell_response, cell_t, lanes, new_cell
   use test_contact, only: block
   implicit none
   private
@@ -36,9 +36,9 @@ contains
   !> is the linear stiffness.
   subroutine element_tangent(kind, n)
     integer, intent(in) :: kind, n
-    real(dp) :: x(3, n), u(3, n), g(n, 3, points), weight(points), c(6, 6), ke(3*n, 3*n), k(3*n, 3*n)
+    real(dp) :: x(3, n), u(3, n), c(6, 6), ke(3*n, 3*n), k(3*n, 3*n)
     real(dp) :: f(3, n), plus(3, n), minus(3, n), noise(3, n), step, worst
-    real(dp), allocatable :: condensed_modes(:, :)
+    type(cell_t) :: cell
     type(error_t), allocatable :: error
     integer :: i, j
     call element(kind, x)
@@ -50,26 +50,26 @@ contains
     x = x + 0.05_dp*noise
     c = elasticity_matrix(1._dp, 0.3_dp)
     call element_stiffness(kind, x, c, ke, error)
-    call element_points(kind, x, c, g, weight, condensed_modes, error)
-    call element_response(g, weight, condensed_modes, c, 0*x, f, k)
+    call new_cell(kind, x, spread(0._dp, 1, n), c, cell, error)
+    call respond(cell, 0*x, f, k)
     call check_close(maxval(abs(k - ke)), 0._dp, 1e-15_dp, 'at rest the tangent is the linear stiffness')
     worst = 0
     do i = 1, 6
-      call element_response(g, weight, condensed_modes, c, turned(x, 0.5_dp*i) - x, f)
+      call respond(cell, turned(x, 0.5_dp*i) - x, f)
       worst = max(worst, maxval(abs(f)))
     end do
     call check_close(worst, 0._dp, 1e-14_dp, 'a distorted element turned rigidly by up to 3 rad is free of forces')
     u = turned(x, 0.9_dp) - x + 0.08_dp*noise(:, n:1:-1)
-    call element_response(g, weight, condensed_modes, c, u, f, k)
+    call respond(cell, u, f, k)
     call check_close(maxval(abs(k - transpose(k))), 0._dp, 1e-15_dp, 'the tangent is symmetric')
     worst = 0
     step = 1e-6_dp
     do j = 1, n
       do i = 1, 3
         u(i, j) = u(i, j) + step
-        call element_response(g, weight, condensed_modes, c, u, plus)
+        call respond(cell, u, plus)
         u(i, j) = u(i, j) - 2*step
-        call element_response(g, weight, condensed_modes, c, u, minus)
+        call respond(cell, u, minus)
         u(i, j) = u(i, j) + step
         worst = max(worst, maxval(abs(reshape(plus - minus, [3*n])/(2*step) - k(:, 3*(j - 1) + i))))
       end do
@@ -77,6 +77,26 @@ contains
     call check_close(worst, 0._dp, 1e-9_dp, 'the tangent agrees with central differences')
     call check_close(norm2(sum(f, 2)), 0._dp, 1e-14_dp, 'the forces of a turned and strained element balance')
   end subroutine element_tangent
+
+  !> Forces and tangent of one sector, the last; the others are strained otherwise.
+  subroutine respond(cell, u, f, k)
+    type(cell_t), intent(in) :: cell
+    real(dp), intent(in) :: u(:, :)
+    real(dp), intent(out) :: f(:, :)
+    real(dp), intent(out), optional :: k(:, :)
+    real(dp) :: many(lanes, 3, size(u, 2)), forces(lanes, 3, size(u, 2)), tangents(lanes, 3*size(u, 2), 3*size(u, 2))
+    integer :: i
+    do i = 1, lanes
+      many(i, :, :) = u*i/lanes
+    end do
+    if (present(k)) then
+      call cell_response(cell, many, forces, tangents)
+      k = tangents(lanes, :, :)
+    else
+      call cell_response(cell, many, forces)
+    end if
+    f = forces(lanes, :, :)
+  end subroutine respond
 
   !> Corners (and mid-sides) of the cube [-1, 1]^3.
   subroutine element(kind, x)

@@ -4,13 +4,14 @@ module hd_block_matrix
   use hd_kinds, only: dp
   implicit none
   private
-  public :: block_matrix_t, graph_from_cells, add_cell, multiply
+  public :: block_matrix_t, graph_from_cells, cell_places, add_cell, largest_diagonal, multiply
 
   !> Row a holds the blocks of nodes col(ptr(a):ptr(a+1)-1), ascending.
   type :: block_matrix_t
     integer :: n = 0                        !< nodes
     integer, allocatable :: ptr(:)          !< row pointers (n + 1)
     integer, allocatable :: col(:)          !< column nodes
+    integer, allocatable :: own(:)          !< place of each node's block on the diagonal (n)
     real(dp), allocatable :: val(:, :, :)   !< blocks (3, 3, size(col))
   end type block_matrix_t
 
@@ -65,6 +66,7 @@ contains
       end do
       if (pass == 1) allocate (a%col(a%ptr(n + 1) - 1))
     end do
+    a%own = [(find(a, i, i), i=1, n)]
     allocate (a%val(3, 3, size(a%col)), source=0._dp)
   end subroutine graph_from_cells
 
@@ -84,15 +86,27 @@ contains
     end do
   end subroutine sort
 
+  !> Places of the blocks of one cell.
+  pure function cell_places(a, nodes) result(place)
+    type(block_matrix_t), intent(in) :: a  !< matrix
+    integer, intent(in) :: nodes(:)        !< nodes of the cell
+    integer :: place(size(nodes), size(nodes)), i, j
+    do j = 1, size(nodes)
+      do i = 1, size(nodes)
+        place(i, j) = find(a, nodes(i), nodes(j))
+      end do
+    end do
+  end function cell_places
+
   !> Add the stiffness of one cell.
-  pure subroutine add_cell(a, nodes, ke)
+  pure subroutine add_cell(a, place, ke)
     type(block_matrix_t), intent(inout) :: a  !< matrix
-    integer, intent(in) :: nodes(:)           !< nodes of the cell
+    integer, intent(in) :: place(:, :)        !< of its blocks
     real(dp), intent(in) :: ke(:, :)          !< stiffness (3 nodes, 3 nodes)
     integer :: i, j, k
-    do i = 1, size(nodes)
-      do j = 1, size(nodes)
-        k = find(a, nodes(i), nodes(j))
+    do i = 1, size(place, 1)
+      do j = 1, size(place, 1)
+        k = place(i, j)
         a%val(:, :, k) = a%val(:, :, k) + ke(3*i - 2:3*i, 3*j - 2:3*j)
       end do
     end do
@@ -114,6 +128,18 @@ contains
       end if
     end do
   end function find
+
+  !> Largest entry of the diagonal; that of a definite matrix is the largest of all.
+  pure real(dp) function largest_diagonal(a) result(most)
+    type(block_matrix_t), intent(in) :: a  !< matrix
+    integer :: c, i
+    most = 0
+    do i = 1, a%n
+      do c = 1, 3
+        most = max(most, abs(a%val(c, c, a%own(i))))
+      end do
+    end do
+  end function largest_diagonal
 
   !> y = A u.
   pure function multiply(a, u) result(y)

@@ -6,165 +6,120 @@
 !> modes are eliminated once for all: an element stores W = e.D e/2 with e the strains of its displacements at all points and
 !> the D of hd_hexahedron, which no displacement changes. Forces and tangent are its exact derivatives,
 !>   f = B^T s,   K = B^T D B + sum_p (g_a . S_p g_b) 1,   s = D e (weighted stresses S_p),   B = de/du,
-!> rigid turns are free of force, and small displacements give back the linear element whatever its kind.
+!> rigid turns are free of force, and small displacements give back the linear element whatever its kind. Sectors are equal, so a
+!> cell is evaluated for `lanes` of them at once.
 module hd_total_lagrangian
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use hd_kinds, only: dp
-  use hd_body, only: body_t, cell_nodes, frame
+  use hd_body, only: body_t, cell_nodes
   use hd_error, only: error_t
-  use hd_hexahedron, only: element_points, elasticity_matrix, nodes_per_element, point_stiffness, points, strain_matrix
-  use hd_lapack, only: multiply_dense, multiply_transposed
+  use hd_hexahedron, only: element_points, elasticity_matrix, nodes_per_element, points
   implicit none
   private
-  public :: total_lagrangian_t, new_total_lagrangian, cell_response, cell_stress, element_response
+  public :: hd_large_strain, cell_t, total_lagrangian_t, new_total_lagrangian, new_cell, cell_response, cell_stress, lanes
 
-  !> Cells of the first sector of a body at rest, in Cartesian components.
+  integer, parameter :: lanes = 8  !< sectors at once
+
+  !> A cell at rest, in Cartesian components.
+  type :: cell_t
+    real(dp) :: lame(2) = 0                     !< lambda and mu [Pa]
+    real(dp) :: weight(points) = 0              !< volumes of the points [m^3]
+    real(dp), allocatable :: turn(:, :)         !< cosine and sine of the first dof's direction (2, nodes)
+    real(dp), allocatable :: g(:, :, :)         !< gradients (nodes, 3, points) [1/m]
+    real(dp), allocatable :: condensed_modes(:, :)  !< A of element_points (6 points, modes)
+    real(dp), allocatable :: pushed(:, :, :, :) !< the same, as stresses, times the gradients (3, nodes, points, modes)
+  end type cell_t
+
+  !> Cells of the first sector of a body; the others see the same in their frame.
   type :: total_lagrangian_t
-    real(dp) :: c(6, 6) = 0                     !< elasticity matrix [Pa]
-    real(dp), allocatable :: g(:, :, :, :)      !< gradients (nodes, 3, points, cells) [1/m]
-    real(dp), allocatable :: weight(:, :)       !< volumes of the points (points, cells) [m^3]
-    real(dp), allocatable :: condensed_modes(:, :, :)     !< A of element_points (6 points, modes, cells)
+    type(cell_t), allocatable :: cells(:)       !< (cells)
+    integer, allocatable :: place(:, :, :, :)   !< of their blocks in the tangent (nodes, nodes, cells, sectors)
   end type total_lagrangian_t
+
+  interface
+    subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, u, stress, energy, f, k) bind(c)
+      import :: c_double, c_int
+      integer(c_int), value :: most, nodes, modes
+      real(c_double), value :: lambda, mu
+      real(c_double), intent(in) :: turn(2, *), g(nodes, 3, *), weight(*), eased(48, *), pushed(3, nodes, 8, *), u(8, 3, *)
+      real(c_double), intent(out) :: stress(8, 6, *), energy(8), f(8, 3, *)
+      real(c_double), intent(out), optional :: k(8, 3*nodes, *)
+    end subroutine hd_large_strain
+  end interface
 
 contains
 
-  !> What does not depend on the displacements.
+  !> What does not depend on the displacements; without the places in the tangent.
   subroutine new_total_lagrangian(body, lagrangian, error)
     type(body_t), intent(in) :: body                      !< body
     type(total_lagrangian_t), intent(out) :: lagrangian   !< its cells
     type(error_t), allocatable, intent(out) :: error      !< inverted element
-    real(dp), allocatable :: condensed_modes(:, :)
-    integer :: cell, cells
-    cells = size(body%cells, 2)
-    lagrangian%c = elasticity_matrix(body%young, body%poisson)
-    allocate (lagrangian%g(nodes_per_element(body%kind), 3, points, cells), lagrangian%weight(points, cells))
-    do cell = 1, cells
-      call element_points(body%kind, body%x(:, cell_nodes(body, cell, 0)), lagrangian%c, lagrangian%g(:, :, :, cell), &
-        lagrangian%weight(:, cell), condensed_modes, error)
+    real(dp) :: c(6, 6)
+    integer :: cell, list(nodes_per_element(body%kind))
+    c = elasticity_matrix(body%young, body%poisson)
+    allocate (lagrangian%cells(size(body%cells, 2)))
+    do cell = 1, size(body%cells, 2)
+      list = cell_nodes(body, cell, 0)
+      call new_cell(body%kind, body%x(:, list), body%angle(list), c, lagrangian%cells(cell), error)
       if (allocated(error)) return
-      if (cell == 1) allocate (lagrangian%condensed_modes(size(condensed_modes, 1), size(condensed_modes, 2), cells))
-      lagrangian%condensed_modes(:, :, cell) = condensed_modes
     end do
   end subroutine new_total_lagrangian
 
-  !> Forces and tangent of a cell of any sector, in the dofs of its nodes.
-  subroutine cell_response(body, lagrangian, cell, u, f, tangent)
-    type(body_t), intent(in) :: body                        !< body
-    type(total_lagrangian_t), intent(in) :: lagrangian      !< its cells
-    integer, intent(in) :: cell                             !< cell of the first sector; the others see the same in their frame
-    real(dp), intent(in) :: u(:, :)                         !< displacements of its nodes (3, nodes) [m]
-    real(dp), intent(out) :: f(:, :)                        !< forces (3, nodes) [N]
-    real(dp), intent(out), optional :: tangent(:, :)        !< (3 nodes, 3 nodes) [N/m]
-    real(dp) :: q(3, 3, size(u, 2)), v(3, size(u, 2))
-    integer :: list(size(u, 2)), a, i
-    list = cell_nodes(body, cell, 0)
-    do a = 1, size(list)
-      q(:, :, a) = frame(body%angle(list(a)))
-      v(:, a) = matmul(q(:, :, a), u(:, a))
+  !> One cell.
+  subroutine new_cell(kind, x, angle, c, cell, error)
+    integer, intent(in) :: kind                        !< element kind
+    real(dp), intent(in) :: x(:, :)                    !< places of its nodes (3, nodes) [m]
+    real(dp), intent(in) :: angle(:)                   !< directions of their first dofs (nodes) [rad]
+    real(dp), intent(in) :: c(6, 6)                    !< isotropic elasticity matrix [Pa]
+    type(cell_t), intent(out) :: cell                  !< cell
+    type(error_t), allocatable, intent(out) :: error   !< inverted element
+    integer :: m, p
+    cell%lame = [c(1, 2), c(4, 4)]
+    allocate (cell%g(size(x, 2), 3, points))
+    call element_points(kind, x, c, cell%g, cell%weight, cell%condensed_modes, error)
+    if (allocated(error)) return
+    cell%turn = reshape([cos(angle), sin(angle)], [2, size(angle)], order=[2, 1])
+    allocate (cell%pushed(3, size(x, 2), points, size(cell%condensed_modes, 2)))
+    do m = 1, size(cell%condensed_modes, 2)
+      do p = 1, points
+        associate (s => cell%condensed_modes(6*p - 5:6*p, m))
+          cell%pushed(:, :, p, m) = matmul(reshape(s([1, 4, 6, 4, 2, 5, 6, 5, 3]), [3, 3]), transpose(cell%g(:, :, p)))
+        end associate
+      end do
     end do
-    associate (g => lagrangian%g(:, :, :, cell), weight => lagrangian%weight(:, cell), &
-      modes => lagrangian%condensed_modes(:, :, cell))
+  end subroutine new_cell
+
+  !> Forces and tangent of a cell in some sectors, in the dofs of its nodes.
+  subroutine cell_response(cell, u, f, tangent)
+    type(cell_t), intent(in) :: cell                       !< cell
+    real(dp), intent(in), contiguous :: u(:, :, :)         !< displacements of its nodes (lanes, 3, nodes) [m]
+    real(dp), intent(out), contiguous :: f(:, :, :)        !< forces (lanes, 3, nodes) [N]
+    real(dp), intent(out), optional, contiguous :: tangent(:, :, :)    !< (lanes, 3 nodes, 3 nodes) [N/m]
+    real(dp) :: stress(lanes, 6, points), energy(lanes)
+    associate (modes => cell%condensed_modes)
       if (present(tangent)) then  ! an absent array passed on has bounds that overflow (gfortran)
-        call element_response(g, weight, modes, lagrangian%c, v, f, tangent)
+        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
+          cell%pushed, u, stress, energy, f, tangent)
       else
-        call element_response(g, weight, modes, lagrangian%c, v, f)
+        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
+          cell%pushed, u, stress, energy, f)
       end if
     end associate
-    do a = 1, size(list)
-      f(:, a) = matmul(f(:, a), q(:, :, a))
-      if (.not. present(tangent)) cycle
-      i = 3*(a - 1)
-      tangent(:, i + 1:i + 3) = matmul(tangent(:, i + 1:i + 3), q(:, :, a))
-      tangent(i + 1:i + 3, :) = matmul(transpose(q(:, :, a)), tangent(i + 1:i + 3, :))
-    end do
   end subroutine cell_response
 
   !> Second Piola-Kirchhoff stress at the Gauss points of a cell of any sector, in the Cartesian directions of the first sector at
   !> rest, and the energy that the cell stores.
-  subroutine cell_stress(body, lagrangian, cell, u, stress, energy)
-    type(body_t), intent(in) :: body                        !< body
-    type(total_lagrangian_t), intent(in) :: lagrangian      !< its cells
-    integer, intent(in) :: cell                             !< cell of the first sector
+  subroutine cell_stress(cell, u, stress, energy)
+    type(cell_t), intent(in) :: cell                        !< cell of the first sector
     real(dp), intent(in) :: u(:, :)                         !< displacements of its nodes (3, nodes) [m]
     real(dp), intent(out) :: stress(6, points)              !< xx, yy, zz, xy, yz, zx [Pa]
     real(dp), intent(out) :: energy                         !< [J]
-    real(dp) :: v(3, size(u, 2)), h(3, 3*points), e(6*points), s(6*points)
-    integer :: list(size(u, 2)), a
-    list = cell_nodes(body, cell, 0)
-    do a = 1, size(list)
-      v(:, a) = matmul(frame(body%angle(list(a))), u(:, a))
-    end do
-    call strain_and_stress(lagrangian%g(:, :, :, cell), lagrangian%weight(:, cell), lagrangian%condensed_modes(:, :, cell), &
-      lagrangian%c, v, h, e, s)
-    energy = dot_product(s, e)/2
-    stress = reshape(s, [6, points])/spread(lagrangian%weight(:, cell), 1, 6)
+    real(dp), dimension(lanes, 3, size(u, 2)) :: v, f
+    real(dp) :: s(lanes, 6, points), e(lanes)
+    v = spread(u, 1, lanes)
+    call hd_large_strain(0, size(u, 2), size(cell%condensed_modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, &
+      cell%condensed_modes, cell%pushed, v, s, e, f)
+    stress = s(1, :, :)
+    energy = e(1)
   end subroutine cell_stress
-
-  !> Forces and tangent of one element in Cartesian components.
-  subroutine element_response(g, weight, condensed_modes, c, u, f, tangent)
-    real(dp), intent(in) :: u(:, :)                         !< displacements (3, nodes) [m]
-    real(dp), intent(in) :: g(size(u, 2), 3*points)         !< gradients at the points (nodes, 3 points) [1/m]
-    real(dp), intent(in) :: weight(points)                  !< volumes of the points [m^3]
-    real(dp), intent(in) :: condensed_modes(:, :)                     !< A of element_points (6 points, modes)
-    real(dp), intent(in) :: c(6, 6)                         !< elasticity matrix [Pa]
-    real(dp), intent(out) :: f(:, :)                        !< forces (3, nodes) [N]
-    real(dp), intent(out), optional :: tangent(:, :)        !< (3 nodes, 3 nodes) [N/m]
-    real(dp) :: h(3, 3*points), e(6*points), s(6*points), stress(3, 3), first(3, 3*points), gs(size(u, 2), 3*points)
-    real(dp) :: b(3*size(u, 2), 6, points), geometric(size(u, 2), size(u, 2))
-    integer :: i, j, p
-    call strain_and_stress(g, weight, condensed_modes, c, u, h, e, s)
-    do p = 1, points
-      associate (t => s(6*p - 5:6*p), gradient => h(:, 3*p - 2:3*p))
-        stress(:, 1) = [t(1), t(4), t(6)]
-        stress(:, 2) = [t(4), t(2), t(5)]
-        stress(:, 3) = [t(6), t(5), t(3)]
-        do i = 1, 3
-          gradient(i, i) = gradient(i, i) + 1
-        end do
-        first(:, 3*p - 2:3*p) = matmul(gradient, stress)
-        if (.not. present(tangent)) cycle
-        gs(:, 3*p - 2:3*p) = matmul(g(:, 3*p - 2:3*p), stress)
-        call strain_matrix(g(:, 3*p - 2:3*p), gradient, b(:, :, p))
-      end associate
-    end do
-    call multiply_transposed(first, g, f)
-    if (.not. present(tangent)) return
-    call point_stiffness(b, c, weight, condensed_modes, tangent)
-    call multiply_transposed(gs, g, geometric)
-    do j = 1, size(tangent, 1)
-      i = modulo(j - 1, 3) + 1
-      tangent(i::3, j) = tangent(i::3, j) + geometric(:, (j + 2)/3)
-    end do
-  end subroutine element_response
-
-  !> Displacement gradients, strains and stresses times volume at the points of an element.
-  subroutine strain_and_stress(g, weight, condensed_modes, c, u, h, e, s)
-    real(dp), intent(in) :: u(:, :)                      !< displacements (3, nodes) [m]
-    real(dp), intent(in) :: g(size(u, 2), 3*points)      !< gradients at the points (nodes, 3 points) [1/m]
-    real(dp), intent(in) :: weight(points)               !< volumes of the points [m^3]
-    real(dp), intent(in) :: condensed_modes(:, :)        !< A of element_points (6 points, modes)
-    real(dp), intent(in) :: c(6, 6)                      !< elasticity matrix [Pa]
-    real(dp), intent(out) :: h(3, 3*points)              !< du_i/dX_j
-    real(dp), intent(out) :: e(6*points), s(6*points)    !< E, and S times volume [N m]
-    integer :: i, p
-    call multiply_dense(u, g, h)
-    do p = 1, points
-      e(6*p - 5:6*p) = green_lagrange(h(:, 3*p - 2:3*p))
-      s(6*p - 5:6*p) = weight(p)*matmul(c, e(6*p - 5:6*p))
-    end do
-    do i = 1, size(condensed_modes, 2)
-      s = s - condensed_modes(:, i)*dot_product(condensed_modes(:, i), e)
-    end do
-  end subroutine strain_and_stress
-
-  !> Green-Lagrange strain of a displacement gradient, shear strains doubled.
-  pure function green_lagrange(h) result(e)
-    real(dp), intent(in) :: h(3, 3)  !< du_i/dX_j
-    real(dp) :: e(6)
-    integer :: i, j
-    do i = 1, 3
-      j = modulo(i, 3) + 1
-      e(i) = h(i, i) + 0.5_dp*dot_product(h(:, i), h(:, i))
-      e(3 + i) = h(i, j) + h(j, i) + dot_product(h(:, i), h(:, j))
-    end do
-  end function green_lagrange
 end module hd_total_lagrangian

@@ -13,7 +13,7 @@ module hd_mortar
   use hd_segment, only: point_t, bins_t, new_bins, integrate_overlaps
   implicit none
   private
-  public :: mortar_t, new_mortar, add_rigid, relative_displacement, side_sums, add_nodal_forces, coupling_block, &
+  public :: mortar_t, new_mortar, add_rigid, moved_share, relative_displacement, side_sums, add_nodal_forces, coupling_block, &
     radial_force, facet_mean
 
   !> Multiplier j couples nodes col(ptr(j):ptr(j+1)-1) with weights val: positive on the master, negative on the slave.
@@ -38,7 +38,8 @@ module hd_mortar
 
   !> Overlaps of a facet.
   type :: overlaps_t
-    type(point_t), allocatable :: points(:)
+    type(point_t), allocatable :: points(:)  !< room for them
+    integer :: n = 0                         !< how many
   end type overlaps_t
 
 contains
@@ -56,36 +57,43 @@ contains
     integer, allocatable :: row(:), col(:)
     real(dp), allocatable :: val(:)
     real(dp) :: dual(4, 4), phi(4), near(8, 4), far(8, 4)
-    integer :: f, k, p, nnz
+    integer :: at, f, k, n, near_nodes, far_nodes, p, nnz
     call number_multipliers(slave, mortar)
     moved = slave
     if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
     call new_bins(master, bins)
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
     allocate (row(0), col(0), val(0))
+    do f = 1, min(batch, size(slave%nodes, 2))
+      allocate (found(f)%points(0))
+    end do
+    near_nodes = size(slave%nodes, 1)
+    far_nodes = size(master%nodes, 1)
     nnz = 0
     do f = 1, size(slave%nodes, 2)
       if (modulo(f - 1, batch) == 0) then
         !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
         do k = f, min(f + batch - 1, size(slave%nodes, 2))
-          call integrate_overlaps(moved, k, master, bins, found(k - f + 1)%points)
+          call integrate_overlaps(moved, k, master, bins, present(shift), found(k - f + 1)%points, found(k - f + 1)%n)
         end do
         !$omp end parallel do
       end if
-      call move_alloc(found(modulo(f - 1, batch) + 1)%points, points)
-      if (size(points) == 0) cycle
-      if (present(shift)) points%weight = points%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
-      dual = dual_basis(points)
+      at = modulo(f - 1, batch) + 1
+      n = found(at)%n
+      if (n == 0) cycle
+      call move_alloc(found(at)%points, points)
+      if (present(shift)) points(:n)%weight = points(:n)%weight*(quad_area(slave%chart(:, :, f))/quad_area(moved%chart(:, :, f)))
+      dual = dual_basis(points(:n))
       near = 0
       far = 0
-      do p = 1, size(points)
+      do p = 1, n
         phi = matmul(dual, points(p)%corner)*points(p)%weight
         mortar%share(:, f) = mortar%share(:, f) + phi
         do k = 1, 4
-          near(:, k) = near(:, k) - phi(k)*points(p)%slave
-          far(:, k) = far(:, k) + phi(k)*points(p)%master
+          near(:near_nodes, k) = near(:near_nodes, k) - phi(k)*points(p)%slave(:near_nodes)
+          far(:far_nodes, k) = far(:far_nodes, k) + phi(k)*points(p)%master(:far_nodes)
         end do
-        if (p < size(points)) then
+        if (p < n) then
           if (points(p + 1)%facet == points(p)%facet) cycle
         end if
         do k = 1, 4
@@ -96,6 +104,7 @@ contains
       do k = 1, 4
         call append(mortar%facet(k, f), slave%nodes(:, f), near(:, k))
       end do
+      call move_alloc(points, found(at)%points)  ! room for the next batch
     end do
     call compress(mortar, row(:nnz), col(:nnz), val(:nnz))
   contains
@@ -152,6 +161,23 @@ contains
     mortar%area = [mortar%area, area]
     mortar%n = mortar%n + mortar%rigid
   end subroutine add_rigid
+
+  !> Part of the weights that couplings of the same faces have at different nodes: 0 equal, 1 no node in common.
+  pure real(dp) function moved_share(a, b) result(share)
+    type(mortar_t), intent(in) :: a, b   !< couplings
+    real(dp) :: whole, alike
+    integer :: i, j, k
+    whole = 0
+    alike = 0
+    do j = 1, b%n
+      do k = b%ptr(j), b%ptr(j + 1) - 1
+        i = findloc(a%col(a%ptr(j):a%ptr(j + 1) - 1), b%col(k), 1)
+        whole = whole + abs(b%val(k))
+        if (i > 0) alike = alike + min(abs(b%val(k)), abs(a%val(a%ptr(j) + i - 1)))
+      end do
+    end do
+    share = 1 - alike/max(whole, tiny(1._dp))
+  end function moved_share
 
   !> Number the corner nodes of the slave face as multipliers, in the order in which the facets meet them.
   subroutine number_multipliers(slave, mortar)

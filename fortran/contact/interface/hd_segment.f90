@@ -1,18 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Segments: the overlaps of the facets of two faces on their chart, with integration points.
 module hd_segment
-  use hd_gauss, only: gauss_8, weight_8
+  use hd_gauss, only: gauss_3, gauss_8, weight_3, weight_8
   use hd_kinds, only: dp, hair
-  use hd_face, only: face_t, shape_facet, shape_corner
+  use hd_face, only: face_t, shape_facet
   implicit none
   private
   public :: point_t, bins_t, new_bins, integrate_overlaps
 
   !> One integration point: shape functions of the slave facet (all nodes, corners) and of the master facet, weight.
   type :: point_t
-    real(dp) :: slave(8) = 0, corner(4) = 0, master(8) = 0
-    real(dp) :: weight = 0   !< [m^2]
-    integer :: facet = 0     !< master facet
+    real(dp) :: slave(8), corner(4), master(8)
+    real(dp) :: weight   !< [m^2]
+    integer :: facet     !< master facet
   end type point_t
 
   !> Facets of a face sorted into strips of the first chart coordinate.
@@ -78,19 +78,21 @@ contains
   end function bin_of
 
   !> Integration points of all overlaps of one slave facet with the master face.
-  subroutine integrate_overlaps(slave, f, master, bins, points)
+  subroutine integrate_overlaps(slave, f, master, bins, moved, points, found)
     type(face_t), intent(in) :: slave                     !< slave face
     integer, intent(in) :: f                              !< slave facet
     type(face_t), intent(in) :: master                    !< master face
     type(bins_t), intent(in) :: bins                      !< bins of the master face
-    type(point_t), allocatable, intent(out) :: points(:)  !< integration points
+    logical, intent(in) :: moved                          !< faces are paired anew, which is done often: few points suffice
+    type(point_t), allocatable, intent(inout) :: points(:)  !< room for integration points, may grow
+    integer, intent(out) :: found                         !< integration points
     real(dp) :: a(2, 4), b(2, 4), low(2), high(2), middle, polygon(2, 16), shift
     integer :: g, i, k, n, lowest, highest, m
     a = slave%chart(:, :, f)
     low = minval(a, 2)
     high = maxval(a, 2)
     middle = sum(a(1, :))
-    allocate (points(0))
+    found = 0
     lowest = floor((low(1) - bins%start)/bins%width) - 1
     highest = floor((high(1) - bins%start)/bins%width)
     if (.not. bins%periodic) then
@@ -110,7 +112,7 @@ contains
         b = master%chart(:, :, g)
         b(1, :) = b(1, :) + shift
         call clip(a, b, polygon, n)
-        call add_points(polygon(:, :n), a, b, size(slave%nodes, 1), size(master%nodes, 1), g, points)
+        call add_points(polygon(:, :n), a, b, size(slave%nodes, 1), size(master%nodes, 1), g, moved, points, found)
       end do
     end do
   end subroutine integrate_overlaps
@@ -149,55 +151,112 @@ contains
     end do
   end subroutine clip
 
-  !> Integration points on the triangles between the middle of a polygon and its sides: its mirror image gets the mirrored points.
-  subroutine add_points(polygon, a, b, nodes_a, nodes_b, facet, points)
+  !> Integration points of a polygon, whose mirror image gets the mirrored points.
+  subroutine add_points(polygon, a, b, nodes_a, nodes_b, facet, moved, points, found)
     real(dp), intent(in) :: polygon(:, :)     !< corners (2, n) [m]
     real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
     integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
     integer, intent(in) :: facet              !< master facet
-    type(point_t), allocatable, intent(inout) :: points(:)  !< grows
-    type(point_t), allocatable :: new(:)
-    real(dp) :: middle(2), u(2), v(2), area
-    integer :: t, p, q, n
+    logical, intent(in) :: moved              !< few points suffice
+    type(point_t), allocatable, intent(inout) :: points(:)  !< may grow
+    integer, intent(inout) :: found           !< points so far
+    real(dp) :: x(64*size(polygon, 2), 2), w(64*size(polygon, 2))
+    type(point_t), allocatable :: more(:)
+    integer :: n
     logical :: even
-    n = 0
     if (size(polygon, 2) < 3) return  ! no area
     even = is_parallelogram(a) .and. is_parallelogram(b)
-    allocate (new(merge(7, 64, even)*size(polygon, 2)))
+    if (moved .and. even .and. size(polygon, 2) == 4) then
+      call quadrilateral_points(polygon, x, w)
+      n = 9
+    else
+      call triangle_points(polygon, even, sliver*maxval(abs(a(:, 3) - a(:, 1)))**2, x, w, n)
+    end if
+    if (found + n > size(points)) then
+      allocate (more(2*(found + n)))
+      more(:found) = points(:found)
+      call move_alloc(more, points)
+    end if
+    call enter(n, x(:n, :), w(:n), a, b, nodes_a, nodes_b, facet, points(found + 1:found + n))
+    found = found + n
+  end subroutine add_points
+
+  !> Points of Gauss, exact like the triangles for polynomials of degree 4, by a third of their points.
+  pure subroutine quadrilateral_points(c, x, w)
+    real(dp), intent(in) :: c(2, 4)              !< corners [m]
+    real(dp), intent(inout) :: x(:, :), w(:)     !< gets places (9, 2) [m] and weights [m^2]
+    real(dp) :: u(2), v(2)
+    integer :: n, p, q
+    n = 0
+    do p = 1, 3
+      do q = 1, 3
+        n = n + 1
+        u = ((1 - gauss_3(q))*(c(:, 2) - c(:, 1)) + (1 + gauss_3(q))*(c(:, 3) - c(:, 4)))/4
+        v = ((1 - gauss_3(p))*(c(:, 4) - c(:, 1)) + (1 + gauss_3(p))*(c(:, 3) - c(:, 2)))/4
+        x(n, :) = sum(c, 2)/4 + gauss_3(p)*(c(:, 2) - c(:, 1) + c(:, 3) - c(:, 4))/4 + gauss_3(q)*v
+        w(n) = weight_3(p)*weight_3(q)*abs(u(1)*v(2) - u(2)*v(1))
+      end do
+    end do
+  end subroutine quadrilateral_points
+
+  !> Points on the triangles between the middle of a polygon and its sides.
+  pure subroutine triangle_points(polygon, even, least, x, w, n)
+    real(dp), intent(in) :: polygon(:, :)        !< corners (2, n) [m]
+    logical, intent(in) :: even                  !< shape functions of the facets are polynomials of x
+    real(dp), intent(in) :: least                !< area that counts [m^2]
+    real(dp), intent(inout) :: x(:, :), w(:)     !< gets places [m] and weights [m^2]
+    integer, intent(out) :: n                    !< points
+    real(dp) :: middle(2), u(2), v(2), area
+    integer :: p, q, t
+    n = 0
     middle = sum(polygon, 2)/size(polygon, 2)
     do t = 1, size(polygon, 2)
       u = polygon(:, t) - middle
       v = polygon(:, modulo(t, size(polygon, 2)) + 1) - middle
       area = 0.5_dp*abs(u(1)*v(2) - u(2)*v(1))
-      if (area <= sliver*maxval(abs(a(:, 3) - a(:, 1)))**2) cycle
+      if (area <= least) cycle
       if (even) then
         do p = 1, 7
-          call add(middle + rule(1, p)*u + rule(2, p)*v, weight(p)*area)
+          n = n + 1
+          x(n, :) = middle + rule(1, p)*u + rule(2, p)*v
+          w(n) = weight(p)*area
         end do
-      else  ! facets that are no parallelograms have shape functions that are no polynomials of x
+      else
         do p = 1, 8
           do q = 1, 8
-            call add(middle + (1 + gauss_8(p))/4*((1 - gauss_8(q))*u + (1 + gauss_8(q))*v), &
-              (1 + gauss_8(p))/4*weight_8(p)*weight_8(q)*area)
+            n = n + 1
+            x(n, :) = middle + (1 + gauss_8(p))/4*((1 - gauss_8(q))*u + (1 + gauss_8(q))*v)
+            w(n) = (1 + gauss_8(p))/4*weight_8(p)*weight_8(q)*area
           end do
         end do
       end if
     end do
-    points = [points, new(:n)]
-  contains
-    subroutine add(x, w)
-      real(dp), intent(in) :: x(2)  !< point [m]
-      real(dp), intent(in) :: w     !< its weight [m^2]
-      real(dp) :: xi(2)
-      n = n + 1
-      xi = locate(a, x)
-      new(n)%corner = shape_corner(xi)
-      new(n)%slave(:nodes_a) = shape_facet(nodes_a, xi)
-      new(n)%master(:nodes_b) = shape_facet(nodes_b, locate(b, x))
-      new(n)%weight = w
-      new(n)%facet = facet
-    end subroutine add
-  end subroutine add_points
+  end subroutine triangle_points
+
+  !> Shape functions of points in both facets.
+  pure subroutine enter(n, x, w, a, b, nodes_a, nodes_b, facet, points)
+    integer, intent(in) :: n                  !< points
+    real(dp), intent(in) :: x(n, 2), w(n)     !< their places [m], weights [m^2]
+    real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
+    integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
+    integer, intent(in) :: facet              !< master facet
+    type(point_t), intent(inout) :: points(n) !< filled
+    real(dp) :: xi(n, 2), corner(n, 4)
+    integer :: p
+    call locate(a, n, x, xi, corner)
+    do p = 1, n
+      points(p)%weight = w(p)
+      points(p)%facet = facet
+      points(p)%corner = corner(p, :)
+      points(p)%slave(:4) = corner(p, :)
+      if (nodes_a > 4) points(p)%slave = shape_facet(8, xi(p, :))
+    end do
+    call locate(b, n, x, xi, corner)
+    do p = 1, n
+      points(p)%master(:4) = corner(p, :)
+      if (nodes_b > 4) points(p)%master = shape_facet(8, xi(p, :))
+    end do
+  end subroutine enter
 
   !> Are opposite sides of a quadrilateral so nearly equal that the rule for polynomials errs by less than 1e-10?
   pure logical function is_parallelogram(c)
@@ -206,21 +265,51 @@ contains
     is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= nearly*maxval(abs(c(:, 3) - c(:, 1)))
   end function is_parallelogram
 
-  !> Natural coordinates of a point in a bilinear quadrilateral, by Newton's method (one step for a rectangle).
-  pure function locate(corners, x) result(xi)
-    real(dp), intent(in) :: corners(2, 4)  !< corners [m]
-    real(dp), intent(in) :: x(2)           !< point [m]
-    real(dp) :: xi(2), r(2), du(2), dv(2), det, step(2)
-    integer :: i
-    xi = 0
+  !> Natural coordinates of points in a bilinear quadrilateral, by Newton's method (one step for a rectangle), and shape functions
+  !> of its corners there. All points go on until the last has settled, those that have stand still: its loops are vectors.
+  pure subroutine locate(c, n, x, xi, shape)
+    real(dp), intent(in) :: c(2, 4)        !< corners [m]
+    integer, intent(in) :: n               !< points
+    real(dp), intent(in) :: x(n, 2)        !< points [m]
+    real(dp), intent(out) :: xi(n, 2)      !< natural coordinates
+    real(dp), intent(out) :: shape(n, 4)   !< of shape_corner
+    real(dp), dimension(2) :: along, back, up, down   !< sides
+    real(dp), dimension(n) :: s, t, move
+    real(dp) :: r1, r2, u1, u2, v1, v2, det, step1, step2
+    integer :: i, p
+    along = c(:, 2) - c(:, 1)
+    back = c(:, 3) - c(:, 4)
+    up = c(:, 4) - c(:, 1)
+    down = c(:, 3) - c(:, 2)
+    s = 0
+    t = 0
+    move = 1
     do i = 1, 25
-      r = x - matmul(corners, shape_corner(xi))
-      du = ((corners(:, 2) - corners(:, 1))*(1 - xi(2)) + (corners(:, 3) - corners(:, 4))*(1 + xi(2)))/4
-      dv = ((corners(:, 4) - corners(:, 1))*(1 - xi(1)) + (corners(:, 3) - corners(:, 2))*(1 + xi(1)))/4
-      det = du(1)*dv(2) - du(2)*dv(1)
-      step = [r(1)*dv(2) - r(2)*dv(1), du(1)*r(2) - du(2)*r(1)]/det
-      xi = xi + step
-      if (maxval(abs(step)) < settled) exit
+      shape(:, 1) = (1 - s)*(1 - t)/4
+      shape(:, 2) = (1 + s)*(1 - t)/4
+      shape(:, 3) = (1 + s)*(1 + t)/4
+      shape(:, 4) = (1 - s)*(1 + t)/4
+      do p = 1, n
+        r1 = x(p, 1) - (((c(1, 1)*shape(p, 1) + c(1, 2)*shape(p, 2)) + c(1, 3)*shape(p, 3)) + c(1, 4)*shape(p, 4))
+        r2 = x(p, 2) - (((c(2, 1)*shape(p, 1) + c(2, 2)*shape(p, 2)) + c(2, 3)*shape(p, 3)) + c(2, 4)*shape(p, 4))
+        u1 = (along(1)*(1 - t(p)) + back(1)*(1 + t(p)))/4
+        u2 = (along(2)*(1 - t(p)) + back(2)*(1 + t(p)))/4
+        v1 = (up(1)*(1 - s(p)) + down(1)*(1 + s(p)))/4
+        v2 = (up(2)*(1 - s(p)) + down(2)*(1 + s(p)))/4
+        det = u1*v2 - u2*v1
+        step1 = (r1*v2 - r2*v1)/det
+        step2 = (u1*r2 - u2*r1)/det
+        s(p) = s(p) + move(p)*step1
+        t(p) = t(p) + move(p)*step2
+        move(p) = merge(0._dp, move(p), max(abs(step1), abs(step2)) < settled)
+      end do
+      if (.not. any(move > 0)) exit
     end do
-  end function locate
+    xi(:, 1) = s
+    xi(:, 2) = t
+    shape(:, 1) = (1 - s)*(1 - t)/4
+    shape(:, 2) = (1 + s)*(1 - t)/4
+    shape(:, 3) = (1 + s)*(1 + t)/4
+    shape(:, 4) = (1 - s)*(1 + t)/4
+  end subroutine locate
 end module hd_segment

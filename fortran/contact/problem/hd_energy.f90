@@ -45,7 +45,7 @@ contains
       associate (body => problem%bodies(b))
         do s = 0, body%sectors - 1
           do c = 1, size(body%cells, 2)
-            call cell_stress(body, problem%lagrangian(b), c, u(:, problem%first(b) + cell_nodes(body, c, s)), stress, part)
+            call cell_stress(problem%lagrangian(b)%cells(c), u(:, problem%first(b) + cell_nodes(body, c, s)), stress, part)
             e = e + part
           end do
         end do

@@ -4,8 +4,8 @@ module hd_problem
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_body, only: body_t, sector_stiffness, cell_nodes
-  use hd_block_matrix, only: block_matrix_t, graph_from_cells, add_cell, multiply
-  use hd_total_lagrangian, only: total_lagrangian_t, new_total_lagrangian, cell_response
+  use hd_block_matrix, only: block_matrix_t, graph_from_cells, cell_places, add_cell, largest_diagonal, multiply
+  use hd_total_lagrangian, only: total_lagrangian_t, new_total_lagrangian, cell_response, lanes
   use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
@@ -130,7 +130,7 @@ contains
       do s = 0, problem%bodies(b)%sectors - 1
         do c = 1, size(problem%bodies(b)%cells, 2)
           m = m + 1
-          call add_cell(problem%stiffness, cells(:, m), ke(:, :, c))
+          call add_cell(problem%stiffness, cell_places(problem%stiffness, cells(:, m)), ke(:, :, c))
         end do
       end do
     end do
@@ -176,10 +176,9 @@ contains
     type(block_matrix_t), intent(inout) :: matrix  !< matrix
     integer, intent(in) :: node, component         !< dof
     real(dp), intent(in) :: rate                   !< [N/m]
-    integer :: k
-    do k = matrix%ptr(node), matrix%ptr(node + 1) - 1
-      if (matrix%col(k) == node) matrix%val(component, component, k) = matrix%val(component, component, k) + rate
-    end do
+    associate (k => matrix%own(node))
+      matrix%val(component, component, k) = matrix%val(component, component, k) + rate
+    end associate
   end subroutine add_to_diagonal
 
   !> State of rest.
@@ -248,7 +247,7 @@ contains
   pure real(dp) function largest_stiffness(problem) result(k)
     type(problem_t), intent(in) :: problem  !< problem
     if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
-      k = maxval(abs(problem%stiffness%val))
+      k = largest_diagonal(problem%stiffness)
     else
       k = maxval(problem%sector%largest)
     end if
@@ -349,13 +348,21 @@ contains
   subroutine use_lagrangian(problem, error)
     type(problem_t), intent(inout) :: problem         !< problem
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    integer :: b
+    integer :: b, c, s
     call assemble_stiffness(problem, error)
     if (allocated(error)) return
     allocate (problem%lagrangian(size(problem%bodies)))
     do b = 1, size(problem%bodies)
-      call new_total_lagrangian(problem%bodies(b), problem%lagrangian(b), error)
-      if (allocated(error)) return
+      associate (body => problem%bodies(b), lagrangian => problem%lagrangian(b))
+        call new_total_lagrangian(body, lagrangian, error)
+        if (allocated(error)) return
+        allocate (lagrangian%place(size(body%cells, 1), size(body%cells, 1), size(body%cells, 2), 0:body%sectors - 1))
+        do s = 0, body%sectors - 1
+          do c = 1, size(body%cells, 2)
+            lagrangian%place(:, :, c, s) = cell_places(problem%stiffness, problem%first(b) + cell_nodes(body, c, s))
+          end do
+        end do
+      end associate
     end do
   end subroutine use_lagrangian
 
@@ -370,8 +377,8 @@ contains
     call enter_springs(problem)
   end subroutine update_tangent
 
-  !> Nodal forces and tangent of all cells under large displacements. A sector shares nodes with its neighbours only, so every
-  !> other one may run beside the rest, with the same bits for any number of threads.
+  !> Nodal forces and tangent of all cells under large displacements. Sectors go in groups. A group shares nodes with its neighbours
+  !> only, so every other one may run beside the rest, with the same bits for any number of threads.
   subroutine sum_cells(bodies, first, lagrangian, u, f, tangent)
     type(body_t), intent(in) :: bodies(:)                      !< bodies of one element kind
     integer, intent(in) :: first(:)                            !< nodes before each
@@ -379,29 +386,52 @@ contains
     real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
     real(dp), intent(out) :: f(:, :)                           !< forces (3, n) [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
-    real(dp) :: part(3, size(bodies(1)%cells, 1)), ke(3*size(bodies(1)%cells, 1), 3*size(bodies(1)%cells, 1))
-    integer :: b, c, s, turn, even, list(size(bodies(1)%cells, 1))
+    integer :: b, even, groups, s, turn
     f = 0
     do b = 1, size(bodies)
-      even = bodies(b)%sectors/2*2
+      groups = (bodies(b)%sectors + lanes - 1)/lanes
+      even = groups/2*2
       do turn = 0, 2
-        !$omp parallel do schedule(static) private(c, list, part, ke) if(bodies(b)%sectors*size(bodies(b)%cells, 2) > long_loop)
-        do s = merge(even, turn, turn == 2), merge(bodies(b)%sectors, even, turn == 2) - 1, 2
-          do c = 1, size(bodies(b)%cells, 2)
-            list = first(b) + cell_nodes(bodies(b), c, s)
-            if (present(tangent)) then
-              call cell_response(bodies(b), lagrangian(b), c, u(:, list), part, ke)
-              call add_cell(tangent, list, ke)
-            else
-              call cell_response(bodies(b), lagrangian(b), c, u(:, list), part)
-            end if
-            f(:, list) = f(:, list) + part
-          end do
+        !$omp parallel do schedule(static) if(bodies(b)%sectors*size(bodies(b)%cells, 2) > long_loop)
+        do s = merge(even, turn, turn == 2), merge(groups, even, turn == 2) - 1, 2
+          call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent)
         end do
         !$omp end parallel do
       end do
     end do
   end subroutine sum_cells
+
+  !> Nodal forces and tangent of a group of sectors.
+  subroutine sum_group(body, first, lagrangian, sector, u, f, tangent)
+    type(body_t), intent(in) :: body                           !< body
+    integer, intent(in) :: first                               !< nodes before it
+    type(total_lagrangian_t), intent(in) :: lagrangian         !< its cells at rest
+    integer, intent(in) :: sector                              !< first of the group, from 0
+    real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
+    real(dp), intent(inout) :: f(:, :)                         !< forces (3, n), added to [N]
+    type(block_matrix_t), intent(inout), optional :: tangent   !< added to
+    real(dp), dimension(lanes, 3, size(body%cells, 1)) :: v, part
+    real(dp), allocatable :: ke(:, :, :)
+    integer :: c, l, many, list(size(body%cells, 1), lanes)
+    if (present(tangent)) allocate (ke(lanes, 3*size(list, 1), 3*size(list, 1)))
+    many = min(lanes, body%sectors - sector)
+    v = 0
+    do c = 1, size(body%cells, 2)
+      do l = 1, many
+        list(:, l) = first + cell_nodes(body, c, sector + l - 1)
+        v(l, :, :) = u(:, list(:, l))
+      end do
+      if (present(tangent)) then
+        call cell_response(lagrangian%cells(c), v, part, ke)
+      else
+        call cell_response(lagrangian%cells(c), v, part)
+      end if
+      do l = 1, many
+        f(:, list(:, l)) = f(:, list(:, l)) + part(l, :, :)
+        if (present(tangent)) call add_cell(tangent, lagrangian%place(:, :, c, sector + l - 1), ke(l, :, :))
+      end do
+    end do
+  end subroutine sum_group
 
   !> Couple the faces, and place struts, where they are; nothing to do for pairs that stay those at rest.
   subroutine pair_bodies(problem, u)

@@ -6,7 +6,7 @@ module hd_circulant
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp, pi, sp
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
-    side_block, release_side, line_up, fade_out
+    release_side, line_up, fade_out
   use hd_error, only: error_t, raise, code_input
   use hd_fft, only: execute_rows_single, free_rows, plan_rows_single, rows_plan_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
@@ -414,7 +414,7 @@ contains
     integer :: p
     block = 0
     do p = self%part(1), self%part(2)
-      block = block + side_block(self%sides(p), j)
+      block = block + self%sides(p)%own(:, :, j)
     end do
   end function own_block
 

@@ -10,7 +10,7 @@ module hd_circulant_side
   use hd_vector, only: many
   implicit none
   private
-  public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, side_block, release_side, &
+  public :: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, release_side, &
     line_up, fade_out
 
   !> What the layers of open points around the closed ones take of their neighbours' values before F^-1 of the whole face is
@@ -25,7 +25,7 @@ module hd_circulant_side
     real(dp), allocatable :: angle(:)               !< their angles [rad]
     type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
-    real(dp), allocatable :: near(:, :, :)          !< that between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
+    real(dp), allocatable :: own(:, :, :)           !< block of each multiplier by itself (3, 3, multipliers) [m/N]
     real(dp), allocatable :: field(:, :)            !< workspace of apply (3 nodes, n/stride)
     complex(dp), allocatable :: wave(:, :)          !< (3 nodes, n/stride/2 + 1)
     type(rows_plan_t) :: forward, backward
@@ -68,11 +68,12 @@ contains
     end associate
   end subroutine collect_side
 
-  !> Workspace and plans, and the compliance between the sectors of one multiplier.
+  !> Workspace and plans, and the compliance of each multiplier by itself.
   subroutine plan_side(side, stride, error)
     type(circulant_side_t), intent(inout) :: side               !< face
     integer, intent(in) :: stride                     !< 1 or 2
     type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: near(:, :, :)            ! between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
     integer :: d, j, m, n, reach
     n = side%sectors/stride
     m = side%hat%n
@@ -83,10 +84,13 @@ contains
       end associate
     end do
     reach = 2*reach
-    allocate (side%field(m, n), side%wave(m, n/2 + 1), side%near(m, m, -reach:reach))
+    allocate (side%field(m, n), side%wave(m, n/2 + 1), near(m, m, -reach:reach), side%own(3, 3, size(side%ptr) - 1))
     do d = 0, reach
-      side%near(:, :, d) = side%hat%kernel(stride, n, d)
-      side%near(:, :, -d) = transpose(side%near(:, :, d))
+      near(:, :, d) = side%hat%kernel(stride, n, d)
+      near(:, :, -d) = transpose(near(:, :, d))
+    end do
+    do j = 1, size(side%ptr) - 1
+      side%own(:, :, j) = side_block(side, near, reach, j)
     end do
     call plan_rows(n, m, side%field, side%wave, side%forward, side%backward, error)
   end subroutine plan_side
@@ -139,8 +143,7 @@ contains
     side%field = 0
     !$omp end parallel workshare
     do j = 1, size(f, 2)
-      if (.not. first(j)) cycle
-      if (.not. any(abs(f(:, j)) > 0)) cycle
+      if (.not. (first(j) .and. any(abs(f(:, j)) > 0))) cycle
       do k = side%ptr(j), side%ptr(j + 1) - 1
         s = modulo(side%sector(k), n) + 1
         do c = 1, 3
@@ -188,8 +191,10 @@ contains
   end subroutine add_side_column
 
   !> Block F(j, j).
-  pure function side_block(side, j) result(block)
-    type(circulant_side_t), intent(in) :: side  !< planned
+  pure function side_block(side, near, reach, j) result(block)
+    type(circulant_side_t), intent(in) :: side  !< face
+    integer, intent(in) :: reach      !< farthest sectors of a multiplier
+    real(dp), intent(in) :: near(:, :, -reach:)  !< compliance by difference of sectors [m/N]
     integer, intent(in) :: j          !< multiplier
     real(dp) :: block(3, 3)           !< [m/N]
     integer :: d, k, l
@@ -197,7 +202,7 @@ contains
     do l = side%ptr(j), side%ptr(j + 1) - 1
       do k = side%ptr(j), side%ptr(j + 1) - 1
         d = short_way(side%sector(k) - side%sector(l), side%sectors)
-        block = block + side%val(k)*side%val(l)*side%near(3*side%row(k) - 2:3*side%row(k), 3*side%row(l) - 2:3*side%row(l), d)
+        block = block + side%val(k)*side%val(l)*near(3*side%row(k) - 2:3*side%row(k), 3*side%row(l) - 2:3*side%row(l), d)
       end do
     end do
   end function side_block
@@ -207,7 +212,7 @@ contains
     type(circulant_side_t), intent(inout) :: side  !< planned
     call free_rows(side%forward)
     call free_rows(side%backward)
-    if (allocated(side%field)) deallocate (side%field, side%wave, side%near)
+    if (allocated(side%field)) deallocate (side%field, side%wave, side%own)
     if (allocated(side%kernel)) deallocate (side%kernel)
   end subroutine release_side
 

@@ -8,7 +8,7 @@ module hd_newton_krylov
   use hd_krylov, only: operator_t, solve_gmres
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
-  use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
+  use hd_mortar, only: mortar_t, add_nodal_forces, moved_share, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
   use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
   use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
@@ -21,6 +21,9 @@ module hd_newton_krylov
   integer, parameter :: most_starts = 3          !< so often,
   real(dp), parameter :: falls = 0.1_dp          !< where each start leaves less than this share of the residual
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
+
+  !> Share of their weights by which pairs may have moved beside those of the preconditioner, about the way over a facet's length.
+  real(dp), parameter :: beside = 0.25_dp
 
   type, extends(linear_solver_t) :: newton_krylov_t
     class(linear_solver_t), allocatable :: near        !< the preconditioner: condensed bodies
@@ -114,7 +117,7 @@ contains
     end if
   end subroutine update_newton_krylov
 
-  !> Couple the bodies at rest as they are coupled now, and let those struts push that do.
+  !> Couple the bodies at rest as they are coupled now, if pairs have moved far, and let those struts push that do.
   subroutine follow_pairs(round, problem)
     type(problem_t), intent(inout) :: round  !< bodies at rest
     type(problem_t), intent(in) :: problem   !< the same, deformed
@@ -122,6 +125,7 @@ contains
     if (allocated(round%rub)) round%rub = problem%rub
     round%wheel_turns = problem%wheel_turns
     if (round%mortar%serial == problem%mortar%serial) return
+    if (moved_share(round%mortar, problem%mortar) <= beside) return
     round%mortar = problem%mortar
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs

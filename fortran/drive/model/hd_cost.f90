@@ -41,7 +41,7 @@ module hd_cost
   real(dp), parameter :: flop_time = 3e-11_dp   !< per operation of a factorisation
   real(dp), parameter :: apply_time = 2e-7_dp   !< per dof and product with Newton's matrix
   real(dp), parameter :: pairs_time = 1.7_dp    !< times as long where pairs follow: more iterations, more steps of GMRES
-  real(dp), parameter :: tangent_time = 3e-6_dp !< per dof and iteration, large displacements
+  real(dp), parameter :: tangent_time = 3e-7_dp !< per dof and iteration, large displacements
 
 contains
 

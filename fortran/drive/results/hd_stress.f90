@@ -135,7 +135,7 @@ contains
       to_nodes = extrapolation(size(list))
       list = cell_nodes(body, cell, 0)
       do sector = 1, n
-        call cell_stress(body, lagrangian, cell, v(:, :, sector), s(:, :, sector), energy)
+        call cell_stress(lagrangian%cells(cell), v(:, :, sector), s(:, :, sector), energy)
         do a = 1, merge(size(list), 0, nodal)
           t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
         end do

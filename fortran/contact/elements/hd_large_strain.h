@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kernel of hd_large_strain.c for one width of register: BYTES/8 sectors at once. */
+typedef double NAME(lanes) __attribute__((vector_size(BYTES), aligned(8)));
+#define LANES NAME(lanes)
+#define AT(x, i) (*(LANES *)((x) + 8 * (i) + l))
+
+TARGET static void NAME(hd_large_strain)(int nodes, int modes, double lambda, double mu, const double *restrict turn,
+                                         const double *restrict g, const double *restrict weight, const double *restrict eased,
+                                         const double *restrict pushed, const double *restrict u, double *restrict stress,
+                                         double *restrict energy, double *restrict f, double *restrict k)
+{
+  static const int next[3] = {1, 2, 0}, place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  const int n = 3 * nodes;
+  for (int l = 0; l < 8; l += BYTES / 8) {
+    LANES def[8][3][3], e[48], s[48], v[60], force[60] = {0}, work = {0};
+    for (int a = 0; a < nodes; a++) {
+      v[3 * a] = turn[2 * a] * AT(u, 3 * a) - turn[2 * a + 1] * AT(u, 3 * a + 1);
+      v[3 * a + 1] = turn[2 * a + 1] * AT(u, 3 * a) + turn[2 * a] * AT(u, 3 * a + 1);
+      v[3 * a + 2] = AT(u, 3 * a + 2);
+    }
+    for (int p = 0; p < 8; p++) {
+      LANES h[3][3] = {{{0}}}, (*const d)[3] = def[p], *const t = s + 6 * p;
+      for (int a = 0; a < nodes; a++)
+        for (int j = 0; j < 3; j++)
+          for (int i = 0; i < 3; i++) h[i][j] += g[(3 * p + j) * nodes + a] * v[3 * a + i];
+      for (int i = 0; i < 3; i++) {
+        const int j = next[i];
+        e[6 * p + i] = h[i][i] + 0.5 * (h[0][i] * h[0][i] + h[1][i] * h[1][i] + h[2][i] * h[2][i]);
+        e[6 * p + 3 + i] = h[i][j] + h[j][i] + (h[0][i] * h[0][j] + h[1][i] * h[1][j] + h[2][i] * h[2][j]);
+        for (int q = 0; q < 3; q++) d[i][q] = h[i][q] + (i == q);
+      }
+      const LANES volume = lambda * (e[6 * p] + e[6 * p + 1] + e[6 * p + 2]);
+      for (int i = 0; i < 3; i++) {
+        t[i] = weight[p] * (volume + 2 * mu * e[6 * p + i]);
+        t[3 + i] = weight[p] * (mu * e[6 * p + 3 + i]);
+      }
+    }
+    for (int m = 0; m < modes; m++) {
+      const double *const a = eased + 48 * m;
+      LANES amount = {0};
+      for (int i = 0; i < 48; i++) amount += a[i] * e[i];
+      for (int i = 0; i < 48; i++) s[i] -= a[i] * amount;
+    }
+    for (int i = 0; i < 48; i++) {
+      work += s[i] * e[i];
+      AT(stress, i) = s[i] / weight[i / 6];
+    }
+    AT(energy, 0) = 0.5 * work;
+    for (int p = 0; p < 8; p++) {
+      LANES first[3][3] = {{{0}}};
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          for (int q = 0; q < 3; q++) first[i][j] += def[p][i][q] * s[6 * p + place[q][j]];
+      for (int a = 0; a < nodes; a++)
+        for (int j = 0; j < 3; j++)
+          for (int i = 0; i < 3; i++) force[3 * a + i] += g[(3 * p + j) * nodes + a] * first[i][j];
+    }
+    for (int a = 0; a < nodes; a++) {
+      AT(f, 3 * a) = turn[2 * a] * force[3 * a] + turn[2 * a + 1] * force[3 * a + 1];
+      AT(f, 3 * a + 1) = turn[2 * a] * force[3 * a + 1] - turn[2 * a + 1] * force[3 * a];
+      AT(f, 3 * a + 2) = force[3 * a + 2];
+    }
+    if (!k) continue;
+    /* of each point and node: F g, S g; of each point F F^T; of each mode and node what it does to the strains */
+    LANES fg[8][20][3], sg[8][20][3], ff[8][3][3], mode[9][20][3];
+    for (int p = 0; p < 8; p++) {
+      for (int a = 0; a < nodes; a++)
+        for (int i = 0; i < 3; i++) {
+          fg[p][a][i] = sg[p][a][i] = (LANES){0};
+          for (int j = 0; j < 3; j++) {
+            fg[p][a][i] += g[(3 * p + j) * nodes + a] * def[p][i][j];
+            sg[p][a][i] += g[(3 * p + j) * nodes + a] * s[6 * p + place[i][j]];
+          }
+        }
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          ff[p][i][j] = def[p][i][0] * def[p][j][0] + def[p][i][1] * def[p][j][1] + def[p][i][2] * def[p][j][2];
+    }
+    for (int m = 0; m < modes; m++)
+      for (int a = 0; a < nodes; a++) {
+        LANES x[3] = {{0}};
+        for (int p = 0; p < 8; p++)
+          for (int j = 0; j < 3; j++)
+            for (int i = 0; i < 3; i++) x[i] += pushed[((8 * m + p) * nodes + a) * 3 + j] * def[p][i][j];
+        for (int i = 0; i < 3; i++) mode[m][a][i] = x[i];
+      }
+    for (int b = 0; b < nodes; b++)
+      for (int a = 0; a <= b; a++) {
+        LANES outer[3][3] = {{{0}}}, sum[3][3] = {{{0}}}, along = {0}, block[3][3];
+        for (int p = 0; p < 8; p++) {
+          const double *const ga = g + 3 * p * nodes + a, *const gb = g + 3 * p * nodes + b;
+          const double meet = mu * weight[p] * (ga[0] * gb[0] + ga[nodes] * gb[nodes] + ga[2 * nodes] * gb[2 * nodes]);
+          for (int i = 0; i < 3; i++) {
+            const LANES x = weight[p] * fg[p][a][i];
+            for (int j = 0; j < 3; j++) outer[i][j] += x * fg[p][b][j];
+            for (int j = i; j < 3; j++) sum[i][j] += meet * ff[p][i][j];
+            along += ga[i * nodes] * sg[p][b][i];
+          }
+        }
+        for (int i = 0; i < 3; i++)
+          for (int j = 0; j < 3; j++)
+            block[i][j] = lambda * outer[i][j] + mu * outer[j][i] + (i > j ? sum[j][i] : sum[i][j]);
+        for (int i = 0; i < 3; i++) block[i][i] += along;
+        for (int m = 0; m < modes; m++)
+          for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) block[i][j] -= mode[m][a][i] * mode[m][b][j];
+        for (int j = 0; j < 3; j++) {
+          const LANES x = block[0][j], y = block[1][j];
+          block[0][j] = turn[2 * a] * x + turn[2 * a + 1] * y;
+          block[1][j] = turn[2 * a] * y - turn[2 * a + 1] * x;
+        }
+        for (int i = 0; i < 3; i++) {
+          const LANES x = block[i][0], y = block[i][1];
+          block[i][0] = turn[2 * b] * x + turn[2 * b + 1] * y;
+          block[i][1] = turn[2 * b] * y - turn[2 * b + 1] * x;
+        }
+        for (int i = 0; i < 3; i++)
+          for (int j = 0; j < 3; j++) {
+            if (a == b && j < i) block[i][j] = block[j][i];
+            AT(k, (3 * b + j) * n + 3 * a + i) = block[i][j];
+            AT(k, (3 * a + i) * n + 3 * b + j) = block[i][j];
+          }
+      }
+  }
+}
+#undef AT
+#undef LANES

@@ -72,7 +72,7 @@ error: 'ring_thickness' is out of range: 0
  1 | &geometry ring_thickness = 0 /
    |                            ^ valid: number > 0.0 [m]
 """),
-    "unterminated_text": ("&load support = 'hub /\n", 2, """\
+    "unterminated_text": ("&load support = 'hub /   \n", 2, """\
 error: unterminated text
   --> {f}:1:17
  1 | &load support = 'hub /

@@ -291,17 +291,21 @@ def loop_faults(loop, scene):
     return found
 
 
-def faults(out):
+def tables(out):
+    """Tables of a run by name, None where there is none, and its summary."""
+    return ({n: read_csv(out / f"{n}.csv") if (out / f"{n}.csv").exists() else None for n in ("steps", "contact", "loop", "balls", "teeth")},
+            json.loads((out / "summary.json").read_text()))
+
+
+def faults(table, summary):
     """What must hold in every converged run and does not."""
-    table = {n: read_csv(out / f"{n}.csv") if (out / f"{n}.csv").exists() else None for n in ("steps", "contact", "loop", "balls", "teeth")}
-    summary = json.loads((out / "summary.json").read_text())
     found = contact_faults(table["contact"], table["steps"], summary)
     found += balance_faults(table["steps"], table["contact"], table["balls"], table["teeth"], summary)
     found += law_faults(table["balls"], table["teeth"], summary["scene"])
     return found + (loop_faults(table["loop"], summary["scene"]) if table["loop"] is not None else [])
 
 
-def solve(data, keys, limit, look=faults, threads="1"):
+def solve(data, keys, limit, threads="1"):
     """Outcome of a run: exit code, message, iterations of each step, seconds, memory, and the faults that its tables show."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.out"
@@ -321,7 +325,7 @@ def solve(data, keys, limit, look=faults, threads="1"):
             row["results"] = json.loads((out / "summary.json").read_text())["results"]
             row["iterations"] = [int(n) for n in read_csv(out / "steps.csv")["iterations"]] if (out / "steps.csv").exists() else []
             row["cut_backs"] = row["results"].get("cut_backs", 0)
-            row["faults"] += look(out) if row["code"] == 0 else []
+            row["faults"] += faults(*tables(out)) if row["code"] == 0 else []
     return row
 
 

@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+import hdengine
 from conftest import ROOT, call
 from hdengine.results import read_csv
 from hdengine.torsion import torsional_stiffness
@@ -39,6 +40,15 @@ def press(exe, tmp_path_factory):
     return solve(exe, folder / "p", "data/cd14.nml", "load.torque=24", "load.torque_steps=3", "load.support=bearing",
                  "wave_generator.eccentricity=2e-6", "contact.friction=0.1", "joint.model=table", f"joint.table_file={folder}/k.csv", "wave_generator.interference=6e-5",
                  "wave_generator.w=3e-5")
+
+
+@pytest.fixture(scope="module")
+def surface(exe, tmp_path_factory):
+    """A surface of Eq. 1, and its heights."""
+    out = tmp_path_factory.mktemp("s") / "s"
+    done = call(exe, ROOT / "data/surface.nml", "surface.nx=128", "surface.ny=96", "--out", out, "-q")
+    assert done.returncode == 0, done.stderr
+    return ({p.stem: read_csv(p) for p in out.glob("*.csv")}, json.loads((out / "summary.json").read_text())), np.load(out / "heights.npy")
 
 
 def last(table, step=None):
@@ -241,6 +251,30 @@ def test_numbers_of_the_joint_and_the_model(drive, press):
     assert model["facets"] == AROUND * ALONG and model["multipliers"] == AROUND * (ALONG + 1) == model["unknowns"] / 3 and model["dof"] % (3 * AROUND) == 0
 
 
+def test_structure_of_heights(surface):
+    """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
+    its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
+    (tables, _), heights = surface
+    scene = hdengine.read_scene(ROOT / "data/surface.nml")
+    d, g, gamma, length = (scene[f"surface.{name}"] for name in ("fractal_dimension", "roughness", "gamma", "sample_length"))
+    waves = gamma**np.arange(int(np.log(length / scene["surface.shortest_wavelength"]) / np.log(gamma) + 1e-9) + 1) / length
+    square = np.log(gamma) * g**(2 * (d - 2)) * waves**(-2 * (3 - d))
+    ridges = np.pi * np.arange(1, scene["surface.ridges"] + 1) / scene["surface.ridges"]
+    for row in tables["structure"]:
+        z = heights if row["direction"] == "columns" else heights.T
+        n = int(row["lag_points"])
+        assert row["s_m2"] == pytest.approx(((z[n:] - z[:-n])**2).mean(), rel=1e-9) and row["lag_m"] == pytest.approx(n * 1e-6)
+        turn = np.sin(ridges) if row["direction"] == "columns" else np.cos(ridges)
+        assert row["s_expected_m2"] == pytest.approx((square[:, None] * (1 - np.cos(2 * np.pi * waves[:, None] * n * 1e-6 * turn))).sum() / len(ridges), rel=1e-6)
+    fit = tables["fit"]
+    for row in fit[:5]:
+        n = round(row["lag_m"] / 1e-6)
+        assert row["s_m2"] == pytest.approx(np.mean([((z[n:] - z[:-n])**2).mean() for z in (heights, heights.T)]), rel=0.02)
+    np.testing.assert_allclose(np.log(fit["band_high_m2"] / fit["model_m2"]), 1.96 * fit["sample_error_ln"], rtol=1e-3)
+    np.testing.assert_allclose(fit["band_high_m2"] * fit["band_low_m2"], fit["model_m2"]**2, rtol=1e-9)
+    assert (abs(np.log(fit["s_m2"] / fit["model_m2"])) < 3 * np.hypot(fit["sample_error_ln"], fit["model_error_ln"])).mean() > 0.9
+
+
 # Columns that no formula above holds, and the test that does.
 HELD = {(table, name): held for held, names in {
     "test_balance.py::test_lateral_forces_balance": "steps hub_force_x_n hub_force_y_n lateral_balance_x_n lateral_balance_y_n",
@@ -285,11 +319,11 @@ def source_of(name):
     return "\n".join([parts[test], *(parts[word] for word in parts if word != test and re.search(rf"\b{word}\b", parts[test]))])
 
 
-def test_every_column_is_held(press, drive):
+def test_every_column_is_held(press, drive, surface):
     """Each column is named by a test of this file or by the one that HELD gives it, which names it too; HELD names none that is not there."""
     text = (ROOT / "tests/python/test_columns.py").read_text().split("# Columns that no formula")[0]
     here = words(text) | {rf"{name}_[1-4]_pa" for name in ("pressure", "shear")}
-    columns = {(name, column) for tables, _ in (press, drive) for name, table in tables.items() for column in table.dtype.names}
+    columns = {(name, column) for tables, _ in (press, drive, surface[0]) for name, table in tables.items() for column in table.dtype.names}
     columns |= {(part, name) for _, summary in (press, drive) for part in ("results", "joint") for name, value in summary[part].items()
                 if isinstance(value, (int, float)) and ("steps", name) not in columns}  # those are of test_results_are_the_last_step
     for table, column in sorted(columns):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The Fortran tests, small scenes and damaged input under ASan and UBSan, then with -fcheck=all and traps of division by zero and overflow:
 # tools/sanitize.sh [EXECUTIONS]. Needs ./hd test once; builds in build-sanitize and build-trap, minutes the first time.
-# Not watched: null pointers, which gfortran loads to pass on an absent array (a read through one ends in ASan); not trapped: invalid operations, which each comparison with the NaN of an absent value is.
+# The latter runs scenes alone: tests and damaged input read 1e999, which overflows on purpose. Not watched: null pointers, which gfortran loads to pass on an absent array (a read through one ends in ASan); not trapped: invalid operations, which each comparison with the NaN of an absent value is.
 set -eu
 cd "$(dirname "$0")/.."
 PATH="$PWD/.venv/bin:$PATH"
@@ -24,7 +24,7 @@ for kind in sanitize trap; do
   # shellcheck disable=SC2086
   [ -f build-$kind/build.ninja ] || meson setup build-$kind -Dpython=false $options >build-$kind.log
   ninja -C build-$kind --quiet
-  build-$kind/tests/fortran/hd_tester
+  [ $kind = trap ] || { ninja -C build-$kind --quiet tests/fortran/hd_tester && build-$kind/tests/fortran/hd_tester; }
   exe=$PWD/build-$kind/fortran/app/hdengine.x folder=$(mktemp -d)
   run data/cd14.nml $small output.vtu=all
   run data/cd14.nml $small output.vtu=all mesh.element=hex20r contact.law=joint mesh.edge_length=1e-4
@@ -33,8 +33,9 @@ for kind in sanitize trap; do
   run data/cd14.nml $small load.support=teeth contact.mode=bonded contact.slave=cup
   run tests/cases/pressed_drive.nml $small output.vtu=all load.tooth_friction=0.1 turning.positions=2 bearing.cage_angle_deg=3
   run data/drive14_hat.nml $small solver.kinematics=nonlinear loop.torques=5
+  run data/drive14_hat.nml $small cup.sections_fillet=0 loop.torques=5
   run data/drive14.nml $small run.gradient=.true. loop.torques=5
   run data/surface.nml surface.nx=40 surface.ny=30
-  .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}"
+  [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}"
   rm -r "$folder"
 done

@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from conftest import ROOT, call
@@ -11,6 +12,7 @@ from hdengine.results import read_csv
 
 sys.path.insert(0, str(ROOT / "bench"))
 import random_runs  # noqa: E402
+import table_faults  # noqa: E402
 
 SMALL = ["mesh.divisions=32", "mesh.band_facets=5", "load.torque_steps=6", "output.vtu=none"]
 
@@ -37,9 +39,9 @@ def test_checks_of_random_drives_can_fail(exe, tmp_path):
     """The tables of a drive have no fault; a number changed in any of them has: a pull, a gap under pressure, too much shear, a force or a
     moment without its like, another law of ball or flank, heat and work that are lost."""
     loop(exe, tmp_path / "r", "load.tooth_friction=0.1", "wave_generator.eccentricity=2e-5", "loop.torques=40,-40")
-    table, summary = random_runs.tables(tmp_path / "r")
-    assert random_runs.faults(table, summary) == []
-    facet = int(random_runs.np.min([table["contact"][f"pressure_{k}_pa"] for k in (1, 2, 3, 4)], axis=0).argmax())
+    table, summary = table_faults.tables(tmp_path / "r")
+    assert table_faults.faults(table, summary) == []
+    facet = int(np.min([table["contact"][f"pressure_{k}_pa"] for k in (1, 2, 3, 4)], axis=0).argmax())
     ball, flank = (int(table[name][column].argmax()) for name, column in (("balls", "force_n"), ("teeth", "friction_n")))
     for name, column, row, value in (
             ("contact", "pressure_1_pa", facet, -1e6), ("contact", "gap_m", facet, 1e-5), ("contact", "gap_m", facet, -1e-5),
@@ -49,7 +51,7 @@ def test_checks_of_random_drives_can_fail(exe, tmp_path):
             ("loop", "work_j", -1, 1), ("loop", "angle_rad", 3, float("nan"))):
         changed = table[name].copy()
         changed[column][row] = value
-        assert random_runs.faults(table | {name: changed}, summary), (name, column)
+        assert table_faults.faults(table | {name: changed}, summary), (name, column)
 
 
 def test_hysteresis_grows_with_friction_of_the_contact(exe, tmp_path):

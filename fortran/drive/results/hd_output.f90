@@ -325,7 +325,9 @@ contains
     character(len=40) :: files(size(output%grids))
     integer :: i, k
     do k = 1, size(names)
-      files = [(grid_name(trim(names(k)), output%grids(i)), i=1, size(files))]
+      do i = 1, size(files)  ! a constructor would ask for the length of a name of no grid: gfortran 12
+        files(i) = grid_name(trim(names(k)), output%grids(i))
+      end do
       if (size(files) > 0) then
         call write_pvd(output%folder//'/'//trim(names(k))//'.pvd', files, output%times, error)
       else

@@ -164,7 +164,7 @@ contains
     do k = 1, size(meridian%piece)
       associate (from => meridian%piece(k)%from, to => meridian%piece(k)%to, done => z(size(z)))
         part = [0._dp]
-        if (to(2) > from(2) .and. to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the straight bore: what the rim has left
+        if (to(2) > from(2) .and. to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the bore: what the rim has left
           if (to(2) <= done*(1 + hair)) cycle
           part = [max(0._dp, (done - from(2))/(to(2) - from(2)))]
         end if

@@ -171,10 +171,16 @@ def shares():
 
 
 def headline():
-    """K1 to K3 of two shipped drives beside the catalogue."""
-    found = {r["drive"]: r for r in drive_rows()}
-    return ("reading", "size 14", "catalogue", "size 20", "catalogue"), [
-        (f"K{i + 1} in kN m/rad", *(digits(v, 3) for size in ("14", "20") for v in (found[size]["k"][i], found[size]["catalogue"][i]))) for i in range(3)]
+    """K1 to K3 of two shipped drives with their bands beside the catalogue, and what the contact takes of a further twist."""
+    found, bands = ({r["drive"]: r for r in drive_rows(part)} for part in ("sizes", "bands"))
+
+    def cells(size, i):
+        low, high, k, stated = bands[size]["low"], bands[size]["high"], found[size]["k"], found[size]["catalogue"]
+        return digits(k[i], 3), f"{digits(low[i], 3)} to {digits(high[i], 3)}", digits(stated[i], 3)
+    shares = [f"{100 * sum(found[size]['shares'][part] for part in ('gaps', 'slip', 'joint')):.0f}" for size in ("14", "20")]
+    return ("reading", "size 14", "95 % band", "catalogue", "size 20", "95 % band", "catalogue"), [
+        *((f"K{i + 1} in kN m/rad", *cells("14", i), *cells("20", i)) for i in range(3)),
+        ("the contact's share of a further twist at the rated torque in %", shares[0], "-", "-", shares[1], "-", "-")]
 
 
 def indices():

@@ -1,12 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The version of this checkout, said here alone: that of the tag, else the next one's with the commit's number and hash, and .dirty
-# where sources differ from the commit. An archive of git knows its commit, a copy without git does not.
+# where sources differ from the commit. An archive of git knows its commit, an sdist its version, a copy without git neither.
 set -eu
 next=0.1.0
 archived='$Format:%h %D$'
 cd "$(dirname "$0")/.."
+if [ $# -gt 0 ]; then  # of Meson, as it makes an sdist of this version
+  sed -i "s/^archived=.*/archived='sdist $1'/" "$MESON_DIST_ROOT/tools/version.sh"
+  exit
+fi
 case $archived in
+  sdist*)
+    echo "${archived#sdist }"
+    exit ;;
   *'tag: v'*)
     tag=${archived##*tag: v}
     echo "${tag%%,*}"

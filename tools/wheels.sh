@@ -20,7 +20,7 @@ quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
 # A bare system: no compiler; this machine's pip configuration
 system=$work/system
 if [ ! -d "$system/usr" ]; then
-  mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources 2>/dev/null | awk '/^(URIs:|deb )/ {print $2; exit}')
+  mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources 2>/dev/null | awk '/^(URIs:|deb )/ {print $2; exit}' || true)
   quietly debootstrap --variant=minbase --include=ca-certificates,libbz2-1.0,libexpat1,libffi8,liblzma5,libncursesw6,libreadline8,libsqlite3-0,libssl3,zlib1g \
     bookworm "$system" "$mirror"
 fi

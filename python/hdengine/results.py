@@ -6,6 +6,7 @@ import base64
 import functools
 import html
 import io
+import mmap
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,6 +27,7 @@ from .joint import Joint, JointWarning
 
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
             "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
+KEPT = 8    # steps of contact.csv that a result holds besides the whole
 WORD = 24   # characters beyond which a table is left to the slow reader
 
 
@@ -65,7 +67,26 @@ def _table_with_gaps(path):
     return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
 
 
-def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndarray:
+def _lines_of_step(path, step):
+    """Head and lines of one load step, which rises in the first column; found by bisection, the rest of a long file is not read."""
+    with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        def after(at):
+            return data.find(b"\n", at) + 1 or len(data)
+
+        def first_of(number):
+            low, high = after(0), len(data)
+            while low < high:
+                line = data.rfind(b"\n", 0, (low + high) // 2) + 1
+                if int(data[line:line + 20].split(b",")[0]) < number:
+                    low = after(line)
+                else:
+                    high = line
+            return low
+        text = data[:after(0)] + data[first_of(step):first_of(step + 1)]
+    return text.decode("utf-8").splitlines()
+
+
+def read_csv(path: PathLike, *needed: str, step: int | None = None) -> np.ndarray:
     """A CSV table as a structured array with the header's names; columns that are needed must be there.
 
     Parameters
@@ -73,8 +94,8 @@ def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndar
     path : str or Path
     *needed : str
         Columns.
-    rows : slice, optional
-        Read no others as numbers; default: all.
+    step : int, optional
+        Rows of this load step alone, which the first column counts; default: all.
 
     Raises
     ------
@@ -90,9 +111,8 @@ def read_csv(path: PathLike, *needed: str, rows: slice | None = None) -> np.ndar
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
             source: Any = path
-            if rows is not None:
-                head, *lines = Path(path).read_bytes().splitlines()
-                source = [line.decode("utf-8") for line in (head, *lines[rows])]
+            if step is not None:
+                source = _lines_of_step(path, step)
             try:
                 table = _table(source)
             except (ValueError, Warning, IndexError):
@@ -218,7 +238,8 @@ class Result:
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        last = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", rows=slice(-1, None))
+        self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
+        last = self.contact_at(-1)
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
     @functools.cached_property
@@ -249,9 +270,13 @@ class Result:
         step = self._row(step)
         if "contact" in self.__dict__:
             return {name: column[step] for name, column in self.contact.items()}
-        facets = self.shape[0] * self.shape[1]
-        table = read_csv(self.folder / "contact.csv", rows=slice(step * facets, (step + 1) * facets))
-        return {name: table[name] for name in table.dtype.names or ()}
+        if step not in self._facets:
+            if len(self._facets) == KEPT:
+                self._facets.clear()
+            number = int(self.steps["step"][step])
+            table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=number)
+            self._facets[step] = {name: table[name] for name in table.dtype.names or ()}
+        return self._facets[step]
 
     @property
     def scene(self) -> dict:
@@ -335,13 +360,14 @@ class Result:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact_at(0)["area_m2"], self.shape, self.scene["geometry.band_length"])
 
-    def rows(self) -> list:
-        """One dict per load step with the columns of a study's table."""
-        steps = [{name: row[name].item() for name in self.steps.dtype.names or ()} for row in self.steps]
-        for i, row in enumerate(steps):
-            facets = {name: column[i] for name, column in self.contact.items()}
-            row.update(long_axis(facets, self.shape, self.scene["output.positions"], self.scene["geometry.band_length"]))
-        return steps
+    def rows(self, steps: Sequence[int] | None = None) -> list:
+        """One dict per load step, of all or those listed from 0, with the columns of a study's table."""
+        found = []
+        for i in range(len(self.steps)) if steps is None else steps:
+            row = {name: self.steps[name][i].item() for name in self.steps.dtype.names or ()}
+            place = self.scene["output.positions"], self.scene["geometry.band_length"]
+            found.append(row | long_axis(self.contact_at(i), self.shape, *place))
+        return found
 
     @checked(table=a_text)
     def frame(self, table: str = "steps") -> Any:
@@ -566,8 +592,7 @@ class Result:
                 stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
-            stiffness = f"K_TS tangent {_number(r['k_ts_bonded_nm_per_rad'])}, secant {_number(r['k_ts_secant_nm_per_rad'])} " \
-                        f"N m/rad   Eq. 45 {_number(r['k_ts_nm_per_rad'])} N m/rad, as printed {_number(r['k_ts_paper_n'])} N"
+            stiffness = f"K_TS {_number(r['k_ts_bonded_nm_per_rad'])} N m/rad, the tangent beside bonded faces"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
@@ -577,9 +602,12 @@ class Result:
             f"  {stiffness}",
         ]
         if r.get("k3_nm_per_rad") is not None:
-            k = ", ".join(f"K{i} {_number(r[f'k{i}_nm_per_rad'])}" for i in (1, 2, 3))
-            lines.append(f"  drive: {k} N m/rad" + "".join(f"; {key[:-4].replace('_', ' ')} {_number(r[key])} rad" for key in (
-                "hysteresis_rad", "lost_motion_rad") if r.get(key) is not None))
+            bands = [[r.get(f"k{i}_nm_per_rad{end}") for end in ("", "_low", "_high")] for i in (1, 2, 3)]
+            k = ", ".join(f"K{i} {_number(k)}" + (f" ({low:.4g} to {high:.4g})" if low and high else "")
+                          for i, (k, low, high) in enumerate(bands, 1))
+            widths = "".join(f"; {name.replace('_', ' ')} {np.degrees(60 * r[f'{name}_rad']):.3g}'"
+                             for name in ("hysteresis", "lost_motion") if r.get(f"{name}_rad") is not None)
+            lines.append(f"  drive: {k} N m/rad{widths}")
         if "k_ts_bonded_nm_per_rad" in self.limits:
             k, error, mesh = self.limits["k_ts_bonded_nm_per_rad"]
             lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from .contact import read_scene
 from .elastic import joint_of_scene
 from .files import json_text, write_files
 from .results import Result, facet_stiffness
+from .studies.progress import Progress
 from .studies.study import Study, StudyResult
 
 # key: (low, high, why)
@@ -111,7 +113,8 @@ def _point(ranges, unit):
     return point
 
 
-def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, seed: int = 1) -> dict:
+def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, seed: int = 1,
+                  progress: Progress | None = None) -> dict:
     """First-order and total variance-based indices of K_TS (Sobol; needs SALib: pip install 'hdengine[sensitivity]').
 
     Parameters
@@ -120,6 +123,8 @@ def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, se
     ranges : dict
     base : int
         Power of 2; base (n + 2) evaluations.
+    progress : Progress, optional
+        Ten steps of it.
 
     Returns
     -------
@@ -138,7 +143,7 @@ def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, se
         raise InputError("variance-based indices need SALib: pip install 'hdengine[sensitivity]'") from None
     problem = {"num_vars": len(ranges), "names": list(ranges), "bounds": [[0, 1]] * len(ranges)}
     points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
-    y = np.array([field.k_ts(**_point(ranges, u)) for u in points])
+    y = np.array([field.k_ts(**_point(ranges, u)) for u in _counted(points, progress, "indices")])
     s = analysis.analyze(problem, y, calc_second_order=False, seed=seed)
     return {key: tuple(float(s[name][i]) for name in ("S1", "S1_conf", "ST", "ST_conf")) for i, key in enumerate(ranges)}
 
@@ -254,8 +259,16 @@ GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
 }
 
 
+def _counted(items, progress, label):
+    """The items; after each tenth of them one step of the progress."""
+    for i, item in enumerate(items, 1):
+        yield item
+        for _ in range(10 * i // len(items) - 10 * (i - 1) // len(items) if progress else 0):
+            progress.step(label)
+
+
 def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, level: float = 0.95, seed: int = 1,
-          ranges: dict | None = None) -> dict:
+          ranges: dict | None = None, progress: Progress | None = None) -> dict:
     """Bands of K_TS when groups of inputs scatter over their ranges.
 
     Keys of the joint are evaluated on the contact field. Keys of the drive act as factors along their curves: what two of them do
@@ -268,6 +281,8 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
         Of `drive_curves`; without them only groups of the joint are given.
     ranges : dict, optional
         Of the drive; default DRIVE.
+    progress : Progress, optional
+        Ten steps of it a group.
 
     Returns
     -------
@@ -281,7 +296,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
             continue
         generator, values = np.random.default_rng(seed), []
         chosen = {k: JOINT[k] for k in joint}
-        for _ in range(draws):
+        for _ in _counted(range(draws), progress, name):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
                 low, high = ranges[key][:2]
@@ -429,9 +444,13 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
             bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_bonded_nm_per_rad"), ranges), middle)
             found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
                                 "shares_of_variance": shares}
-    found["bands_95_nm_per_rad"] = {name: band for name, band in bands(field, curves, draws).items() if band[0] < band[2]}
+    groups = [name for name, (_, of_drive) in GROUPS.items() if curves or not of_drive]
+    indexed = sobol > 0 and not table and find_spec("SALib") is not None
+    progress = Progress(10 * (len(groups) + indexed), show=show)
+    found["bands_95_nm_per_rad"] = {name: band for name, band in bands(field, curves, draws, progress=progress).items()
+                                    if band[0] < band[2]}
     try:
-        found["indices"] = joint_indices(field, base=sobol) if sobol and not table else {}
+        found["indices"] = joint_indices(field, base=sobol, progress=progress) if sobol and not table else {}
     except InputError as why:
         found |= {"indices": {}, "note": str(why)}
     if table:

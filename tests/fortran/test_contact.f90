@@ -59,7 +59,8 @@ contains
   !> The derivatives of the law agree with central differences in every state.
   subroutine law_tangent()
     type(contact_law_t) :: law
-    real(dp) :: t(3), w(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(6, 4), lead(2, 4)
+    real(dp) :: t(3), w(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), step(3), worst, cases(6, 4), lead(2, 4)
+    real(dp) :: skip(3, 3), leave(3, 3)
     real(dp), parameter :: none(3) = 0
     integer :: i, k, state, seen(0:2)
     law = contact_law_t(frictional, 0.3_dp, 2._dp)
@@ -78,11 +79,11 @@ contains
       do i = 1, 3
         step = 0
         step(i) = 1e-6_dp
-        call evaluate_law(law, t + step, w, none, lead(:, k), plus, skip, skip, state)
-        call evaluate_law(law, t - step, w, none, lead(:, k), minus, skip, skip, state)
+        call evaluate_law(law, t + step, w, none, lead(:, k), plus, skip, leave, state)
+        call evaluate_law(law, t - step, w, none, lead(:, k), minus, skip, leave, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dt(:, i))))
-        call evaluate_law(law, t, w + step, none, lead(:, k), plus, skip, skip, state)
-        call evaluate_law(law, t, w - step, none, lead(:, k), minus, skip, skip, state)
+        call evaluate_law(law, t, w + step, none, lead(:, k), plus, skip, leave, state)
+        call evaluate_law(law, t, w - step, none, lead(:, k), minus, skip, leave, state)
         worst = max(worst, maxval(abs((plus - minus)/2e-6_dp - dw(:, i))))
       end do
     end do

@@ -81,7 +81,7 @@ contains
   !> The derivatives are those of differences, where a flank sticks, slides either way, closes or stays open.
   subroutine derivatives()
     real(dp), parameter :: h = 1e-12_dp
-    real(dp) :: past(3, 5), at(2, 5), force, rate, lean, plus, minus, skip
+    real(dp) :: past(3, 5), at(2, 5), force, rate, lean, plus, minus, skip, leave
     logical :: slides, expected(5)
     integer :: i
     past = reshape([f/k_n, 0._dp, 0.5_dp*mu*f, f/k_n, 0._dp, 0._dp, f/k_n, 0._dp, 0._dp, -f/k_n, 0._dp, 0._dp, &
@@ -91,11 +91,11 @@ contains
     do i = 1, 5
       call rub(mu, k_n, k_t, at(1, i), at(2, i), past(1, i), past(2, i), past(3, i), force, rate, lean, slides)
       call check(slides .eqv. expected(i), 'whether a flank slides')
-      call rub(mu, k_n, k_t, at(1, i), at(2, i) + h, past(1, i), past(2, i), past(3, i), plus, skip, skip, slides)
-      call rub(mu, k_n, k_t, at(1, i), at(2, i) - h, past(1, i), past(2, i), past(3, i), minus, skip, skip, slides)
+      call rub(mu, k_n, k_t, at(1, i), at(2, i) + h, past(1, i), past(2, i), past(3, i), plus, skip, leave, slides)
+      call rub(mu, k_n, k_t, at(1, i), at(2, i) - h, past(1, i), past(2, i), past(3, i), minus, skip, leave, slides)
       call check_close((plus - minus)/(2*h), merge(0._dp, rate, slides), 1e-4_dp*k_t, 'derivative by the way')
-      call rub(mu, k_n, k_t, at(1, i) + h, at(2, i), past(1, i), past(2, i), past(3, i), plus, skip, skip, slides)
-      call rub(mu, k_n, k_t, at(1, i) - h, at(2, i), past(1, i), past(2, i), past(3, i), minus, skip, skip, slides)
+      call rub(mu, k_n, k_t, at(1, i) + h, at(2, i), past(1, i), past(2, i), past(3, i), plus, skip, leave, slides)
+      call rub(mu, k_n, k_t, at(1, i) - h, at(2, i), past(1, i), past(2, i), past(3, i), minus, skip, leave, slides)
       call check_close((plus - minus)/(2*h*k_n), lean, 1e-4_dp, 'derivative by the normal force')
     end do
   end subroutine derivatives

@@ -91,7 +91,8 @@ contains
   subroutine law_tangent(table)
     type(closure_table_t), intent(in) :: table
     type(contact_law_t) :: law
-    real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), skip(3, 3), step(3), worst, cases(8, 5), c
+    real(dp) :: t(3), w(3), before(3), r(3), dw(3, 3), dt(3, 3), plus(3), minus(3), step(3), worst, cases(8, 5), c
+    real(dp) :: skip(3, 3), leave(3, 3)
     real(dp) :: lead(2, 5)
     integer :: i, k, state, seen(0:2)
     c = 1e13_dp
@@ -114,12 +115,12 @@ contains
       do i = 1, 3
         step = 0
         step(i) = 1e2_dp
-        call evaluate_law(law, t + step, w, before, lead(:, k), plus, skip, skip, state)
-        call evaluate_law(law, t - step, w, before, lead(:, k), minus, skip, skip, state)
+        call evaluate_law(law, t + step, w, before, lead(:, k), plus, skip, leave, state)
+        call evaluate_law(law, t - step, w, before, lead(:, k), minus, skip, leave, state)
         worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dt(:, i))))
         step = step/c
-        call evaluate_law(law, t, w + step, before, lead(:, k), plus, skip, skip, state)
-        call evaluate_law(law, t, w - step, before, lead(:, k), minus, skip, skip, state)
+        call evaluate_law(law, t, w + step, before, lead(:, k), plus, skip, leave, state)
+        call evaluate_law(law, t, w - step, before, lead(:, k), minus, skip, leave, state)
         worst = max(worst, maxval(abs((plus - minus)/2e2_dp - dw(:, i)/c)))
       end do
     end do

@@ -2,6 +2,8 @@
 """The layout keeps its own rules."""
 import ast
 import re
+import shutil
+import subprocess
 import sys
 import warnings
 
@@ -20,7 +22,7 @@ ROOMS = {"common": [["base"], ["io", "lib"]], "surface": [["generate", "fit"], [
 FLOOR = {(wing, room): floor for wing, floors in ROOMS.items() for floor, rooms in enumerate(floors) for room in rooms}
 MOST_FILES, MOST_LINES = 15, 450
 PACKAGE = ROOT / "python/hdengine"
-PYTHON_FLOORS = [["_engine", "_types", "_keys"], ["_check"], ["files"], ["torsion", "catalogue", "smoothing", "mesh"], ["paper", "solid"], ["figures"], ["joint"],
+PYTHON_FLOORS = [["_engine", "_types", "_keys"], ["_check"], ["files"], ["torsion", "catalogue", "smoothing", "mesh"], ["paper", "solid", "views"], ["figures"], ["joint"],
                  ["elastic"], ["results"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction"],
                  ["uncertainty", "completion"], ["report", "export"], ["cli"], ["__main__"],
                  ["__init__"]]
@@ -202,6 +204,18 @@ def test_readme_opens_with_two_commands():
     block = re.search(r"```\w*\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
     assert block.splitlines() == ["./hd run", "./hd test"]
     assert "./hd test" in (ROOT / ".ci/run").read_text()
+
+
+@pytest.mark.skipif(not all(shutil.which(p) for p in ("gcc", "gfortran")), reason="needs the compilers")
+def test_hd_names_what_another_linux_lacks(tmp_path):
+    """Without dpkg `./hd` ends with code 2 and names what it does not find, libraries that are there left out, and how four kinds of
+    systems install it."""
+    for name in ("sh", "dirname", "cat", "gcc", "gfortran", "as", "ld", "python3"):
+        (tmp_path / name).symlink_to(shutil.which(name))
+    for flags, missing in (("", "pkg-config"), ("-m32", "pkg-config MUMPS(sequential) metis openblas fftw3 fftw3f")):
+        done = subprocess.run([ROOT / "hd", "setup"], env={"PATH": str(tmp_path), "LDFLAGS": flags}, capture_output=True, text=True)
+        assert done.returncode == 2 and f"error: not found: {missing}. Install" in done.stderr, done.stderr
+        assert all(f"\n  {system} " in done.stderr for system in ("Fedora", "SUSE", "conda", "modules"))
 
 
 @pytest.mark.parametrize("page", sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")

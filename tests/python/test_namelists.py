@@ -46,6 +46,23 @@ def test_lists_on_the_command_line_have_no_empty_place(value):
         hdengine.read_scene(**{"loop.torques": value})
 
 
+@pytest.mark.parametrize("key, written, plain", [
+    ("geometry.wall_thickness", "0.36 mm", 0.36e-3), ("geometry.wall_thickness", "360 \u00b5m", 360e-6), ("geometry.wall_thickness", "3.6e-4 m", 3.6e-4),
+    ("material.flexspline_e", "206 GPa", 206e9), ("load.torque", "7.8 N m", 7.8)])
+def test_values_with_units(tmp_path, key, written, plain):
+    """A value with its unit between quotes, in a file or from Python, is the same bits as in the key's unit; the echo has the latter."""
+    group, name = key.split(".")
+    (tmp_path / "a.nml").write_text(f"&hd_input\n version = 1\n/\n&{group}\n {name} = '{written}'\n/\n", encoding="utf-8")
+    assert hdengine.read_scene(tmp_path / "a.nml")[key] == hdengine.read_scene(**{key: written})[key] == plain
+
+
+@pytest.mark.parametrize("value", ["0.36 inch", "0.36 MPa", "3.6e-1 mm", "0.36mm", "'0.36'", "2*1 mm", "mm"])
+def test_units_that_do_not_fit(value):
+    """A unit that is unknown or of another kind, a second exponent, and a number between quotes are no number."""
+    with pytest.raises(hdengine.InputError, match="is not a number: '"):
+        hdengine.read_scene(geometry__wall_thickness=value)
+
+
 def test_quotes_in_texts_survive_the_echo(exe, tmp_path):
     """A doubled quote is one quote, in the scene, in the echo that is read back, and in the summary."""
     (tmp_path / "a.nml").write_text("&run title = 'it''s \"so\"' /\n&mesh divisions = 16, band_facets = 3 /\n")

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reports: one file that holds everything, of runs and studies, finished or not."""
+import contextlib
 import json
+import os
 import re
+import resource
 import shutil
+import subprocess
 import sys
 
 import numpy as np
@@ -13,9 +17,12 @@ from conftest import ROOT, call
 from hdengine.catalogue import UNITS
 from hdengine.cli import main
 from hdengine.figures import cup as picture
-from hdengine.figures.run import colour_top, plot_steps
+from hdengine.figures.run import plot_steps
 from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
+from hdengine.report.chart import Chart, ticks
+from hdengine.views.palette import STEPS
+from hdengine.views.run import colour_top
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
 
@@ -24,7 +31,8 @@ KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "lo
 def folder(small_run, tmp_path_factory):
     """A copy of the small run with its sensitivity and its report, made without PyVista."""
     out = shutil.copytree(small_run, tmp_path_factory.mktemp("report") / "run.out")
-    assert main(["sensitivity", str(out), "--draws", "30"]) == 0
+    with open(out / "progress.txt", "w") as told, contextlib.redirect_stderr(told):
+        assert main(["sensitivity", str(out), "--draws", "30"]) == 0
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "pyvista", None)
         write_report(out, picture=True, animation=True)
@@ -35,7 +43,7 @@ def test_report_stands_alone(folder):
     """Nothing is fetched: every image is embedded, no script, no link; inputs, plan, convergence, comparison, provenance are there."""
     page = (folder / "report.html").read_text()
     sources = re.findall(r'(?:src|href)="([^#"]*)"', page)
-    assert len(sources) >= 5 and all(s.startswith(("data:image/png;base64,", "data:image/gif;base64,")) for s in sources)
+    assert len(sources) == 2 and all(s.startswith(("data:image/png;base64,", "data:image/gif;base64,")) for s in sources)  # tornado, steps
     assert "<script" not in page and len(page) < 4e6
     for word in ("K_TS by Eq. 45", "<td>interference</td>", "compiler", "Convergence", "Plan", "no tolerance was stated",
                  "Compared with Hu et al.", "10.3389/fmats.2023.1211019", hdengine.__version__):
@@ -48,6 +56,12 @@ def test_sensitivity_in_the_report(folder):
     low, _, high = found["bands_95_nm_per_rad"]["D and G"]
     assert low < found["k_ts_nm_per_rad"] < high
     assert "Uncertainty of K_TS" in (folder / "report.html").read_text() and (folder / "tornado_joint.png").exists()
+
+
+def test_sensitivity_shows_progress_to_its_end(folder):
+    """Bands and indices are counted in tenths on standard error, up to all of them."""
+    counts = re.findall(r"^(\d+)/(\d+), ", (folder / "progress.txt").read_text(), re.M)
+    assert counts == [(str(i + 1), str(len(counts))) for i in range(len(counts))] and len(counts) in (20, 30)
 
 
 def test_picture_is_optional(folder, monkeypatch):
@@ -146,32 +160,110 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2)
     page = write_report(tmp_path / "r").read_text()
     head, found = page.split("<nav>")[0], run.summary["results"]
-    assert "data:image/gif" not in page and "newton.png" not in {p.name for p in run.folder.iterdir()}
+    assert "data:image" not in page and not [*run.folder.glob("*.png")]
     unit = UNITS[14]  # T1 and T2 of the scene are those of size 14
     for i in (1, 2):
         k, stated = found[f"k{i}_nm_per_rad"], getattr(unit, f"k{i}_nm_per_rad")
         assert f"<td>{k / 1e3:.3g}</td><td>{stated / 1e3:.3g}</td><td>{k / stated:.2f}</td>" in head.replace(' class="text"', "")
     assert len(re.findall('<tr class="(?:good|failed)">', head)) == 3
     assert ('class="failed"' in head) == (min(found["flexspline_yield_safety"], found["ring_yield_safety"], found["goodman_safety_min"]) < 1)
-    assert "<dt>wall thickness</dt><dd>0.36</dd>" in head and head.count("<circle") == run.scene["bearing.balls"]
-    places = [head.index(text) for text in ("K1 ", 'alt="Torque over the angle', "largest force of a ball", "<svg", "Stress cycle")]
+    assert "<dt>wall thickness</dt><dd>0.36</dd>" in head and head.split('class="views"')[1].split("</div>")[0].count("<circle") == run.scene["bearing.balls"]
+    places = [head.index(text) for text in ("K1 ", "Torque over the angle", "largest force of a ball", "front view", "Stress cycle")]
     assert places == sorted(places)
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head
-    assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head and 'alt="Torque over the angle' in head
+    assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head
+    for i, part in enumerate(found["twist_shares"]):
+        assert f">{part}</text>" in head and f">{100 * found['twist_shares'][part]:.2g} %</text>" in head, i
 
 
-def test_a_report_made_again_draws_nothing(tmp_path, monkeypatch):
+def test_figures_made_again_are_not_drawn(tmp_path, monkeypatch):
     """Figures that this version drew of this summary are kept; a newer summary, or another version's figure, is drawn anew."""
     from hdengine.figures import run as figures
 
     result = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", mesh__divisions=16, mesh__band_facets=3, load__torque_steps=1)
-    write_report(result.folder)
+    figures.plot_run(result)
     stamps = {p.name: p.stat().st_mtime_ns for p in result.folder.glob("*.png")}
-    write_report(result.folder)
+    figures.plot_run(result)
     assert len(stamps) >= 3 and stamps == {p.name: p.stat().st_mtime_ns for p in result.folder.glob("*.png")}
     monkeypatch.setattr(figures._engine, "version", lambda: "0.0.0")
     figures.plot_run(result)
     assert all(p.stat().st_mtime_ns > stamps[p.name] for p in result.folder.glob("*.png"))
+
+
+def processor_time(*command):
+    """Of a command, user and system, one thread [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    one = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    subprocess.run([*map(str, command)], env=os.environ | one, check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+@pytest.fixture(scope="module")
+def main_scene(exe, tmp_path_factory):
+    """Folder of the main scene's run, as it left it, and the processor time of the run."""
+    out = tmp_path_factory.mktemp("main") / "r"
+    return out, processor_time(exe, ROOT / "data/drive14.nml", "--out", out)
+
+
+def test_a_report_takes_a_fifth_of_its_run(main_scene):
+    """The main scene's report in a fresh folder costs at most a fifth of its run's processor time, the best of three (11 % on a quiet
+    machine), and draws its charts without matplotlib."""
+    out, run = main_scene
+    code = "import sys; from hdengine.cli import main; assert main(['report', sys.argv[1]]) == 0; assert 'matplotlib' not in sys.modules"
+    command = sys.executable, "-c", code, out
+    assert min(processor_time(*command) for _ in range(3)) <= 0.2 * run
+    page = (out / "report.html").read_text()
+    assert page.count('<svg class="chart') == 8 and len(page) < 2e5   # loop, twist, pressure, slip, line load, balls, teeth, fatigue
+
+
+# What is wider than its frame, words that leave their chart, and letters below 8 pixels, as JSON
+LOOK = """<!DOCTYPE html><html><body><script>
+const page = %s, found = [], widths = [1280, 390];
+let left = widths.length;
+for (const width of widths) {
+  const frame = document.createElement('iframe');
+  frame.style.width = width + 'px';
+  frame.srcdoc = page;
+  frame.onload = () => {
+    const root = frame.contentDocument.documentElement;
+    if (root.scrollWidth > width) found.push(`${width}: ${root.scrollWidth} wide`);
+    for (const chart of root.querySelectorAll('svg')) for (const text of chart.querySelectorAll('text')) {
+      const a = chart.getBoundingClientRect(), b = text.getBoundingClientRect();
+      if (b.left < a.left - 1 || b.right > a.right + 1 || b.top < a.top - 1 || b.bottom > a.bottom + 1 ||
+        a.width / chart.viewBox.baseVal.width * parseFloat(getComputedStyle(text).fontSize) < 8) found.push(`${width}: ${text.textContent}`);
+    }
+    if (!--left) document.body.innerText = 'looked: ' + JSON.stringify(found);
+  };
+  document.body.append(frame);
+}
+</script></body></html>"""
+
+
+def test_a_report_fits_a_telephone(main_scene, tmp_path):
+    """In Chromium the main scene's report is not wider than 1280 or 390 pixels; the words of each chart stay in it and can be read."""
+    chromium = shutil.which("chromium") or pytest.skip("Chromium is not installed")
+    page = write_report(main_scene[0], tmp_path / "r.html").read_text()
+    (tmp_path / "look.html").write_text(LOOK % json.dumps(page).replace("</", "<\\/"))
+    seen = subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=9000", "--dump-dom",
+                           (tmp_path / "look.html").as_uri()], capture_output=True, text=True, timeout=100).stdout
+    assert re.search(r"looked: (\[.*?\])<", seen, re.S)[1] == "[]"
+
+
+def test_colours_of_cells():
+    """Cells between edges keep their place and colour: equal neighbours are one outline, what is not known has none."""
+    chart = Chart("t", "x", "y", [0, 4], [0, 1])
+    chart.cells([0, 1, 2, 3, 4], [0, 1], np.array([[0.0, 0.0, np.nan, 9.0]]), 9.0, "MPa")
+    left, right = (56 + (480 - 56 - 14) * at / 4 for at in (2, 3))
+    low, high = chart.parts[:2]
+    assert low.count("M") == 1 and f"H{left:.1f}" in low and STEPS[0] in low
+    assert high.count("M") == 1 and f"M{right:.1f}" in high and STEPS[-1] in high
+
+
+def test_ticks_are_round():
+    """Ticks are multiples of 1, 2 or 5 times a power of ten inside of the range, at most seven; a range of nothing has one."""
+    assert ticks(-4.3, 6.2) == [-4, -2, 0, 2, 4, 6] and ticks(0, 100, 5) == [0, 20, 40, 60, 80, 100] and ticks(2, 2) == [2]
+    assert ticks(0.0, 3e-7, 3) == pytest.approx([0, 1e-7, 2e-7, 3e-7])
 
 
 def test_small_multiples_of_any_number_of_steps(tmp_path):
@@ -181,11 +273,11 @@ def test_small_multiples_of_any_number_of_steps(tmp_path):
 
 
 def test_report_opens_with_the_answer(folder):
-    """Stiffness, its meaning, what is known of its error, a sketch and three pictures stand open; all else folds away, with links."""
+    """Stiffness, its meaning, what is known of its error, a sketch and charts stand open; all else folds away, with links."""
     page = (folder / "report.html").read_text()
     assert 'name="viewport"' in page
     head, rest = page.split("<nav>")
-    assert "<details" not in head and head.count("<img") == 3 and "<svg" in head
+    assert "<details" not in head and head.count('<svg class="chart') == 5 and "front view" in head
     assert "m/rad</p>" in head and "arcsec" in head and "Band: The error of the mesh is not known: run again" in head
     k, said = hdengine.load(folder).k_ts, re.search(r"by ([\d.e+-]+) arcsec \(([\d.e+-]+) µrad", head)
     assert [float(v) for v in said.groups()] == pytest.approx([206264.806 / k, 1e6 / k], rel=5e-3)  # 206264.806 arcsec a radian

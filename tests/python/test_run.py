@@ -4,6 +4,7 @@ import copy
 import json
 import pickle
 import re
+import shutil
 
 import meshio
 import numpy as np
@@ -373,3 +374,19 @@ def test_a_word_among_numbers_is_refused(tmp_path):
     (tmp_path / "t.csv").write_text("a,b\n" + 25 * "1,2\n" + "word,3\n")
     with pytest.raises(hdengine.HdengineError, match="is no table"):
         hdengine.results.read_csv(tmp_path / "t.csv")
+
+
+def test_one_step_is_read_alone(small_run, tmp_path):
+    """Each step's facets found by bisection are those of the whole table, as of one that ends without a line's end; no step, an error."""
+    whole = hdengine.load(small_run).contact
+    run = shutil.copytree(small_run, tmp_path / "r")
+    (run / "contact.csv").write_bytes((run / "contact.csv").read_bytes().rstrip())
+    for folder in (small_run, run):
+        alone = hdengine.load(folder)
+        for i in range(len(alone.steps)):
+            facets = alone.contact_at(i)
+            assert facets.keys() == whole.keys() and all(np.array_equal(column[i], facets[name]) for name, column in whole.items())
+    head = (run / "contact.csv").read_text().splitlines()[0]
+    (run / "contact.csv").write_text(f"{head}\n")
+    with pytest.raises(hdengine.FileError, match="contact.csv"):
+        hdengine.load(run)

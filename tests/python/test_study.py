@@ -102,6 +102,8 @@ def test_an_unfinished_study_is_continued(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         small(**three).run(tmp_path / "b", show=False)
     assert StudyResult(tmp_path / "b").summary["status"] == "unfinished"
+    with pytest.raises(hdengine.FileError, match=r"holds a study: read it by hdengine\.StudyResult"):
+        hdengine.load(tmp_path / "b")
     monkeypatch.setattr(workers, "solve", lambda *task: solved.append(task) or original(*task))
     again = small(**three).run(tmp_path / "b", show=False)
     assert len(solved) == 3

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Form removal, Gaussian filters and areal numbers of ISO 25178-2."""
 import json
+import re
 
 import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT
+from conftest import ROOT, call
 from hdengine.cli import main
 from hdengine.results import read_csv
 from hdengine.surfaces import form, gaussian, texture
@@ -197,3 +198,22 @@ def test_the_command_takes_forms_and_filters(tmp_path, capsys):
     for bad in (["--form", "ball"], ["--l-filter", "1"], ["--s-filter", "1e-4", "--l-filter", "1e-5"]):
         assert main(["surface", file, *bad, "--out", str(out), "--force"]) == 2
         assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_what_is_printed_is_in_micrometres(tmp_path, exe):
+    """Heights and lengths print in micrometres under the names of ISO 25178-2; a fit that is refused prints no D and G, in the command
+    and in the log, one that holds its G."""
+    fine = read(ROOT / "data/specimen_bearing.sdf")
+    found = texture.texture(fine)
+    said, fit = str(found), str(fine.fit(surface=hdengine.roughness.Ridges(5e-4, 1e-6, 10, 1.5)))
+    assert f"Sa {1e6 * found.numbers['sa_m']:.4g}, Sq {1e6 * found.numbers['sq_m']:.4g}, " in said
+    assert f"Sdr {100 * found.numbers['sdr']:.4g}, " in said
+    assert re.search(r"^G +0\.09\d* µm, ", fit, re.M) and not re.search(r"e-\d+ m\b|\d m\b", said + fit)
+    sine = np.tile(1e-6 * np.sin(np.arange(200) * 2 * np.pi / 40), (200, 1))
+    refused = str(Specimen(sine, (1e-6, 1e-6), "sine").fit())
+    assert "not fractal" in refused and "none that describe this surface" in refused and not re.search(r"^[DG] |2\.\d{4}", refused, re.M)
+    np.save(tmp_path / "sine.npy", sine)
+    (tmp_path / "s.nml").write_text(f"&hd_input\n version = 1\n/\n&fit\n first_file = '{tmp_path}/sine.npy'\n dx = 1e-6\n/\n")
+    refused, held = (next(line for line in call(exe, *words, "--out", tmp_path / "o", "--force").stdout.splitlines() if line.startswith("fit "))
+                     for words in ((tmp_path / "s.nml",), (ROOT / "data/surface.nml", "surface.nx=101", "surface.ny=101")))
+    assert "not fractal" in refused and "D =" not in refused and re.search(r"D = 2\.\d{4} .*, G = 0\.2\d* um, fractal", held)

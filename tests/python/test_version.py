@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The version of the program: one, taken from the commit."""
 import importlib.metadata
+import os
 import re
 import shutil
 import subprocess
@@ -28,7 +29,7 @@ def test_there_is_one_version():
 @git
 def test_no_two_commits_share_a_version(tmp_path):
     """A commit has its hash in its version, sources that differ from it add .dirty, a tag is the version, an archive knows its commit,
-    and a copy without git claims none."""
+    an sdist its version, and a copy without git claims none."""
     def call(*words):
         subprocess.run(["git", "-c", "user.name=n", "-c", "user.email=e@x.org", *words], cwd=tmp_path, check=True, capture_output=True)
 
@@ -51,6 +52,8 @@ def test_no_two_commits_share_a_version(tmp_path):
     archived.mkdir()
     subprocess.run("git archive HEAD | tar -x -C archived", shell=True, cwd=tmp_path, check=True)
     assert said(archived)[:14] == "0.1.0.dev0+g" + said(tmp_path)[12:14]
+    subprocess.run([tmp_path / "tools/version.sh", first], env=os.environ | {"MESON_DIST_ROOT": str(archived)}, check=True)
+    assert said(archived) == first
     call("tag", "v0.3.0")
     assert said(tmp_path) == "0.3.0"
     subprocess.run("git archive HEAD | tar -x -C archived", shell=True, cwd=tmp_path, check=True)

@@ -45,7 +45,7 @@ def test_what_cannot_be_seen_is_said():
         wrong = clumps(z, np.random.default_rng(2))
         f = roughness.fit(z, spacing)
         assert (f.wrong_from_m[1] < 3 * z.std()) == (f.spikes > 0.5 * wrong.sum()) == seen
-        assert f"clumps {f.wrong_from_m[1]:.3g} m) they are not seen" in str(f)
+        assert f"clumps {1e6 * f.wrong_from_m[1]:.3g} µm) they are not seen" in str(f)
 
 
 @pytest.mark.parametrize("keys", [{}, {"finer": 1}, {"probe": 1.0}, {"noise": 0.1}, {"tilt": 5.0}])

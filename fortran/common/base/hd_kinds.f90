@@ -8,7 +8,8 @@ module hd_kinds
 
   integer, parameter :: sp = real32
   integer, parameter :: dp = real64
-  integer, parameter :: qp = real128
+  !> Quadruple precision, the widest there is where a compiler has none (flang on x86-64: 64 bits of mantissa)
+  integer, parameter :: qp = merge(real128, selected_real_kind(18), real128 > 0)
   integer, parameter :: i8 = int64
   real(dp), parameter :: pi = 3.14159265358979323846264338327950288_dp
   !> relative difference of two lengths or angles that are one: far above what rounding leaves, far below what any part is

@@ -9,8 +9,8 @@ module hd_mesh_series
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: levels, finest, coarse, first_judged, least_tolerance, first_level, expected_error, least_error, meshed, extrapolate, &
-    small_displacements
+  public :: levels, finest, coarse, first_judged, least_tolerance, first_level, expected_error, fine, share, least_error, &
+    share_of_four, meshed, extrapolate, small_displacements
 
   !> Facets along the band, by level; finer ones than a plan's are for references.
   integer, parameter :: band(13) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256]
@@ -21,9 +21,10 @@ module hd_mesh_series
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows
   real(dp), parameter :: power = 1.5_dp         !< of h
-  real(dp), parameter :: fine = 0.03_dp         !< tolerance below which four layers are needed, not two
-  real(dp), parameter :: share = 0.35_dp        !< of the error that two layers leave, left by four
-  real(dp), parameter :: least_tolerance = 5.5e-3_dp  !< what four layers leave, rounded up
+  real(dp), parameter :: fine = 0.03_dp         !< tolerance below which the error of two layers is corrected
+  real(dp), parameter :: share_of_four = 0.35_dp  !< of the error that two layers leave, left by four
+  real(dp), parameter :: share = 0.45_dp        !< of it, left by a correction from a coarse mesh (31 random scenes: 0.1 to 0.45)
+  real(dp), parameter :: least_tolerance = 6.5e-3_dp  !< what a correction leaves, rounded up
   !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
   real(dp), parameter :: typical = 1.4_dp, typical_drive = 5
 
@@ -62,7 +63,7 @@ contains
     s%band_facets = band(level)
     s%edge_length = scene%band_length/(edge_cells*band(level))
     s%divisions = max(16, 4*smooth_size(nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)), .false.))
-    s%through_wall = merge(4, 2, scene%planned_tolerance > 0 .and. scene%planned_tolerance < fine)
+    s%through_wall = 2
     s%through_ring = s%through_wall
     s%ring_divisions = 0
     s%ring_facets = 0

@@ -33,6 +33,8 @@ contains
   subroutine check_run(scene, error)
     type(scene_t), intent(in) :: scene                !< checked scene with a contact
     type(error_t), allocatable, intent(out) :: error  !< tolerance, memory
+    call check_wanted(scene, error)
+    if (allocated(error)) return
     if (scene%planned_tolerance > 0 .and. scene%planned_tolerance < least_tolerance) then
       call raise(error, code_input, 'error: run.tolerance = '//to_text(scene%planned_tolerance)//nl// &
         '      valid: 0, or '//to_text(least_tolerance)//' and more: what the finest mesh of a plan can promise')
@@ -42,6 +44,31 @@ contains
       call check_memory(scene, .false., error)
     end if
   end subroutine check_run
+
+  !> Words of run.wanted must name promises of the scene.
+  subroutine check_wanted(scene, error)
+    type(scene_t), intent(in) :: scene                !< checked scene
+    type(error_t), allocatable, intent(out) :: error  !< a word that is none
+    type(promise_t), allocatable :: promised(:)
+    character(len=:), allocatable :: valid, word
+    integer :: i, at, last
+    if (len_trim(scene%wanted) == 0) return
+    promised = promises_of(scene)
+    valid = ''
+    do i = 1, size(promised)
+      if (promised(i)%last > 0) valid = valid//' '//trim(promised(i)%name)
+    end do
+    at = 1
+    do while (at <= len_trim(scene%wanted))
+      last = at + index(scene%wanted(at:)//' ', ' ') - 2
+      word = scene%wanted(at:last)
+      at = last + 2
+      if (len(word) == 0 .or. index(valid//' ', ' '//word//' ') > 0) cycle
+      call raise(error, code_input, "error: run.wanted names '"//word//"', which this scene does not promise"//nl// &
+        '      valid: some of'//valid//', parted by blanks')
+      return
+    end do
+  end subroutine check_wanted
 
   !> Open a run.
   subroutine open_run(scene, input, folder, force, resume, run, complete, error)

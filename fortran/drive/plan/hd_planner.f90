@@ -3,17 +3,19 @@
 !> any other scene, from the command line and from Python.
 !>
 !> Kinematics and load steps are chosen on a coarse mesh. Then meshes of a series are solved until the limits that they point to
-!> are known to the tolerance. Those limits are promised (hd_promises).
+!> are known to the tolerance. Those limits are promised (hd_promises). What large displacements and more layers change on coarse
+!> meshes corrects them, where two meshes agree on it: the fine ones are then solved without.
 module hd_planner
   use hd_kinds, only: dp
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
   use hd_log, only: say
-  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, least_error, meshed, extrapolate, &
-    small_displacements
+  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, fine, share, share_of_four, &
+    meshed, extrapolate, small_displacements
   use hd_model, only: model_t, give_back
-  use hd_promises, only: promise_t, promises, values, promises_of, promise_text, every_second, is_field, needed, relative
+  use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, promise_text, every_second, &
+    is_field, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
   use hd_run, only: run_t
   use hd_scene, only: scene_t
@@ -26,6 +28,7 @@ module hd_planner
 
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: half = 0.5_dp          !< of it: what a simpler model may change
+  real(dp), parameter :: unsure = 0.1_dp        !< of a correction that two coarse meshes agree on: what it is off by at least
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
   real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
   real(dp), parameter :: looped = 2, stepped = 0.1_dp  !< run over trial, whose answers are stored, with a loop and without,
@@ -40,6 +43,8 @@ module hd_planner
     type(string_t), allocatable :: warnings(:)  !< what a tolerance cannot mend
     real(dp) :: change(promises) = 0            !< by load steps that were not doubled once more
     real(dp) :: simpler(promises) = 0           !< what a simpler wave generator and small displacements leave out
+    real(dp) :: layers(promises) = 0            !< what two layers of cells leave, corrected or not
+    real(dp) :: ratio(values) = 1, moved(values) = 0  !< corrections of limits: factors, and of fields what is added
     real(dp) :: estimate(promises) = 0          !< estimated relative errors of the limits
     real(dp) :: to_limit(values) = 1            !< limit over what the mesh gives
     real(dp) :: shift(values) = 0               !< of a field: limit less what the mesh gives
@@ -58,25 +63,30 @@ contains
     call say('plan      '//text)
   end subroutine note
 
-  !> The largest of the promises, and which it is.
-  function worst(scene, errors, word) result(text)
-    type(scene_t), intent(in) :: scene        !< of the errors
+  !> The largest of the wanted promises, and which it is.
+  function worst(plan, errors, word) result(text)
+    type(plan_t), intent(in) :: plan          !< of the errors
     real(dp), intent(in) :: errors(promises)  !< relative
     character(len=*), intent(in) :: word      !< between what and how much
     character(len=:), allocatable :: text
     type(promise_t) :: promised(promises)
-    promised = promises_of(scene)
-    text = trim(promised(maxloc(errors, 1))%words)//' '//word//' '//percent(maxval(errors))
+    logical :: wanted(promises)
+    promised = promises_of(plan%scene)
+    wanted = wanted_of(plan%scene)
+    text = trim(promised(maxloc(errors, 1, wanted))%words)//' '//word//' '//percent(maxval(errors, mask=wanted))
     if (text(:1) /= 'K') text = 'the '//text
   end function worst
 
-  !> Large displacements where they change a coarse solution by more than half the tolerance.
+  !> Large displacements where they change a coarse solution by more than half the tolerance, unless a coarser mesh confirms the
+  !> change: then it corrects the limits of small displacements.
   subroutine choose_kinematics(trials, plan, error)
     type(trial_runs_t), intent(inout) :: trials       !< runs
     type(plan_t), intent(inout) :: plan               !< gets its kinematics
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
-    type(scene_t) :: s
-    real(dp) :: small_q(values), large_q(values), change(promises)
+    real(dp), dimension(values, 2) :: small_q, large_q, moved
+    real(dp) :: change(promises), doubt(promises)
+    type(promise_t) :: promised(promises), at
+    character(len=:), allocatable :: text
     if (plan%scene%kinematics /= 'auto') then
       call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': as the scene says')
       return
@@ -86,12 +96,7 @@ contains
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
-    s = meshed(plan%scene, coarse)
-    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
-    call trials%try(s, small_q, error)
-    if (allocated(error)) return
-    s%kinematics = 'nonlinear'
-    call trials%try(s, large_q, error)
+    call try_both(coarse, small_q(:, 1), large_q(:, 1))
     if (allocated(error)) then
       if (error%code /= code_not_converged) return
       deallocate (error)
@@ -100,15 +105,63 @@ contains
         'Take the results as those of small displacements')
       return
     end if
-    change = relative(s, large_q - small_q, large_q)
-    if (maxval(change) > half*plan%scene%planned_tolerance) then
-      plan%scene%kinematics = 'nonlinear'
-    else
-      plan%simpler = hypot(plan%simpler, change)
+    moved = large_q - small_q
+    change = relative(plan%scene, moved(:, 1), large_q(:, 1))
+    text = ': large displacements change '//worst(plan, change, 'by')
+    if (beyond(change)) then
+      call try_both(coarse - 1, small_q(:, 2), large_q(:, 2))
+      if (allocated(error)) then
+        if (error%code /= code_not_converged) return
+        deallocate (error)
+        plan%scene%kinematics = 'nonlinear'
+      else
+        moved(:, 2) = large_q(:, 2) - small_q(:, 2)
+        promised = promises_of(plan%scene)
+        at = promised(k_of_steps)
+        large_q(at%first:at%last, 1) = small_q(at%first:at%last, 1)  ! the steps of the plan are others: they keep their change
+        doubt = relative(plan%scene, abs(moved(:, 1) - moved(:, 2)) + unsure*abs(moved(:, 1)), large_q(:, 1))
+        if (at%last >= at%first) doubt(k_of_steps) = change(k_of_steps)
+        text = text//', a correction known to '//percent(maxval(doubt, mask=wanted_of(plan%scene)))
+        if (beyond(doubt)) plan%scene%kinematics = 'nonlinear'
+        if (.not. beyond(doubt)) call correct(plan, small_q(:, 1), large_q(:, 1))
+        change = doubt
+      end if
     end if
-    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': large displacements change '//worst(s, change, 'by')// &
-      ', half the tolerance is '//percent(half*plan%scene%planned_tolerance))
+    if (.not. plan%scene%large()) plan%simpler = hypot(plan%simpler, change)
+    call note(plan, 'kinematics '//trim(plan%scene%kinematics)//text//'; half the tolerance is '// &
+      percent(half*plan%scene%planned_tolerance))
+  contains
+    !> More than half the tolerance, of a result that is wanted.
+    logical function beyond(e)
+      real(dp), intent(in) :: e(promises)  !< relative
+      beyond = maxval(e, mask=wanted_of(plan%scene)) > half*plan%scene%planned_tolerance
+    end function beyond
+
+    !> A level with small and with large displacements; the error is that of choose_kinematics.
+    subroutine try_both(level, small_q, large_q)
+      integer, intent(in) :: level                         !< of the series of meshes
+      real(dp), intent(out) :: small_q(values), large_q(values)  !< what they give
+      type(scene_t) :: s
+      s = meshed(plan%scene, level)
+      if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
+      call trials%try(s, small_q, error)
+      s%kinematics = 'nonlinear'
+      if (.not. allocated(error)) call trials%try(s, large_q, error)
+    end subroutine try_both
   end subroutine choose_kinematics
+
+  !> What a better model changes on a coarse mesh corrects the limits: numbers by a factor, fields by what they move.
+  pure subroutine correct(plan, simple, better)
+    type(plan_t), intent(inout) :: plan      !< gets the correction
+    real(dp), intent(in) :: simple(values)   !< results of a coarse mesh
+    real(dp), intent(in) :: better(values)   !< of the better model
+    integer :: i
+    where (is_field([(i, i=1, values)]))
+      plan%moved = plan%moved + better - simple
+    else where (abs(simple) > 0)
+      plan%ratio = plan%ratio*better/simple
+    end where
+  end subroutine correct
 
   !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls.
   subroutine choose_wave_generator(trials, plan, error)
@@ -140,8 +193,8 @@ contains
       end if
       change = relative(s, q - balls_q, q)
       if (len(text) > 0) text = text//', '
-      text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(s, change, 'by')
-      if (maxval(change) > half*plan%scene%planned_tolerance) cycle
+      text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(plan, change, 'by')
+      if (maxval(change, mask=wanted_of(s)) > half*plan%scene%planned_tolerance) cycle
       plan%scene%balls = 0
       plan%scene%groove_depth = 0
       plan%scene%ball_stiffness = s%ball_stiffness
@@ -177,7 +230,7 @@ contains
       end if
       if (known) then
         plan%change = relative(s, every_second(s, q) - before, before)
-        if (maxval(plan%change) <= small*plan%scene%planned_tolerance) exit
+        if (maxval(plan%change, mask=wanted_of(s)) <= small*plan%scene%planned_tolerance) exit
       end if
       known = .true.
       before = q
@@ -186,14 +239,37 @@ contains
     end do
     if (allocated(error)) return
     call note(plan, 'load steps '//to_text(plan%scene%assembly_steps)//' + '//to_text(plan%scene%torque_steps)// &
-      ': twice as many change '//worst(s, plan%change, 'by'))
+      ': twice as many change '//worst(plan, plan%change, 'by'))
   end subroutine choose_steps
+
+  !> Below the tolerance that two layers of cells keep: what four change on a coarse mesh, and as a rule more than four, corrects
+  !> the limits.
+  subroutine choose_layers(trials, plan, error)
+    type(trial_runs_t), intent(inout) :: trials       !< runs
+    type(plan_t), intent(inout) :: plan               !< gets the correction
+    type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(scene_t) :: s
+    real(dp) :: two(values), four(values)
+    if (.not. plan%scene%planned_tolerance < fine) return
+    s = small_displacements(meshed(plan%scene, coarse))
+    call trials%try(s, two, error)
+    s%through_wall = 2*s%through_wall
+    s%through_ring = s%through_wall
+    if (.not. allocated(error)) call trials%try(s, four, error)
+    if (allocated(error)) return
+    plan%layers = share*plan%layers
+    call note(plan, 'layers 2: four change '//worst(plan, relative(s, four - two, four), 'by')//', which corrects the limits')
+    call correct(plan, two, two + (four - two)/(1 - share_of_four))
+  end subroutine choose_layers
 
   !> Everything but the mesh.
   subroutine choose_all(trials, plan, error)
     type(trial_runs_t), intent(inout) :: trials       !< runs
     type(plan_t), intent(inout) :: plan               !< gets its choices
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
+    type(promise_t) :: promised(promises)
+    promised = promises_of(plan%scene)
+    plan%layers = promised%left
     plan%scene%element = 'hex8i'
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
@@ -207,10 +283,11 @@ contains
     if (plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
+    if (.not. allocated(error)) call choose_layers(trials, plan, error)
   end subroutine choose_all
 
   !> Limits and their estimated errors from the meshes that are known.
-  pure subroutine judge(q, plan)
+  subroutine judge(q, plan)
     real(dp), intent(in) :: q(:, :)       !< quantities by level (values, levels that are known)
     type(plan_t), intent(inout) :: plan   !< gets both
     real(dp) :: limit(values)
@@ -218,10 +295,13 @@ contains
     plan%level = size(q, 2)
     call extrapolate(q, limit, plan%doubt)
     where (.not. abs(q(:, plan%level)) > 0) limit = 0
+    limit = limit*plan%ratio + plan%moved
+    where (abs(plan%moved) > 0) limit = max(limit, 0._dp)  ! pressures
+    plan%doubt = plan%doubt*plan%ratio
     plan%estimate = relative(plan%scene, plan%doubt, limit)
     where (abs(limit) > 0) plan%doubt = plan%doubt/abs(limit)
     where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + plan%simpler**2 + &
-      least_error(plan%scene)**2)
+      plan%layers**2)
     plan%to_limit = 1
     plan%shift = 0
     where (is_field([(i, i=1, values)]))
@@ -229,7 +309,7 @@ contains
     else where (abs(limit) > 0)
       plan%to_limit = limit/q(:, plan%level)
     end where
-    plan%met = maxval(plan%estimate, mask=needed) <= plan%scene%planned_tolerance
+    plan%met = maxval(plan%estimate, mask=wanted_of(plan%scene)) <= plan%scene%planned_tolerance
   end subroutine judge
 
   !> Choose everything; refine until the estimate is within the tolerance.
@@ -276,7 +356,7 @@ contains
       if (level < first_judged) cycle
       call judge(q(:, :level), plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets: the estimated error of '// &
-        worst(scene, merge(plan%estimate, 0._dp, needed), 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
+        worst(plan, plan%estimate, 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
     plan%scene = now
@@ -288,11 +368,13 @@ contains
     type(plan_t), intent(inout) :: plan   !< gets a reason for each
     type(promise_t) :: promised(promises)
     real(dp) :: left(promises)
+    logical :: wanted(promises)
     integer :: i
     promised = promises_of(plan%scene)
-    left = plan%change**2 + plan%simpler**2 + least_error(plan%scene)**2
+    wanted = wanted_of(plan%scene)
+    left = plan%change**2 + plan%simpler**2 + plan%layers**2
     do i = 1, promises
-      if (needed(i) .or. plan%estimate(i) <= plan%scene%planned_tolerance) cycle
+      if (wanted(i) .or. plan%estimate(i) <= plan%scene%planned_tolerance) cycle
       call note(plan, 'not promised: '//trim(promised(i)%words)//' where its estimated error is up to '//percent(plan%estimate(i)))
       associate (d => plan%doubt(promised(i)%first:promised(i)%last), ratio => plan%to_limit(promised(i)%first:promised(i)%last))
         where (d**2 + left(i) > plan%scene%planned_tolerance**2) ratio = 0
@@ -339,7 +421,7 @@ contains
         'log says why no finer mesh was run')
     else if (.not. plan%met) then
       call push(run%record%warnings, 'the tolerance is not met: the estimated error of '// &
-        worst(run%scene, merge(plan%estimate, 0._dp, needed), 'is')// &
+        worst(plan, plan%estimate, 'is')// &
         '. Use it as it stands, or raise mesh.memory_limit_mb or run.tolerance')
     end if
   end subroutine enter_plan
@@ -399,7 +481,8 @@ contains
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
       write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
-        100*norm2([expected_error(level, scene), maxval(plan%change), maxval(plan%simpler)]), seconds, before + seconds(2), &
+        100*norm2([expected_error(level, scene), maxval(plan%change, mask=wanted_of(scene)), &
+        maxval(plan%simpler, mask=wanted_of(scene))]), seconds, before + seconds(2), &
         estimate_memory_mb(s), &
         trim(merge(' <- start', '         ', level == start))
       text = text//nl//trim(line)

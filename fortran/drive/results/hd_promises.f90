@@ -15,10 +15,11 @@ module hd_promises
   use hd_text, only: rounded
   implicit none
   private
-  public :: promises, values, most_steps, promise_t, promises_of, promised_values, is_field, needed, relative
+  public :: promises, values, most_steps, k_of_steps, promise_t, promises_of, wanted_of, promised_values, is_field, relative
   public :: promise_text, every_second, promise_names
 
   integer, parameter :: promises = 8                           !< how many
+  integer, parameter :: k_of_steps = promises - 1              !< the one of all steps
   integer, parameter :: most_steps = 16                        !< torque steps of which K_TS is promised; if there are more: of none
   integer, parameter :: values = 6 + most_steps + 1 + patches  !< numbers in all promises
 
@@ -31,9 +32,9 @@ module hd_promises
     real(dp) :: left = 0              !< relative error of its limit that two layers of cells through wall and ring leave
   end type promise_t
 
-  !> The refinement goes on until these are within the tolerance. The others are promised where they then are, too: peaks settle
-  !> slowly where contact ends round the axis, and K_TS while the torque is small, where few points stick.
-  logical, parameter :: needed(promises) = [.true., .true., .true., .true., .true., .false., .false., .true.]
+  !> What is wanted where run.wanted does not say it. The others are promised where they are within the tolerance, too: peaks
+  !> settle slowly where contact ends round the axis, and K_TS while the torque is small, where few points stick.
+  logical, parameter :: usual(promises) = [.true., .true., .true., .true., .true., .false., .false., .true.]
   !> Errors left are root mean squares of 22 scenes, of ten from K_FTS on, of seven whole drives.
   type(promise_t), parameter :: of_contact(promises) = [ &
     promise_t('k_ts_bonded_nm_per_rad', 'k_ts_tangent', 'tangent K_TS', 'N m/rad', 1, 1, 0.014_dp), &
@@ -62,6 +63,20 @@ contains
     if (scene%support%loop) list = of_drive
   end function promises_of
 
+  !> Which promises a scene wants: the refinement goes on until these are within the tolerance.
+  function wanted_of(scene) result(wanted)
+    type(scene_t), intent(in) :: scene  !< scene
+    logical :: wanted(promises)
+    type(promise_t) :: list(promises)
+    integer :: i
+    wanted = usual
+    if (len_trim(scene%wanted) == 0) return
+    list = promises_of(scene)
+    do i = 1, promises
+      wanted(i) = list(i)%last > 0 .and. index(' '//trim(scene%wanted)//' ', ' '//trim(list(i)%name)//' ') > 0
+    end do
+  end function wanted_of
+
   !> Columns of all promises, or their names, parted by commas.
   pure function promise_names(columns) result(text)
     logical, intent(in) :: columns  !< the former
@@ -89,7 +104,7 @@ contains
     type(scene_t), intent(in) :: scene         !< scene
     real(dp), intent(in) :: value(values)      !< with twice the load steps
     real(dp) :: q(values)
-    integer, parameter :: first = of_contact(promises - 1)%first, last = of_contact(promises - 1)%last
+    integer, parameter :: first = of_contact(k_of_steps)%first, last = of_contact(k_of_steps)%last
     q = value
     if (scene%support%loop) return
     q(first:last) = 0

@@ -5,6 +5,7 @@ module hd_parameters
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted, to_number
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, &
     tolerate, close_table
+  use hd_unit, only: in_unit
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
@@ -44,6 +45,8 @@ contains
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
       'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 and hysteresis of '// &
       'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
+    call add_choice(t, 'run', 'wanted', 'control', s%wanted, '', &
+      "results that run.tolerance is for, parted by blanks, such as 'k2 k3'; empty: those that it names, and the pressure field")
     call add_choice(t, 'run', 'band', 'output', s%with_band, '.false. .true.', &
       "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; it costs some thirty runs on a "// &
       'coarse mesh, more than the run itself')
@@ -352,6 +355,7 @@ contains
     type(string_t), intent(in) :: words(:)               !< words as in the file
     character(len=:), allocatable, intent(out) :: what   !< mistake
     character(len=:), allocatable, intent(out) :: hint   !< valid values
+    type(string_t), allocatable :: plain(:)
     real(dp) :: x(100)
     integer(i8) :: n, wanted
     what = ''
@@ -364,7 +368,9 @@ contains
       call assign_text(p, words, what, hint)
       return
     end if
-    call read_numbers(words, x, n)
+    plain = words
+    if (associated(p%real) .and. size(words) == 1) plain(1)%s = in_unit(words(1)%s, p%unit)
+    call read_numbers(plain, x, n)
     if (associated(p%count)) then
       if (n > 0 .and. n <= size(p%reals)) wanted = n
     end if

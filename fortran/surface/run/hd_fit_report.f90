@@ -213,9 +213,9 @@ contains
     type(found_t), intent(in) :: r    !< result
     character(len=60) :: line
     line = ''
-    if (allocated(r%m%fit%curve)) then
-      write (line, '(a,f7.4,a,f6.4,a,f6.4,a,es11.4,a)') 'D =', r%m%fit%d, ' (', r%m%fit%interval(1, 1), ' to ', &
-        r%m%fit%interval(2, 1), '), G =', exp(r%m%fit%ln_g), ' m, '
+    if (allocated(r%m%fit%curve) .and. r%m%verdict%kind == fractal) then
+      write (line, '(a,f7.4,a,f6.4,a,f6.4,a,g0.4,a)') 'D =', r%m%fit%d, ' (', r%m%fit%interval(1, 1), ' to ', &
+        r%m%fit%interval(2, 1), '), G = ', 1e6_dp*exp(r%m%fit%ln_g), ' um, '
     end if
     call say('fit       '//r%name//' '//trim(line)//' '//verdict_of(r)//' ('//r%m%verdict%name//')')
   end subroutine tell

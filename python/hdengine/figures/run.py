@@ -13,8 +13,10 @@ from matplotlib.figure import Figure
 from .. import _engine
 from .._types import PathLike, RunLike
 from ..files import write_files
+from ..views.palette import PRESSURE, SIGNED
+from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positions_of, rest_of
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
-from .style import PRESSURE, SIGNED, new_axes, styled
+from .style import new_axes, styled
 
 
 @styled
@@ -34,8 +36,7 @@ def plot_run(result: RunLike, debug: bool = False) -> list:
     list of Path
     """
     figures: dict = {}
-    assembled = np.any(result.steps["load_factor"] >= 1 - 1e-9)  # else the run was stopped on the way there
-    drive = result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists() and assembled
+    drive, assembled = is_drive(result), is_assembled(result)
     if drive:
         figures |= {"loop.png": plot_loop, "twist.png": plot_twist, "contact.png": plot_contact, "loads.png": plot_loads}
         if (result.folder / "fatigue.csv").exists():
@@ -72,42 +73,10 @@ def _is_fresh(path, summary, made):
         return made.encode() in file.read(400)
 
 
-def _grid(result, name, step=-1):
-    """A contact column as (angle, axis)."""
-    return result.contact[name][step].reshape(result.shape)
-
-
-def _reference_z(result):
-    """Distance of the facet rows from the front edge of the band [m]."""
-    edges = result.row_edges()
-    return 0.5 * (edges[1:] + edges[:-1])
-
-
 def _band(axis, result, field, **keys):
     """Colours of the facets (axis, angle) on the unrolled band; angle in degrees, axis in mm."""
     angle = np.linspace(0, 360, result.shape[0] + 1)
     return axis.pcolormesh(angle, 1e3 * result.row_edges(), field, **keys)
-
-
-def colour_top(pressure: np.ndarray, area: np.ndarray, share: float = 0.97) -> float:
-    """Pressure that all but a small share of the closed area stays below: narrow rows at the edges take no part of the colours.
-
-    Parameters
-    ----------
-    pressure, area : ndarray
-        Of one shape.
-
-    Returns
-    -------
-    float
-        In the unit of the pressure; 1 where nothing is closed.
-    """
-    closed = pressure > 0
-    if not np.any(closed):
-        return 1.0
-    order = np.argsort(pressure[closed])
-    part = np.cumsum(area[closed][order])
-    return float(pressure[closed][order][np.searchsorted(part, share * part[-1])])
 
 
 def pressure_top(result: RunLike) -> float:
@@ -126,14 +95,10 @@ def _colours(top):
 def plot_positions(result: RunLike) -> Figure:
     """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
     figure, axes = new_axes(2, 1, sharex=True, figsize=(8, 7))
-    theta = np.degrees(_grid(result, "theta_rad")[:, 0])
-    z = _reference_z(result)
-    for label, place, style in zip(("I", "II", "III"), result.scene["output.positions"], ("-", "--", "-.")):
-        row = int(np.argmin(abs(z - place)))
-        narrow = np.diff(result.row_edges())[row] < 0.35 * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
-        name = f"{label}: {1e3 * z[row]:.2g} mm" + (", edge cells" if narrow else "")
-        axes[0].plot(theta, _grid(result, "pressure_pa")[:, row] / 1e6, style, label=name)
-        axes[1].plot(theta, _grid(result, "traction_theta_pa")[:, row] / 1e6, style, label=name)
+    theta = np.degrees(result.contact_at(-1)["theta_rad"].reshape(result.shape)[:, 0])
+    for (name, pressure, shear), style in zip(positions_of(result), ("-", "--", "-.")):
+        axes[0].plot(theta, pressure, style, label=name)
+        axes[1].plot(theta, shear, style, label=name)
     axes[0].set_ylabel("pressure / MPa")
     axes[1].set_ylabel("shear along θ / MPa")
     axes[1].set_xlabel("angle from the long axis / degree")
@@ -148,7 +113,7 @@ def plot_positions(result: RunLike) -> Figure:
 def plot_band(result: RunLike) -> Figure:
     """Contact pressure on the unrolled band, last step."""
     figure, axis = new_axes(figsize=(9, 4))
-    p = _grid(result, "pressure_pa").T / 1e6
+    p = result.contact["pressure_pa"][-1].reshape(result.shape).T / 1e6
     top = pressure_top(result)
     image = _band(axis, result, np.where(p > 0, p, np.nan), **_colours(top))
     axis.set_facecolor("0.9")
@@ -157,15 +122,10 @@ def plot_band(result: RunLike) -> Figure:
     axis.set_xlabel("angle from the long axis / degree")
     axis.set_ylabel("distance from the\nfront edge / mm")
     node = result.steps["pressure_max_pa"][-1] / 1e6
-    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: {_grey(result)}; means of facets up to "
+    axis.set_title(f"Contact pressure at {result.torque_nm[-1]:g} N m\ngrey: {rest_of(result)}; means of facets up to "
                    f"{p.max():.0f} MPa, nodes up to {node:.0f} MPa", fontsize=12)
     figure.colorbar(image, label="pressure / MPa", extend="max" if p.max() > top else "neither")
     return figure
-
-
-def _grey(result):
-    """What grey facets are."""
-    return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
 @styled
@@ -199,7 +159,7 @@ def plot_steps(result: RunLike, most: int = 6) -> Figure:
         axis.set_xticks(range(0, 361, 90))
     for axis in axes.flat[len(steps):]:
         axis.remove()
-    title = f"Contact pressure (grey: {_grey(result)})"
+    title = f"Contact pressure (grey: {rest_of(result)})"
     if alike:
         title += f" and its change over the torque, {_against_resolution(result, p, steps)}"
     figure.suptitle(title, fontsize=12)
@@ -322,10 +282,7 @@ def plot_teeth(result: RunLike) -> Figure:
 @styled
 def draw_shares(axis: Axes, result: RunLike, torque: float, style: str, label: str) -> None:
     """Share of each pair of teeth at one end of the long axis at a torque [per cent]; the other end is alike."""
-    rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < 1e-9]
-    angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
-    near = np.argsort(angle)[np.sort(angle) < 90]
-    axis.plot(angle[near], 100 * rows["share"][near], style, ms=4, label=label)
+    axis.plot(*pair_shares(result, torque), style, ms=4, label=label)
 
 
 @styled

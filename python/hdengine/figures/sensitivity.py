@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from .study import LABELS
+from ..views.labels import LABELS
 from .style import new_axes, styled
 
 

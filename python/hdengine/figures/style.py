@@ -12,14 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .._types import PathLike
+from ..views.palette import COLOURS
 
 F = TypeVar("F", bound=Callable)
-# One family of colours: of lines, of a drive's parts, of maps.
-COLOURS = ("#2f6690", "#d1495b", "#c8963e", "#4f8a6b", "#7a5195", "#3aa0a0", "#8a5a44", "#6b7280")
-PARTS = {"cup": "#2f6690", "ring": "#c8963e", "balls": "#e3c27e", "teeth": "#4f8a6b", "spline": "#9cc3ac", "gaps": "#d1495b",
-         "slip": "#e58b97", "joint": "#f3c6cc"}
-REFERENCE = "#6b7280"   # what stands beside a result
-PRESSURE, SIGNED = "viridis", "RdBu_r"
 STYLE: Any = {"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "savefig.dpi": 110,
               "axes.prop_cycle": cycler(color=COLOURS)}
 

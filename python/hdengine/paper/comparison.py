@@ -226,7 +226,8 @@ def _nearest(row, stated, trends, key):
 
 def of_run(result: RunLike) -> list:
     """Rows that a run can answer; none for a scene unlike the paper's."""
-    return torque_rows(result.rows()) if applies(result.scene) else []
+    steps = [i for i, torque in enumerate(result.torque_nm) if any(abs(torque - t) < 1e-6 for t in TORQUES_NM)]
+    return torque_rows(result.rows(steps)) if applies(result.scene) else []
 
 
 def of_study(result: StudyLike) -> list:

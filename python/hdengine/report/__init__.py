@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import html
 from pathlib import Path
+from string import Template
 
 from .. import _engine
 from .._check import checked, flag, optional
@@ -20,15 +21,18 @@ _CITE = """hdengine {version}. Model: Hu, Li, Wang, Li (2023), Front. Mater. 10:
 Solvers: MUMPS (Amestoy, Duff, L'Excellent, Koster 2001), METIS (Karypis, Kumar 1998)"""
 
 def _render(title, parts):
-    """The page of some sections."""
-    try:
-        import jinja2
-    except ModuleNotFoundError:
-        raise InputError("a report needs Jinja2: pip install 'hdengine[plot]'") from None
-    loader = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
-    page = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
-    made = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="minutes")
-    return page.render(title=title, parts=parts, version=_engine.version(), made=made)
+    """The page of some sections: those of the first look, links to the others, these folded away."""
+    templates = Path(__file__).parent / "templates"
+    shown = "".join(
+        f'<section id="{part.mark}"{" class=answer" if part.headline else ""}>'
+        f'{"" if part.headline else f"<h2>{html.escape(part.heading)}</h2>"}{part.body}</section>\n' for part in parts if part.open)
+    folded = [part for part in parts if not part.open]
+    return Template((templates / "report.html").read_text(encoding="utf-8")).substitute(
+        title=html.escape(title), style=(templates / "report.css").read_text(encoding="utf-8"), shown=shown,
+        version=_engine.version(), made=datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
+        links="\n".join(f'<li><a href="#{part.mark}">{html.escape(part.heading)}</a></li>' for part in folded),
+        folded="\n".join(f'<details><summary><h2>{html.escape(part.heading)}</h2></summary>\n'
+                         f'<div id="{part.mark}">{part.body}</div></details>' for part in folded))
 
 
 @checked(folder=a_path, path=optional(a_path), picture=flag, animation=flag)

@@ -16,26 +16,16 @@ from .._engine import FileError
 from ..catalogue import unit_of
 from ..contact import read_scene
 from ..elastic import joint_of_scene
-from ..figures.cup import PictureError, draw_cup
 from ..files import read_json
 from ..paper import comparison as paper
 from ..results import Result, read_summary
 from ..studies.study import StudyResult, read_rows
 from ..surfaces.run import SurfaceResult
+from ..views.labels import label
+from ..views.run import is_drive
+from . import charts
 from .sketch import draw_scene
 
-_CAPTIONS = {
-    "loop.png": "Torque over the angle of the output, with the chords K1, K2, K3 and the catalogue's.",
-    "twist.png": "What takes a further twist, part by part.",
-    "contact.png": "Contact pressure and slip at the largest torque, unrolled and round the ellipse.",
-    "loads.png": "Forces of balls and teeth round the axis, assembled and at the largest torque.",
-    "fatigue.png": "Stress cycle of one turn beside its limit.",
-    "turning.png": "Turn and stiffness while the wave generator turns.",
-    "positions.png": "Contact stress over the angle in the rows next to Positions I, II, III.",
-    "pressure_band.png": "Contact pressure on the unrolled band, last step.",
-    "pressure_steps.png": "Contact pressure on the unrolled band over the torque.",
-    "torsion.png": "Stiffness and rotation over the torque.",
-}
 OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
         "Figure")  # the other sections fold away
 
@@ -88,8 +78,6 @@ def _table(columns, rows):
 
 def _columns(names, rows):
     """Columns of a table of load steps, in the units of the figures."""
-    from ..figures.study import label
-
     titles, factors = zip(*(label(name) for name in names))
     heads = [re.sub(r"[${}]", "", title).split(" / ", 1) for title in titles]  # a unit is not broken
     return _table([" /\u00a0".join([*h[:1], *(u.replace(" ", "\u00a0") for u in h[1:])]) for h in heads], [
@@ -204,7 +192,7 @@ def _stiffness(result):
                      "share of a pair of teeth, smallest and largest / %": f"{share.min():.1f}, {share.max():.1f}"}
         return found, k, \
             "The ring is bonded to the flexspline: no K_TS of the contact is computed here (Eq. 46 puts both in series)."
-    k, found = result.torsional_stiffness()[0], _readings(result.summary["results"])
+    k, found = result.steps["k_ts_nm_per_rad"], _readings(result.summary["results"])
     if "k_ts_bonded_nm_per_rad" in result.limits:
         limit, error, _ = result.limits["k_ts_bonded_nm_per_rad"]
         found["K_TS, tangent, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
@@ -363,24 +351,34 @@ def _answer(result):
     return text if result.against_teeth else text + f"<p>{_band_of(result, k)}</p>"
 
 
+def _on_demand(result, picture, animation):
+    """What takes time and libraries: the animation of the load steps, the 3-D picture of the cup."""
+    if animation and len(result.steps) > 1:
+        from ..figures.run import animate
+
+        yield _image(animate(result, result.folder / "steps.gif"), "Pressure and shear on the unrolled band, step by step.")
+    if picture:
+        from ..figures.cup import PictureError, draw_cup
+
+        try:
+            scale = draw_cup(result, result.folder / "cup.png")
+            yield _image(result.folder / "cup.png", f"The cup cut open, displacements times {scale:g}; pressure on the ring.")
+        except PictureError as why:
+            yield _warnings([f"3-D picture left out: {why}"])
+
+
 def _run_parts(result, picture, animation):
     """(heading, HTML) of a run."""
-    from ..figures.run import animate, plot_run
-
     s = result.summary
     if not result.complete:
         yield "Ended early", f'<p class="bad">{html.escape(s["message"])}</p>'
-    made = {p.name: p for p in plot_run(result)}
-    first = _image(made.pop("loop.png"), _CAPTIONS["loop.png"]) if "loop.png" in made else ""
-    yield "Answer", _answer(result) + first
+    yield "Answer", _answer(result) + (charts.answer(result) if is_drive(result) else "")
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
     if result.scene["load.support"] == "drive":
         yield "Loads and strength", _strength(result)
     yield "Inputs at a glance", draw_scene(result.scene) + _glance(result.scene)
-    chosen = [n for n in ("twist.png", "contact.png", "loads.png", "fatigue.png", "turning.png", "pressure_band.png", "torsion.png",
-                          "positions.png") if n in made][:5 if first else 3]
-    yield "Pictures", "".join(_image(made.pop(n), _CAPTIONS[n]) for n in chosen)
+    yield "Pictures", "".join(charts.pictures(result))
     stiffness, k, note = _stiffness(result)
     yield "All results", _pairs({
         "torque / N m": result.torque_nm[-1], **stiffness,
@@ -388,15 +386,7 @@ def _run_parts(result, picture, animation):
         "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"],
         "line load of the band's ends / (kN/m) (converges)": 1e-3 * s["results"]["edge_line_load_n_per_m"]}) + f"<p>{note}</p>"
     yield "What the figures leave out", _model_error(s)
-    figures = "".join(_image(p, _CAPTIONS.get(n, p.stem)) for n, p in made.items())
-    if animation and len(result.steps) > 1:
-        figures += _image(animate(result, result.folder / "steps.gif"), "Pressure and shear on the unrolled band, step by step.")
-    if picture:
-        try:
-            scale = draw_cup(result, result.folder / "cup.png")
-            figures += _image(result.folder / "cup.png", f"The cup cut open, displacements times {scale:g}; pressure on the ring.")
-        except PictureError as why:
-            figures += _warnings([f"3-D picture left out: {why}"])
+    figures = "".join(_on_demand(result, picture, animation))
     if figures:
         yield "More figures", figures
     yield from _comparison(paper.of_run(result))

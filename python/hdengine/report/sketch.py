@@ -2,7 +2,6 @@
 """A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
 import math
 
-# the family of hdengine.figures.style
 _FLEXSPLINE, _RING, _BAND, _BALL, _TEETH, _CAM = "#8fb0cc", "#dcc08a", "#d1495b", "#c8963e", "#4f8a6b", "#c9cdd3"
 
 
@@ -49,8 +48,8 @@ def _cam_and_balls(scene, x, y, a, b):
     """Cam and balls of the front view, inside of an ellipse; nothing where the scene has no balls."""
     balls = scene.get("bearing.balls", 0) if scene["load.support"] == "drive" else 0
     size = 6.0
-    cam = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a - 2 * size:.1f}" ry="{b - 2 * size:.1f}" fill="{_CAM}" stroke="#445" ' \
-          'stroke-width=".6"/>'
+    cam = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a - 2 * size:.1f}" ry="{b - 2 * size:.1f}" fill="{_CAM}" ' \
+          'stroke="currentColor" stroke-width=".6"/>'
     if not balls:
         return []
     start = math.radians(scene.get("bearing.cage_angle_deg", 0))
@@ -100,30 +99,31 @@ def draw_scene(scene: dict) -> str:
         return axis - radius * scale
     parts = [
         *(f'<polygon points="{" ".join(f"{z(at):.1f},{y(radius):.1f}" for at, radius in piece)}" fill="{_FLEXSPLINE}" '
-          'stroke="#445" stroke-width=".6"/>' for piece in cup),
+          'stroke="currentColor" stroke-width=".6"/>' for piece in cup),
         f'<polygon points="{" ".join(f"{z(at):.2f},{y(radius):.2f}" for at, radius in _ring(scene, g))}" fill="{_RING}" '
-        'stroke="#445" stroke-width=".6"/>',
+        'stroke="currentColor" stroke-width=".6"/>',
         f'<line x1="{z(g["band_start"]):.1f}" y1="{y(r):.1f}" x2="{z(g["band_start"] + g["band_length"]):.1f}" y2="{y(r):.1f}" '
         f'stroke="{_BAND}" stroke-width="3"/>',
-        f'<line x1="{left - 12:.1f}" y1="{axis:.1f}" x2="{z(length) + 12:.1f}" y2="{axis:.1f}" stroke="#445" '
+        f'<line x1="{left - 12:.1f}" y1="{axis:.1f}" x2="{z(length) + 12:.1f}" y2="{axis:.1f}" stroke="currentColor" '
         'stroke-dasharray="9 3 2 3"/>',
         _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 15, "ring of the bearing"),
         _text(z(g["band_start"] + g["band_length"] / 2), y(r - g["ring_thickness"]) + 29,
               f'<tspan fill="{_BAND}">contact band</tspan>, {1e3 * g["band_length"]:.3g} mm'),
         _text(left - 12, y(outside) - 6, f"flexspline (cup), {1e3 * length:.3g} mm long", "start"),
-        _text(z(length - g["bottom_thickness"]) - 5, y(g["hub_radius"]) - 3,
+        _text(z(length), y(g["hub_radius"]) + 16,
               {"hub": "held at the hub", "bearing": "hub free to turn"}.get(scene["load.support"], "torque at the hub"), "end"),
         _text(z(0) - 4, axis - 4, "axis", "start"),
     ]
     centre, radius = 160.0, 0.62 * min(outside * scale, 120)
     half = axis - 0.5 * outside * scale
     a, b = 1.12 * radius, 0.88 * radius
-    front = _cam_and_balls(scene, centre, half, a - 8, b - 8) + _teeth(scene, centre, half, a + 9, b + 9) + [
+    cam = _cam_and_balls(scene, centre, half, a - 8, b - 8)
+    front = cam + _teeth(scene, centre, half, a + 9, b + 9) + [
         _ellipse(centre, half, a + 5, b + 5, _FLEXSPLINE, 7), _ellipse(centre, half, a - 3, b - 3, _RING, 8),
         _ellipse(centre, half, a + 1, b + 1, _BAND, 1.5),
-        f'<line x1="{centre - a - 16:.1f}" y1="{half:.1f}" x2="{centre + a + 16:.1f}" y2="{half:.1f}" stroke="#445" '
+        f'<line x1="{centre - a - 16:.1f}" y1="{half:.1f}" x2="{centre + a + 16:.1f}" y2="{half:.1f}" stroke="currentColor" '
         'stroke-dasharray="9 3 2 3"/>',
-        _text(centre, half - 5, "cam" if scene.get("bearing.balls") else "long axis, θ = 0"),
+        _text(centre, half - 5, '<tspan fill="#222">cam</tspan>' if cam else "long axis, θ = 0"),
         _text(centre, half + b + 28, f'bore radius {1e3 * r:.4g} mm; θ = 0 to the right'),
         _text(centre, half + b + 44, f'w = {1e3 * scene["wave_generator.w"]:.3g} mm (drawn larger), '
               f'torque {scene["load.torque"]:.4g} N m'),
@@ -132,4 +132,4 @@ def draw_scene(scene: dict) -> str:
     views = (("cut along the axis", parts), ("front view", front))
     return '<div class="views">' + "".join(
         f'<svg viewBox="0 0 320 {height:.0f}" role="img" aria-label="{name}" font-size="13" '
-        f'font-family="system-ui,sans-serif" fill="#222">{"".join(view)}</svg>' for name, view in views) + "</div>"
+        f'font-family="system-ui,sans-serif" fill="currentColor">{"".join(view)}</svg>' for name, view in views) + "</div>"

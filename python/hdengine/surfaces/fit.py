@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 _DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 
 
+def micrometres(*lengths: float, digits: int = 3) -> str:
+    """Lengths [m] as one text, "1 to 20 µm": the unit of roughness and of its standards."""
+    return " to ".join(f"{1e6 * length:.{digits}g}" for length in lengths) + " µm"
+
+
 @dataclass(frozen=True)
 class Ridges:
     """What is known of a surface made by Eq. 1.
@@ -127,44 +132,51 @@ class Fit:
     def __str__(self) -> str:
         lines = [f"verdict   {self.verdict}" + (f" ({self.kind})" if self.kind != self.verdict else "") + f": {self.reason}"]
         if np.isfinite(self.fractal_dimension):
-            (d_low, d_high), (low, high) = self.interval
+            (d_low, d_high), g = self.interval
             (s_low, s_high), _ = self.sampling_interval
             lines += [
                 f"D         {self.fractal_dimension:.4f}, {d_low:.4f} to {d_high:.4f} (95 %; by sampling alone {s_low:.4f} to "
                 f"{s_high:.4f}), D_s = {self.fractal_dimension - 1:.4f}",
                 "G         not determined: the interval of D reaches 2" if not self.determined else
-                f"G         {self.roughness_m:.4g} m, {low:.3g} to {high:.3g} m (95 %)",
-                f"fit       {self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}",
-                *([f"ridges    {self.ridges}"] if self.ridges else []),
-                f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by "
-                f"{self.misfit:.2g}" + (f", chi2 {self.chi2:.1f} / {self.freedom}" if self.weighted else ""),
-            ]
+                f"G         {micrometres(self.roughness_m, digits=4)}, {micrometres(*g)} (95 %)",
+            ] if self.verdict == "fractal" else ["D, G      none that describe this surface"]
+            how = f"{self.model}, {'weighted' if self.weighted else 'least squares of ln S'}, errors: {self.ensemble}"
+            misfit = f"residual  rms of ln S {self.rms:.2g}, {self.rms_expected:.2g} expected from sampling, model off by " \
+                     f"{self.misfit:.2g}" + (f", chi2 {self.chi2:.1f} / {self.freedom}" if self.weighted else "")
             if self.model == "spectrum":
-                lines[3] = (f"fit       spectrum, wavelengths {self.band_m[0]:.3g} to {self.band_m[1]:.3g} m, "
-                            f"probe {self.probe_m:.2g} m, finer detail {self.finer_detail:.2g} of 1")
-                lines[4] = f"misfit    {self.misfit:.2g} of ln power beyond chance, deviance {self.chi2:.1f} / {self.freedom}"
+                how = f"spectrum, wavelengths {micrometres(*self.band_m)}, probe {micrometres(self.probe_m, digits=2)}, " \
+                      f"finer detail {self.finer_detail:.2g} of 1"
+                misfit = f"misfit    {self.misfit:.2g} of ln power beyond chance, deviance {self.chi2:.1f} / {self.freedom}"
+            if self.ridges:
+                told = self.ridges
+                how += f"\nridges    {told.ridges}, gamma {told.gamma:g}, L {micrometres(told.length, digits=6)}, L_s " \
+                       f"{micrometres(told.shortest_wavelength, digits=6)}"
+            lines += [f"fit       {how}", misfit]
             if len(self.ranges) == 2:
-                words = (f"D = {d:.3g} from {low:.3g} to {high:.3g} m" for d, low, high in self.ranges)
-                lines[1:3] = ["ranges    " + ", ".join(words)]
+                words = (f"D = {d:.3g} from {micrometres(low, high)}" for d, low, high in self.ranges)
+                lines[1:len(lines) - 2] = ["ranges    " + ", ".join(words)]
             if max(self.wrong_from_m) > 0 or self.holes:
                 lines.append(f"points    {self.spikes} wrong points masked"
                              + (f", {self.holes} holes filled, wrong points among them" if self.holes else "")
-                             + (f"; lower than {self.wrong_from_m[0]:.3g} m over their surroundings (clumps "
-                                f"{self.wrong_from_m[1]:.3g} m) they are not seen" if max(self.wrong_from_m) > 0 else ""))
+                             + (f"; lower than {micrometres(self.wrong_from_m[0])} over their surroundings (clumps "
+                                f"{micrometres(self.wrong_from_m[1])}) they are not seen" if max(self.wrong_from_m) > 0 else ""))
             if max(self.seams) > 0:
                 across_x, across_y = self.seams
-                lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to {self.seam_step_m:.3g} m, levelled")
+                lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to "
+                             f"{micrometres(self.seam_step_m)}, levelled")
             for name, what, excess, rms in zip("xy", ("columns", "rows"), self.axis_excess, self.jitter_m):
                 if excess > 3:
-                    done = f"white offsets of {what} of {rms:.3g} m rms taken off (jitter)" if rms > 0 else "nothing taken off"
+                    done = "nothing taken off" if not rms > 0 else \
+                        f"white offsets of {what} of {micrometres(rms)} rms taken off (jitter)"
                     lines.append(f"axes      waves along {name} hold {excess:.3g} times the power of other directions: {done}")
             if self.noise_m > 0:
-                lines.append(f"noise     {self.noise_m:.3g} m rms")
-        lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({self.tau_m.min():.3g} to {self.tau_m.max():.3g} m), "
+                lines.append(f"noise     {micrometres(self.noise_m)} rms")
+        lines.append(f"window    lags {self.lags[0]} to {self.lags[1]} ({micrometres(self.tau_m.min(), self.tau_m.max())}), "
                      f"{'plane taken off' if self.levelled else 'not levelled'}, tilt {self.tilt[0]:.2g}, {self.tilt[1]:.2g}")
         if np.isfinite(self.anisotropy):
             lines.append(f"anisotropy S(rows)/S(columns) = {self.anisotropy:.3g}"
-                         + (": not isotropic, D and G are means of both" if abs(np.log(self.anisotropy)) > 0.4 else ""))
+                         + (": not isotropic, D and G are means of both"
+                            if self.verdict == "fractal" and abs(np.log(self.anisotropy)) > 0.4 else ""))
         return "\n".join(lines)
 
     def _repr_html_(self):

@@ -12,12 +12,14 @@ from .._engine import InputError
 from .._types import Spacing
 from . import form as forms
 from . import gaussian, roughness
+from .fit import micrometres
 from .specimen import Specimen, clean
 
 FALL = 0.2                              #: of the autocorrelation, to which Sal and Str look (ISO 25178-2)
 CORE = 0.4                              #: share of the material ratio curve that the core's line is laid through (ISO 25178-2)
 _ANGLES = 360                           #: directions over half a turn
 _BINS = 180                             #: of the angular spectrum over half a turn
+_SHARES = ("sdr", "smrk1", "smrk2")     #: numbers that are printed in per cent
 _FINER = 2                              #: modes per wave of the map: the window's lobe is then smooth
 
 
@@ -55,15 +57,21 @@ class Texture:
         return [note for note in self.specimen.notes if "seams across" in note]
 
     def __str__(self) -> str:
-        words = [f"form      {self.form.kind}, {self.form.range_m:.3g} m over the map"
-                 + (f", radius {self.form.radius_m:.6g} m, axis {np.degrees(self.form.axis_rad):.2f} deg from x"
+        words = [f"form      {self.form.kind}, {micrometres(self.form.range_m)} over the map"
+                 + (f", radius {1e3 * self.form.radius_m:.6g} mm, axis {np.degrees(self.form.axis_rad):.2f} deg from x"
                     if self.form.kind == "cylinder" else "")]
-        words += [f"filter    {name} {index:.4g} m, Gaussian (ISO 16610)" for name, index in
+        words += [f"filter    {name} {micrometres(index, digits=4)}, Gaussian (ISO 16610)" for name, index in
                   (("S", self.s_filter_m), ("L", self.l_filter_m)) if index]
         words += [f"mended    {note}" for note in self.mended]
         if self.holes:
             words.append(f"points    {self.outliers} outliers, {self.holes} holes{', filled' if self.filled else ''}")
-        return "\n".join([*words, "areal     " + ", ".join(f"{k} {v:.4g}" for k, v in self.numbers.items())])
+        def group(names, factor=1.0):
+            return ", ".join(f"{name.removesuffix('_m').capitalize()} {factor * self.numbers[name]:.4g}" for name in names)
+        lengths, shares = [n for n in self.numbers if n.endswith("_m")], [n for n in _SHARES if n in self.numbers]
+        rest = [n for n in self.numbers if n not in (*lengths, *shares, "std_rad")]
+        words += [f"areal     {group(lengths, 1e6)} µm", f"          {group(rest)}; {group(shares, 100)} %"
+                  + (f"; Std {np.degrees(self.numbers['std_rad']):.4g} deg" if "std_rad" in self.numbers else "")]
+        return "\n".join(words)
 
 
 @checked(specimen=kind(Specimen), form=text, s_filter=number(above=0, optional=True), l_filter=number(above=0, optional=True),

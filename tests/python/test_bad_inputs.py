@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad inputs: exit code and the whole of stderr, and the same words as a Python exception."""
 import os
+import sys
 from pathlib import Path
 
 import pytest
 
 import hdengine
-from conftest import call
+from conftest import ROOT, call
 from hdengine import results
 from hdengine.record import Record
 from hdengine.studies import planner, study, study_file
@@ -72,7 +73,7 @@ error: 'ring_thickness' is out of range: 0
  1 | &geometry ring_thickness = 0 /
    |                            ^ valid: number > 0.0 [m]
 """),
-    "unterminated_text": ("&load support = 'hub /\n", 2, """\
+    "unterminated_text": ("&load support = 'hub /   \n", 2, """\
 error: unterminated text
   --> {f}:1:17
  1 | &load support = 'hub /
@@ -395,3 +396,20 @@ def test_long_lines_are_whole(tmp_path):
     file.write_text(HEAD + "&load" + " " * 5000 + "torque = 3.25 /\r\n&joint gamma = 1.25 /")
     scene = hdengine.read_scene(str(file))
     assert (scene["load.torque"], scene["joint.gamma"]) == (3.25, 1.25)
+
+
+@pytest.mark.parametrize("words, text, where", [
+    (["joint.model=table", "joint.table_file={}"], "pressure_pa,k_n_pa_per_m\n1e5,1e12\n1e7,nan\n", "line 3: column k_n_pa_per_m: 'nan'"),
+    (["joint.model=spectrum", "joint.spectrum_file={}"], "q_per_m,height_variance_m2\n1e4,1e-14\n1e5,NaN\n", "line 3: column height_variance_m2: 'NaN'"),
+    (["wave_generator.cam=table", "wave_generator.cam_file={}"], "theta_deg,radius_m\n0,0.0165\nNaN,0.0165\n", "line 3: column theta_deg: 'NaN'"),
+    (["record", "{}"], "torque_nm,angle_arcsec\n0.1,1\n0.2,nan\n0.3,3\n", "angle_rad[1] = nan"),
+    (["surface", "{}", "--unit", "m"], "0,nan\n1e-6,nan\n2e-6,nan\n", "every point is NaN")])
+def test_nan_in_tables_is_named(exe, tmp_path, words, text, where):
+    """A table with a NaN for a number, or a map of nothing else, is an error of one line that says where."""
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    words = [word.format(path) for word in words]
+    command = [exe, ROOT / "data/cd14.nml", *words] if "=" in words[0] else [sys.executable, "-m", "hdengine", *words]
+    done = call(command[0], *command[1:], "--out", tmp_path / "r")
+    assert done.returncode in (2, 3) and done.stderr.startswith("error: ") and where in done.stderr, done.stderr
+    assert done.stderr.count("error: ") == 1 and not (tmp_path / "r/summary.json").exists()

@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import hdengine
 from conftest import ROOT
 from hdengine.cli import main
+from hdengine.export.deck import _Mesh
 from hdengine.export.law import joint_law
 
 KEYS = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2}
@@ -76,6 +78,18 @@ def test_calculix_finds_the_forces(drive, tmp_path):
     assert 8 * sums["HUB"][:, 1].sum() == pytest.approx(14000, rel=1e-3)
     balls = drive.balls["force_n"][drive.balls["step"] == drive.steps["step"][-1]]
     assert abs(sums["GROUND"][:, 0]).max() == pytest.approx(balls.max(), rel=0.02)
+
+
+def test_slanted_sides_look_outwards_by_their_cosine():
+    """A side whose middle lies 60 degrees off the radius looks outwards by 0.5, an end by nothing: neither is one that presses; a radial one is."""
+    for angle, found in ((60, 0), (0, 1)):
+        along = np.array([[np.cos(np.radians(angle)), 0, np.sin(np.radians(angle))], [0, 1, 0], [0, 0, 1]])
+        corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+        grid = SimpleNamespace(points=[0.02, -0.5e-3, 0] + 1e-3 * corners @ along, cells=[SimpleNamespace(data=np.arange(8)[None])],
+                               cell_data={"body": [np.array([1])]})
+        mesh = _Mesh(grid, {"mesh.element": "hex8i"})
+        assert sorted(np.round(mesh.outward, 6))[::5] == pytest.approx([-np.cos(np.radians(angle)), np.cos(np.radians(angle))])
+        assert len(mesh.facing(1, 1)) == found
 
 
 def test_runs_without_a_loop_say_so(small_run, capsys):

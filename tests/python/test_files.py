@@ -79,6 +79,26 @@ def test_a_full_disk_is_an_error(exe, tmp_path, name):
         assert (tmp_path / "r3/contact.csv").read_bytes() == (tmp_path / "r/contact.csv").read_bytes()
 
 
+@pytest.mark.parametrize("size, name", [(0, "plan.nml"), (5000, "plan.csv")])
+def test_a_full_disk_is_an_error_of_a_plan(exe, tmp_path, size, name):
+    """A plan that finds no room for its table or for the scene that it chose ends with code 3 and the name, and is not complete."""
+    done = run_in(tmp_path, [exe, CD14, "run.tolerance=0.5", "load.torque_steps=1", "load.assembly_steps=1", "--out", "r"], **limited(size))
+    assert done.returncode == 3 and done.stderr.startswith(f"error: cannot write 'r/{name}': is the disk full") and done.stderr.count("error: ") == 1
+    assert not claims(tmp_path / "r")
+
+
+def test_a_full_disk_leaves_no_half_report(small_run, tmp_path):
+    """A report that finds no room for its last byte ends with code 3 and its name, and leaves no file; an earlier one stays as it was."""
+    words = [*FILL, "report", small_run, "--out", "r.html"]
+    assert run_in(tmp_path, words).returncode == 0
+    whole = (tmp_path / "r.html").read_bytes()
+    for out, left in (("s.html", None), ("r.html", whole)):
+        done = run_in(tmp_path, [*words[:-1], out], **limited(len(whole) - 1))
+        assert done.returncode == 3 and done.stderr.count("error: ") == 1 and out in done.stderr and "Traceback" not in done.stderr, done.stderr
+        assert ((tmp_path / out).read_bytes() if (tmp_path / out).exists() else None) == left
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.html"]
+
+
 def special(place, kind, outside):
     """Something else than a free place where an output is to go."""
     place.parent.mkdir(exist_ok=True)

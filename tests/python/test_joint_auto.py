@@ -52,6 +52,15 @@ def test_choice_flips_at_the_edge_of_the_rule(exe, tmp_path, table):
     assert seen == {"spectrum", "boundary_elements"}
 
 
+def test_a_trial_that_slips_ends_nothing(exe, tmp_path, table):
+    """Where the trial of the choice slips, as the scene will, the run goes on to its own steps and ends there, with its last state."""
+    _, done = run(exe, tmp_path / "o", "joint.model=auto", table, "load.support=bearing", "load.torque=60", scene=ROOT / "data/cd14.nml")
+    assert done.returncode == 4 and "gross slip at T = " in done.stderr
+    told = json.loads((tmp_path / "o/summary.json").read_text())
+    assert told["joint"]["model"] in ("spectrum", "boundary_elements")
+    assert told["results"]["gross_slip_torque_nm"] == pytest.approx(told["results"]["friction_capacity_nm"], rel=5e-3)
+
+
 def test_without_a_table_the_theory_warns(exe, tmp_path):
     """Where the rule fails and no table is given, the theory is taken, and the warning holds the size and a command that the parser takes."""
     from hdengine import cli

@@ -164,10 +164,10 @@ contains
     do k = 1, size(meridian%piece)
       associate (from => meridian%piece(k)%from, to => meridian%piece(k)%to, done => z(size(z)))
         part = [0._dp]
-        if (to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the straight bore: what the rim has left
+        if (to(2) > from(2) .and. to(2) <= straight_end(meridian, scene%bore_radius)) then  ! of the bore: what the rim has left
           if (to(2) <= done*(1 + hair)) cycle
           part = [max(0._dp, (done - from(2))/(to(2) - from(2)))]
-                  end if
+        end if
         call append_intervals(part, 1._dp, cells_of(scene, meridian, k, part(1)), merge(row_length(scene, done), 0._dp, &
           part(1) > 0)/meridian%length(k), 0._dp)
         do i = 2, size(part)

@@ -309,8 +309,8 @@ contains
       used = pack([(b, b=1, problem%n)], place > 0)
       place(used) = [(b, b=1, size(used))]
       fields(1) = vtu_field_t('displacement_m', u(:, used), .false.)
-      fields(2) = vtu_field_t('pressure_pa', facets%traction(1:1, :), .true.)
-      fields(3) = vtu_field_t('shear_pa', facets%traction(2:3, :), .true.)
+      fields(2) = vtu_field_t('pressure_pa', facets%traction([1], :), .true.)
+      fields(3) = vtu_field_t('shear_pa', facets%traction([2, 3], :), .true.)  ! a section would be read beyond its end: gfortran 12
       fields(4) = vtu_field_t('gap_m', reshape(facets%gap, [1, size(facets%gap)]), .true.)
       fields(5) = vtu_field_t('slip_m', facets%slip, .true.)
       fields(6) = vtu_field_t('state_0_open_1_stick_2_slip', reshape(real(facets%state, dp), [1, size(facets%gap)]), .true.)
@@ -331,7 +331,9 @@ contains
     character(len=40) :: files(size(output%grids))
     integer :: i, k
     do k = 1, size(names)
-      files = [(grid_name(trim(names(k)), output%grids(i)), i=1, size(files))]
+      do i = 1, size(files)  ! a constructor would ask for the length of a name of no grid: gfortran 12
+        files(i) = grid_name(trim(names(k)), output%grids(i))
+      end do
       if (size(files) > 0) then
         call write_pvd(output%folder//'/'//trim(names(k))//'.pvd', files, output%times, error)
       else

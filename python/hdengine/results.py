@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked, flag, input_file, integer, number, seen
+from ._check import checked, flag, input_file, integer, integers, number, seen
 from ._check import path as a_path
 from ._check import text as a_text
 from ._engine import FileError, InputError
@@ -375,10 +375,17 @@ class Result:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact_at(self._held[0])["area_m2"], self.shape, self.scene["geometry.band_length"])
 
+    @checked(steps=integers((None,), -2**31, optional=True))
     def rows(self, steps: Sequence[int] | None = None) -> list:
-        """One dict per load step, of all or those listed from 0, with the columns of a study's table."""
+        """One dict per load step, of all or those listed from 0, with the columns of a study's table.
+
+        Raises
+        ------
+        InputError
+            There is no such step.
+        """
         found = []
-        for i in range(len(self.steps)) if steps is None else steps:
+        for i in range(len(self.steps)) if steps is None else map(self._row, steps):
             row = {name: self.steps[name][i].item() for name in self.steps.dtype.names or ()}
             if i in self._held:
                 place = self.scene["output.positions"], self.scene["geometry.band_length"]

@@ -341,7 +341,7 @@ def test_usage(exe, args, expected):
     (["load.support=drive", "solver.kinematics=nonlinear", "solver.method=condensed"], "solver.kinematics = 'nonlinear'", "'linear'"),
     (["load.support=bearing", "contact.mode=frictionless"], "contact.mode = 'frictionless'", "'frictional'"),
     (["contact.law=joint", "contact.mode=bonded"], "contact.law = 'joint'", "'hard'"),
-    (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0055"),
+    (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0066"),
 ])
 def test_choices_that_do_not_fit_are_named(exe, tmp_path, keys, named, way_out):
     """The message names the key that does not fit, with its value, and what would fit."""

@@ -24,7 +24,7 @@ module hd_mesh_series
   real(dp), parameter :: fine = 0.03_dp         !< tolerance below which the error of two layers is corrected
   real(dp), parameter :: share_of_four = 0.35_dp  !< of the error that two layers leave, left by four
   real(dp), parameter :: share = 0.45_dp        !< of it, left by a correction from a coarse mesh (31 random scenes: 0.1 to 0.45)
-  real(dp), parameter :: least_tolerance = 6.5e-3_dp  !< what a correction leaves, rounded up
+  real(dp), parameter :: least_tolerance = 6.6e-3_dp  !< what a correction leaves, rounded up
   !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
   real(dp), parameter :: typical = 1.4_dp, typical_drive = 5
 

@@ -230,7 +230,8 @@ contains
     angle = sum(state%u(2, drive%hub))/size(drive%hub)/drive%hub_radius
   end function bottom_turn
 
-  !> What a catalogue reads: chords of a rise, the last one through no torque or the first one, width at no torque, lost motion.
+  !> What a catalogue reads: chords of a rise, the last one through no torque or the first one, width at no torque and lost motion,
+  !> both after the first rise where the loop closes.
   pure type(readings_t) function read_loop(loop, scene) result(r)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
@@ -254,8 +255,9 @@ contains
     r%has_hysteresis = passes(loop, top, 0._dp)
     if (r%has_hysteresis) r%hysteresis = abs(branch(loop, top, 0._dp, -1) - branch(loop, top, 0._dp, 1))
     associate (small => lost_at*scene%rated_torque)
-      r%has_lost_motion = passes(loop, 1, small) .and. passes(loop, 1, -small)
-      if (r%has_lost_motion) r%lost_motion = middle(loop, small) - middle(loop, -small)
+      if (.not. (passes(loop, top, small) .and. passes(loop, top, -small))) top = 1  ! the loop does not close
+      r%has_lost_motion = passes(loop, top, small) .and. passes(loop, top, -small)
+      if (r%has_lost_motion) r%lost_motion = middle(loop, top, small) - middle(loop, top, -small)
     end associate
   end function read_loop
 
@@ -324,7 +326,7 @@ contains
     v = y(i) + (y(i + 1) - y(i))*(at - x(i))/(x(i + 1) - x(i))
   end function between
 
-  !> Mean angle at which the torque passes a value in one sense, after the first rise [rad]; 0 if it never does.
+  !> Mean angle at which the torque passes a value in one sense, from a step on [rad]; 0 if it never does.
   pure real(dp) function branch(loop, from, torque, sense) result(v)
     type(loop_t), intent(in) :: loop       !< booked steps
     integer, intent(in) :: from            !< first step that counts
@@ -349,10 +351,11 @@ contains
   end function branch
 
   !> Middle of the branches at a torque [rad].
-  pure real(dp) function middle(loop, torque) result(v)
+  pure real(dp) function middle(loop, from, torque) result(v)
     type(loop_t), intent(in) :: loop    !< booked steps
+    integer, intent(in) :: from         !< first step that counts
     real(dp), intent(in) :: torque      !< [N m]
-    v = (branch(loop, 1, torque, 1) + branch(loop, 1, torque, -1))/2
+    v = (branch(loop, from, torque, 1) + branch(loop, from, torque, -1))/2
   end function middle
 
   !> Rows of a booked step in loop.csv, balls.csv and teeth.csv.

@@ -239,13 +239,13 @@ class Result:
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
         self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
-        last = self.contact_at(-1)
-        self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
         #: rows of steps.csv whose facets contact.csv holds
         self._held = range(len(self.steps))
         if self.scene.get("output.contact") == "last":
-            row = int(np.flatnonzero(self.steps["step"] == last["step"][-1])[0])
+            row = int(np.flatnonzero(self.steps["step"] == read_csv(self.folder / "contact.csv", "step")["step"][-1])[0])
             self._held = range(row, row + 1)
+        last = self.contact_at(self._held[-1])
+        self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
     @functools.cached_property
     def contact(self) -> dict:
@@ -375,7 +375,7 @@ class Result:
         """Ends of the facet rows, from the front edge of the band [m]."""
         return row_edges(self.contact_at(self._held[0])["area_m2"], self.shape, self.scene["geometry.band_length"])
 
-    @checked(steps=integers((None,), -2**31, optional=True))
+    @checked(steps=integers((None,), -2**31, optional=True, empty=True))
     def rows(self, steps: Sequence[int] | None = None) -> list:
         """One dict per load step, of all or those listed from 0, with the columns of a study's table.
 

@@ -19,7 +19,7 @@ from . import _engine, torsion
 from ._check import checked, flag, input_file, integer, integers, number, seen
 from ._check import path as a_path
 from ._check import text as a_text
-from ._engine import FileError, InputError
+from ._engine import FileError, InputError, NotConvergedError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
@@ -564,6 +564,8 @@ class Result:
         ------
         InputError
             Large displacements, the teeth alone, or `loop.history` 'turned'.
+        NotConvergedError
+            K1 to K3 would not be in proportion to all forces and stiffnesses together: a change of state has spoilt the derivatives.
         """
         if "gradient" not in self.summary:
             with tempfile.TemporaryDirectory() as folder:
@@ -573,7 +575,11 @@ class Result:
                         pass
                 finally:
                     _engine.call("run_close", handle, 0)
-                self.summary["gradient"] = read_summary(f"{folder}/r", "gradient")["gradient"]
+                found = read_summary(f"{folder}/r", "warnings")
+            lost = [w for w in found["warnings"] if w.startswith("no gradient: ")]
+            if lost:
+                raise NotConvergedError(lost[0])
+            self.summary["gradient"] = found["gradient"]
         return {result: {key: np.nan if value is None else value for key, value in by_key.items()}
                 for result, by_key in self.summary["gradient"].items()}
 

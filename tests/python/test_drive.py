@@ -363,7 +363,7 @@ def test_large_displacements_without_friction_are_told_what_is_missing(exe, tmp_
 
 def test_the_plan_measures_large_displacements_on_the_drive(exe):
     """They correct the limits where they change K1 to K3 by more than half the tolerance: 2.6 % at w = 0.2 mm."""
-    for tolerance, ends in ((0.2, "; half"), (0.04, ", a correction known to 0")):
+    for tolerance, ends in ((0.2, "; half"), (0.04, ", a correction known to 1")):
         done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, f"run.tolerance={tolerance}", "bearing.model=given")
         assert done.returncode == 0, done.stderr
         share = float(re.search(f"kinematics linear: large displacements change K[123] by ([0-9.]+) %{ends}", done.stdout)[1])

@@ -64,21 +64,12 @@ contains
     call new_bins(master, bins)
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
     allocate (row(0), col(0), val(0))
-    do f = 1, min(batch, size(slave%nodes, 2))
-      allocate (found(f)%points(0))
-    end do
     near_nodes = size(slave%nodes, 1)
     far_nodes = size(master%nodes, 1)
     nnz = 0
     do f = 1, size(slave%nodes, 2)
-      if (modulo(f - 1, batch) == 0) then
-        !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
-        do k = f, min(f + batch - 1, size(slave%nodes, 2))
-          call integrate_overlaps(moved, k, master, bins, present(shift), found(k - f + 1)%points, found(k - f + 1)%n)
-        end do
-        !$omp end parallel do
-      end if
       at = modulo(f - 1, batch) + 1
+      if (at == 1) call find_overlaps(moved, f, master, bins, present(shift), found)
       n = found(at)%n
       if (n == 0) cycle
       call move_alloc(found(at)%points, points)
@@ -127,6 +118,23 @@ contains
       nnz = nnz + n
     end subroutine append
   end subroutine new_mortar
+
+  !> Overlaps of a batch of facets.
+  subroutine find_overlaps(slave, first, master, bins, moved, found)
+    type(face_t), intent(in) :: slave              !< slave face
+    integer, intent(in) :: first                   !< facet
+    type(face_t), intent(in) :: master             !< master face
+    type(bins_t), intent(in) :: bins               !< of it
+    logical, intent(in) :: moved                   !< as integrate_overlaps takes it
+    type(overlaps_t), intent(inout) :: found(batch)  !< of the facets from the first one on
+    integer :: k
+    !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
+    do k = 1, min(batch, size(slave%nodes, 2) - first + 1)
+      if (.not. allocated(found(k)%points)) allocate (found(k)%points(0))
+      call integrate_overlaps(slave, first + k - 1, master, bins, moved, found(k)%points, found(k)%n)
+    end do
+    !$omp end parallel do
+  end subroutine find_overlaps
 
   !> Area of a quadrilateral.
   pure real(dp) function quad_area(c) result(a)

@@ -11,7 +11,7 @@ module hd_gradient
   use hd_contact_law, only: stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction, touch_teeth
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_linear_solver
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
   use hd_fatigue, only: fatigue_t
   use hd_joint, only: joint_t, at_friction
@@ -44,6 +44,10 @@ module hd_gradient
   !> In the place of a value that is 0.
   real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
 
+  !> Units that hold one of force: with all keys in these f times as large a drive turns as before under f times the torque.
+  character(len=7), parameter :: of_force(5) = ['N      ', 'N/m    ', 'N/m^1.5', 'N m    ', 'Pa     ']
+  real(dp), parameter :: largest_misfit = 0.02_dp  !< of K1 to K3 under such a scale, by their derivatives
+
   !> Results of a loop, and of other runs.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
     'ball_force_max_n,tooth_force_max_n,'
@@ -52,6 +56,7 @@ module hd_gradient
   type :: companion_t
     type(string_t) :: key                            !< group.key
     real(dp) :: change = 0                           !< of it
+    real(dp) :: force = 0                            !< its value, if its unit holds one of force
     logical :: idle = .false.                        !< the key has no part in the equilibrium
     logical :: late = .false.                        !< or may have one under the torque only
     type(scene_t) :: scene
@@ -145,8 +150,10 @@ contains
         other%key%s = p%group//'.'//p%key
         other%idle = any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .or. index(p%key, 'yield') > 0 .or. &
           (p%group == 'joint' .and. scene%hard())
-        other%late = p%stage(scene%formed(), .not. scene%hard()) >= stage_load
+        other%late = p%stage(scene%formed(), .not. scene%hard()) >= stage_load .or. &
+          any(p%group == [character(len=7) :: 'load', 'contact'])
         if (associated(p%real)) then
+          if (any(p%unit == of_force)) other%force = p%real
           other%change = side*change_of(p, abs(p%real))
           p%real = p%real + other%change
           fits = p%real > p%low .and. p%real < p%high
@@ -395,7 +402,25 @@ contains
         found%value(i, j) = (value(j, i + 1) - value(j, 1))/self%of(i + 1)%change
       end do
     end do
+    associate (scene => self%of(1)%scene)
+      if (scene%support%loop .and. .not. any(abs(scene%torques) > 0)) call check_scale(self, value(:3, 1), found, error)
+    end associate
   end subroutine differentiate
+
+  !> K1 to K3 of a drive are in proportion to all its forces and stiffnesses together (Euler): derivatives that do not say so were
+  !> lost where a change of state nearly turns a matrix singular.
+  subroutine check_scale(self, slope, found, error)
+    class(gradient_t), intent(in) :: self             !< companions
+    real(dp), intent(in) :: slope(3)                  !< K1 to K3 [N m/rad]
+    type(derivatives_t), intent(inout) :: found       !< derivatives, deallocated if they do not hold
+    type(error_t), allocatable, intent(out) :: error  !< they do not
+    real(dp) :: misfit(3)
+    misfit = abs(matmul(self%of(2:self%n)%force, found%value(:, :3))/max(slope, tiny(1._dp)) - 1)
+    if (.not. any(slope > 0 .and. .not. misfit < largest_misfit)) return
+    deallocate (found%value)
+    call raise(error, code_linear_solver, 'with all forces and stiffnesses 1 % larger K1 to K3 would not be so by their '// &
+      'derivatives, which were lost at a change of state. Take more load steps or another mesh, or')
+  end subroutine check_scale
 
   !> Results of a companion, in the order of their names.
   function results_of(c, drive, strained, place, tangent) result(value)

@@ -17,6 +17,7 @@ class RunKeys(TypedDict, total=False):
 
     title: str
     tolerance: float
+    wanted: str
     band: bool | str
     gradient: bool | str
 
@@ -270,6 +271,7 @@ class SceneKeys(TypedDict, total=False):
     hd_input__version: int
     run__title: str
     run__tolerance: float
+    run__wanted: str
     run__band: bool | str
     run__gradient: bool | str
     geometry__bore_radius: float

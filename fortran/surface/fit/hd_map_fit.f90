@@ -234,11 +234,11 @@ contains
         v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
       else if (size(b%ranges, 2) == 2) then
         v%name = 'crossover'
-        v%reason = 'D = '//to_text(b%ranges(1, 1))//' for wavelengths of '//to_text(b%ranges(2, 1))//' to '// &
-          to_text(b%ranges(3, 1))//' m and '//to_text(b%ranges(1, 2))//' for '//to_text(b%ranges(2, 2))//' to '// &
-          to_text(b%ranges(3, 2))//' m'
+        v%reason = 'D = '//hundredths(b%ranges(1, 1))//' for wavelengths of '//rounded(b%ranges(2, 1))//' to '// &
+          rounded(b%ranges(3, 1))//' m and '//hundredths(b%ranges(1, 2))//' for '//rounded(b%ranges(2, 2))//' to '// &
+          rounded(b%ranges(3, 2))//' m'
         if (f%crossed .and. f%one - f%two%deviance < quantile) v%reason = v%reason//'. One law with probe or noise, D = '// &
-          to_text(f%d)//', is as likely (deviance '//to_text(f%one)//', two laws '//to_text(f%two%deviance)// &
+          hundredths(f%d)//', is as likely (deviance '//to_text(f%one)//', two laws '//to_text(f%two%deviance)// &
           '): this map cannot tell them apart'
       else
         v%kind = fractal
@@ -248,6 +248,13 @@ contains
       end if
     end associate
   end subroutine judge_blind
+
+  !> A dimension of a map that is not fractal, to two decimals.
+  pure function hundredths(d) result(text)
+    real(dp), intent(in) :: d  !< D
+    character(len=:), allocatable :: text
+    text = to_text(nint(100 * d) / 100._dp)
+  end function hundredths
 
   !> Verdict of a lay.
   subroutine name_lay(b, v)

@@ -400,7 +400,7 @@ def maps():
 
 def random_runs():
     """Outcomes of random scenes and drives."""
-    return ("random", "runs", "converged", "ended otherwise", "iterations a step: median, 95 %"), [
+    return ("random", "runs", "converged", "ended otherwise", "iterations a step, 95 %"), [
         (name, r["count"], r["outcomes"].get("converged", 0), ", ".join(f"{what.removeprefix('stopped ')} {n}" for what, n in r["outcomes"].items() if what != "converged") or "-",
          f"{r['iterations_per_step_median']:.0f}, {r['iterations_per_step_95']:.0f}") for name, r in read_record("random_runs").items() if name != "commits"]
 

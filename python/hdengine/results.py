@@ -565,7 +565,7 @@ class Result:
         InputError
             Large displacements, the teeth alone, or `loop.history` 'turned'.
         NotConvergedError
-            K1 to K3 would not be in proportion to all forces and stiffnesses together: a change of state has spoilt the derivatives.
+            K1 to K3 would not be in proportion to all forces and stiffnesses: a change of state has spoilt the derivatives.
         """
         if "gradient" not in self.summary:
             with tempfile.TemporaryDirectory() as folder:

@@ -3,16 +3,11 @@
 """Where the time of a loop goes and what two threads gain, beside an earlier engine, and what a gradient costs beside the run that it is of.
 
 Usage: bench/gradient.py [EARLIER_HDENGINE_X]; writes bench/results/gradient.json. Runs take turns, one thread. A part is its share of the clock
-times the processor time; without an earlier engine the record keeps what it has of it. The gain of two threads is the processor time of one
-over that of the busier of two: what two free cores allow, also where the machine is not free.
+times the processor time; without an earlier engine the record keeps what it has of it. Needs two free cores.
 """
-import contextlib
 import json
-import os
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from common import DATA, ROOT, measured, program, read_record, write_record
@@ -47,22 +42,12 @@ def parts(engine):
     return {part: float(f"{cpu * seconds / times['total']:.3g}") for part, seconds in times.items() if seconds > 1e-3}
 
 
-def busiest(engine, words, threads):
-    """Processor time of the busiest thread of a run."""
-    env = os.environ | {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive"}
-    with tempfile.TemporaryDirectory() as folder:
-        process, used = subprocess.Popen([engine, *words, "--out", f"{folder}/r", "-q"], env=env), {}
-        while process.poll() is None:
-            with contextlib.suppress(OSError):  # a thread may end between list and look
-                for task in Path(f"/proc/{process.pid}/task").glob("*/schedstat"):
-                    used[task.parent.name] = int((task.read_text().split() or [0])[0]) / 1e9
-            time.sleep(0.02)
-        return max(used.values())
-
-
 def gain(engine, scene):
-    """Of two threads."""
-    return float(f"{busiest(engine, LARGE[scene], 1) / busiest(engine, LARGE[scene], 2):.3g}")
+    """Of two threads: wall clock of one over that of two, the faster of two runs each."""
+    def seconds(count):
+        with tempfile.TemporaryDirectory() as folder:
+            return min(measured([engine, *LARGE[scene], "--out", f"{folder}/r", "-q", "--force"], threads=count).wall_s for _ in range(2))
+    return float(f"{seconds(1) / seconds(2):.3g}")
 
 
 def threads(earlier):

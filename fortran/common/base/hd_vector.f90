@@ -4,7 +4,7 @@ module hd_vector
   use hd_kinds, only: dp
   implicit none
   private
-  public :: cross, dot, length, many, work
+  public :: cross, dot, length, many
 
   integer, parameter :: many = 100000    !< numbers from which two threads are worth waking
   integer, parameter :: block = 20000    !< summed one behind the other
@@ -33,22 +33,6 @@ contains
     !$omp end parallel do
     dot = sum(part)
   end function dot
-
-  !> The same of the amounts of the products.
-  real(dp) function work(n, a, b)
-    integer, intent(in) :: n            !< length
-    real(dp), intent(in) :: a(n), b(n)  !< factors
-    real(dp) :: part((n + block - 1)/block)
-    integer :: i
-    !$omp parallel do schedule(static) if(n > many)
-    do i = 1, size(part)
-      associate (low => block*(i - 1) + 1, high => min(n, block*i))
-        part(i) = sum(abs(a(low:high)*b(low:high)))
-      end associate
-    end do
-    !$omp end parallel do
-    work = sum(part)
-  end function work
 
   !> Euclidean norm of numbers whose squares are none too large or small.
   real(dp) function length(n, a)

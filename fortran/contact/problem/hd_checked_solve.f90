@@ -7,7 +7,7 @@ module hd_checked_solve
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
-  use hd_vector, only: dot, length, many, work
+  use hd_vector, only: dot, length, many
   implicit none
   private
   public :: solve_checked, solve_refined
@@ -75,8 +75,8 @@ contains
       !$omp end parallel workshare
       dtraction = dtraction + more_c
       call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
-      accurate = work(size(du), du, left_u) + sum(spread(problem%mortar%area, 1, 3)*abs(dtraction*left_c))/problem%law%scale <= &
-        accuracy*abs(dot(size(du), force, du))
+      accurate = dot(size(du), abs(du), abs(left_u)) + sum(spread(problem%mortar%area, 1, 3)*abs(dtraction*left_c))/ &
+        problem%law%scale <= accuracy*abs(dot(size(du), force, du))
       if (accurate) return
     end do
   end subroutine solve_refined

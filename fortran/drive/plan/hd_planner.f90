@@ -256,7 +256,10 @@ contains
     s%through_wall = 2*s%through_wall
     s%through_ring = s%through_wall
     if (.not. allocated(error)) call trials%try(s, four, error)
-    if (allocated(error)) return
+    if (allocated(error)) then  ! their error stays, and the tolerance is not met
+      if (error%code == code_not_converged) deallocate (error)
+      return
+    end if
     plan%layers = share*plan%layers
     call note(plan, 'layers 2: four change '//worst(plan, relative(s, four - two, four), 'by')//', which corrects the limits')
     call correct(plan, two, two + (four - two)/(1 - share_of_four))

@@ -418,8 +418,8 @@ contains
     misfit = abs(matmul(self%of(2:self%n)%force, found%value(:, :3))/max(slope, tiny(1._dp)) - 1)
     if (.not. any(slope > 0 .and. .not. misfit < largest_misfit)) return
     deallocate (found%value)
-    call raise(error, code_linear_solver, 'with all forces and stiffnesses 1 % larger K1 to K3 would not be so by their '// &
-      'derivatives, which were lost at a change of state. Take more load steps or another mesh, or')
+    call raise(error, code_linear_solver, 'K1 to K3 would not be in proportion to all forces and stiffnesses by their '// &
+      'derivatives, which were lost at a change of state; more load steps or another mesh may keep them')
   end subroutine check_scale
 
   !> Results of a companion, in the order of their names.

@@ -28,8 +28,7 @@ contains
   !> slip almost everywhere: there the coarser solution is no better a guess than rest (two to ten times the iterations).
   pure logical function has_coarser(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    has_coarser = scene%start /= 'rest' .and. .not. scene%bonded() .and. &
-      scene%element /= 'hex20r' .and. &
+    has_coarser = scene%start /= 'rest' .and. .not. scene%bonded() .and. .not. scene%quadratic() .and. &
       scene%divisions >= 48 .and. band_rows(scene) >= 8  ! 16 x 3 facets mislead
     if (scene%start == 'auto') has_coarser = has_coarser .and. .not. scene%formed() .and. &
       scene%divisions*band_rows(scene) >= worthwhile

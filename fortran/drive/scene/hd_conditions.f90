@@ -88,19 +88,18 @@ contains
       s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
     call ask(faults, .not. s%support%friction_alone .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
       "'frictional' with load.support = 'bearing', where all torque goes through friction")
-    call ask(faults, .not. s%ring_lifts() .or. (s%element /= 'hex20r' .and. .not. s%support%against_teeth), &
+    call ask(faults, .not. (s%ring_lifts() .and. (s%quadratic() .or. s%support%against_teeth)), &
       'wave_generator.ring_contact', s%ring_contact, "'tied' with mesh.element = 'hex20r' or load.support = 'teeth'")
-    call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. .not. s%ring_lifts()), &
+    call need(faults, .not. (s%ball_stiffness > 0 .and. (s%quadratic() .or. s%ring_lifts())), &
       'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i")
     call ask(faults, &
       .not. s%support%friction_alone .or. s%ring_tangent /= 'free' .or. s%formed() .or. .not. abs(s%torque) > 0, &
       'wave_generator.ring_tangent', s%ring_tangent, "'follow' or 'auto' with load.support = 'bearing': nothing takes the " // &
       'torque where the ring slides on the cam')
-    call ask(faults, &
-      .not. s%large() .or. ((s%method == 'auto' .or. s%method == 'newton') .and. .not. s%support%against_teeth), &
+    call ask(faults, .not. s%large() .or. (s%may_newton() .and. .not. s%support%against_teeth), &
       'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
-    call ask(faults, .not. s%support%against_teeth .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', &
-      s%factors, "'auto' or 'exact' with load.support = 'teeth'")
+    call ask(faults, .not. s%support%against_teeth .or. s%may_factorise(), 'solver.factors', s%factors, &
+      "'auto' or 'exact' with load.support = 'teeth'")
     call ask(faults, s%with_band == '.false.' .or. s%support%loop, 'run.band', s%with_band, &
       "'.false.', but with load.support = 'drive'")
     call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. (s%with_band == '.false.' .and. .not. &
@@ -124,8 +123,7 @@ contains
     call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
-    call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
-      "'auto' or 'exact' with load.support = 'drive'")
+    call ask(faults, s%may_factorise(), 'solver.factors', s%factors, "'auto' or 'exact' with load.support = 'drive'")
     call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
     call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &
       s%ball_diameter, 'so small that all balls have room on their circle: below', &

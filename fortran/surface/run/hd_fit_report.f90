@@ -26,6 +26,7 @@ module hd_fit_report
   !> A height map with its spacing.
   type :: specimen_t
     character(len=10) :: name = ''              !< generated, first or second
+    character(len=:), allocatable :: file       !< that it comes from; none: generated
     real(dp), allocatable :: z(:, :)            !< heights (nx, ny) [m]
     real(dp) :: dx = 0, dy = 0                  !< spacing [m]
   end type specimen_t
@@ -92,6 +93,7 @@ contains
     type(error_t), allocatable, intent(out) :: error            !< file, spacing missing
     character(len=:), allocatable :: ending
     real(dp) :: widest
+    s%file = path
     ending = path(index(path, '.', back=.true.) + 1:)
     select case (ending)
     case ('sdf')
@@ -134,7 +136,7 @@ contains
     type(found_t), allocatable, intent(out) :: found(:)         !< results, none if no fit is wanted or the map is too small
     type(error_t), allocatable, intent(out) :: error            !< bad map, bad model
     integer :: i
-    if (fit%model == 'none' .or. (s(1)%name == 'generated' .and. fit%last_lag == 0 &
+    if (fit%model == 'none' .or. (.not. allocated(s(1)%file) .and. fit%last_lag == 0 &
       .and. (size(s(1)%z, 1) - 1) / 2 < fit%first_lag + 3)) then
       allocate (found(0))
       return
@@ -150,8 +152,7 @@ contains
         call fit_one(map, fit, n_max, s(1), s(2)%z, found(i), error)
       else
         found(i)%name = s(i)%name
-        if (s(i)%name == 'first') found(i)%file = trim(fit%first_file)
-        if (s(i)%name == 'second') found(i)%file = trim(fit%second_file)
+        if (allocated(s(i)%file)) found(i)%file = s(i)%file
         call fit_one(map, fit, n_max, s(i), reshape([0._dp], [1, 1]), found(i), error)
         if (.not. allocated(error)) call new_roughness(s(i)%z, s(i)%dx, s(i)%dy, found(i)%rough, error)
       end if
@@ -177,7 +178,7 @@ contains
     r%model = f%model(:9)
     if (f%model == 'auto') then
       r%model = 'spectrum'
-      if (s%name == 'generated' .and. small) r%model = 'ridges'
+      if (small .and. .not. allocated(s%file)) r%model = 'ridges'
     end if
     if (r%model == 'ridges' .and. .not. small) then
       call raise(error, code_input, "fit.model = 'ridges' takes up to "//to_text(most_waves)//' waves, &surface makes '// &
@@ -194,7 +195,7 @@ contains
     if (f%last_lag == 0) r%lags(2) = min(20, (size(s%z, 1) - 1) / 2)
     r%band = [s%dx, max((size(s%z, 1) - 1) * s%dx, (size(s%z, 2) - 1) * s%dy)]
     if (size(s%z, 2) > 1) r%band(1) = min(s%dx, s%dy)
-    if (s%name == 'generated' .or. r%weighted) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
+    if (r%weighted .or. .not. allocated(s%file)) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
     if (f%shortest_wavelength > 0) r%band(1) = f%shortest_wavelength
     if (f%longest_wavelength > 0) r%band(2) = f%longest_wavelength
     told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0

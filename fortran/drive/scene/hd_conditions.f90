@@ -10,6 +10,9 @@ module hd_conditions
   private
   public :: check_scene
 
+  real(dp), parameter :: stretch = 0.02_dp  !< of the length of the circle on the cam: more is a wrong unit
+  real(dp), parameter :: small = 0.1_dp     !< of the radius, that small displacements and fits stay below
+  integer, parameter :: fewest_balls = 4    !< that hold the ring
   character(len=1), parameter :: nl = new_line('a')
 
 contains
@@ -51,11 +54,11 @@ contains
     call need(faults, (s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', &
       s%perimeter_length, "a length together with perimeter = 'given', else", 0._dp)
     associate (circle => 2*pi*(s%bore_radius - merge(s%ring_thickness, 0._dp, .not. s%formed())))
-      call need(faults, s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < 0.02_dp, &
+      call need(faults, s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < stretch, &
         'wave_generator.perimeter_length', s%perimeter_length, 'within 2 % of the length of the circle', circle)
     end associate
-    call need(faults, s%eccentricity < 0.1_dp*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
-      'below a tenth of bore_radius (small displacements)', 0.1_dp*s%bore_radius)
+    call need(faults, s%eccentricity < small*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
+      'below a tenth of bore_radius (small displacements)', small*s%bore_radius)
     call need(faults, abs(tan(s%cone_angle_deg*pi/180))*s%band_length < s%bore_radius - s%ring_thickness, &
       'wave_generator.cone_angle_deg', s%cone_angle_deg, 'so small that the ring stays open', 10._dp)
   end subroutine check_shape
@@ -74,10 +77,10 @@ contains
       'number of load.tooth_gaps_back', real(s%gap_back_count, dp), 'none, or as many values as load.tooth_gaps', &
       real(s%gap_count, dp))
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
-    call need(faults, s%clearance < 0.1_dp*s%bore_radius, 'wave_generator.clearance', s%clearance, &
-      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
-    call need(faults, abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
-      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
+    call need(faults, s%clearance < small*s%bore_radius, 'wave_generator.clearance', s%clearance, &
+      'smaller than a tenth of bore_radius', small*s%bore_radius)
+    call need(faults, abs(s%interference) < small*s%bore_radius, 'wave_generator.interference', s%interference, &
+      'smaller than a tenth of bore_radius', small*s%bore_radius)
     call need(faults, s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
       'below sample_length', s%sample_length)
     call ask(faults, s%support%contact .or. s%bonded(), 'contact.mode', s%contact_mode, &
@@ -124,7 +127,8 @@ contains
     call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
     call ask(faults, s%may_factorise(), 'solver.factors', s%factors, "'auto' or 'exact' with load.support = 'drive'")
-    call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
+    call need(faults, s%balls == 0 .or. s%balls >= fewest_balls, 'bearing.balls', real(s%balls, dp), &
+      'none, or enough to hold the ring', real(fewest_balls, dp))
     call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &
       s%ball_diameter, 'so small that all balls have room on their circle: below', &
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))

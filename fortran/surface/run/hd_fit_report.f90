@@ -10,6 +10,7 @@ module hd_fit_report
   use hd_memory, only: need_memory
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
+  use hd_observation, only: fewest_lags
   use hd_roughness, only: roughness_t, new_roughness
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
@@ -48,6 +49,7 @@ module hd_fit_report
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
   real(dp), parameter :: least_mb = 16          !< of a fit
   real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
+  integer, parameter :: most_lags = 20          !< of the window, where the key does not say
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -137,7 +139,7 @@ contains
     type(error_t), allocatable, intent(out) :: error            !< bad map, bad model
     integer :: i
     if (fit%model == 'none' .or. (.not. allocated(s(1)%file) .and. fit%last_lag == 0 &
-      .and. (size(s(1)%z, 1) - 1) / 2 < fit%first_lag + 3)) then
+      .and. (size(s(1)%z, 1) - 1) / 2 < fit%first_lag + fewest_lags - 1)) then
       allocate (found(0))
       return
     end if
@@ -192,7 +194,7 @@ contains
     end select
     r%weighted = r%model == 'ridges'
     r%lags = [f%first_lag, f%last_lag]
-    if (f%last_lag == 0) r%lags(2) = min(20, (size(s%z, 1) - 1) / 2)
+    if (f%last_lag == 0) r%lags(2) = min(most_lags, (size(s%z, 1) - 1) / 2)
     r%band = [s%dx, max((size(s%z, 1) - 1) * s%dx, (size(s%z, 2) - 1) * s%dy)]
     if (size(s%z, 2) > 1) r%band(1) = min(s%dx, s%dy)
     if (r%weighted .or. .not. allocated(s%file)) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]

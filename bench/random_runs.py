@@ -3,13 +3,14 @@
 """Random scenes and whole drives on small meshes: how many converge, in how many iterations, and what the engine says of the rest. From the
 tables alone, at every step, forces of contact, balls, teeth and hub must balance, their moments about the axis too; no ball, flank or point of
 contact may pull, none rub with more than mu times its force, a point that presses has no gap, friction may give nothing back, and a loop's work
-must be what is stored and what friction took.
+must be what is stored and what friction took. Of pairs two solvers must agree, and two threads with one, to the bit.
 
 Usage: bench/random_runs.py [KIND ...] [--count N] [--only N] [--jobs N] [--minutes N, of each kind]; large: drives with large displacements, rub: with friction of the
 flanks, loose: as built, with the bearing free in the cup, presses and built: scenes and drives as built, all keys. Writes
 bench/results/random_runs.json; --count writes nothing, --only prints the keys and the result of one.
 """
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -189,18 +190,26 @@ def varied(base, spans):
     return keys
 
 
-def solve(data, keys, limit):
-    """Outcome of a run: exit code, message, iterations of each step, and the faults that its tables show."""
+def solve(data, keys, limit, threads="1"):
+    """Outcome of a run: exit code, message, iterations of each step, seconds, memory, and the faults that its tables show."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.out"
-        done = subprocess.run([program("hdengine.x"), DATA / data, *(f"{k}={v}" for k, v in keys.items()), "output.vtu=none",
-                               f"solver.time_limit_s={limit}", "--out", out, "-q"], capture_output=True, text=True, env=os.environ | ONE_THREAD)
-        message = done.stderr.strip()
-        row = {"code": done.returncode, "message": message, "iterations": [], "faults": []}
+        start = time.monotonic()
+        done = subprocess.Popen([program("hdengine.x"), DATA / data, *(f"{k}={v}" for k, v in keys.items()), "output.vtu=none",
+                                 f"solver.time_limit_s={limit}", "--out", out, "-q"], stderr=subprocess.PIPE, text=True,
+                                env=os.environ | ONE_THREAD | {"OMP_NUM_THREADS": threads})
+        with done.stderr:
+            message = done.stderr.read().strip()
+        used = os.wait4(done.pid, 0)
+        done.returncode = os.waitstatus_to_exitcode(used[1])
+        row = {"code": done.returncode, "message": message, "iterations": [], "cut_backs": 0, "faults": [],
+               "seconds": used[2].ru_utime + used[2].ru_stime, "wall": time.monotonic() - start, "mb": used[2].ru_maxrss / 1024}
         if row["code"] not in (0, 2, 3, 4, 5, 6, 7) or row["code"] and not message:
             row["faults"] = ["an end of no kind"]
         if (out / "summary.json").exists():
+            row["results"] = json.loads((out / "summary.json").read_text())["results"]
             row["iterations"] = [int(n) for n in read_csv(out / "steps.csv")["iterations"]] if (out / "steps.csv").exists() else []
+            row["cut_backs"] = row["results"].get("cut_backs", 0)
             row["faults"] += faults(*tables(out)) if row["code"] == 0 else []
     return row
 
@@ -220,13 +229,34 @@ def rub(i):
     return drive(i) | {"load.tooth_friction": float(f"{np.random.default_rng([DRIVES, i, 1]).uniform(0.02, 0.3):.3g}")}
 
 
+def pair(i):
+    """Faults of press fit i where a second solver, no symmetry or two threads change a result."""
+    keys, limit = KINDS["presses"][0](i) | {"solver.tolerance": 1e-10}, 600
+    others = {"condensed": {"solver.method": "condensed"}, "exact": {"solver.method": "newton", "solver.factors": "exact"},
+              "harmonic": {"solver.method": "newton", "solver.factors": "harmonic"}, "no symmetry": {"solver.symmetry": "full"}, "threads": {}}
+    name = list(others)[i % len(others)]
+    if name == "condensed":  # which is linear
+        keys["solver.kinematics"] = "linear"
+    first = solve("cd14.nml", keys, limit)
+    second = solve("cd14.nml", keys | others[name], limit, threads="4" if name == "threads" else "1")
+    if first["code"] != second["code"]:
+        first["faults"] += [f"{name}: code {second['code']} beside {first['code']}: {second['message'][:80]}"]
+    elif first["code"] == 0:
+        close = 0 if name == "threads" else 1e-5 if first["cut_backs"] == second["cut_backs"] else 1e-3  # other steps are another path
+        names = ("rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa", "friction_torque_nm")
+        a, b = ([row["results"][k] for k in names] for row in (first, second))
+        scale = [abs(x) for x in a[:4]] + [abs(keys["load.torque"])]
+        first["faults"] += [f"{name}: {x:.8g} beside {y:.8g}" for x, y, s in zip(b, a, scale) if abs(x - y) > close * s]
+    return first
+
+
 KINDS = {"scenes": (scene, 500, 400), "drives": (lambda i: drive(i) | {"solver.kinematics": "linear"}, 300, 600),
          "large": (lambda i: drive(i) | {"solver.kinematics": "nonlinear"}, 30, 120),
          "loose": (loose, 200, 120),
          "rub": (lambda i: rub(i) | {"solver.kinematics": "linear"}, 30, 600),
-         "presses": (varied(scene, PRESS), 3600, 120), "built": (varied(loose, BUILT), 400, 120)}
+         "presses": (varied(scene, PRESS), 3600, 120), "built": (varied(loose, BUILT), 400, 120), "pairs": (varied(scene, PRESS), 300, 120)}
 NAMES = {"large": "drives, large displacements", "rub": "drives, friction of the flanks", "loose": "drives, bearing free in the cup",
-         "presses": "press fits, all keys", "built": "drives as built, all keys"}
+         "presses": "press fits, all keys", "built": "drives as built, all keys", "pairs": "press fits by two solvers"}
 
 
 def one(kind, i):
@@ -234,7 +264,7 @@ def one(kind, i):
     keys_of, _, limit = KINDS[kind]
     keys = keys_of(i)
     data = "cd14.nml" if kind in ("scenes", "presses") else "drive14_hat.nml" if "cup.sections_r" in keys else "drive14.nml"
-    row = solve(data, keys, limit)
+    row = pair(i) if kind == "pairs" else solve(data, keys, limit)
     if outcome(row) != "converged":
         print(kind, i, outcome(row), row["message"][:160].replace("\n", " "), row["faults"], flush=True)
     return row
@@ -247,7 +277,9 @@ def run(kind, numbers, jobs, minutes):
         rows = [row for row in pool.map(lambda i: one(kind, i) if time.monotonic() < end else None, numbers) if row]
     steps = [n for row in rows for n in row["iterations"]] or [0]
     return {"count": len(rows), "outcomes": dict(Counter(map(outcome, rows)).most_common()), "iterations_per_step_median": median(steps),
-            "iterations_per_step_95": float(np.quantile(steps, 0.95))}
+            "iterations_per_step_95": float(np.quantile(steps, 0.95)), "iterations_per_step_max": max(steps),
+            "cut_backs": sum(row["cut_backs"] for row in rows if row["code"] == 0), "cpu_seconds_max": round(max(row["seconds"] for row in rows), 1),
+            "memory_mb_max": round(max(row["mb"] for row in rows))}
 
 
 def main():

@@ -4,7 +4,8 @@
 
 The measurements are constants C and m of the joint deflection C p^m, read in Y. Ito, Modular Design for Machine Tools (McGraw-Hill, 2008):
 table 6-5 (steel S45C, Ito and Tsutsumi), tables 6-2 and 6-10 (cast iron, Back et al.). A roughness is all that is known of the surfaces, so
-the law takes D 2.3, waves up to 0.8 mm, and R_max over Rq of 6.
+the law takes D 2.3, waves up to 0.8 mm, and R_max over Rq of 6. Of the Brake-Reuss beam the asperities are published that were found in scans
+of its faces (`BEAM`); their stiffness is Greenwood and Williamson's, under shear times Mindlin's (2 - 2 nu)/(2 - nu), as the law's.
 Writes bench/results/joint_measured.json. Usage: bench/joint_measured.py
 """
 import itertools
@@ -28,6 +29,9 @@ CASES = [
     {"name": "cast iron, ground, R_CLA 1.0 um", "source": "table 6-2", "kind": "iron", "roughness_um": 1.0, "of": "R_CLA", "unit_pa": KGF,
      "to_pa": 25 * KGF, "joints": list(itertools.product((0.4, 0.5), (0.6, 0.7)))},
 ]
+BEAM = {"joint": "steel 304, Brake-Reuß beam, asperities of scans", "source": "tmd-lab/tmdsimpy, brb_surface_data.mat", "radius_m": 1.365e-3,
+        "per_m2": 1.371e6, "deviation_m": 3.17e-6, "modulus_pa": 192.31e9, "ratio": 0.3, "bolts_pa": 3 * 12249 / 2.921e-3}   # of both faces
+SUMMITS = np.linspace(-6, 6, 2001)   # their heights over the standard deviation
 
 
 def measured(case):
@@ -47,6 +51,22 @@ def law(case, p):
     return _engine.call("fractal_joint", [d, g, longest, 2.5e-6], e_star, HARDNESS[case["kind"]], p)[0]
 
 
+def beam():
+    """Pressures [Pa], k_N of the beam's asperities with Gaussian heights (Greenwood and Williamson 1966) and of the law [Pa/m]."""
+    radius, deviation, e_star = BEAM["radius_m"], BEAM["deviation_m"], BEAM["modulus_pa"] / (2 * (1 - BEAM["ratio"]**2))
+    weight = BEAM["per_m2"] * e_star * math.sqrt(radius / (2 * math.pi)) * np.exp(-SUMMITS**2 / 2)
+    closure = np.linspace(-3, 3, 601)[:, None]
+    depth = deviation * np.maximum(closure - SUMMITS, 0)
+    pressure, stiffness = (np.trapezoid(c * weight * depth**e, SUMMITS, axis=1) for c, e in ((4 / 3, 1.5), (2.0, 0.5)))
+    p = BEAM["bolts_pa"] * np.array([0.1, 1.0])
+    return p, np.exp(np.interp(np.log(p), np.log(pressure), np.log(stiffness))), law({"roughness_um": 6e6 * deviation, "of": "R_max", "kind": "steel"}, p)
+
+
+def short(values):
+    """Three digits."""
+    return [float(f"{x:.3g}") for x in values]
+
+
 def main():
     """Every set of joints, at the ends of its pressures."""
     rows = []
@@ -54,8 +74,11 @@ def main():
         p, joints = measured(case)
         mean, spread = np.exp(np.log(joints).mean(0)) / law(case, p), np.max(joints, axis=0) / np.min(joints, axis=0)
         ends = {"pressure_pa": p[[0, -1]], "mean_over_law": mean[[0, -1]], "spread": [spread.min(), spread.max()]}
-        rows.append({"joint": case["name"], "source": case["source"], "joints": len(joints)} | {k: [float(f"{x:.3g}") for x in v] for k, v in ends.items()})
-        print(rows[-1])
+        rows.append({"joint": case["name"], "source": case["source"], "joints": len(joints)} | {k: short(v) for k, v in ends.items()})
+    p, asperities, theory = beam()
+    rows.append({"joint": BEAM["joint"], "source": BEAM["source"], "joints": 1, "pressure_pa": short(p), "mean_over_law": short(asperities / theory),
+                 "spread": [1.0, 1.0], "shear_stiffness_pa_per_m": short(asperities * (2 - 2 * BEAM["ratio"]) / (2 - BEAM["ratio"]))})
+    print(*rows, sep="\n")
     write_record("joint_measured", {"book": "Y. Ito, Modular Design for Machine Tools, McGraw-Hill 2008", "rows": rows})
 
 

@@ -371,7 +371,8 @@ def joint_measured():
     """Measured joints over the law at the ends of their pressures."""
     return ("joint", "joints", "pressure / MPa", "mean over law", "largest over smallest"), [
         (r["joint"].replace("um", "µm"), r["joints"], " to ".join(f"{p / 1e6:.2g}" for p in r["pressure_pa"]),
-         " to ".join(f"{x:.2f}" for x in r["mean_over_law"]), " to ".join(f"{x:.1f}" for x in r["spread"])) for r in read_record("joint_measured")["rows"]]
+         " to ".join(f"{x:.2f}" for x in r["mean_over_law"]), " to ".join(f"{x:.1f}" for x in r["spread"]) if r["joints"] > 1 else "-")
+        for r in read_record("joint_measured")["rows"]]
 
 
 # --- stability and planner

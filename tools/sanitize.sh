@@ -24,7 +24,7 @@ for kind in sanitize trap; do
   # shellcheck disable=SC2086
   [ -f build-$kind/build.ninja ] || meson setup build-$kind -Dpython=false $options >build-$kind.log
   ninja -C build-$kind --quiet
-  [ $kind = trap ] || { ninja -C build-$kind --quiet tests/fortran/hd_tester && build-$kind/tests/fortran/hd_tester; }
+  [ $kind = trap ] || { ninja -C build-$kind --quiet tests/fortran/hd_tester tests/fortran/hd_fuzz && build-$kind/tests/fortran/hd_tester; }
   exe=$PWD/build-$kind/fortran/app/hdengine.x folder=$(mktemp -d)
   run data/cd14.nml $small output.vtu=all
   run data/cd14.nml $small output.vtu=all mesh.element=hex20r contact.law=joint mesh.edge_length=1e-4
@@ -36,6 +36,6 @@ for kind in sanitize trap; do
   run data/drive14_hat.nml $small cup.sections_fillet=0 loop.torques=5
   run data/drive14.nml $small run.gradient=.true. loop.torques=5
   run data/surface.nml surface.nx=40 surface.ny=30
-  [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}"
+  [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}" --many "${1:-200}00" --build build-sanitize
   rm -r "$folder"
 done

@@ -53,6 +53,20 @@ def test_mujoco_twists_as_the_drive(drive):
         assert abs(data.qvel[0]) < 1e-9 and data.qpos[0] == pytest.approx(np.interp(torque, law.torque_nm, law.angle_rad), rel=0.01)
 
 
+def test_fmu_gives_the_torque_of_the_law(drive):
+    """FMPy finds nothing wrong with the unit, and in it the torque of the law, between its rows and beyond them, at every twist of a rising input."""
+    fmpy, validation = pytest.importorskip("fmpy"), pytest.importorskip("fmpy.validation")
+    assert main(["export", str(drive.folder), "--to", "fmu"]) == 0
+    law, path = joint_law(drive), str(drive.folder / "joint.fmu")
+    assert not validation.validate_fmu(path)
+    twist = np.linspace(1.2 * law.angle_rad[0], 1.2 * law.angle_rad[-1], 101)
+    given = np.array(list(zip(np.arange(101.0), twist)), dtype=[("time", float), ("phi_rel", float)])
+    found = fmpy.simulate_fmu(path, stop_time=100, step_size=1, output_interval=1, input=given, output=["phi_rel", "tau", "c"])
+    inside = abs(found["phi_rel"]) <= law.angle_rad[-1]
+    assert found["tau"][inside] == pytest.approx(np.interp(found["phi_rel"][inside], law.angle_rad, law.torque_nm))
+    assert found["tau"][-1] == pytest.approx(law.torque_nm[-1] + found["c"][-1] * (found["phi_rel"][-1] - law.angle_rad[-1])) and inside.sum() > 80
+
+
 def test_texts_hold_the_law(drive):
     """Modelica and the comment for URDF hold every angle of the law; a comment ends once."""
     for kind, suffix in (("modelica", ".mo"), ("urdf-comment", ".urdf.xml")):

@@ -5,6 +5,9 @@ import json
 import random
 import re
 import shutil
+import signal
+import subprocess
+import time
 
 import pytest
 
@@ -114,6 +117,24 @@ def test_a_resumed_run_with_every_group_away_from_its_default_has_the_same_summa
     assert whole[".results.friction"] == 0.3
     capacity = 0.3 * whole[".results.normal_force_n"] * whole[".scene.geometry.bore_radius"]
     assert whole[".results.friction_capacity_nm"] == pytest.approx(capacity, rel=1e-12)
+
+
+def test_a_signal_while_the_tangent_of_a_step_is_found(exe, tmp_path):
+    """A step that is solved is booked with its tangent, or not at all: stopped near the top of a loop, where that takes longest, a run goes on equal to the bit."""
+    words = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=2", "load.torque_steps=12", "load.tooth_friction=0.1"]
+    scene, top = ROOT / "tests/cases/pressed_drive.nml", 14
+    assert call(exe, scene, *words, "--out", tmp_path / "whole").returncode == 0
+    for k in range(4):
+        cut = tmp_path / f"cut{k}"
+        process = subprocess.Popen([exe, scene, *words, "--out", cut, "-q"], stderr=subprocess.DEVNULL)
+        while process.poll() is None and (not (cut / "steps.csv").exists() or (cut / "steps.csv").read_bytes().count(b"\n") < top):
+            time.sleep(0.001)
+        time.sleep(0.005 * k)
+        process.send_signal(signal.SIGINT)
+        assert process.wait() == 7
+        assert call(exe, scene, *words, "--out", cut, "--resume").returncode == 0
+        for table in ("loop", "history"):
+            assert rows(cut / f"{table}.csv") == rows(tmp_path / f"whole/{table}.csv"), k
 
 
 def test_only_the_same_scene_goes_on(exe, tmp_path):

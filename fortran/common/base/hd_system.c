@@ -81,7 +81,11 @@ int hd_unwatch_signals(void)
   return number;
 }
 
-int hd_stop_requested(void) { return stop_requested; }
+/* Between two calls a stop waits: what it would tear apart is finished first. */
+static int waits = 0;
+void hd_hold_stop(int on) { waits = on; }
+
+int hd_stop_requested(void) { return waits ? 0 : stop_requested; }
 
 /* The process may not take all addresses (ulimit -v). */
 int hd_addresses_limited(void)

@@ -8,7 +8,7 @@ module hd_system
   implicit none
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
-    stop_requested, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
+    stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
     remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
@@ -33,6 +33,10 @@ module hd_system
     end subroutine set_libraries
     subroutine keep_memory() bind(c, name='hd_keep_memory')
     end subroutine keep_memory
+    subroutine c_hold(on) bind(c, name='hd_hold_stop')
+      import :: c_int
+      integer(c_int), value, intent(in) :: on
+    end subroutine c_hold
     integer(c_int) function c_stop() bind(c, name='hd_stop_requested')
       import :: c_int
     end function c_stop
@@ -93,6 +97,12 @@ contains
   logical function stop_requested()
     stop_requested = c_stop() /= 0
   end function stop_requested
+
+  !> From here on a stop waits, or no longer.
+  subroutine hold_stop(on)
+    logical, intent(in) :: on  !< it waits
+    call c_hold(merge(1_c_int, 0_c_int, on))
+  end subroutine hold_stop
 
   !> The process may not take all addresses (ulimit -v): libraries that find none wait for ever.
   logical function addresses_limited()

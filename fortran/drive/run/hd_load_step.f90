@@ -20,7 +20,7 @@ module hd_load_step
   use hd_scene, only: scene_t
   use hd_strut_step, only: remember
   use hd_balance, only: contact_torque
-  use hd_system, only: stop_requested
+  use hd_system, only: hold_stop, stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
   use hd_timers, only: in_gradient, in_newton, in_output, in_setup, in_turn
@@ -103,7 +103,10 @@ contains
       end if
       if (allocated(error)) exit
     end do
-    if (.not. allocated(error)) call accept(run, error)
+    if (allocated(error)) return
+    call hold_stop(.true.)  ! a solved step is booked whole, with its tangent
+    call accept(run, error)
+    call hold_stop(.false.)
     if (.not. allocated(error)) call check_slip(run, error)
   end subroutine solve_step
 

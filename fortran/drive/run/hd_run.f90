@@ -293,7 +293,7 @@ contains
     type(run_t), intent(inout) :: run                 !< in the state of that step
     type(error_t), allocatable, intent(out) :: error  !< disk full
     real(dp) :: begun
-    if (.not. run%owes) return
+    if (.not. run%owes .or. run%owed%place < run%place) return  ! a step that could not be booked is no place to go on from
     begun = wall_seconds()
     call save_checkpoint(run%output, run%scene, run%owed, run%before, run%state, run%top, run%loop, error)
     run%owes = .false.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 from .._check import RUN, checked, optional, word
@@ -10,10 +11,12 @@ from .._check import path as a_path
 from .._types import PathLike, RunLike
 from ..files import write_files
 from .deck import to_deck
+from .fmu import to_fmu
 from .formats import FORMATS
-from .law import joint_law
+from .law import JointLaw, joint_law
 
-KINDS = (*FORMATS, "inp")
+LAWS: dict[str, tuple[Callable[[JointLaw], str | bytes], str]] = {**FORMATS, "fmu": (to_fmu, ".fmu")}
+KINDS = (*LAWS, "inp")
 
 
 @checked(run=RUN, kind=word(*KINDS), path=optional(a_path))
@@ -24,7 +27,7 @@ def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
     ----------
     run : Result
     kind : str
-        csv, mujoco, modelica, urdf-comment: torque over angle of a whole drive; inp: CalculiX deck of any run.
+        csv, mujoco, modelica, urdf-comment, fmu: torque over angle of a whole drive; inp: CalculiX deck of any run.
     path : str or Path, optional
         Default: joint with the format's suffix, or deck.inp, in the folder of the run.
 
@@ -35,12 +38,13 @@ def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
     Raises
     ------
     InputError, FileError
-        No such kind; the run has no loop, or no grid; the file cannot be written.
+        No such kind; the run has no loop, or no grid; no C compiler for an FMU; the file cannot be written.
     """
+    text: str | bytes
     if kind == "inp":
         text, name = to_deck(run), "deck.inp"
     else:
-        write, suffix = FORMATS[kind]
+        write, suffix = LAWS[kind]
         text, name = write(joint_law(run)), f"joint{suffix}"
     path = Path(path) if path else run.folder / name
     write_files({path: text})
@@ -51,6 +55,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("folder", help="folder of a run")
     parser.add_argument("--to", required=True, choices=KINDS,
-                        help="torque over angle of a drive as a table, a MuJoCo or Modelica model, a comment for URDF; "
+                        help="torque over angle of a drive as a table, a MuJoCo or Modelica model, a comment for URDF, an FMU; "
                              "inp: CalculiX deck of any run")
     parser.add_argument("--out", help="file (default: in the folder of the run)")

@@ -11,7 +11,7 @@ from .law import JointLaw
 FAR = 10.0  # rad: no joint of a drive twists so far
 
 
-def _head(law):
+def head_of(law: JointLaw) -> list[str]:
     """What every format says before its numbers: title, readings, what the law is."""
     readings = ", ".join(f"{name} = {value:.6g}" for name, value in law.readings.items())
     return [f"{law.title}: torque over the twist of the output, middle of the loop, by hdengine",
@@ -22,7 +22,7 @@ def to_csv(law: JointLaw) -> str:
     """A table: torque, angle of the middle, both branches, slope; lines of the head begin with #."""
     rows = np.column_stack([law.torque_nm, law.angle_rad, law.falling_rad, law.rising_rad, law.stiffness_nm_per_rad])
     names = "torque_nm,angle_rad,angle_falling_rad,angle_rising_rad,stiffness_nm_per_rad"
-    return "\n".join([*(f"# {line}" for line in _head(law)), names, *(",".join(f"{v:.9g}" for v in row) for row in rows)]) + "\n"
+    return "\n".join([*(f"# {line}" for line in head_of(law)), names, *(",".join(f"{v:.9g}" for v in row) for row in rows)]) + "\n"
 
 
 def to_mujoco(law: JointLaw) -> str:
@@ -36,7 +36,7 @@ def to_mujoco(law: JointLaw) -> str:
         change = slope[i] - slope[i - 1] if i > middle else slope[i - 1] - slope[i]
         ends = f"{-FAR:g} {law.angle_rad[i]:.9g}" if i > middle else f"{law.angle_rad[i]:.9g} {FAR:g}"
         tendons.append(f'    <fixed stiffness="{change:.9g}" springlength="{ends}"><joint joint="drive" coef="1"/></fixed>')
-    comment = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in _head(law))
+    comment = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in head_of(law))
     return f"""<mujoco model="harmonic drive">
 <!--
 {comment}
@@ -57,7 +57,7 @@ def to_mujoco(law: JointLaw) -> str:
 def to_modelica(law: JointLaw) -> str:
     """A Modelica model of the spring, by the Modelica Standard Library."""
     angle, torque = (", ".join(f"{v:.9g}" for v in values) for values in (law.angle_rad, law.torque_nm))
-    title, *notes = (line.replace("\\", "/").replace('"', "'") for line in _head(law))
+    title, *notes = (line.replace("\\", "/").replace('"', "'") for line in head_of(law))
     comment = "\n".join(f"  // {line}" for line in notes)
     return f"""model HarmonicDriveSpring "{title}"
 {comment}
@@ -73,7 +73,7 @@ end HarmonicDriveSpring;
 def to_urdf_comment(law: JointLaw) -> str:
     """A comment for the joint of a URDF file, which knows no stiffness: readings and the table."""
     rows = "\n".join(f"  {t:12.6g} {a:14.6g}" for t, a in zip(law.torque_nm, law.angle_rad))
-    head = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in _head(law))
+    head = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in head_of(law))
     return f"<!--\n{head}\n    torque_nm      angle_rad\n{rows}\n-->\n"
 
 

@@ -18,7 +18,8 @@ module hd_facets
   use hd_vector, only: cross
   implicit none
   private
-  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness
+  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness, &
+    stiffness_slopes
 
   !> Facets are numbered axially first, then round the axis.
   type :: facets_t
@@ -333,6 +334,97 @@ contains
       end associate
     end associate
   end subroutine sum_stiffness
+
+  !> Derivatives of K_TS by Eq. 45 by displacements and tractions, by differences. A traction counts at its own point and at the
+  !> neighbours along the axis and round it: every third point either way is changed at once.
+  subroutine stiffness_slopes(drive, joint, state, by_u, by_t)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(joint_t), intent(in) :: joint      !< joint, its shear capped by the friction of the step
+    type(state_t), intent(in) :: state      !< converged state
+    real(dp), intent(out) :: by_u(:, :)     !< (3, n) [N/rad]
+    real(dp), intent(out) :: by_t(:, :)     !< (3, points) [m^3/rad]
+    real(dp), parameter :: small = 1e-7_dp  !< of an amount
+    type(facets_t) :: facets
+    real(dp), allocatable :: t(:, :), part(:), was(:), step(:)
+    real(dp), dimension(size(drive%face%nodes, 2)) :: w_n, w_t
+    real(dp) :: g(2, size(state%traction, 2)), x(3, 4), y(3, 4), w(2), turn(3, 3)
+    integer, allocatable :: grid(:, :), group(:), near(:)
+    integer :: a, b, c, f, i, j, k, m, n
+    by_u = 0
+    by_t = 0
+    call evaluate_facets(drive, joint, state, facets)
+    call facet_weights(facets%x, facets%bent, w_n, w_t)
+    g = 0
+    associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
+      do f = 1, size(w_n)
+        g(:, mortar%facet(:, f)) = g(:, mortar%facet(:, f)) + &
+          spread(merge(1._dp, facets%area(f), joint%paper)/4*[w_n(f), w_t(f)], 2, 4)
+        do k = 1, 4
+          i = drive%face%nodes(k, f)
+          x(:, k) = slave%x(:, i) + matmul(frame(slave%angle(i)), state%u(:, i))
+        end do
+        do k = 1, 4
+          turn = frame(slave%angle(drive%face%nodes(k, f)))
+          do c = 1, 3
+            y = x
+            y(:, k) = y(:, k) + small*drive%radius*turn(:, c)
+            w = weights(y) - weights(x)
+            by_u(c, drive%face%nodes(k, f)) = by_u(c, drive%face%nodes(k, f)) + &
+              (facets%k_n(f)*w(1) + facets%k_t(f)*w(2))/(small*drive%radius)
+          end do
+        end do
+      end do
+      n = drive%axial_facets
+      m = size(w_n)/n
+      allocate (grid(n + 1, m))
+      grid(:n, :) = reshape(mortar%facet(1, :), [n, m])
+      grid(n + 1, :) = mortar%facet(4, n::n)
+    end associate
+    group = [(merge(modulo(i, 3), i - m - 1, i <= m/3*3), i=1, m)]  ! those left over on the ring stand alone
+    was = parts(state%traction)
+    do c = 1, 3
+      step = small*abs(state%traction(1, :))
+      if (c > 1) step = small*norm2(state%traction(2:, :), 1)  ! far less than `just_below`
+      do a = 1, 3
+        do b = minval(group), 2
+          t = state%traction
+          near = pack([(j, j=1, m)], group == b)
+          do i = a, n + 1, 3
+            t(c, grid(i, near)) = t(c, grid(i, near)) + step(grid(i, near))
+          end do
+          part = parts(t) - was
+          do k = 1, size(near)
+            do i = a, n + 1, 3
+              j = grid(i, near(k))
+              associate (around => grid(max(1, i - 1):min(n + 1, i + 1), 1 + modulo(near(k) - 1 + [-1, 0, 1], m)))
+                if (step(j) > 0) by_t(c, j) = sum(part([around]))/step(j)
+              end associate
+            end do
+          end do
+        end do
+      end do
+    end do
+  contains
+    !> Parts of the points.
+    function parts(traction) result(part)
+      real(dp), intent(in) :: traction(:, :)  !< (3, points) [Pa]
+      real(dp), allocatable :: part(:)
+      type(response_t) :: response(size(traction, 2))
+      real(dp) :: point(2, size(traction, 2))
+      point = effective(drive, joint, traction)
+      call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
+      part = g(1, :)*response%k_n + g(2, :)*response%k_t
+    end function parts
+
+    !> Weights of a facet.
+    pure function weights(corner) result(both)
+      real(dp), intent(in) :: corner(3, 4)  !< its corners [m]
+      real(dp) :: both(2), normal(3, 1)
+      normal(:, 1) = cross(corner(:, 3) - corner(:, 1), corner(:, 4) - corner(:, 2))
+      normal = normal/norm2(normal)
+      call facet_weights(reshape(sum(corner, 2)/4, [3, 1]), normal, both(1:1), both(2:2))
+    end function weights
+  end subroutine stiffness_slopes
 
   !> Sums over the contact, and the balance of the whole.
   subroutine sum_up(drive, load, state, facets, sums)

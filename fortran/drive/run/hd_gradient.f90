@@ -430,7 +430,7 @@ contains
     type(sums_t) :: sums
     type(load_t) :: load
     type(loop_t) :: loop
-    type(readings_t) :: read
+    type(readings_t) :: says
     type(error_t), allocatable :: error  ! none: the mesh is checked
     real(dp), allocatable :: u(:, :), force(:)
     real(dp) :: stress, most(2)
@@ -460,8 +460,8 @@ contains
           force = forces_in(self, scene, own, self%tooth_at)
           most(2) = force(self%tooth)
         end if
-        read = read_loop(loop, scene)
-        value = [read%k, read%hysteresis, read%lost_motion, most]
+        says = read_loop(loop, scene)
+        value = [says%k, says%hysteresis, says%lost_motion, most]
       end if
       associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
         value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), stress]
@@ -513,10 +513,10 @@ contains
     type(drive_t), intent(in) :: drive       !< its drive
     real(dp), parameter :: small = 1e-5_dp   !< of the largest angle
     type(loop_t) :: loop, moved
-    type(readings_t) :: read(2)
+    type(readings_t) :: low, high
     integer, allocatable :: at(:)
     real(dp) :: step
-    integer :: i, k
+    integer :: i
     loop%torque = [0._dp]
     loop%angle = [0._dp]
     at = pack([(i, i=1, self%n)], self%station(1:self%n)%booked .and. [(i > self%assembled, i=1, self%n)])
@@ -526,13 +526,13 @@ contains
     end do
     step = small*maxval(abs(loop%angle))
     do i = 1, size(at)
-      do k = 1, 2
-        moved = loop
-        moved%angle(i + 1) = moved%angle(i + 1) + (2*k - 3)*step
-        read(k) = read_loop(moved, scene)
-      end do
-      self%by_turn(at(i), :readings) = ([read(2)%k, read(2)%hysteresis, read(2)%lost_motion] - &
-        [read(1)%k, read(1)%hysteresis, read(1)%lost_motion])/(2*step)
+      moved = loop
+      moved%angle(i + 1) = loop%angle(i + 1) - step
+      low = read_loop(moved, scene)
+      moved%angle(i + 1) = loop%angle(i + 1) + step
+      high = read_loop(moved, scene)
+      self%by_turn(at(i), :readings) = [high%k - low%k, high%hysteresis - low%hysteresis, high%lost_motion - low%lost_motion]/ &
+        (2*step)
     end do
   end subroutine by_readings
 

@@ -23,7 +23,7 @@ module hd_gradient
   use hd_newton, only: linear_equations, prescribe
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
   use hd_parameters, only: new_table, value_count
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, forces_at, internal_residual, linear_forces, new_state, &
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, new_state, &
     strut_closings, strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
@@ -587,8 +587,8 @@ contains
       call linear_equations(problem, load, before, next, left_c, dw, dt)
       left_u = internal_residual(problem, load, s)
       call update_struts(problem, load, s%u)
-      allocate (by_u, source=left_u)
-      call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, by_u)  ! flanks that just touch hold
+      allocate (by_u, mold=left_u)
+      call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
       call solver%update(problem, adjoint%w, adjoint%t, error)
       struts = 0
@@ -674,7 +674,8 @@ contains
       allocate (r_u(3, problem%n, size(whole)), r_c(3, problem%mortar%n, self%keys), pushed(size(near, 1), self%keys))
       r_c = 0
       pushed = 0
-      if (allocated(problem%struts)) force = forces_at(problem, load, strut_closings(problem, load, s%u))
+      if (allocated(problem%struts)) force = strut_forces(problem, load, s%u)
+      if (problem%wheel_turns) force = force + pull_of(problem, [problem%strut_rate], load, s%u)
       do j = 1, size(whole)
         call change_residuals(self%of(whole(j)), drive, place, before, s, r_u(:, :, j), r_c(:, :, whole(j)))
         r_u(:, :, j) = r_u(:, :, j) - left_u

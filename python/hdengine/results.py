@@ -553,7 +553,7 @@ class Result:
         """Derivatives of the results by every number of the drive that is in use.
 
         They are those of a run with `run.gradient`; another run is solved once more with it, from its echo.nml. Each is found by
-        direct differentiation along the load steps, contact states kept: where a change turns one it holds on one side.
+        adjoint differentiation back along the load steps, contact states kept: where a change turns one it holds on one side.
 
         Returns
         -------
@@ -563,7 +563,7 @@ class Result:
         Raises
         ------
         InputError
-            Large displacements, the teeth alone, or `loop.history` 'turned'.
+            Large displacements, the teeth alone, `load.tooth_friction`, or `loop.history` 'turned'.
         NotConvergedError
             K1 to K3 would not be in proportion to all forces and stiffnesses: a change of state has spoilt the derivatives.
         """

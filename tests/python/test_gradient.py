@@ -54,7 +54,7 @@ def test_slopes_are_in_proportion_to_all_forces(tmp_path):
 
 
 def test_a_lost_gradient_is_said(tmp_path):
-    """On 32 x 5 facets a change of state spoils the derivatives of drive14 (d ln K2 / d ln key above 500): they are refused, with what to do."""
+    """On 32 x 5 facets a change of state spoils those of K1 of drive14 (by 7 % under a scale of all forces): they are refused, with what to do."""
     found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", mesh={"divisions": 32, "band_facets": 5}, load={"torque_steps": 4},
                          output={"vtu": "none"})
     with pytest.raises(hdengine.NotConvergedError, match="no gradient: .* lost at a change of state"):

@@ -21,7 +21,7 @@ module hd_newton
   use hd_vector, only: length, many
   implicit none
   private
-  public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components
+  public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components, prescribe
 
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
@@ -285,23 +285,20 @@ contains
     state%contact = here%contact
   end subroutine respond
 
-  !> Residuals of a state that has the prescribed displacements of a load, and derivatives of the law there. A point that sticks has
-  !> no slip to turn, and without it a law that is smooth there.
-  subroutine linear_equations(problem, load, previous, state, r_u, r_c, dw, dt)
+  !> Residuals of the law in a state, and its derivatives there. A point that sticks has no slip to turn, and without it a law that
+  !> is smooth there.
+  subroutine linear_equations(problem, load, previous, state, r_c, dw, dt)
     type(problem_t), intent(in) :: problem                 !< problem
     type(load_t), intent(in) :: load                       !< load
     type(state_t), intent(in) :: previous                  !< beginning of the load step
-    type(state_t), intent(inout) :: state                  !< gets these displacements, gap and slip
-    real(dp), allocatable, intent(out) :: r_u(:, :)        !< out-of-balance forces (3, n) [N]
+    type(state_t), intent(inout) :: state                  !< gets gap and slip
     real(dp), allocatable, intent(out) :: r_c(:, :)        !< residuals of the law (3, multipliers) [Pa]
     real(dp), allocatable, intent(out) :: dw(:, :, :), dt(:, :, :)  !< its derivatives
     type(linearisation_t) :: here
-    type(state_t) :: before
-    before = previous
-    where (state%contact == stick_state) before%contact = stick_state
-    call prescribe(problem, load, state%u)
-    call linearise(problem, load, before, state, here)
-    call move_alloc(here%r_u, r_u)
+    call begin_linearisation(problem, load, previous, here)
+    where (spread(state%contact == stick_state, 1, 2)) here%lead = 0
+    call gap_and_slip(problem, load, previous, state)
+    call apply_law(problem, previous, state, here)
     call move_alloc(here%r_c, r_c)
     call move_alloc(here%dw, dw)
     call move_alloc(here%dt, dt)
@@ -434,35 +431,10 @@ contains
     type(linearisation_t), intent(inout) :: here    !< linearisation
     real(dp), allocatable :: force(:, :), left(:, :)
     real(dp) :: scale, law, moved
-    integer :: c, i, j
-    if (.not. allocated(here%contact)) then
-      allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
-        here%contact(problem%mortar%n))
-      here%idle = idle_components(problem)
-      here%law = problem%law
-      here%law%friction = load%friction
-      here%anchor = previous%traction
-      here%lead = leads(previous)
-    end if
+    integer :: j
+    if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
     call gap_and_slip(problem, load, previous, state)
-    !$omp parallel do schedule(static) private(c, i) if(9*problem%mortar%n > many)
-    do j = 1, problem%mortar%n
-      if (j > problem%mortar%n - problem%mortar%rigid) then
-        call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &
-          [state%gap(j), 0._dp, 0._dp], here%anchor(:, j), here%lead(:, j), here%r_c(:, j), &
-          here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
-      else
-        call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
-          here%anchor(:, j), here%lead(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
-      end if
-      do c = 1, 3
-        if (.not. here%idle(c, j)) cycle
-        here%r_c(c, j) = state%traction(c, j)
-        here%dw(c, :, j) = 0
-        here%dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
-      end do
-    end do
-    !$omp end parallel do
+    call apply_law(problem, previous, state, here)
     here%r_u = internal_residual(problem, load, state)
     allocate (left(3, problem%n))
     allocate (force(3, problem%n), source=0._dp)
@@ -484,6 +456,48 @@ contains
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
+
+  !> Room for a linearisation, and the law of its load step.
+  subroutine begin_linearisation(problem, load, previous, here)
+    type(problem_t), intent(in) :: problem          !< problem
+    type(load_t), intent(in) :: load                !< load
+    type(state_t), intent(in) :: previous           !< beginning of the load step
+    type(linearisation_t), intent(inout) :: here    !< linearisation
+    allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
+      here%contact(problem%mortar%n))
+    here%idle = idle_components(problem)
+    here%law = problem%law
+    here%law%friction = load%friction
+    here%anchor = previous%traction
+    here%lead = leads(previous)
+  end subroutine begin_linearisation
+
+  !> The law of all points at their gap and slip.
+  subroutine apply_law(problem, previous, state, here)
+    type(problem_t), intent(in) :: problem          !< problem
+    type(state_t), intent(in) :: previous           !< beginning of the load step
+    type(state_t), intent(in) :: state              !< iterate
+    type(linearisation_t), intent(inout) :: here    !< gets r_c, dw, dt, contact
+    integer :: c, i, j
+    !$omp parallel do schedule(static) private(c, i) if(9*problem%mortar%n > many)
+    do j = 1, problem%mortar%n
+      if (j > problem%mortar%n - problem%mortar%rigid) then
+        call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &
+          [state%gap(j), 0._dp, 0._dp], here%anchor(:, j), here%lead(:, j), here%r_c(:, j), &
+          here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      else
+        call evaluate_law(here%law, state%traction(:, j), [state%gap(j), state%slip(:, j) - previous%slip(:, j)], &
+          here%anchor(:, j), here%lead(:, j), here%r_c(:, j), here%dw(:, :, j), here%dt(:, :, j), here%contact(j))
+      end if
+      do c = 1, 3
+        if (.not. here%idle(c, j)) cycle
+        here%r_c(c, j) = state%traction(c, j)
+        here%dw(c, :, j) = 0
+        here%dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine apply_law
 
   !> Shear of points that slip.
   pure function leads(state) result(lead)

@@ -27,7 +27,7 @@ module hd_drive
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
   implicit none
   private
-  public :: drive_t, new_drive, renew_drive, drive_load, step_friction, touch_teeth
+  public :: drive_t, new_drive, renew_drive, drive_load, strut_load, step_friction, touch_teeth
 
   type :: drive_t
     type(problem_t) :: problem               !< bodies, supports, interface
@@ -413,23 +413,29 @@ contains
       load%displacement = assembly*drive%assembly
     end if
     load%force = torque*drive%torque + abs(torque)*drive%squeeze
-    if (allocated(drive%problem%struts)) then
-      allocate (load%closing(size(drive%problem%struts)), source=absent)
-      if (drive%balls > 0) load%closing(:drive%balls) = assembly*drive%way
-      load%closing(drive%balls + drive%flanks + 1:) = 0
-      allocate (load%past(memories, size(load%closing) - drive%balls - drive%flanks), source=0._dp)
-      if (present(state)) then
-        if (size(state%touch) > 0) load%closing(drive%balls + 1:drive%balls + drive%flanks) = state%touch
-        if (size(state%past) > 0) load%past = state%past
-      end if
-      if (present(before)) then
-        if (size(before%past) > 0) load%past = before%past
-      end if
-    end if
+    if (allocated(drive%problem%struts)) call strut_load(drive, assembly, load, state, before)
     load%force(1, :) = load%force(1, :) + drive%problem%spring(1, :)*load%displacement(1, :)
     associate (mortar => drive%problem%mortar)
       m = mortar%n - mortar%rigid
       load%gap = [spread(-assembly*drive%interference, 1, m), -load%displacement(1, mortar%node(m + 1:))]
     end associate
   end subroutine drive_load
+
+  !> The same of struts alone.
+  subroutine strut_load(drive, assembly, load, state, before)
+    type(drive_t), intent(in) :: drive    !< drive with struts
+    real(dp), intent(in) :: assembly      !< as of drive_load
+    type(load_t), intent(inout) :: load   !< gets closing, past
+    type(state_t), intent(in), optional :: state, before  !< as of drive_load
+    load%closing = [real(dp) :: assembly*drive%way, spread(absent, 1, drive%flanks), &
+      spread(0._dp, 1, size(drive%problem%struts) - drive%balls - drive%flanks)]
+    load%past = reshape([real(dp) ::], [memories, size(load%closing) - drive%balls - drive%flanks], pad=[0._dp])
+    if (present(state)) then
+      if (size(state%touch) > 0) load%closing(drive%balls + 1:drive%balls + drive%flanks) = state%touch
+      if (size(state%past) > 0) load%past = state%past
+    end if
+    if (present(before)) then
+      if (size(before%past) > 0) load%past = before%past
+    end if
+  end subroutine strut_load
 end module hd_drive

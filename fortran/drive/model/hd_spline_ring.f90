@@ -89,13 +89,24 @@ contains
     real(dp) :: c(flanks_of(scene), flanks_of(scene)), radius, thickness
     type(spline_ring_t) :: ring
     real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2)
+    real(dp), allocatable :: given(:)
+    real(dp), allocatable, save :: last_given(:), last_found(:, :)  ! drives that differ in other keys ask for the same
     integer :: i, j, k, l, n
     radius = scene%bore_radius + scene%rim_thickness
     thickness = merge(scene%spline_diameter/2, usual*scene%bore_radius, scene%spline_diameter > 0) - radius
-    ring = new_spline_ring(radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs
+    given = [radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu, theta, along]
+    if (allocated(last_given)) then
+      if (size(given) == size(last_given) .and. size(c) == size(last_found)) then
+        if (.not. any(abs(given - last_given) > 0)) then
+          c = last_found
+          return
+        end if
+      end if
+    end if
+    ring = new_spline_ring(radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
     do j = 1, scene%tooth_pairs
       do i = 1, scene%tooth_pairs
         way = ring_compliance(ring, theta(i) - theta(j))
@@ -107,5 +118,7 @@ contains
         end do
       end do
     end do
+    last_given = given
+    last_found = c
   end function flank_compliance
 end module hd_spline_ring

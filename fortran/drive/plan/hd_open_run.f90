@@ -14,7 +14,7 @@ module hd_open_run
   use hd_output, only: check_folder
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
-  use hd_run, only: run_t, new_run, restore_run, ask_gradient, close_run
+  use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
   use hd_system, only: path_kind, path_absent, path_file
@@ -101,7 +101,7 @@ contains
         call restore_run(chosen, input, folder, run, error)
       else
         call new_run(chosen, input, folder, force .or. begun, run, error)
-        if (chosen%with_gradient == '.true.' .and. .not. allocated(error)) call ask_gradient(run, error)
+        if (chosen%with_gradient == '.true.') allocate (run%gradient)
       end if
       if (.not. allocated(error)) then
         if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")

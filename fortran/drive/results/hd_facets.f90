@@ -18,7 +18,8 @@ module hd_facets
   use hd_vector, only: cross
   implicit none
   private
-  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness
+  public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness, &
+    stiffness_slopes
 
   !> Facets are numbered axially first, then round the axis.
   type :: facets_t
@@ -85,6 +86,7 @@ module hd_facets
     'k_fe_secant_nm_per_rad,slip_share_area,slip_share_force,slip_share_k_ts,edge_line_load_n_per_m,'// &
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
   real(dp), parameter :: just_below = 1e-6_dp !< share by which shear stays below slip, where K_T has no slope
+  real(dp), parameter :: smallest = 1e-7_dp   !< share by which a traction or the radius is changed for slopes
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
 
 contains
@@ -333,6 +335,109 @@ contains
       end associate
     end associate
   end subroutine sum_stiffness
+
+  !> Derivatives of K_TS by Eq. 45 by displacements and tractions, by differences. A traction counts at its own point and at the
+  !> neighbours along the axis and round it: every third point either way is changed at once.
+  subroutine stiffness_slopes(drive, joint, state, by_u, by_t)
+    type(drive_t), intent(in) :: drive      !< drive
+    type(joint_t), intent(in) :: joint      !< joint, its shear capped by the friction of the step
+    type(state_t), intent(in) :: state      !< converged state
+    real(dp), intent(out) :: by_u(:, :)     !< (3, n) [N/rad]
+    real(dp), intent(out) :: by_t(:, :)     !< (3, points) [m^3/rad]
+    real(dp) :: weight(2, size(state%traction, 2))
+    real(dp), allocatable :: t(:, :), part(:), was(:), step(:)
+    integer, allocatable :: grid(:, :), group(:), near(:)
+    integer :: a, b, c, i, j, k, m, n
+    call slopes_by_place(drive, joint, state, weight, by_u)
+    n = drive%axial_facets
+    m = size(drive%face%nodes, 2)/n
+    allocate (grid(n + 1, m))
+    grid(:n, :) = reshape(drive%problem%mortar%facet(1, :), [n, m])
+    grid(n + 1, :) = drive%problem%mortar%facet(4, n::n)
+    group = [(merge(modulo(i, 3), i - m - 1, i <= m/3*3), i=1, m)]  ! those left over on the ring stand alone
+    was = parts(state%traction)
+    by_t = 0
+    do c = 1, 3
+      step = smallest*abs(state%traction(1, :))
+      if (c > 1) step = smallest*norm2(state%traction(2:, :), 1)  ! far less than `just_below`
+      do a = 1, 3
+        do b = minval(group), 2
+          t = state%traction
+          near = pack([(j, j=1, m)], group == b)
+          do i = a, n + 1, 3
+            t(c, grid(i, near)) = t(c, grid(i, near)) + step(grid(i, near))
+          end do
+          part = parts(t) - was
+          do k = 1, size(near)
+            do i = a, n + 1, 3
+              j = grid(i, near(k))
+              associate (around => grid(max(1, i - 1):min(n + 1, i + 1), 1 + modulo(near(k) - 1 + [-1, 0, 1], m)))
+                if (step(j) > 0) by_t(c, j) = sum(part([around]))/step(j)
+              end associate
+            end do
+          end do
+        end do
+      end do
+    end do
+  contains
+    !> Parts of the points.
+    function parts(traction) result(part)
+      real(dp), intent(in) :: traction(:, :)  !< (3, points) [Pa]
+      real(dp), allocatable :: part(:)
+      type(response_t) :: response(size(traction, 2))
+      real(dp) :: point(2, size(traction, 2))
+      point = effective(drive, joint, traction)
+      call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
+      part = weight(1, :)*response%k_n + weight(2, :)*response%k_t
+    end function parts
+  end subroutine stiffness_slopes
+
+  !> Those by displacements, and the weights of the stiffness per area of the points.
+  subroutine slopes_by_place(drive, joint, state, weight, by_u)
+    type(drive_t), intent(in) :: drive      !< as of stiffness_slopes
+    type(joint_t), intent(in) :: joint      !< likewise
+    type(state_t), intent(in) :: state      !< likewise
+    real(dp), intent(out) :: weight(:, :)   !< normal and tangential (2, points) [m^4]
+    real(dp), intent(out) :: by_u(:, :)     !< (3, n) [N/rad]
+    type(facets_t) :: facets
+    real(dp), dimension(size(drive%face%nodes, 2)) :: w_n, w_t
+    real(dp) :: moved, turn(3, 3), w(2), x(3, 4), y(3, 4)
+    integer :: c, f, i, k
+    call evaluate_facets(drive, joint, state, facets)
+    call facet_weights(facets%x, facets%bent, w_n, w_t)
+    moved = smallest*drive%radius
+    weight = 0
+    by_u = 0
+    associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
+      do f = 1, size(w_n)
+        weight(:, mortar%facet(:, f)) = weight(:, mortar%facet(:, f)) + &
+          spread(merge(1._dp, facets%area(f), joint%paper)/4*[w_n(f), w_t(f)], 2, 4)
+        do k = 1, 4
+          i = drive%face%nodes(k, f)
+          x(:, k) = slave%x(:, i) + matmul(frame(slave%angle(i)), state%u(:, i))
+        end do
+        do k = 1, 4
+          i = drive%face%nodes(k, f)
+          turn = frame(slave%angle(i))
+          do c = 1, 3
+            y = x
+            y(:, k) = y(:, k) + moved*turn(:, c)
+            w = weights(y) - weights(x)
+            by_u(c, i) = by_u(c, i) + (facets%k_n(f)*w(1) + facets%k_t(f)*w(2))/moved
+          end do
+        end do
+      end do
+    end associate
+  contains
+    !> Weights of a facet.
+    pure function weights(corner) result(both)
+      real(dp), intent(in) :: corner(3, 4)  !< its corners [m]
+      real(dp) :: both(2), normal(3, 1)
+      normal(:, 1) = cross(corner(:, 3) - corner(:, 1), corner(:, 4) - corner(:, 2))
+      normal = normal/norm2(normal)
+      call facet_weights(reshape(sum(corner, 2)/4, [3, 1]), normal, both(1:1), both(2:2))
+    end function weights
+  end subroutine slopes_by_place
 
   !> Sums over the contact, and the balance of the whole.
   subroutine sum_up(drive, load, state, facets, sums)

@@ -12,7 +12,8 @@ module hd_stress
   use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
   private
-  public :: stress_matrices_t, body_stress, nodal_stress, von_mises, principal_stresses, signed_equivalent
+  public :: stress_matrices_t, body_stress, nodal_stress, spot_t, worst_spot, spot_stress
+  public :: von_mises, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
   real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
@@ -23,7 +24,66 @@ module hd_stress
     real(dp), allocatable :: at_nodes(:, :, :)   !< cylindrical, at the nodes (6 nodes, 3 nodes, cells) [Pa/m]
   end type stress_matrices_t
 
+  !> A Gauss point of a problem.
+  type :: spot_t
+    integer :: body = 0, cell = 0, sector = 0, point = 0
+  end type spot_t
+
 contains
+
+  !> Where von Mises' stress of all bodies is largest under small displacements.
+  subroutine worst_spot(problem, u, spot, error)
+    type(problem_t), intent(in) :: problem            !< bodies
+    real(dp), intent(in) :: u(:, :)                   !< displacements (3, n) [m]
+    type(spot_t), intent(out) :: spot                 !< the place
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    type(stress_matrices_t) :: matrices
+    type(spot_t) :: other
+    real(dp), allocatable :: peak(:, :)
+    real(dp) :: most, value
+    integer :: b, k, p
+    most = -1
+    do b = 1, size(problem%bodies)
+      associate (cells => size(problem%bodies(b)%cells, 2))
+        allocate (peak(6, cells*problem%bodies(b)%sectors))
+        call body_stress(problem, b, u, matrices, error, peak=peak)
+        if (allocated(error)) return
+        k = maxloc(von_mises(peak), 1)
+        do p = 1, points
+          other = spot_t(b, modulo(k - 1, cells) + 1, (k - 1)/cells, p)
+          call spot_stress(problem, other, u, value, error)
+          if (allocated(error)) return
+          if (value > most) spot = other
+          most = max(most, value)
+        end do
+        deallocate (peak, matrices%at_points, matrices%at_nodes)
+      end associate
+    end do
+  end subroutine worst_spot
+
+  !> Von Mises' stress of a spot, and its derivatives.
+  subroutine spot_stress(problem, spot, u, value, error, slope)
+    type(problem_t), intent(in) :: problem             !< bodies
+    type(spot_t), intent(in) :: spot                   !< place
+    real(dp), intent(in) :: u(:, :)                    !< displacements (3, n) [m]
+    real(dp), intent(out) :: value                     !< [Pa]
+    type(error_t), allocatable, intent(out) :: error   !< inverted element
+    real(dp), intent(inout), optional :: slope(:, :)   !< gets them added (3, n) [Pa/m]
+    real(dp), allocatable :: at_points(:, :), at_nodes(:, :)
+    integer, allocatable :: list(:)
+    real(dp) :: s(6), d(6)
+    associate (body => problem%bodies(spot%body), last => 6*spot%point)
+      list = cell_nodes(body, spot%cell, spot%sector) + problem%first(spot%body)
+      allocate (at_points(6*points, 3*size(list)), at_nodes(6*size(list), 3*size(list)))
+      call cell_matrices(body, spot%cell, at_points, at_nodes, error)
+      if (allocated(error)) return
+      s = matmul(at_points(last - 5:last, :), reshape(u(:, list), [3*size(list)]))
+      value = sqrt(square_of(s))
+      if (.not. present(slope)) return
+      d = [3*s(:3) - sum(s(:3)), 6*s(4:)]/(2*value)
+      slope(:, list) = slope(:, list) + reshape(matmul(d, at_points(last - 5:last, :)), [3, size(list)])
+    end associate
+  end subroutine spot_stress
 
   !> Stresses of a body of a problem, those that are asked for.
   subroutine body_stress(problem, b, u, matrices, error, stress, peak, largest)

@@ -1,78 +1,102 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Derivatives of a run's results by the real keys of its scene, by direct differentiation along its path.
+!> Derivatives of a run's results by the real keys of its scene, by adjoint differentiation back along its path.
 !>
-!> Companions march beside the run, each the same drive with one key changed a little. Where the run has converged, a companion
-!> takes one step of Newton's method from the run's state, with the run's matrix and from its own state before: what comes of it is
-!> linear in the change, with the history of friction in it. Contact states are those of the run; where a change would turn one,
-!> the derivative is that of one side. The first companion has no change: what the run leaves in its equations is taken off.
+!> The run leaves its converged states. From the last to the first the transposed of Newton's equations there is solved for every
+!> result (hd_adjoint): what the result changes by per residual, and with the history of friction what it asks of the state before.
+!> A key then costs its residuals alone: those of the same drive with the key changed a little, in the run's states. Contact states
+!> are those of the run; where a change would turn one, the derivative is that of one side.
 module hd_gradient
   use hd_kinds, only: dp
+  use hd_adjoint, only: adjoint_t
   use hd_conditions, only: check_scene
-  use hd_contact_law, only: stick_state
+  use hd_contact_law, only: contact_law_t, stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
-  use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction, touch_teeth
+  use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t, raise, code_linear_solver
-  use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
-  use hd_fatigue, only: fatigue_t
+  use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes
   use hd_joint, only: joint_t, at_friction
+  use hd_lapack, only: dgemm
   use hd_linear_solver, only: linear_solver_t
-  use hd_load_path, only: place_t, operator(<), assembled, assembly_at, torque_at
+  use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
   use hd_loop, only: loop_t, readings_t, read_loop, bottom_turn
   use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_newton, only: linear_equations
+  use hd_newton, only: linear_equations, prescribe
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
   use hd_parameters, only: new_table, value_count
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, gap_and_slip, linear_forces, new_state, strut_closings, &
-    strut_forces, update_struts
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, new_state, &
+    strut_closings, strut_forces, update_struts
   use hd_rate, only: rate_matrices
-  use hd_rate_law, only: rate_point_t, rate_glued
+  use hd_rate_law, only: rate_point_t
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
-  use hd_stress, only: stress_matrices_t
-  use hd_strength, only: strength_t, book_stress
-  use hd_strut, only: push
-  use hd_strut_step, only: ahead_t, count_ahead, remember, straight
+  use hd_stress, only: spot_t, worst_spot, spot_stress
+  use hd_strut, only: closing_of, push
+  use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
   use hd_text, only: string_t, split
   implicit none
   private
-  public :: gradient_t, new_gradient
+  public :: gradient_t
 
   !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
   !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
   real(dp), parameter :: share = 1e-7_dp, share_of_shape = 5e-7_dp, share_of_material = 3e-6_dp
   !> In the place of a value that is 0.
   real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
+  real(dp), parameter :: of_state = 1e-7_dp  !< share by which a traction is changed, for the derivatives of its law
 
   !> Units that hold one of force: with all keys in these f times as large a drive turns as before under f times the torque.
   character(len=7), parameter :: of_force(5) = ['N      ', 'N/m    ', 'N/m^1.5', 'N m    ', 'Pa     ']
   real(dp), parameter :: largest_misfit = 0.02_dp  !< of K1 to K3 under such a scale, by their derivatives
 
-  !> Results of a loop, and of other runs.
+  !> Results of a loop: readings, then largest forces; and of all runs, the last one of those without a loop.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
     'ball_force_max_n,tooth_force_max_n,'
   character(len=*), parameter :: of_all = 'k_ts_nm_per_rad,k_ts_bonded_nm_per_rad,normal_force_n,von_mises_max_pa'
+  integer, parameter :: readings = 5, forces = 2
+  integer, parameter :: few = 16                   !< stations that have room at first
 
+  !> A converged state of the run.
+  type :: station_t
+    type(place_t) :: place
+    type(state_t) :: state
+    logical :: booked = .false.                      !< the end of a load step
+  end type station_t
+
+  !> The run's drive with one key changed.
   type :: companion_t
     type(string_t) :: key                            !< group.key
     real(dp) :: change = 0                           !< of it
     real(dp) :: force = 0                            !< its value, if its unit holds one of force
     logical :: idle = .false.                        !< the key has no part in the equilibrium
-    logical :: late = .false.                        !< or may have one under the torque only
+    logical :: whole = .false.                       !< bodies, supports or nodal loads are others: else the drive has only
+    logical :: struts = .false., law = .false.       !< struts and contact law, which may be others
     type(scene_t) :: scene
     type(drive_t) :: drive                           !< unless it is idle
     type(joint_t) :: joint
-    type(state_t) :: before, state                   !< last two
-    type(state_t) :: top_before, top                 !< those of the reference step
-    type(state_t) :: strained                        !< where the run's von Mises stress was largest so far
-    type(loop_t) :: loop                             !< torque, angle and forces alone
-    real(dp) :: ball_force = 0, tooth_force = 0      !< largest at the last place [N]
-    real(dp) :: rotation_assembled = 0               !< [rad]
   end type companion_t
+
+  !> A result on its way back.
+  type :: result_t
+    logical :: begun = .false.                       !< a station from here on counts
+    integer :: station = 0                           !< where the result itself is read, 0: at several
+    real(dp), allocatable :: by_u(:, :), by_t(:, :), by_touch(:)  !< its derivatives there
+    real(dp), allocatable :: later(:, :), held(:, :) !< what the next step asks: of slip (2, points), of tractions (3, points)
+    real(dp), allocatable :: touch(:)                !< by the offsets of flanks, of all steps so far
+  end type result_t
 
   type :: gradient_t
     integer :: n = 0
-    type(companion_t), allocatable :: of(:)          !< the run itself, then one for each key: n, and room
+    type(station_t), allocatable :: station(:)       !< rest, n, and room
+    integer :: top = 0, worst = 0, assembled = 0     !< stations: of the reference step, of the largest stress, before the torque
+    integer :: ball_at = 0, tooth_at = 0             !< of the largest forces
+    integer :: ball = 0, tooth = 0                   !< their struts
+    type(spot_t) :: spot                             !< where the stress is largest
+    integer :: keys = 0
+    type(companion_t), allocatable :: of(:)          !< of the keys, and room
+    type(result_t), allocatable :: result(:)
+    real(dp), allocatable :: by_turn(:, :)           !< of the results by the turn of rim or bottom (stations, results)
+    real(dp), allocatable :: value(:, :)             !< changes of the results by those of the keys (keys, results)
   contains
     procedure :: follow
     procedure :: book
@@ -81,12 +105,61 @@ module hd_gradient
 
 contains
 
-  !> Companions of a run at rest.
-  subroutine new_gradient(scene, drive, joint, gradient, error)
+  !> Keep a state that the run has reached.
+  subroutine follow(self, place, before, state)
+    class(gradient_t), intent(inout) :: self          !< stations
+    type(place_t), intent(in) :: place                !< where
+    type(state_t), intent(in) :: before               !< where it came from
+    type(state_t), intent(in) :: state                !< converged
+    type(station_t), allocatable :: more(:)
+    integer :: i
+    if (.not. allocated(self%station)) then
+      allocate (self%station(0:few))
+      self%station(0)%state = before
+    end if
+    if (self%n == ubound(self%station, 1)) then
+      allocate (more(0:2*self%n))
+      do i = 0, self%n
+        more(i)%place = self%station(i)%place
+        more(i)%booked = self%station(i)%booked
+        call hand_over(self%station(i)%state, more(i)%state)
+      end do
+      call move_alloc(more, self%station)
+    end if
+    self%n = self%n + 1
+    self%station(self%n) = station_t(place, state)
+  end subroutine follow
+
+  !> Move a state.
+  pure subroutine hand_over(from, to)
+    type(state_t), intent(inout) :: from, to  !< states
+    call move_alloc(from%u, to%u)
+    call move_alloc(from%traction, to%traction)
+    call move_alloc(from%slip, to%slip)
+    call move_alloc(from%gap, to%gap)
+    call move_alloc(from%contact, to%contact)
+    call move_alloc(from%touch, to%touch)
+    call move_alloc(from%past, to%past)
+  end subroutine hand_over
+
+  !> Book a finished load step.
+  pure subroutine book(self, loaded, reference, worst)
+    class(gradient_t), intent(inout) :: self   !< stations
+    logical, intent(in) :: loaded              !< by the torque
+    logical, intent(in) :: reference           !< the run's results are those of this step, so far
+    logical, intent(in) :: worst               !< its von Mises stress is the largest so far
+    self%station(self%n)%booked = .true.
+    if (reference) self%top = self%n
+    if (worst) self%worst = self%n
+    if (.not. loaded) self%assembled = self%n
+  end subroutine book
+
+  !> The drives of all real keys.
+  subroutine find_companions(self, scene, drive, joint, error)
+    type(gradient_t), intent(inout) :: self           !< gets them
     type(scene_t), intent(in) :: scene                !< of the run
     type(drive_t), intent(in) :: drive                !< its drive
     type(joint_t), intent(in) :: joint                !< its joint
-    type(gradient_t), intent(out) :: gradient         !< companions
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
     type(scene_t), target :: copy
     type(parameter_table_t) :: table
@@ -96,21 +169,13 @@ contains
     copy = scene
     call new_table(copy, table)
     rows = pack([(i, i=1, size(table%rows))], [(is_real(table%rows(i), scene), i=1, size(table%rows))])
-    allocate (gradient%of(size(rows) + 1))
-    gradient%of(1)%scene = scene
-    gradient%of(1)%drive = drive
-    gradient%of(1)%joint = joint
-    gradient%n = 1
+    allocate (self%of(size(rows)))
     do i = 1, size(rows)
-      call change_key(scene, rows(i), drive, joint, gradient%of(gradient%n + 1), fits, error)
+      call change_key(scene, rows(i), drive, joint, self%of(self%keys + 1), fits, error)
       if (allocated(error)) return
-      if (fits) gradient%n = gradient%n + 1
+      if (fits) self%keys = self%keys + 1
     end do
-    do i = 1, gradient%n
-      call new_state(drive%problem, gradient%of(i)%state)
-      gradient%of(i)%before = gradient%of(i)%state
-    end do
-  end subroutine new_gradient
+  end subroutine find_companions
 
   !> A key counts: a number of the drive, in use. Where 0 is a word for something else, the number is not in use.
   pure logical function is_real(p, scene)
@@ -148,10 +213,8 @@ contains
       call new_table(moved, table)
       associate (p => table%rows(row))
         other%key%s = p%group//'.'//p%key
-        other%idle = any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .or. index(p%key, 'yield') > 0 .or. &
-          (p%group == 'joint' .and. scene%hard())
-        other%late = p%stage(scene%formed(), .not. scene%hard()) >= stage_load .or. &
-          any(p%group == [character(len=7) :: 'load', 'contact'])
+        other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. p%key /= 'torques') .or. &
+          index(p%key, 'yield') > 0 .or. (p%group == 'joint' .and. scene%hard())
         if (associated(p%real)) then
           if (any(p%unit == of_force)) other%force = p%real
           other%change = side*change_of(p, abs(p%real))
@@ -174,7 +237,8 @@ contains
         other%joint = joint
         if (any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])) call scene_joint(moved, other%joint, error)
         if (allocated(error) .or. other%idle) return
-        if (p%stage(scene%formed(), .not. scene%hard()) == stage_model) then
+        other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
+        if (other%whole) then
           call new_drive(moved, other%drive, error)
         else
           other%drive = drive
@@ -186,10 +250,55 @@ contains
         end if
         if (allocated(error)) return
         fits = same_mesh(other%drive, drive)
+        if (fits) call compare_drives(scene, drive, other, any(p%group == [character(len=8) :: 'material', 'joint', 'contact']))
         if (fits) return
       end associate
     end do
   end subroutine change_key
+
+  !> Find what of a drive is another's; of one with the run's bodies nothing else is kept.
+  subroutine compare_drives(scene, drive, other, law)
+    type(scene_t), intent(in) :: scene           !< of the run
+    type(drive_t), intent(in) :: drive           !< of the run
+    type(companion_t), intent(inout) :: other    !< companion
+    logical, intent(in) :: law                   !< its joint may be another
+    type(drive_t) :: light
+    logical :: felt(3, size(drive%assembly, 2))
+    integer :: i
+    felt = drive%problem%fixed .or. drive%problem%spring > 0
+    associate (mortar => drive%problem%mortar)
+      felt(1, mortar%node(mortar%n - mortar%rigid + 1:)) = .true.
+    end associate
+    other%whole = other%whole .or. any(felt .and. abs(other%drive%assembly - drive%assembly) > 0) .or. &
+      abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0)
+    other%law = abs(other%drive%interference - drive%interference) > 0 .or. abs(other%scene%friction - scene%friction) > 0 .or. &
+      abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard())
+    if (allocated(drive%problem%struts)) then
+      associate (a => drive%problem%struts, b => other%drive%problem%struts)
+        do i = 1, size(a)
+          other%whole = other%whole .or. size(a(i)%node) /= size(b(i)%node)
+          if (other%whole) return
+          other%whole = any(a(i)%node /= b(i)%node) .or. any(abs(a(i)%weight - b(i)%weight) > 0)
+          other%struts = other%struts .or. abs(a(i)%rate - b(i)%rate) > 0
+        end do
+      end associate
+      if (allocated(drive%problem%strut_give)) other%struts = other%struts .or. any(abs(other%drive%problem%strut_give - &
+        drive%problem%strut_give) > 0)
+      other%struts = other%struts .or. any(abs(other%drive%way - drive%way) > 0)
+    end if
+    if (other%whole) return
+    light%balls = drive%balls
+    light%flanks = drive%flanks
+    light%interference = other%drive%interference
+    light%problem%law = other%drive%problem%law
+    if (allocated(drive%problem%struts)) then
+      light%way = other%drive%way
+      light%problem%struts = other%drive%problem%struts
+      light%problem%strut_rate = other%drive%problem%strut_rate
+      if (allocated(drive%problem%strut_give)) light%problem%strut_give = other%drive%problem%strut_give
+    end if
+    other%drive = light
+  end subroutine compare_drives
 
   !> Two drives have the same mesh but for small shifts of its nodes.
   pure logical function same_mesh(a, b) result(same)
@@ -213,198 +322,47 @@ contains
     change = change*merge(typical_m, merge(typical_deg, typical_other, p%unit == 'deg'), p%unit == 'm')
   end function change_of
 
-  !> Take all companions to a place that the run has reached.
-  subroutine follow(self, solver, drive, load, before, state, place, loaded, error)
-    class(gradient_t), intent(inout) :: self          !< companions
+  !> Derivatives of the results.
+  subroutine differentiate(self, solver, scene, joint, drive, certain, found, error)
+    class(gradient_t), intent(inout) :: self          !< stations of the whole run
     class(linear_solver_t), intent(inout) :: solver   !< of the run
-    type(drive_t), intent(inout) :: drive             !< of the run
-    type(load_t), intent(in) :: load                  !< of the run's step
-    type(state_t), intent(in) :: before, state        !< of the run: at the beginning of the step, and here
-    type(place_t), intent(in) :: place                !< here
-    logical, intent(in) :: loaded                     !< by the torque
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    type(state_t) :: next, was
-    type(load_t) :: other_load
-    type(ahead_t) :: ahead
-    real(dp) :: slip(2, size(state%contact))
-    real(dp), allocatable, dimension(:, :) :: r_u, r_c, left_u, left_c, du, dt
-    real(dp), allocatable, dimension(:, :, :) :: by_w, by_t, unused_w, unused_t
-    integer :: i, j
-    next = state
-    call begin_many(solver, self%n, drive, load, before, error)
+    type(scene_t), intent(in) :: scene                !< of the run
+    type(joint_t), intent(in) :: joint                !< its joint
+    type(drive_t), intent(inout) :: drive             !< its drive
+    logical, intent(in) :: certain                    !< the reference step has a tangent K_TS
+    type(derivatives_t), intent(out) :: found         !< derivatives
+    type(error_t), allocatable, intent(out) :: error  !< mesh, joint, linear solver
+    real(dp), allocatable :: value(:)
+    integer :: i, images
+    call find_companions(self, scene, drive, joint, error)
+    if (.not. allocated(error)) call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
     if (allocated(error)) return
-    call update_struts(drive%problem, load, state%u)
-    call linear_equations(drive%problem, load, before, next, left_u, left_c, by_w, by_t)
-    du = left_u  ! flanks that just touch hold
-    call count_ahead(drive%problem, load, state%u, any(state%contact == stick_state), ahead, du)
-    call solver%update(drive%problem, by_w, by_t, error)
-    if (allocated(error)) return
-    self%of(1)%before = before
-    self%of(1)%state = state
-    if (self%of(1)%scene%support%loop) call note_forces(self%of(1), load, state)
-    allocate (dt, mold=state%traction)
-    do i = 2, self%n
-      if (self%of(i)%idle) cycle
+    found%results = split(of_all)
+    if (scene%support%loop) found%results = split(of_loop//of_all)
+    if (.not. scene%support%loop) found%results = [found%results, split('rotation_rad')]
+    allocate (self%result(size(found%results)), self%value(self%keys, size(found%results)))
+    if (scene%support%loop) call find_forces(self, scene, drive)
+    value = results_of(self, scene, joint, drive, drive)
+    do i = 1, self%keys
       associate (c => self%of(i))
-        call drive_load(c%drive, assembly_at(c%scene, place), torque_at(c%scene, place), step_friction(c%scene, loaded), &
-          other_load, c%state)
-        c%drive%problem%wheel_turns = drive%problem%wheel_turns
-        next = state
-        next%touch = c%state%touch
-        next%past = c%state%past
-        was = c%state  ! but for its slip, which is taken as linear: a change may be larger than the slip of the step
-        call gap_and_slip(c%drive%problem, other_load, was, next)
-        was%slip = next%slip - (state%slip - before%slip)
-        slip = was%slip - c%state%slip
-        call linear_equations(c%drive%problem, other_load, was, next, r_u, r_c, unused_w, unused_t)
-        if (drive%problem%wheel_turns .and. c%scene%support%struts) call hold_flanks(c%drive%problem, drive%problem%strut_rate, &
-          other_load, next%u, r_u)
-        r_u = r_u - left_u
-        r_c = r_c - left_c
-        do j = 1, size(slip, 2)
-          r_c(:, j) = r_c(:, j) + matmul(by_w(:, 2:, j), slip(:, j))
-        end do
-        if (any(abs(r_u) > 0) .or. any(abs(r_c) > 0)) then
-          call solver%solve(drive%problem, r_u, r_c, du, dt, error)
-          if (allocated(error)) exit
-          next%u = next%u + du
-          next%traction = next%traction + dt
-        end if
-        call gap_and_slip(c%drive%problem, other_load, c%state, next)
-        if (c%scene%support%struts .and. .not. (loaded .or. place < assembled(c%scene))) then
-          call touch_teeth(c%scene, c%drive, next%u, next)
-        else
-          call remember(c%drive%problem, other_load, next)
-        end if
-        if (c%scene%support%loop) call note_forces(c, other_load, next)
-        c%before = c%state
-        c%state = next
-        if (.not. (loaded .or. c%late .or. place < assembled(c%scene))) c%idle = .not. (any(abs(c%state%u - state%u) > 0) &
-          .or. any(abs(c%state%touch - state%touch) > 0))
+        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
+        if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
+        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
       end associate
     end do
-    solver%sides = 1
-  end subroutine follow
-
-  !> Flanks that push on the run pull on a companion that a change has taken off them: in the run their way is that of the wheel,
-  !> also where the torque is 0 and they only just touch.
-  subroutine hold_flanks(problem, rate, load, u, r)
-    type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
-    real(dp), intent(in) :: rate(:)             !< of the run [N/m]
-    type(load_t), intent(in) :: load            !< of the companion
-    real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
-    real(dp), intent(inout) :: r(:, :)          !< out-of-balance forces (3, n), get the pull [N]
-    real(dp) :: closing(size(rate)), pull(size(rate))
-    integer :: i
-    closing = strut_closings(problem, load, u)
-    pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
-    if (.not. any(abs(pull) > 0)) return
-    problem%strut_rate = rate
-    pull = linear_forces(problem, pull)
-    do i = 1, size(pull)
-      if (abs(pull(i)) > 0) call push(problem%struts(i), pull(i), r)
-    end do
-  end subroutine hold_flanks
-
-  !> Note the forces of balls and teeth.
-  subroutine note_forces(c, load, state)
-    type(companion_t), intent(inout) :: c   !< gets the largest
-    type(load_t), intent(in) :: load        !< of the step
-    type(state_t), intent(in) :: state      !< at its end
-    real(dp) :: force(size(c%drive%problem%struts))
-    force = strut_forces(c%drive%problem, load, state%u)
-    associate (n => c%drive%balls)
-      c%ball_force = maxval([0._dp, force(:n)])
-      c%tooth_force = maxval(force(n + 1:n + c%drive%flanks))
-    end associate
-  end subroutine note_forces
-
-  !> Begin with a state whose matrix meets many right-hand sides, of no symmetry.
-  subroutine begin_many(solver, sides, drive, load, state, error)
-    class(linear_solver_t), intent(inout) :: solver   !< of the run
-    integer, intent(in) :: sides                      !< how many
-    type(drive_t), intent(in) :: drive                !< of the run
-    type(load_t), intent(in) :: load                  !< load
-    type(state_t), intent(in) :: state                !< state
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    real(dp), parameter :: accuracy = 1e-9_dp
-    integer :: images
     images = solver%most_images
     solver%most_images = 1
-    call solver%begin(drive%problem, load, state, error)
+    call begin_results(self, scene, joint, drive, error)
+    if (certain .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
+    do i = self%n, 1, -1
+      if (.not. allocated(error)) call go_back(self, solver, scene, drive, i, error)
+    end do
     solver%most_images = images
-    solver%sides = sides
-    solver%accuracy = accuracy
-  end subroutine begin_many
-
-  !> Book a finished load step.
-  subroutine book(self, place, loaded, reference, worst)
-    class(gradient_t), intent(inout) :: self   !< companions
-    type(place_t), intent(in) :: place         !< its end
-    logical, intent(in) :: loaded              !< by the torque
-    logical, intent(in) :: reference           !< the run's results are those of this step, so far
-    logical, intent(in) :: worst               !< its von Mises stress is the largest so far
-    integer :: i
-    do i = 1, self%n
-      associate (c => self%of(i))
-        if (c%idle) cycle
-        if (reference) c%top = c%state
-        if (reference) c%top_before = c%before
-        if (worst) c%strained = c%state
-        if (.not. loaded) c%rotation_assembled = sum(c%drive%gauge*c%state%u)
-        if (.not. c%scene%support%loop) cycle
-        if (.not. loaded) then
-          c%loop%torque = [0._dp]
-          c%loop%angle = [0._dp]
-        else
-          c%loop%torque = [c%loop%torque, torque_at(c%scene, place)]
-          c%loop%angle = [c%loop%angle, bottom_turn(c%drive, c%state)]
-        end if
-        c%loop%ball_force_max = max(c%loop%ball_force_max, c%ball_force)
-        c%loop%tooth_force_max = max(c%loop%tooth_force_max, c%tooth_force)
-      end associate
-    end do
-  end subroutine book
-
-  !> Derivatives of the results.
-  subroutine differentiate(self, solver, drive, place, certain, found, error)
-    class(gradient_t), intent(inout) :: self          !< companions at the end of the run
-    class(linear_solver_t), intent(inout) :: solver   !< of the run
-    type(drive_t), intent(inout) :: drive             !< of the run
-    type(place_t), intent(in) :: place                !< of the reference step
-    logical, intent(in) :: certain                    !< that step has a tangent K_TS
-    type(derivatives_t), intent(out) :: found         !< derivatives
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    real(dp), allocatable :: value(:, :), tangent(:)
-    integer :: i, j
-    associate (scene => self%of(1)%scene)
-      found%results = split(of_all)
-      if (scene%support%loop) found%results = split(of_loop//of_all)
-      if (.not. scene%support%loop) found%results = [found%results, split('rotation_rad')]
-    end associate
-    allocate (value(size(found%results), self%n), tangent(self%n))
-    call find_tangents(self, solver, drive, place, certain, tangent, error)
+    solver%sides = 1
     if (allocated(error)) return
-    do i = 1, self%n
-      if (self%of(i)%idle) then
-        self%of(i)%top = self%of(1)%top
-        self%of(i)%loop = self%of(1)%loop
-        self%of(i)%rotation_assembled = self%of(1)%rotation_assembled
-        value(:, i) = results_of(self%of(i), self%of(1)%drive, self%of(1)%strained, place, tangent(i))
-      else
-        value(:, i) = results_of(self%of(i), self%of(i)%drive, self%of(i)%strained, place, tangent(i))
-      end if
-    end do
-    found%keys = self%of(2:self%n)%key
-    allocate (found%value(size(found%keys), size(found%results)))
-    do i = 1, size(found%keys)
-      do j = 1, size(found%results)
-        found%value(i, j) = (value(j, i + 1) - value(j, 1))/self%of(i + 1)%change
-      end do
-    end do
-    associate (scene => self%of(1)%scene)
-      if (scene%support%loop .and. .not. any(abs(scene%torques) > 0)) call check_scale(self, value(:3, 1), found, error)
-    end associate
+    found%keys = self%of(:self%keys)%key
+    found%value = self%value/spread(self%of(:self%keys)%change, 2, size(found%results))
+    if (scene%support%loop .and. .not. any(abs(scene%torques) > 0)) call check_scale(self, value(:3), found, error)
   end subroutine differentiate
 
   !> K1 to K3 of a drive are in proportion to all its forces and stiffnesses together (Euler): derivatives that do not say so were
@@ -415,150 +373,614 @@ contains
     type(derivatives_t), intent(inout) :: found       !< derivatives, deallocated if they do not hold
     type(error_t), allocatable, intent(out) :: error  !< they do not
     real(dp) :: misfit(3)
-    misfit = abs(matmul(self%of(2:self%n)%force, found%value(:, :3))/max(slope, tiny(1._dp)) - 1)
+    misfit = abs(matmul(self%of(:self%keys)%force, found%value(:, :3))/max(slope, tiny(1._dp)) - 1)
     if (.not. any(slope > 0 .and. .not. misfit < largest_misfit)) return
     deallocate (found%value)
     call raise(error, code_linear_solver, 'K1 to K3 would not be in proportion to all forces and stiffnesses by their '// &
       'derivatives, which were lost at a change of state; more load steps or another mesh may keep them')
   end subroutine check_scale
 
-  !> Results of a companion, in the order of their names.
-  function results_of(c, drive, strained, place, tangent) result(value)
-    type(companion_t), intent(in) :: c          !< at the end
-    type(drive_t), intent(in) :: drive          !< its drive
-    type(state_t), intent(in) :: strained       !< where the stress is largest
-    type(place_t), intent(in) :: place          !< of the reference step
-    real(dp), intent(in) :: tangent             !< K_TS [N m/rad]
+  !> Where balls and teeth carry most, of all load steps.
+  subroutine find_forces(self, scene, drive)
+    type(gradient_t), intent(inout) :: self  !< gets the places
+    type(scene_t), intent(in) :: scene       !< of the run
+    type(drive_t), intent(in) :: drive       !< its drive
+    real(dp) :: most(2)
+    real(dp), allocatable :: force(:)
+    integer :: i
+    most = 0
+    do i = 1, self%n
+      if (.not. self%station(i)%booked) cycle
+      force = forces_in(self, scene, drive, i)
+      associate (balls => force(:drive%balls), flanks => force(drive%balls + 1:drive%balls + drive%flanks))
+        if (maxval([0._dp, balls]) > most(1)) then
+          self%ball_at = i
+          self%ball = maxloc(balls, 1)
+        end if
+        if (maxval([0._dp, flanks]) > most(2)) then
+          self%tooth_at = i
+          self%tooth = drive%balls + maxloc(flanks, 1)
+        end if
+        most = max(most, [maxval([0._dp, balls]), maxval([0._dp, flanks])])
+      end associate
+    end do
+  end subroutine find_forces
+
+  !> Forces of the struts at a station [N].
+  function forces_in(self, scene, drive, i) result(force)
+    type(gradient_t), intent(in) :: self     !< stations
+    type(scene_t), intent(in) :: scene       !< scene of a drive
+    type(drive_t), intent(in) :: drive       !< with these struts
+    integer, intent(in) :: i                 !< station
+    real(dp), allocatable :: force(:)
+    type(load_t) :: load
+    call strut_load(drive, assembly_at(scene, self%station(i)%place), load, self%station(i - 1)%state)
+    force = strut_forces(drive%problem, load, self%station(i)%state%u)
+  end function forces_in
+
+  !> Results that a drive would have in the states of the run, in the order of their names; no tangent.
+  function results_of(self, scene, joint, own, drive) result(value)
+    type(gradient_t), intent(in) :: self        !< stations
+    type(scene_t), intent(in) :: scene          !< of the drive
+    type(joint_t), intent(in) :: joint          !< its joint
+    type(drive_t), intent(in) :: own            !< its struts
+    type(drive_t), intent(in) :: drive          !< all else of it
     real(dp), allocatable :: value(:)
     type(facets_t) :: facets
     type(sums_t) :: sums
     type(load_t) :: load
-    type(readings_t) :: readings
-    type(strength_t) :: strength
-    type(fatigue_t) :: fatigue
-    type(stress_matrices_t) :: matrices(2)
-    type(scene_t) :: plain
-    type(error_t), allocatable :: error
-    associate (scene => c%scene, torque => torque_at(c%scene, place), friction => step_friction(c%scene, .true.))
-      call drive_load(drive, 1._dp, torque, friction, load, c%top)
-      call evaluate_facets(drive, at_friction(c%joint, friction), c%top, facets)
-      call sum_up(drive, load, c%top, facets, sums)
-      call sum_stiffness(scene, drive, torque, c%top, facets, sums)
-      plain = scene
-      plain%support%loop = .false.  ! no fatigue
-      call book_stress(strength, fatigue, matrices, plain, drive, strained, torque, error)
+    type(loop_t) :: loop
+    type(readings_t) :: says
+    type(error_t), allocatable :: error  ! none: the mesh is checked
+    real(dp), allocatable :: u(:, :), force(:)
+    real(dp) :: stress, most(2)
+    integer :: i
+    associate (top => self%station(self%top), worst => self%station(self%worst))
+      call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
+      call sum_stiffness(scene, drive, torque_at(scene, top%place), top%state, facets, sums)
+      call drive_load(drive, assembly_at(scene, worst%place), 0._dp, 0._dp, load)
+      u = worst%state%u
+      call prescribe(drive%problem, load, u)
+      call spot_stress(drive%problem, self%spot, u, stress, error)
       allocate (value(0))
       if (scene%support%loop) then
-        readings = read_loop(c%loop, scene)
-        value = [readings%k, readings%hysteresis, readings%lost_motion, c%loop%ball_force_max, c%loop%tooth_force_max]
+        loop%torque = [0._dp]
+        loop%angle = [0._dp]
+        do i = self%assembled + 1, self%n
+          if (.not. self%station(i)%booked) cycle
+          loop%torque = [loop%torque, torque_at(scene, self%station(i)%place)]
+          loop%angle = [loop%angle, sum(drive%gauge*self%station(i)%state%u)]
+        end do
+        most = 0
+        if (self%ball_at > 0) then
+          force = forces_in(self, scene, own, self%ball_at)
+          most(1) = force(self%ball)
+        end if
+        if (self%tooth_at > 0) then
+          force = forces_in(self, scene, own, self%tooth_at)
+          most(2) = force(self%tooth)
+        end if
+        says = read_loop(loop, scene)
+        value = [says%k, says%hysteresis, says%lost_motion, most]
       end if
-      value = [value, sums%k_ts, tangent, sums%normal_force, max(strength%flexspline, strength%ring)]
-      if (.not. scene%support%loop) value = [value, sums%rotation - c%rotation_assembled]
+      associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
+        value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), stress]
+      end associate
+      if (.not. scene%support%loop) value = [value, sum(drive%gauge*(top%state%u - self%station(self%assembled)%state%u))]
     end associate
   end function results_of
 
-  !> Tangent K_TS of every companion: the answers to a further torque change by what the run's answers leave in the companion's
-  !> equations, solved with the run's matrices.
-  subroutine find_tangents(self, solver, drive, place, certain, tangent, error)
-    type(gradient_t), intent(inout) :: self           !< companions at the end of the run
-    class(linear_solver_t), intent(inout) :: solver   !< of the run
-    type(drive_t), intent(inout) :: drive             !< of the run
-    type(place_t), intent(in) :: place                !< of the reference step
-    logical, intent(in) :: certain                    !< there is a tangent
-    real(dp), intent(out) :: tangent(:)               !< [N m/rad]
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
+  !> Derivatives of the results by the states that they are read from.
+  subroutine begin_results(self, scene, joint, drive, error)
+    type(gradient_t), intent(inout) :: self           !< gets them
+    type(scene_t), intent(in) :: scene                !< of the run
+    type(joint_t), intent(in) :: joint                !< its joint
+    type(drive_t), intent(inout) :: drive             !< its drive
+    type(error_t), allocatable, intent(out) :: error  !< inverted element
+    integer :: i, m, n
+    real(dp) :: stress
+    n = size(self%result)
+    allocate (self%by_turn(self%n, n), source=0._dp)
+    do i = 1, n
+      associate (r => self%result(i), points => drive%problem%mortar%n)
+        allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
+          source=0._dp)
+      end associate
+    end do
+    if (scene%support%loop) then
+      call by_readings(self, scene, drive)
+      call by_force(self, scene, drive, self%ball_at, self%ball, self%result(readings + 1))
+      call by_force(self, scene, drive, self%tooth_at, self%tooth, self%result(readings + forces))
+      n = readings + forces
+    else
+      self%by_turn(self%top, n) = 1
+      if (self%assembled > 0) self%by_turn(self%assembled, n) = self%by_turn(self%assembled, n) - 1
+      n = 0
+    end if
+    self%result(n + 1:n + 3)%station = self%top
+    call stiffness_slopes(drive, at_friction(joint, step_friction(scene, .true.)), self%station(self%top)%state, &
+      self%result(n + 1)%by_u, self%result(n + 1)%by_t)
+    m = drive%problem%mortar%n - drive%problem%mortar%rigid
+    self%result(n + 3)%by_t(1, :m) = drive%problem%mortar%area(:m)
+    self%result(n + 4)%station = self%worst
+    call spot_stress(drive%problem, self%spot, self%station(self%worst)%state%u, stress, error, self%result(n + 4)%by_u)
+  end subroutine begin_results
+
+  !> Derivatives of the readings of a loop by its angles.
+  subroutine by_readings(self, scene, drive)
+    type(gradient_t), intent(inout) :: self  !< gets by_turn
+    type(scene_t), intent(in) :: scene       !< of the run
+    type(drive_t), intent(in) :: drive       !< its drive
+    real(dp), parameter :: small = 1e-5_dp   !< of the largest angle
+    type(loop_t) :: loop, moved
+    type(readings_t) :: low, high
+    integer, allocatable :: at(:)
+    real(dp) :: step
+    integer :: i
+    loop%torque = [0._dp]
+    loop%angle = [0._dp]
+    at = pack([(i, i=1, self%n)], self%station(1:self%n)%booked .and. [(i > self%assembled, i=1, self%n)])
+    do i = 1, size(at)
+      loop%torque = [loop%torque, torque_at(scene, self%station(at(i))%place)]
+      loop%angle = [loop%angle, sum(drive%gauge*self%station(at(i))%state%u)]
+    end do
+    step = small*maxval(abs(loop%angle))
+    do i = 1, size(at)
+      moved = loop
+      moved%angle(i + 1) = loop%angle(i + 1) - step
+      low = read_loop(moved, scene)
+      moved%angle(i + 1) = loop%angle(i + 1) + step
+      high = read_loop(moved, scene)
+      self%by_turn(at(i), :readings) = [high%k - low%k, high%hysteresis - low%hysteresis, high%lost_motion - low%lost_motion]/ &
+        (2*step)
+    end do
+  end subroutine by_readings
+
+  !> Derivatives of the force of a strut.
+  subroutine by_force(self, scene, drive, station, strut, result)
+    type(gradient_t), intent(in) :: self      !< stations
+    type(scene_t), intent(in) :: scene        !< of the run
+    type(drive_t), intent(inout) :: drive     !< its drive
+    integer, intent(in) :: station, strut     !< which; 0: none pushes
+    type(result_t), intent(inout) :: result   !< gets them
     type(load_t) :: load
-    type(answer_t) :: answer(2)
-    real(dp), allocatable, dimension(:, :) :: left_u, left_c, base_u, base_c, du, dt
-    real(dp) :: sense, turn
-    integer :: i, k, images
-    tangent = 0
-    if (.not. certain) return
-    associate (run => self%of(1))
-      sense = sign(1._dp, torque_at(run%scene, place))
-      images = solver%most_images
-      solver%most_images = 1
-      solver%sides = self%n
-      call at_top(run, drive, place, load)
-      allocate (du, mold=run%state%u)
-      allocate (dt, mold=run%state%traction)
-      do k = 1, 2
-        if (k == 1) call glued_response(drive, solver, load, sense, run%top, answer(k), error)
-        if (k == 2) call coupled_response(drive, solver, at_friction(run%joint, step_friction(run%scene, .true.)), load, sense, &
-          run%top, answer(k), error)
-        if (allocated(error)) exit
-        do i = 1, self%n
-          if (self%of(i)%idle) then
-            call leave(self%of(i), drive, run%top, answer(k), k == 1, sense, place, left_u, left_c)
-          else
-            call leave(self%of(i), self%of(i)%drive, self%of(i)%top, answer(k), k == 1, sense, place, left_u, left_c)
+    real(dp), allocatable :: force(:)
+    integer :: i
+    result%station = station
+    if (station == 0) return
+    call strut_load(drive, assembly_at(scene, self%station(station)%place), load, self%station(station - 1)%state)
+    call update_struts(drive%problem, load, self%station(station)%state%u)
+    force = linear_forces(drive%problem, [(merge(1._dp, 0._dp, i == strut), i=1, size(drive%problem%struts))])
+    do i = 1, size(force)
+      if (abs(force(i)) > 0) call push(drive%problem%struts(i), force(i), result%by_u)
+    end do
+    result%by_touch = force(drive%balls + 1:drive%balls + drive%flanks)
+  end subroutine by_force
+
+  !> From the end of a part of a load step to its beginning.
+  subroutine go_back(self, solver, scene, drive, i, error)
+    type(gradient_t), intent(inout) :: self           !< stations
+    class(linear_solver_t), intent(inout) :: solver   !< of the run
+    type(scene_t), intent(in) :: scene                !< of the run
+    type(drive_t), intent(inout) :: drive             !< its drive
+    integer, intent(in) :: i                          !< station
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    type(adjoint_t) :: adjoint
+    type(ahead_t) :: ahead
+    type(load_t) :: load
+    type(state_t) :: next
+    integer, allocatable :: list(:)
+    real(dp), allocatable, dimension(:, :) :: left_u, left_c, by_u, by_t, near
+    real(dp), allocatable, dimension(:, :, :) :: dw, dt, lambda, rho, slope
+    integer :: j, k, struts
+    associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
+      problem => drive%problem)
+      self%result%begun = self%result%begun .or. self%result%station == i .or. any(abs(self%by_turn(i:i, :)) > 0, 1)
+      list = pack([(k, k=1, size(self%result))], self%result%begun)
+      if (size(list) == 0) return
+      call drive_load(drive, assembly_at(scene, place), torque_at(scene, place), step_friction(scene, under_torque(scene, place)), &
+        load, before)
+      problem%wheel_turns = scene%support%turns_bottom .and. under_torque(scene, place)
+      call begin_many(solver, size(list), problem, load, before, error)
+      if (allocated(error)) return
+      next = s
+      call linear_equations(problem, load, before, next, left_c, dw, dt)
+      left_u = internal_residual(problem, load, s)
+      call update_struts(problem, load, s%u)
+      allocate (by_u, mold=left_u)
+      call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
+      call adjoint%take(problem%law%scale, dw, dt)
+      call solver%update(problem, adjoint%w, adjoint%t, error)
+      struts = 0
+      if (allocated(problem%struts)) struts = size(problem%struts)
+      allocate (lambda(3, problem%n, size(list)), rho(3, problem%mortar%n, size(list)), near(struts, size(list)))
+      call by_history(problem, load, before, next, left_c, slope)
+      do k = 1, size(list)
+        if (allocated(error)) return
+        associate (r => self%result(list(k)))
+          by_u = 0
+          if (abs(self%by_turn(i, list(k))) > 0) by_u = self%by_turn(i, list(k))*drive%gauge
+          by_t = r%held
+          if (r%station == i) then
+            by_u = by_u + r%by_u
+            by_t = by_t + r%by_t
+            if (allocated(r%by_touch) .and. size(before%touch) > 0) r%touch = r%touch + r%by_touch
           end if
-          if (i == 1) base_u = left_u
-          if (i == 1) base_c = left_c
-          du = 0
-          if (i > 1) call solver%solve(drive%problem, left_u - base_u, left_c - base_c, du, dt, error)
-          if (allocated(error)) exit
-          du = du + answer(k)%du
-          if (self%of(i)%idle) then
-            turn = sense*sum(drive%gauge*du)
-          else
-            turn = sense*sum(self%of(i)%drive%gauge*du)
+          if (size(s%touch) > size(before%touch)) then
+            do j = 1, drive%flanks
+              call push(problem%struts(drive%balls + j), -r%touch(j), by_u)
+            end do
           end if
-          tangent(i) = turn - tangent(i)  ! the glued one first
+          call adjoint%solve(problem, solver, by_u, by_t, r%later, r%station == i, lambda(:, :, k), &
+            rho(:, :, k), error)
+          if (allocated(error)) return
+          call leave_free(problem, lambda(:, :, k))
+          do j = 1, 3
+            r%held(j, :) = -sum(rho(:, :, k)*slope(:, :, j), 1)
+          end do
+          near(:, k) = [(closing_of(problem%struts(j), lambda(:, :, k)), j=1, struts)]
+          if (size(before%touch) > 0) then
+            by_t = reshape(linear_forces(problem, near(:, k)), [struts, 1])
+            r%touch = r%touch - by_t(drive%balls + 1:drive%balls + drive%flanks, 1)
+          end if
+        end associate
+      end do
+      call add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+    end associate
+  end subroutine go_back
+
+  !> Derivatives of the law's residuals by the tractions before: shear leads, and a joint's grows from there.
+  subroutine by_history(problem, load, before, state, r_c, slope)
+    type(problem_t), intent(in) :: problem         !< problem
+    type(load_t), intent(in) :: load               !< of the step
+    type(state_t), intent(in) :: before            !< at its beginning
+    type(state_t), intent(inout) :: state          !< at its end
+    real(dp), intent(in) :: r_c(:, :)              !< residuals there (3, points) [Pa]
+    real(dp), allocatable, intent(out) :: slope(:, :, :)  !< (3, points, components of the traction)
+    type(state_t) :: moved
+    real(dp), allocatable :: r(:, :), dw(:, :, :), dt(:, :, :), step(:)
+    integer :: c
+    allocate (slope(3, size(r_c, 2), 3), source=0._dp)
+    step = of_state*norm2(before%traction(2:, :), 1)
+    if (.not. any(step > 0)) return
+    moved%slip = before%slip
+    moved%contact = before%contact
+    do c = 2, 3
+      moved%traction = before%traction
+      moved%traction(c, :) = moved%traction(c, :) + step
+      call linear_equations(problem, load, moved, state, r, dw, dt)
+      slope(:, :, c) = (r - r_c)/spread(max(step, tiny(1._dp)), 1, 3)
+    end do
+  end subroutine by_history
+
+  !> What the residuals of all keys at a station change of the results.
+  subroutine add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+    type(gradient_t), intent(inout) :: self           !< gets value
+    type(drive_t), intent(inout) :: drive             !< of the run
+    integer, intent(in) :: i                          !< station
+    integer, intent(in) :: list(:)                    !< results
+    type(load_t), intent(in) :: load                  !< there
+    real(dp), intent(in) :: left_u(:, :), left_c(:, :)         !< residuals of the run (3, n), (3, points)
+    real(dp), intent(in) :: lambda(:, :, :), rho(:, :, :)      !< by residuals (3, n, list), (3, points, list)
+    real(dp), intent(in) :: near(:, :)                !< closings of the struts by lambda (struts, list)
+    real(dp), allocatable :: r_u(:, :, :), r_c(:, :, :), force(:), pushed(:, :)
+    integer, allocatable :: whole(:)
+    type(load_t) :: other
+    type(state_t) :: met
+    integer :: j, k
+    associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
+      problem => drive%problem)
+      whole = pack([(k, k=1, self%keys)], self%of(:self%keys)%whole)
+      allocate (r_u(3, problem%n, size(whole)), r_c(3, problem%mortar%n, self%keys), pushed(size(near, 1), self%keys))
+      r_c = 0
+      pushed = 0
+      if (allocated(problem%struts)) force = strut_forces(problem, load, s%u)
+      if (problem%wheel_turns) force = force + pull_of(problem, [problem%strut_rate], load, s%u)
+      do j = 1, size(whole)
+        call change_residuals(self%of(whole(j)), drive, place, before, s, r_u(:, :, j), r_c(:, :, whole(j)))
+        r_u(:, :, j) = r_u(:, :, j) - left_u
+        r_c(:, :, whole(j)) = r_c(:, :, whole(j)) - left_c
+      end do
+      do k = 1, self%keys
+        associate (c => self%of(k))
+          if (c%idle .or. c%whole) cycle
+          if (c%struts) then
+            call strut_load(c%drive, assembly_at(c%scene, place), other, before)
+            pushed(:, k) = strut_forces(c%drive%problem, other, s%u) - force
+            if (problem%wheel_turns) pushed(:, k) = pushed(:, k) + pull_of(c%drive%problem, problem%strut_rate, other, s%u)
+          end if
+          if (c%law) call change_law(c, problem, place, load, before, s, left_c, r_c(:, :, k))
+        end associate
+      end do
+      call subtract(size(left_u), whole, r_u, lambda)
+      call subtract(size(left_c), [(k, k=1, self%keys)], r_c, rho)
+      call subtract(size(near, 1), [(k, k=1, self%keys)], pushed, near)
+      if (.not. size(s%touch) > size(before%touch)) return
+      do k = 1, self%keys
+        if (self%of(k)%idle) cycle
+        met = s
+        call touch_teeth(self%of(k)%scene, self%of(k)%drive, s%u, met)
+        do j = 1, size(list)
+          self%value(k, list(j)) = self%value(k, list(j)) + dot_product(self%result(list(j))%touch, met%touch - s%touch)
         end do
       end do
-      solver%most_images = images
-      solver%sides = 1
     end associate
-    if (.not. allocated(error)) tangent = 1/tangent
-  end subroutine find_tangents
+  contains
+    !> Products of residuals and what results change by them.
+    subroutine subtract(n, keys, r, by)
+      integer, intent(in) :: n                     !< residuals
+      integer, intent(in) :: keys(:)               !< numbers of the keys
+      real(dp), intent(in) :: r(n, size(keys)), by(n, size(list))
+      real(dp) :: product(size(keys), size(list))
+      if (size(r) == 0) return
+      call dgemm('T', 'N', size(keys), size(list), n, 1._dp, r, n, by, n, 0._dp, product, size(keys))
+      self%value(keys, list) = self%value(keys, list) - product
+    end subroutine subtract
+  end subroutine add_keys
 
-  !> Load and struts of a drive at its reference step.
-  subroutine at_top(c, drive, place, load)
-    type(companion_t), intent(in) :: c        !< companion, or the run
-    type(drive_t), intent(inout) :: drive     !< its drive, gets the tangents of its struts
-    type(place_t), intent(in) :: place        !< of the reference step
+  !> Residuals of a drive of its own bodies in a state of the run. The way of a step is taken as linear: a change may be larger
+  !> than the slip in it.
+  subroutine change_residuals(c, drive, place, before, state, r_u, r_c)
+    type(companion_t), intent(inout) :: c           !< its drive gets whether the wheel turns
+    type(drive_t), intent(in) :: drive              !< of the run
+    type(place_t), intent(in) :: place              !< here
+    type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
+    real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], (3, points) [Pa]
+    real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :), pull(:)
+    real(dp) :: w(3, size(r_c, 2)), slip(2, size(r_c, 2))
+    type(state_t) :: next, was
+    type(load_t) :: load
+    integer :: j
+    associate (problem => c%drive%problem)
+      call drive_load(c%drive, assembly_at(c%scene, place), torque_at(c%scene, place), &
+        step_friction(c%scene, under_torque(c%scene, place)), load, before)
+      problem%wheel_turns = drive%problem%wheel_turns
+      next = state
+      call prescribe(problem, load, next%u)
+      w = relative_displacement(problem%mortar, next%u)
+      was%traction = before%traction
+      was%contact = before%contact
+      was%slip = before%slip + (w(2:, :) - state%slip)
+      w = relative_displacement(problem%mortar, before%u)
+      slip = was%slip - w(2:, :)
+      call linear_equations(problem, load, was, next, left, dw, dt)
+      do j = 1, size(slip, 2)
+        r_c(:, j) = left(:, j) + matmul(dw(:, 2:, j), slip(:, j))
+      end do
+      r_u = internal_residual(problem, load, next)
+      if (.not. (problem%wheel_turns .and. allocated(problem%struts))) return
+      pull = pull_of(problem, drive%problem%strut_rate, load, next%u)
+      do j = 1, size(pull)
+        if (abs(pull(j)) > 0) call push(problem%struts(j), pull(j), r_u)
+      end do
+    end associate
+  end subroutine change_residuals
+
+  !> Residuals of another law, less those of the run.
+  subroutine change_law(c, problem, place, load, before, state, left_c, r_c)
+    type(companion_t), intent(in) :: c              !< companion
+    type(problem_t), intent(inout) :: problem       !< of the run, has the law for a while
+    type(place_t), intent(in) :: place              !< here
+    type(load_t), intent(in) :: load                !< of the run
+    type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
+    real(dp), intent(in) :: left_c(:, :)            !< residuals of the run (3, points) [Pa]
+    real(dp), intent(out) :: r_c(:, :)              !< change (3, points) [Pa]
+    real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :)
+    type(contact_law_t) :: law
+    type(load_t) :: other
+    type(state_t) :: next
+    law = problem%law
+    problem%law = c%drive%problem%law
+    other%friction = step_friction(c%scene, under_torque(c%scene, place))
+    other%gap = load%gap
+    other%gap(:problem%mortar%n - problem%mortar%rigid) = -assembly_at(c%scene, place)*c%drive%interference
+    next = state
+    call linear_equations(problem, other, before, next, left, dw, dt)
+    problem%law = law
+    r_c = left - left_c
+  end subroutine change_law
+
+  !> Pull of flanks that push on the run but that a change has taken off a companion: in the run their way is that of the wheel,
+  !> also where the torque is 0 and they only just touch [N].
+  function pull_of(problem, rate, load, u) result(pull)
+    type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
+    real(dp), intent(in) :: rate(:)             !< of the run [N/m]
+    type(load_t), intent(in) :: load            !< of the companion
+    real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
+    real(dp) :: closing(size(rate)), pull(size(rate))
+    closing = strut_closings(problem, load, u)
+    pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
+    if (.not. any(abs(pull) > 0)) return
+    problem%strut_rate = rate
+    pull = linear_forces(problem, pull)
+  end function pull_of
+
+  !> Begin with a state whose matrix meets many right-hand sides.
+  subroutine begin_many(solver, sides, problem, load, state, error)
+    class(linear_solver_t), intent(inout) :: solver   !< of the run
+    integer, intent(in) :: sides                      !< how many
+    type(problem_t), intent(in) :: problem            !< of the run
+    type(load_t), intent(in) :: load                  !< load
+    type(state_t), intent(in) :: state                !< state
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    real(dp), parameter :: accuracy = 1e-9_dp
+    call solver%begin(problem, load, state, error)
+    solver%sides = sides
+    solver%accuracy = accuracy
+  end subroutine begin_many
+
+  !> The tangent K_TS: the answers to a further torque, glued and on the joint, and what every key leaves in their equations.
+  subroutine add_tangent(self, solver, scene, joint, drive, error)
+    type(gradient_t), intent(inout) :: self           !< gets value, and by_u and by_t of the tangent
+    class(linear_solver_t), intent(inout) :: solver   !< of the run
+    type(scene_t), intent(in) :: scene                !< of the run
+    type(joint_t), intent(in) :: joint                !< its joint
+    type(drive_t), intent(inout) :: drive             !< its drive
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    type(answer_t) :: answer
+    type(adjoint_t) :: adjoint
+    type(load_t) :: load
+    type(state_t) :: moved
+    real(dp), allocatable, dimension(:, :) :: lambda, rho, later, none, left_u, left_c
+    real(dp), allocatable :: step(:)
+    real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
+    real(dp) :: flexibility, part, sense
+    integer :: c, i, k
+    associate (top => self%station(self%top)%state, problem => drive%problem, &
+      n => merge(readings + forces, 0, scene%support%loop) + 2)
+      sense = sign(1._dp, torque_at(scene, self%station(self%top)%place))
+      allocate (lambda(3, problem%n), rho(3, problem%mortar%n), none(3, problem%mortar%n))
+      none = 0
+      moved%contact = top%contact
+      flexibility = 0
+      do k = 1, -1, -2  ! what they turn by more than glued
+        call at_top(self, scene, drive, load)
+        if (k < 0) call glued_response(drive, solver, load, sense, top, answer, error)
+        if (k > 0) call coupled_response(drive, solver, at_friction(joint, step_friction(scene, .true.)), load, sense, top, &
+          answer, error)
+        if (allocated(error)) return
+        flexibility = flexibility + k*answer%flexibility
+        call rate_matrices(problem, merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, dw, dt)
+        call adjoint%take(problem%law%scale, dw, dt)
+        call begin_many(solver, 1, problem, load, top, error)
+        if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
+        later = none(:2, :)
+        if (.not. allocated(error)) call adjoint%solve(problem, solver, sense*drive%gauge, none, later, .true., lambda, rho, error)
+        if (allocated(error)) return
+        call leave_free(problem, lambda)
+        left_u = remaining_forces(drive, sense, answer)
+        left_c = remaining_law(scene, joint, drive, load, top, answer, k > 0)
+        do i = 1, self%keys
+          if (self%of(i)%whole) then
+            call at_top(self, self%of(i)%scene, self%of(i)%drive, load)
+            part = sense*sum((self%of(i)%drive%gauge - drive%gauge)*answer%du) - &
+              sum(lambda*(remaining_forces(self%of(i)%drive, sense, answer) - left_u)) - &
+              sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, self%of(i)%drive, load, top, answer, k > 0) - left_c))
+          else
+            part = -sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, drive, load, top, answer, k > 0) - left_c))
+            if (self%of(i)%struts) part = part - work_of_struts(self, self%of(i), drive, lambda, answer%du)
+          end if
+          self%value(i, n) = self%value(i, n) + k*part
+        end do
+        do c = 1, merge(3, 0, k > 0)
+          moved%traction = top%traction
+          step = of_state*abs(top%traction(1, :))
+          if (c > 1) step = of_state*norm2(top%traction(2:, :), 1)
+          moved%traction(c, :) = moved%traction(c, :) + step
+          self%result(n)%by_t(c, :) = -sum(rho*(remaining_law(scene, joint, drive, load, moved, answer, .true.) - left_c), 1)/ &
+            max(step, tiny(1._dp))
+        end do
+        call add_curvature(self, drive, lambda, answer%du, k, self%result(n)%by_u)
+      end do
+      self%value(:, n) = -self%value(:, n)/flexibility**2
+      self%result(n)%by_u = -self%result(n)%by_u/flexibility**2
+      self%result(n)%by_t = -self%result(n)%by_t/flexibility**2
+    end associate
+  end subroutine add_tangent
+
+  !> Load and struts of a drive at the reference step of the run.
+  subroutine at_top(self, scene, drive, load)
+    type(gradient_t), intent(in) :: self      !< stations
+    type(scene_t), intent(in) :: scene        !< of the drive
+    type(drive_t), intent(inout) :: drive     !< gets the tangents of its struts
     type(load_t), intent(out) :: load         !< load there
-    call drive_load(drive, 1._dp, torque_at(c%scene, place), step_friction(c%scene, .true.), load, c%top, c%top_before)
-    if (c%scene%support%struts) load%displacement(2, drive%hub) = c%top%u(2, drive%hub)
-    call update_struts(drive%problem, load, c%top%u)
+    associate (top => self%station(self%top))
+      call drive_load(drive, 1._dp, torque_at(scene, top%place), step_friction(scene, .true.), load, top%state, &
+        self%station(self%top - 1)%state)
+      if (scene%support%struts) load%displacement(2, drive%hub) = top%state%u(2, drive%hub)
+      drive%problem%wheel_turns = scene%support%turns_bottom
+      call update_struts(drive%problem, load, top%state%u)
+    end associate
   end subroutine at_top
 
-  !> What the run's answer to a further torque leaves in the equations of a companion.
-  subroutine leave(c, drive, top, answer, glued, sense, place, left_u, left_c)
-    type(companion_t), intent(inout) :: c            !< companion
-    type(drive_t), intent(inout) :: drive            !< its drive
-    type(state_t), intent(in) :: top                 !< its reference state
-    type(answer_t), intent(in) :: answer             !< of the run
-    logical, intent(in) :: glued                     !< with the faces glued
-    real(dp), intent(in) :: sense                    !< of the torque
-    type(place_t), intent(in) :: place               !< of the reference step
-    real(dp), allocatable, intent(out) :: left_u(:, :), left_c(:, :)  !< remainders
+  !> What the run's answer to a further torque leaves in the balance of a drive (3, n).
+  function remaining_forces(drive, sense, answer) result(left)
+    type(drive_t), intent(in) :: drive      !< at its reference step
+    real(dp), intent(in) :: sense           !< of the torque
+    type(answer_t), intent(in) :: answer    !< of the run
+    real(dp), allocatable :: left(:, :)
+    left = 0*answer%du
+    call add_nodal_forces(drive%problem%mortar, answer%traction, left)
+    left = apply_stiffness(drive%problem, answer%du) - left - (sense*drive%torque + drive%squeeze)
+  end function remaining_forces
+
+  !> What it leaves in the law of its joint (3, points).
+  function remaining_law(scene, joint, drive, load, top, answer, loose) result(left)
+    type(scene_t), intent(in) :: scene      !< friction
+    type(joint_t), intent(in) :: joint      !< joint
+    type(drive_t), intent(in) :: drive      !< bodies
+    type(load_t), intent(in) :: load        !< of the reference step
+    type(state_t), intent(in) :: top        !< its state
+    type(answer_t), intent(in) :: answer    !< of the run
+    logical, intent(in) :: loose            !< not glued
+    real(dp) :: left(3, size(answer%points))
     type(rate_point_t) :: points(size(answer%points))
     real(dp), dimension(3, 3, size(answer%points)) :: dw, dt
-    type(joint_t) :: joint
-    type(load_t) :: load
     real(dp) :: w(3, size(answer%points))
+    type(joint_t) :: capped
     integer :: j
-    c%top = top
-    if (c%idle) c%top_before = top
-    call at_top(c, drive, place, load)
     points = answer%points
-    joint = at_friction(c%joint, step_friction(c%scene, .true.))
-    if (.not. glued) then
-      points = joint_points(drive, joint, load, top)
+    capped = at_friction(joint, step_friction(scene, .true.))
+    if (loose) then
+      points = joint_points(drive, capped, load, top)
       points%state = answer%points%state
       points%grows = answer%points%grows
       points%at_bound = answer%points%at_bound
     end if
-    call rate_matrices(drive%problem, merge(0._dp, joint%mu, glued), points, dw, dt)
-    left_u = 0*answer%du
-    call add_nodal_forces(drive%problem%mortar, answer%traction, left_u)
-    left_u = apply_stiffness(drive%problem, answer%du) - left_u - (sense*drive%torque + drive%squeeze)
+    call rate_matrices(drive%problem, merge(capped%mu, 0._dp, loose), points, dw, dt)
     w = relative_displacement(drive%problem%mortar, answer%du)
-    allocate (left_c, mold=w)
     do j = 1, size(points)
-      left_c(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))
+      left(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))
     end do
-  end subroutine leave
+  end function remaining_law
+
+  !> Work on lambda of what a drive's own struts do more than the run's under a displacement.
+  real(dp) function work_of_struts(self, c, drive, lambda, du) result(work)
+    type(gradient_t), intent(in) :: self        !< stations
+    type(companion_t), intent(inout) :: c       !< gets the tangents of its struts
+    type(drive_t), intent(in) :: drive          !< of the run, at its reference step
+    real(dp), intent(in) :: lambda(:, :), du(:, :)  !< (3, n)
+    real(dp), dimension(size(drive%problem%struts)) :: a, b
+    type(load_t) :: load
+    integer :: i
+    do i = 1, size(a)
+      a(i) = closing_of(drive%problem%struts(i), lambda)
+      b(i) = closing_of(drive%problem%struts(i), du)
+    end do
+    call strut_load(c%drive, 1._dp, load, self%station(self%top)%state)
+    call update_struts(c%drive%problem, load, self%station(self%top)%state%u)
+    work = dot_product(a, linear_forces(c%drive%problem, b) - linear_forces(drive%problem, b))
+  end function work_of_struts
+
+  !> The same by the closings of the run's own struts, whose tangents change with them: derivatives of -k times it.
+  subroutine add_curvature(self, drive, lambda, du, k, by_u)
+    type(gradient_t), intent(in) :: self        !< stations
+    type(drive_t), intent(in) :: drive          !< of the run, at its reference step
+    real(dp), intent(in) :: lambda(:, :), du(:, :)  !< (3, n)
+    integer, intent(in) :: k                    !< sign
+    real(dp), intent(inout) :: by_u(:, :)       !< gets them (3, n)
+    real(dp), allocatable :: closing(:)
+    type(load_t) :: load
+    integer :: i
+    if (.not. allocated(drive%problem%struts)) return
+    call strut_load(drive, 1._dp, load, self%station(self%top)%state)
+    closing = strut_closings(drive%problem, load, self%station(self%top)%state%u)
+    do i = 1, size(closing)
+      associate (s => drive%problem%struts(i))
+        if (closing(i) > 0 .and. s%power > straight) call push(s, -k*s%power*(s%power - 1)*s%rate*closing(i)**(s%power - 2)* &
+          closing_of(s, lambda)*closing_of(s, du), by_u)
+      end associate
+    end do
+  end subroutine add_curvature
+
+  !> Nothing moves fixed dofs, but a wheel that turns.
+  pure subroutine leave_free(problem, u)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(inout) :: u(:, :)      !< (3, n)
+    real(dp) :: turn
+    turn = 0
+    if (problem%wheel_turns) turn = u(2, problem%wheel(1))
+    where (problem%fixed) u = 0
+    if (problem%wheel_turns) u(2, problem%wheel) = turn
+  end subroutine leave_free
 end module hd_gradient

@@ -23,7 +23,7 @@ module hd_load_step
   use hd_system, only: hold_stop, stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
-  use hd_timers, only: in_gradient, in_newton, in_output, in_setup, in_turn
+  use hd_timers, only: in_newton, in_output, in_setup, in_turn
   implicit none
   private
   public :: solve_step
@@ -256,26 +256,13 @@ contains
       if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
-      if (allocated(run%gradient)) call lead_companions(run, load, error)
+      if (allocated(run%gradient)) call run%gradient%follow(place, run%before, trial)
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance it is rounding: friction holds nothing
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
-
-  !> Take the companions of a gradient to where the run stands.
-  subroutine lead_companions(run, load, error)
-    type(run_t), intent(inout) :: run                 !< run
-    type(load_t), intent(in) :: load                  !< of the part that ends here
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    integer :: threads
-    threads = 0
-    if (run%model%solver%own_threads) threads = blas_threads(1)
-    call run%gradient%follow(run%model%solver, run%model%drive, load, run%before, run%state, run%place, run%step%loaded, error)
-    if (run%model%solver%own_threads) threads = blas_threads(threads)
-    call run%record%timers%book(in_gradient)
-  end subroutine lead_companions
 
   !> Displacement at which a body counts as sliding away [m].
   pure real(dp) function farthest(scene, radius)

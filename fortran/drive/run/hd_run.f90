@@ -9,7 +9,7 @@ module hd_run
   use hd_drive, only: drive_load, step_friction
   use hd_error, only: error_t, raise, code_input, code_stopped
   use hd_folder_lock, only: folder_lock_t
-  use hd_gradient, only: gradient_t, new_gradient
+  use hd_gradient, only: gradient_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
   use hd_joint, only: joint_t, at_friction
   use hd_joint_range, only: check_stiffness, range_warnings
@@ -42,7 +42,7 @@ module hd_run
   use hd_warning_list, only: numbered
   implicit none
   private
-  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, ask_gradient, &
+  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, &
     close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
@@ -255,32 +255,21 @@ contains
     end if
     call run%record%timers%book(in_output)
     if (.not. allocated(run%gradient) .or. allocated(error)) return
-    call run%gradient%book(run%place, run%step%loaded, .not. run%scene%support%loop .or. &
+    call run%gradient%book(run%step%loaded, .not. run%scene%support%loop .or. &
       (run%reference%known .and. run%reference%step%number == run%step%number), &
       max(run%strength%flexspline, run%strength%ring) > stress)
     call run%record%timers%book(in_gradient)
   end subroutine accept
 
-  !> Let the run, at rest, find the derivatives of its results.
-  subroutine ask_gradient(run, error)
-    type(run_t), intent(inout) :: run                 !< gets its companions
-    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
-    allocate (run%gradient)
-    call new_gradient(run%scene, run%model%drive, run%joint, run%gradient, error)
-    call run%record%timers%book(in_gradient)
-  end subroutine ask_gradient
-
   !> Derivatives of the results of a run that is over.
   subroutine find_gradient(run)
     type(run_t), intent(inout) :: run  !< its record gets them
     type(error_t), allocatable :: error
-    type(place_t) :: place
     integer :: threads
     if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
-    place = place_t(run%step%number, 0)
     threads = 0
     if (run%model%solver%own_threads) threads = blas_threads(1)
-    call run%gradient%differentiate(run%model%solver, run%model%drive, place, &
+    call run%gradient%differentiate(run%model%solver, run%scene, run%joint, run%model%drive, &
       run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
     if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')

@@ -108,8 +108,9 @@ contains
     call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. (s%with_band == '.false.' .and. .not. &
       s%planned_tolerance > 0), 'load.tangent_steps', s%tangent_steps, "'needed' or 'all' with run.band or run.tolerance")
     call ask(faults, s%with_gradient == '.false.' .or. .not. (s%large() .or. s%support%against_teeth .or. s%turned() &
-      .or. s%planned_tolerance > 0), 'run.gradient', s%with_gradient, "'.false.' with solver.kinematics = 'nonlinear', "// &
-      "load.support = 'teeth', loop.history = 'turned' or run.tolerance")
+      .or. s%planned_tolerance > 0 .or. s%tooth_friction > 0), 'run.gradient', s%with_gradient, &
+      "'.false.' with solver.kinematics = 'nonlinear', load.support = 'teeth', load.tooth_friction, loop.history = 'turned' "// &
+      "or run.tolerance")
     call need(faults, s%turning_positions == 0 .or. s%support%struts, 'turning.positions', real(s%turning_positions, dp), &
       "0, but with load.support = 'drive'")
     call ask(faults, s%hard() .or. .not. s%bonded(), 'contact.law', s%contact_law, &

@@ -1,0 +1,135 @@
+! SPDX-License-Identifier: GPL-3.0-or-later
+!> The transposed of Newton's equations: what a result changes by per unit of every residual. The solver of the equations solves
+!> them too, with another law at each multiplier. With tau = -R_w^T rho and w = R_t^T rho - g,
+!>
+!>   K lambda - B^T a tau = g_u,    (B lambda + g_t/a, tau) in the range of (R_t^T, -R_w^T)   or   W (B lambda + g_t/a) + T tau = 0,
+!>
+!> where the rows of (W, T) span what that range leaves. The result's change is  -lambda . dr_u - a rho . dr_c.
+module hd_adjoint
+  use hd_kinds, only: dp
+  use hd_error, only: error_t
+  use hd_linear_solver, only: linear_solver_t
+  use hd_mortar, only: add_nodal_forces, relative_displacement
+  use hd_problem, only: problem_t, apply_stiffness
+  implicit none
+  private
+  public :: adjoint_t
+
+  type :: adjoint_t
+    real(dp) :: scale = 1                              !< of the law [Pa/m]
+    real(dp), allocatable :: w(:, :, :), t(:, :, :)    !< its rows (3, 3, multipliers), for a solver's update [Pa/m]
+    real(dp), allocatable :: back(:, :, :)             !< rho from w and tau over the scale (3, 6, multipliers)
+  contains
+    procedure :: take => take_law
+    procedure :: solve => solve_adjoint
+  end type adjoint_t
+
+contains
+
+  !> Transpose a law.
+  pure subroutine take_law(self, scale, dw, dt)
+    class(adjoint_t), intent(inout) :: self   !< gets the law
+    real(dp), intent(in) :: scale             !< its scale [Pa/m]
+    real(dp), intent(in) :: dw(:, :, :)       !< R_w (3, 3, multipliers) [Pa/m]
+    real(dp), intent(in) :: dt(:, :, :)       !< R_t (3, 3, multipliers)
+    real(dp) :: a(6, 3), q(6, 6), b(3, 2), p(3, 3), rows(3, 6)
+    integer :: i, j
+    self%scale = scale
+    self%w = dw
+    self%t = dt
+    if (allocated(self%back)) deallocate (self%back)
+    allocate (self%back(3, 6, size(dw, 3)), source=0._dp)
+    do j = 1, size(dw, 3)
+      if (.not. any(abs(dw(:, :, j)) > 0)) then  ! no traction but what is given: R_t is 1
+        do i = 1, 3
+          self%back(i, i, j) = 1
+        end do
+        cycle
+      end if
+      a(:3, :) = transpose(dt(:, :, j))
+      a(4:, :) = -transpose(dw(:, :, j))/scale
+      call reflect(a, q)
+      do i = 3, 1, -1
+        self%back(i, :, j) = (q(:, i) - matmul(transpose(self%back(i + 1:, :, j)), a(i, i + 1:)))/a(i, i)
+      end do
+      b = transpose(q(2:3, 4:))  ! the first row sees no slip, as that of every law
+      call reflect(b, p)
+      rows = transpose(matmul(q(:, 4:), p(:, [3, 1, 2])))
+      self%w(:, :, j) = scale*rows(:, :3)
+      self%t(:, :, j) = rows(:, 4:)
+      self%w(1, 2:, j) = 0
+    end do
+  end subroutine take_law
+
+  !> Householder's reflections: A = Q R.
+  pure subroutine reflect(a, q)
+    real(dp), intent(inout) :: a(:, :)   !< matrix of more rows than columns, then R above zeros
+    real(dp), intent(out) :: q(:, :)     !< orthonormal
+    real(dp) :: v(size(a, 1)), size_of
+    integer :: i, k
+    q = 0
+    do i = 1, size(a, 1)
+      q(i, i) = 1
+    end do
+    do k = 1, size(a, 2)
+      v = 0
+      v(k:) = a(k:, k)
+      size_of = norm2(v)
+      if (.not. size_of > 0) cycle
+      v(k) = v(k) + sign(size_of, v(k))
+      v = v/norm2(v)
+      do i = 1, size(a, 2)
+        a(:, i) = a(:, i) - 2*dot_product(v, a(:, i))*v
+      end do
+      do i = 1, size(a, 1)
+        q(i, :) = q(i, :) - 2*dot_product(q(i, :), v)*v
+      end do
+    end do
+  end subroutine reflect
+
+  !> Solve for one result. The slip of a step ends what it was when the step began: `later` is the tau along the face that the next
+  !> step asks of this one.
+  subroutine solve_adjoint(self, problem, solver, by_u, by_t, later, twice, lambda, rho, error)
+    class(adjoint_t), intent(in) :: self              !< law, which the solver has
+    type(problem_t), intent(in) :: problem            !< problem
+    class(linear_solver_t), intent(inout) :: solver   !< factorised
+    real(dp), intent(in) :: by_u(:, :)                !< derivatives of the result by displacements (3, n)
+    real(dp), intent(in) :: by_t(:, :)                !< and tractions (3, multipliers) [1/Pa]
+    real(dp), intent(inout) :: later(:, :)            !< tau of the next step, then of this one (2, multipliers)
+    logical, intent(in) :: twice                      !< refined: a solver may let a wheel's balance be by a hair
+    real(dp), intent(out) :: lambda(:, :)             !< by out-of-balance forces (3, n)
+    real(dp), intent(out) :: rho(:, :)                !< by residuals of the law, area included (3, multipliers)
+    type(error_t), allocatable, intent(out) :: error  !< solver
+    real(dp), dimension(3, size(by_t, 2)) :: r, w, tau, more
+    real(dp), allocatable :: left_u(:, :), more_u(:, :)
+    real(dp) :: known(3)
+    integer :: j
+    do j = 1, size(r, 2)
+      w(:, j) = by_t(:, j)/max(problem%mortar%area(j), tiny(1._dp))
+      r(:, j) = matmul(self%w(:, :, j), w(:, j)) + matmul(self%t(:, 2:, j), later(:, j))
+    end do
+    call solver%solve(problem, -by_u, r, lambda, tau, error)
+    if (twice .and. .not. allocated(error)) then
+      allocate (left_u, mold=by_u)
+      left_u = by_u
+      call add_nodal_forces(problem%mortar, tau, left_u)
+      left_u = apply_stiffness(problem, lambda) - left_u
+      more = relative_displacement(problem%mortar, lambda)
+      do j = 1, size(r, 2)
+        r(:, j) = r(:, j) + matmul(self%w(:, :, j), more(:, j)) + matmul(self%t(:, :, j), tau(:, j))
+      end do
+      allocate (more_u, mold=by_u)
+      call solver%solve(problem, left_u, r, more_u, more, error)
+      if (.not. allocated(error)) lambda = lambda + more_u
+      tau = tau + more
+    end if
+    if (allocated(error)) return
+    tau(2:, :) = tau(2:, :) + later
+    w = w + relative_displacement(problem%mortar, lambda)
+    do j = 1, size(r, 2)
+      known = matmul(self%back(:, :3, j), w(:, j)) + matmul(self%back(:, 4:, j), tau(:, j)/self%scale)
+      rho(:, j) = problem%mortar%area(j)*known
+    end do
+    later = tau(2:, :)
+  end subroutine solve_adjoint
+end module hd_adjoint

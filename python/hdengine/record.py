@@ -21,6 +21,7 @@ from .smoothing import Spline
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
 
 

@@ -2,6 +2,7 @@
 """Wrong arguments end with the package's errors: never with a raw error from inside, never with the end of the process."""
 import importlib
 import inspect
+import pkgutil
 import random
 import re
 import subprocess
@@ -119,12 +120,28 @@ def objects(small_run):
             hdengine.Study(grid={"load.torque": [1, 2]}), roughness.Ridges(1e-4, 1e-6, 10, 1.5)]
 
 
+def on_page():
+    """(name, object) of the page of the Python interface."""
+    for name in re.findall(r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(), re.M):
+        module, _, last = f"hdengine.{name}".rpartition(".")
+        yield name, getattr(importlib.import_module(module), last)
+
+
+def test_public_names_are_those_of_the_page():
+    """What a module gives to the public (`__all__`, or all functions and classes without an underscore) stands on the page of the Python interface."""
+    known = [found for _, found in on_page()]
+    for told in pkgutil.walk_packages(hdengine.__path__, "hdengine."):
+        if any(part[0] == "_" for part in told.name.split(".")):
+            continue
+        module = importlib.import_module(told.name)
+        names = getattr(module, "__all__", [n for n, o in vars(module).items() if getattr(o, "__module__", None) == told.name and n[0] != "_"])
+        assert all(any(getattr(module, n) is o for o in known) for n in names), (told.name, names)
+
+
 def public(small_run):
     """(name, function) of the functions, classes and methods on the page of the Python interface; without those that solve or draw."""
     held = {type(o): o for o in objects(small_run)}
-    for name in re.findall(r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(), re.M):
-        module, _, last = f"hdengine.{name}".rpartition(".")
-        found = getattr(importlib.import_module(module), last)
+    for name, found in on_page():
         if isinstance(found, type) and issubclass(found, BaseException):
             continue
         if name not in ("run", "prediction.law.predict", "report.write_pdf"):

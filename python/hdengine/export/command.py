@@ -13,6 +13,7 @@ from .deck import to_deck
 from .formats import FORMATS
 from .law import joint_law
 
+__all__ = ["export"]
 KINDS = (*FORMATS, "inp")
 
 

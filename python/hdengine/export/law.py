@@ -10,6 +10,8 @@ from .._check import RUN, checked
 from .._engine import InputError
 from .._types import RunLike
 
+__all__ = ["JointLaw", "joint_law"]
+
 
 @dataclass(frozen=True)
 class JointLaw:

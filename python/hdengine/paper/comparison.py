@@ -13,6 +13,7 @@ from .. import torsion
 from .._types import RunLike, StudyLike
 from ..catalogue import UNITS
 
+__all__: list[str] = []
 TORQUES_NM = (1.0, 3.0, 5.0)
 STATED: dict[str, Any] = {
     "k_ts_5_nm": 1820.44, "pressure_long_1_mpa": 96.35, "eccentricity_percent": (-9.40, -6.61, -5.02),

@@ -14,6 +14,8 @@ from ..surfaces import specimen
 from .bodies import Bodies
 from .law import FILES, PATCHES, PRESSURES, predict
 
+__all__: list[str] = []
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._engine import InputError, NotConvergedError
 
+__all__: list[str] = []
 RESIDUAL = 1e-6     # of the contact problem, relative (tamaas)
 STIFFNESS_RESIDUAL = 1e-5   # of the linear solves for the stiffness, relative
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from .._engine import InputError
 
+__all__: list[str] = []
 PER_OCTAVE = 16  # bands of a spectrum
 _FEWEST = 16     # points a side
 CRESTS = (0.9, 0.995, 1.2943)   # shares of the points below two heights of the crests, and their distance on random waves [rms]

@@ -11,6 +11,8 @@ from .._types import Spacing
 from . import roughness
 from .specimen import Specimen
 
+__all__: list[str] = []
+
 
 @dataclass(frozen=True)
 class Composite:

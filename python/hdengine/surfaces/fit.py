@@ -16,6 +16,7 @@ from ..results import preformatted
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+__all__ = ["Fit", "Ridges"]
 
 _DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 

@@ -14,6 +14,8 @@ from ..files import csv_text, write_folder
 from .specimen import JointSurface, Specimen
 from .texture import texture
 
+__all__: list[str] = []
+
 
 def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Any], joint: JointSurface | None = None,
           sources: Sequence[Any] = (), force: bool = False, textures: Sequence[Any] = ()) -> list:

@@ -15,6 +15,7 @@ from .._engine import InputError
 from .._types import Spacing
 from .fit import Fit, Ridges
 
+__all__ = ["expected_structure", "fit", "level", "structure_function"]
 _MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
 _BANDS = {"isotropic": 1, "profile": 2}
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}

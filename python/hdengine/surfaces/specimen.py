@@ -20,6 +20,7 @@ from . import map_file, roughness
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["JointSurface", "Specimen", "clean", "equivalent", "read", "save"]
 METRES = map_file.METRES
 LONGEST = 10.0  # of a map, and of a height [m], as in the engine: more is a wrong unit, or a mark for holes
 

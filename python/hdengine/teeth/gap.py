@@ -7,6 +7,8 @@ import numpy as np
 from .._check import array, checked
 from .._engine import InputError
 
+__all__ = ["envelope", "flank_gap"]
+
 
 def _line(name, value):
     """A rule: a polyline."""

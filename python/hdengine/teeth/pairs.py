@@ -20,6 +20,7 @@ from .rim import Rim
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["ToothGaps", "tooth_gaps"]
 FILES = ("gaps.json", "gaps.csv", "gaps.nml", "gaps.png")
 STEP = 0.5        # of the places of a half turn at which the closest pair is sought [tooth pitches]
 STEPS = 0.05      # of those whose envelope is the circular spline

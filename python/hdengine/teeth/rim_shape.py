@@ -13,6 +13,8 @@ from .._check import input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
+__all__: list[str] = []
+
 
 def read_grid(path: PathLike, *names: str) -> dict:
     """Arrays and numbers of a grid that the engine wrote.

@@ -11,6 +11,7 @@ from .._types import RunLike
 from ..catalogue import unit_of
 from .palette import PARTS
 
+__all__: list[str] = []
 ARCMIN = np.degrees(1) * 60
 NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalogue (docs/evidence/drive.md)
 

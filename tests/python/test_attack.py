@@ -156,7 +156,7 @@ def test_every_public_name_checks_its_arguments(small_run, tmp_path, monkeypatch
     """Whatever a public function, class or method gets for its arguments, it answers, or raises an error of the package."""
     monkeypatch.chdir(tmp_path)
     values = [None, -1, 2**31, 1.5, np.nan, 1e300, "x", "\0", b"x", [], [[1, 2], [3]], {1: 2}, np.ones((4, 4)), np.zeros((0, 3)),
-              np.full(3, np.nan), np.array("s"), object(), 1j, slice(1)]
+              np.full(3, np.nan), np.array("s"), object(), 1j, slice(1), "a" * 256, "\ud800"]
     lot, raw, count = random.Random(1), [], 0
     for name, function in public(small_run):
         known = [p for p in inspect.signature(function).parameters.values() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]

@@ -183,7 +183,7 @@ def word(*choices, optional=False):
 
 def text(name, value):
     """A rule: a text."""
-    whole = isinstance(value, str) and not any(c == "\0" or "\ud800" <= c <= "\udfff" for c in value)  # the latter are halves of letters
+    whole = isinstance(value, str) and not any(c == "\0" or "\ud800" <= c <= "\udfff" for c in value)  # or half a letter
     return value if whole else _fail(name, value, "a text")
 
 

@@ -270,14 +270,20 @@ def test_numbers_of_the_joint_and_the_model(drive, press):
     assert model["facets"] == AROUND * ALONG and model["multipliers"] == AROUND * (ALONG + 1) == model["unknowns"] / 3 and model["dof"] % (3 * AROUND) == 0
 
 
-def test_structure_of_heights(surface):
-    """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
-    its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
-    (tables, _), heights = surface
+def waves_of_eq_1():
+    """The scene of the surface, wavenumbers over 2 pi and squared amplitudes of its waves."""
     scene = hdengine.read_scene(ROOT / "data/surface.nml")
     d, g, gamma, length = (scene[f"surface.{name}"] for name in ("fractal_dimension", "roughness", "gamma", "sample_length"))
     waves = gamma**np.arange(int(np.log(length / scene["surface.shortest_wavelength"]) / np.log(gamma) + 1e-9) + 1) / length
     square = np.log(gamma) * g**(2 * (d - 2)) * waves**(-2 * (3 - d))
+    return scene, waves, square
+
+
+def test_structure_of_heights(surface):
+    """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
+    its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
+    (tables, _), heights = surface
+    scene, waves, square = waves_of_eq_1()
     ridges = np.pi * np.arange(1, scene["surface.ridges"] + 1) / scene["surface.ridges"]
     for row in tables["structure"]:
         z = heights if row["direction"] == "columns" else heights.T
@@ -347,6 +353,24 @@ def test_bands_of_the_joint(joint):
         assert (((wide > parts["law"][0]) & (wide < 1.05 * high)) | (table[end] == 1)).all() and wide[0] > 0, (wide, parts["law"], high)
 
 
+def test_numbers_of_heights(surface):
+    """Results and roughness of a surface by numpy: sa_m, sq_m, sz_m, ssk, sku, sdq and nayak of its levelled heights, height_rms_m, height_min_m and
+    height_max_m of the heights as they are; height_rms_expected_m and slope_rms_expected are half the squares of the waves of Eq. 1, and of their slopes."""
+    (_, summary), heights = surface
+    y, x = np.indices(heights.shape)
+    plane = np.stack([np.ones(heights.size), x.ravel(), y.ravel()], axis=1)
+    z = heights - (plane @ np.linalg.lstsq(plane, heights.ravel(), rcond=None)[0]).reshape(heights.shape)
+    numbers, step, r = dict(summary["fits"]["generated"]["roughness"]), 1e-6, summary["results"]
+    rows, columns = (np.mean(np.diff(z, axis=k)**2) for k in (1, 0))
+    wanted = {"sa_m": abs(z).mean(), "sq_m": z.std(), "sz_m": np.ptp(z), "ssk": (z**3).mean() / z.std()**3, "sku": (z**4).mean() / z.std()**4,
+              "sdq": np.sqrt(rows + columns) / step, "nayak": z.var() * np.mean(np.diff(z, 2, axis=1)**2) / rows**2}
+    assert numbers.pop("bandwidth_m") == pytest.approx([2e-6, 95e-6]) and numbers == pytest.approx(wanted, rel=1e-9) and abs(wanted["ssk"]) > 0.2
+    assert (r["height_min_m"], r["height_max_m"]) == (heights.min(), heights.max()) and r["height_rms_m"] == pytest.approx(heights.std())
+    _, waves, square = waves_of_eq_1()
+    assert r["height_rms_expected_m"] == pytest.approx(np.sqrt(square.sum() / 2))
+    assert r["slope_rms_expected"] == pytest.approx(np.sqrt((square / 2 * (2 * np.pi * waves)**2).sum()))
+
+
 # Columns that no formula above holds, and the test that does.
 HELD = {(table, name): held for held, names in {
     "test_balance.py::test_lateral_forces_balance": "steps hub_force_x_n hub_force_y_n lateral_balance_x_n lateral_balance_y_n",
@@ -406,6 +430,7 @@ def test_every_column_is_held(press, drive, surface, joint):
     columns = {(name, column) for tables, *_ in (press, drive, surface[0], joint) for name, table in tables.items() for column in table.dtype.names}
     columns |= {(part, name) for _, summary in (press, drive) for part in ("results", "joint") for name, value in summary[part].items()
                 if isinstance(value, (int, float))}
+    columns |= {("surface", name) for name in {**surface[0][1]["results"], **surface[0][1]["fits"]["generated"]["roughness"]}}
     results = (ROOT / "fortran/drive/results/hd_summary.f90").read_text().split("subroutine add_results")[1].split("subroutine add_band")[0]
     columns |= {("results", name) for name in re.findall(r"json%add\('(\w+)'", results)}  # those of other runs too
     columns -= {("results", name) for table, name in columns if table == "steps"}  # of test_results_are_the_last_step

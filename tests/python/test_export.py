@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 from types import SimpleNamespace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -51,6 +52,17 @@ def test_mujoco_twists_as_the_drive(drive):
         data.qfrc_applied[0] = torque
         mujoco.mj_step(model, data, nstep=10000)
         assert abs(data.qvel[0]) < 1e-9 and data.qpos[0] == pytest.approx(np.interp(torque, law.torque_nm, law.angle_rad), rel=0.01)
+
+
+def test_tendons_add_up_to_the_law(drive):
+    """The springs of the MuJoCo model, each of which pulls beyond the ends of its length, give the torques of the law at its angles."""
+    assert main(["export", str(drive.folder), "--to", "mujoco"]) == 0
+    model, law = ElementTree.parse(drive.folder / "joint.xml"), joint_law(drive)
+    torque = float(model.find(".//joint[@name='drive']").get("stiffness")) * law.angle_rad
+    for spring in model.iter("fixed"):
+        low, high = map(float, spring.get("springlength").split())
+        torque += float(spring.get("stiffness")) * (np.maximum(law.angle_rad - high, 0) + np.minimum(law.angle_rad - low, 0))
+    np.testing.assert_allclose(torque, law.torque_nm, atol=1e-6 * law.torque_nm.max())
 
 
 def test_texts_hold_the_law(drive):

@@ -220,7 +220,7 @@ def build(folder, mutants):
 
 
 def run(folder, tests, limit, **env):
-    """What fails first (a file of tests; '' if none does) and seconds: of the Fortran tests or of tests of Python."""
+    """The first test that fails ('' if none does), seconds, whether it may be of load alone: of the Fortran tests or of tests of Python."""
     command = [folder / "build/tests/fortran/hd_tester"] if tests == ["fortran"] else [
         ROOT / ".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "mutants_reached",
         *([] if "HDENGINE_REACHED" in env else ["-x"]), *tests]
@@ -229,8 +229,8 @@ def run(folder, tests, limit, **env):
                           stderr=subprocess.DEVNULL, env=os.environ | {
                               "HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site:{folder}",
                               "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} | env)
-    by = re.search(r"^(?:FAILED|ERROR) tests/python/(\w+)", done.stdout, re.M)
-    return "" if done.returncode == 0 else by[1] if by else Path(str(tests[0]).split("::")[0]).stem, time.monotonic() - start
+    by = re.search(r"^(?:FAILED|ERROR) (tests/python/[\w.:]+)", done.stdout, re.M)
+    return "" if done.returncode == 0 else by[1] if by else tests[0], time.monotonic() - start, re.search("Timeout|second", done.stdout) is not None
 
 
 def survey(folder, count, files):
@@ -239,7 +239,7 @@ def survey(folder, count, files):
         place, told = folder / f"{file}.reached", folder / f"{file}.json"
         place.write_bytes(bytes(PLACES))
         if file == "fortran":
-            failed, seconds = run(folder, [file], 900, HDENGINE_REACHED=str(place))
+            failed, seconds, _ = run(folder, [file], 900, HDENGINE_REACHED=str(place))
             tests = [[file, file, seconds, [n for n in range(count) if place.read_bytes()[n]]]] if not failed else []
         else:
             seconds = run(folder, [f"tests/python/{file}.py"], 900, HDENGINE_REACHED=str(place), HDENGINE_TOLD=str(told))[1]
@@ -247,7 +247,8 @@ def survey(folder, count, files):
         print(f"{file}: {seconds:.0f} s, {len(tests)} tests", flush=True)
         return tests
     with ThreadPoolExecutor(2) as pool:
-        return [test for tests in pool.map(one, files) for test in tests]
+        # a test that closes its streams may write into the list of what is reached
+        return [test for tests in pool.map(one, files) for test in tests if max(test[3], default=0) < count]
 
 
 def order(m, files, kills):
@@ -272,14 +273,19 @@ def tried(folder, n, m, tests, kills, patience, end):
         while queue and "fortran" not in batch and (not batch or queue[0] != "fortran" and seconds + files[queue[0]][0] < max(5, m["spent"])):
             seconds += files[queue[0]][0]
             batch.append(queue.pop(0))
-        by, took = run(folder, [name for file in batch for name in files[file][1]], 3 * seconds + 30, HDENGINE_MUTANT=str(n))
+        by, took, hurried = run(folder, [name for file in batch for name in files[file][1]], 3 * seconds + 30, HDENGINE_MUTANT=str(n))
         m["spent"] += took
-        if by:
-            kills[by] += 1
+        if by and not (hurried and "::" in by and run(folder, [by], 300)[0]):
+            kills[Path(by.split("::")[0]).stem] += 1
             m.update(fate="killed", by=by)
             return
-        m["passed"] += batch
-    m["fate"] = "undecided" if queue else "survived" if m["passed"] else "not reached"
+        if by:  # a test that fails without a mutant too, of load: without it
+            for file in batch:
+                files[file][1] = [name for name in files[file][1] if not name.startswith(by)]
+            queue = [file for file in batch if files[file][1]] + queue
+        else:
+            m["passed"] += batch
+    m["fate"] = "undecided" if queue else "survived"
 
 
 def main():
@@ -315,16 +321,16 @@ def main():
     for patience in PATIENCE:
         with ThreadPoolExecutor(2) as pool:
             left = [n for n, m in enumerate(mutants) if m["fate"] == "undecided" and m["spent"] < patience]
-            list(pool.map(lambda n, patience=patience: one(n, patience), left))
-        state.write_text(json.dumps([commit, tests, mutants]))
+            for _ in pool.map(lambda n, patience=patience: one(n, patience), left):
+                state.write_text(json.dumps([commit, tests, [dict(m) for m in mutants]]))
     mutants = [m for m in mutants if m["fate"] != "refused"]
     reasons = {(m["file"], m["old"], m["new"]): m["harmless"] for m in past["left"] if "harmless" in m}
     for m in mutants:
         if (told := (m["file"], m["old"], m["new"])) in reasons:
             m["harmless"] = reasons[told]
     left = [{key: m[key] for key in ("file", "line", "old", "new", "fate", "harmless") if key in m} for m in mutants if m["fate"] != "killed"]
-    fates = {fate: sum(m["fate"] == fate for m in mutants) for fate in ("killed", "survived", "undecided", "not reached")}
-    record = {"commit": commit, "seed": args.seed, "mutants": len(mutants), **fates, "left": left, "kills": Counter(m["by"] for m in mutants if "by" in m)}
+    fates = {fate: sum(m["fate"] == fate for m in mutants) for fate in ("killed", "survived", "undecided")}
+    record = {"commit": commit, "seed": args.seed, "mutants": len(mutants), **fates, "left": left, "kills": Counter(Path(m["by"].split("::")[0]).stem for m in mutants if "by" in m)}
     place.write_text(json.dumps(record, indent=1) + "\n")
     print(f"of {len(mutants)}: {fates}")
 

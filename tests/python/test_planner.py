@@ -155,7 +155,7 @@ def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
     done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)
     assert done.returncode == 0 and "<- start" in done.stdout and "load steps" in done.stdout and not list(tmp_path.iterdir())
     done = call(exe, "--plan", CD14)
-    assert done.returncode == 2 and "run.tolerance" in done.stderr
+    assert done.returncode == 2 and "--plan needs a tolerance" in done.stderr
 
 
 def test_a_tolerance_that_no_mesh_can_promise_is_refused(exe, tmp_path):

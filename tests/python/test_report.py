@@ -21,6 +21,7 @@ from hdengine.figures.run import plot_steps
 from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
 from hdengine.report.chart import Chart, ticks
+from hdengine.report.parts import _answer
 from hdengine.views.palette import STEPS
 from hdengine.views.run import colour_top
 
@@ -285,6 +286,14 @@ def test_report_opens_with_the_answer(folder):
     assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
     assert all(page.count(f'id="{mark}"') == 1 for mark in links)
     assert "max-width:600px" in page and "prefers-color-scheme:dark" in page and "counter(pages)" in page
+
+
+@pytest.mark.parametrize("k", [0.0, float("inf")])
+def test_no_stiffness_is_no_value(folder, k):
+    """Where nothing carries the torque the headline says so instead of an angle."""
+    result = hdengine.load(folder)
+    result.summary["results"]["k_ts_bonded_nm_per_rad"] = k
+    assert "no value" in _answer(result)
 
 
 def test_one_scale_for_every_pressure_map(folder):

@@ -244,15 +244,3 @@ def of_study(result: StudyLike) -> list:
     done = [r for r in result.rows if r["status"] == "done"]
     same = [r for r in done if all(r.get(k) == scene[k] for k in swept if k != key)]
     return known[key](same) if key else torque_rows(same)
-
-
-def markdown(rows: Sequence[Row]) -> str:
-    """Rows as a table for docs, and below it why each verdict is what it is."""
-    short = {"agrees": "yes", "trend agrees": "in trend", "does not agree": "no", "cannot agree": "cannot"}
-    lines = ["| quantity | paper | ours | agrees |", "|---|---|---|---|"]
-    why = []
-    for r in rows:
-        quantity, printed, ours, by_forms, verdict, because = r.cells()
-        lines.append(f"| {quantity} | {printed} | {ours} | **{short[verdict]}** |")
-        why.append(f"- *{quantity}*: {because}." + ("" if by_forms == "-" else f" By the printed forms: {by_forms}."))
-    return "\n".join([*lines, "", "Why:", "", *why])

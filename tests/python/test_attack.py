@@ -100,6 +100,7 @@ def test_specimens_hold_what_is_checked():
                        (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
         with pytest.raises(hdengine.InputError, match=says):
             call()
+    assert "from 1 to 20 MPa" in str(elastic.ElasticJoint([1e6, 2e7], [1e12, 2e12], [1e12, 2e12]))
 
 
 def test_letters_beyond_ascii(tmp_path):

@@ -282,8 +282,10 @@ def waves_of_eq_1():
 def test_structure_of_heights(surface):
     """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
     its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
-    (tables, _), heights = surface
+    (tables, summary), heights = surface
     scene, waves, square = waves_of_eq_1()
+    band = np.array([1 / waves[-1], 1 / waves[0]]) * scene["surface.gamma"]**np.array([-0.5, 0.5])
+    assert summary["fits"]["generated"]["band_m"] == pytest.approx(band)
     ridges = np.pi * np.arange(1, scene["surface.ridges"] + 1) / scene["surface.ridges"]
     for row in tables["structure"]:
         z = heights if row["direction"] == "columns" else heights.T

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The joint from its spectrum, from boundary elements and from tables: closed forms, tamaas, files."""
 import json
+import time
 from math import erf
 
 import numpy as np
@@ -10,7 +11,7 @@ import hdengine
 from conftest import ROOT, call
 from hdengine import cli
 from hdengine.elastic import ElasticJoint, contact_from_spectrum, moduli, pressure_density, stiffness_from_spectrum
-from hdengine.prediction import half_space
+from hdengine.prediction import half_space, patches
 from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.law import predict
 from hdengine.prediction.spectrum import of_map
@@ -310,6 +311,11 @@ def test_closure_is_the_approach():
         space = half_space.HalfSpace(z, (1e-6, 1e-6), E_STAR)
         found.append([space.approach(space.press(x)) for x in p])
     assert np.diff(np.mean(theory, axis=0)) == pytest.approx(np.diff(np.mean(found, axis=0)), rel=0.07)
+
+
+def test_seconds_count_from_the_start():
+    """What boundary elements have taken is what has passed."""
+    assert 0 <= patches.Effort(start=time.monotonic() - 5).spent - 5 < 60
 
 
 def test_without_tamaas(monkeypatch):

@@ -20,7 +20,7 @@ from hdengine.figures import cup as picture
 from hdengine.figures.run import plot_steps
 from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
-from hdengine.report.chart import Chart, ticks
+from hdengine.report.chart import Chart, _legend, ticks
 from hdengine.report.parts import _answer
 from hdengine.views.palette import STEPS
 from hdengine.views.run import colour_top
@@ -172,6 +172,10 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     places = [head.index(text) for text in ("K1 ", "Torque over the angle", "largest force of a ball", "front view", "Stress cycle")]
     assert places == sorted(places)
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head
+    loop = next(svg for svg in page.split("<svg ")[1:] if "catalogue, size" in svg)
+    frame = [float(x) for x in re.search(r'<rect class="line" x="([\d.]+)" y="[\d.]+" width="([\d.]+)"', loop).groups()]
+    across = [float(place.split()[0]) for path in re.findall(r'd="M([^"VH]*)Z?"', loop) for place in path.strip("Z").split("L")]
+    assert len(across) > 20 and frame[0] - 0.1 <= min(across) and max(across) <= sum(frame) + 0.1
     assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head
     for i, part in enumerate(found["twist_shares"]):
         assert f">{part}</text>" in head and f">{100 * found['twist_shares'][part]:.2g} %</text>" in head, i
@@ -259,6 +263,12 @@ def test_colours_of_cells():
     low, high = chart.parts[:2]
     assert low.count("M") == 1 and f"H{left:.1f}" in low and STEPS[0] in low
     assert high.count("M") == 1 and f"M{right:.1f}" in high and STEPS[-1] in high
+
+
+def test_a_name_wider_than_the_chart_stays_in_the_first_row():
+    """The next one goes below it."""
+    found, low = _legend([("red", 60 * "a"), ("blue", "b")], 100, 10.0)
+    assert low == 28.0 and 'y="2.0"' in found[0]
 
 
 def test_ticks_are_round():

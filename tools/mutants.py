@@ -5,7 +5,8 @@ A copy of HEAD in FOLDER gets all mutants at once, each behind a switch, so that
 `if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each test reaches; a mutant
 then runs the tests that reach it until one fails: first the quick ones, those of its subject and those that killed others. All mutants have
 their first seconds of tests before one has more. Mutants are drawn by rule: every room in turn, a line at random in it, a change at random of
-those that it allows. The outcome goes to tools/mutants.json. Begun again in its FOLDER it goes on. Needs ./hd test once.
+those that it allows. The outcome goes to tools/mutants.json; what that calls harmless is not run again. Begun again in its FOLDER it goes on.
+Needs ./hd test once.
 """
 import argparse
 import ast
@@ -313,6 +314,10 @@ def main():
             m.update({"fate": "undecided", "spent": 0.0, "passed": []} | m)
         state.write_text(json.dumps([commit, tests, mutants]))
     kills = Counter(past["kills"])
+    reasons = {(m["file"], m["old"], m["new"]): m["harmless"] for m in past["left"] if "harmless" in m}
+    for m in mutants:
+        if m["fate"] in ("undecided", "survived") and (told := (m["file"], m["old"], m["new"])) in reasons:
+            m.update(fate="survived", harmless=reasons[told])  # by argument: no test is run
 
     def one(n, patience):
         m = mutants[n]
@@ -324,10 +329,6 @@ def main():
             for _ in pool.map(lambda n, patience=patience: one(n, patience), left):
                 state.write_text(json.dumps([commit, tests, [dict(m) for m in mutants]]))
     mutants = [m for m in mutants if m["fate"] != "refused"]
-    reasons = {(m["file"], m["old"], m["new"]): m["harmless"] for m in past["left"] if "harmless" in m}
-    for m in mutants:
-        if (told := (m["file"], m["old"], m["new"])) in reasons:
-            m["harmless"] = reasons[told]
     left = [{key: m[key] for key in ("file", "line", "old", "new", "fate", "harmless") if key in m} for m in mutants if m["fate"] != "killed"]
     fates = {fate: sum(m["fate"] == fate for m in mutants) for fate in ("killed", "survived", "undecided")}
     record = {"commit": commit, "seed": args.seed, "mutants": len(mutants), **fates, "left": left, "kills": Counter(Path(m["by"].split("::")[0]).stem for m in mutants if "by" in m)}

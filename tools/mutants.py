@@ -209,7 +209,7 @@ def build(folder, mutants):
         for name, line in re.findall(r"/tree/(\S+\.f90):(\d+):\d+:(?:\n(?!.*/tree/).*){1,8}\n *Error:", done.stderr):
             near = "\n".join((tree / name).read_text().splitlines()[:int(line)])
             refused.add((name, int(re.findall(r"mutated\((\d+)\)", near)[-1])))
-        if not refused:
+        if not refused or any("fate" in mutants[n] for _, n in refused):
             raise SystemExit(done.stderr[-3000:])
         for name, n in refused:  # a change that the compiler refuses is no mutant
             mutants[n]["fate"] = "refused"

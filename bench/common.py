@@ -2,8 +2,7 @@
 """What the scripts of this folder share: paths, runs of the engine, timing, records, tables and figures.
 
 A record is a JSON file of results/ whose "provenance" says how it came to be: script, commit, machine, versions, seed, threads, seconds.
-Times are compared as ratios of calls that took turns in one process (`take_turns`): on a busy machine the median and the range of
-such ratios say more than any time.
+Calls whose times are compared take turns in one process (`take_turns`): a busy machine slows them alike.
 """
 import json
 import os
@@ -17,7 +16,6 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 
 from PIL import Image
 
@@ -126,28 +124,6 @@ def read_rows(name, key):
     return {row[key]: row for row in rows}
 
 
-@dataclass
-class Timing:
-    """Seconds of a call over several turns."""
-
-    seconds: list
-
-    @property
-    def median(self):
-        """The middle turn [s]."""
-        return median(self.seconds)
-
-    @property
-    def range(self):
-        """Fastest and slowest turn [s]."""
-        return min(self.seconds), max(self.seconds)
-
-    def over(self, other):
-        """Ratios to another call of the same turns: median, smallest, largest."""
-        ratios = [a / b for a, b in zip(self.seconds, other.seconds)]
-        return median(ratios), min(ratios), max(ratios)
-
-
 def take_turns(calls, turns=5, limit=60.0, clock=time.perf_counter):
     """Time calls that take turns.
 
@@ -164,7 +140,8 @@ def take_turns(calls, turns=5, limit=60.0, clock=time.perf_counter):
 
     Returns
     -------
-    timings : dict of Timing
+    seconds : dict of list
+        Of each call, turn by turn.
     results : dict
         What each call gave last.
     """
@@ -176,7 +153,7 @@ def take_turns(calls, turns=5, limit=60.0, clock=time.perf_counter):
             seconds[name].append(clock() - begun)
         if turn and time.perf_counter() - start > limit:
             break
-    return {name: Timing(s) for name, s in seconds.items()}, results
+    return seconds, results
 
 
 def program(name, hint="./hd setup"):
@@ -226,6 +203,17 @@ def measured(command, cwd=None, limit=None, threads=1):
         text = output.read().decode(errors="replace")
     code = process.returncode if process.returncode >= 0 else None
     return Command(code, time.time() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, text)
+
+
+def read_prints(path):
+    """Blocks of CalculiX's .dat file in order: what they print, and three components of each node, by node from 0."""
+    blocks = []
+    for line in Path(path).read_text().splitlines() if Path(path).exists() else []:
+        if m := re.match(r"\s*(displacements|forces)", line):
+            blocks.append((m[1], {}))
+        elif blocks and (m := re.match(r"\s*(\d+)((?:\s+\S+){3})", line)):
+            blocks[-1][1][int(m[1]) - 1] = [float(v) for v in m[2].split()]
+    return blocks
 
 
 def solve(scene, *assignments, out=None, limit=None, threads=1):

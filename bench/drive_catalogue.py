@@ -23,7 +23,7 @@ ARCMIN = np.degrees(1) * 60
 COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8}
 BONDED = {"contact.mode": "bonded"}
 FITS = (-10, 0, 4.5, 9, 18, 50)   # clearance [um]; below 0: interference
-READ = {"hysteresis_arcmin": ("hysteresis_rad", ARCMIN), "lost_motion_arcmin": ("lost_motion_rad", ARCMIN), "von_mises_mpa": ("von_mises_max_pa", 1e-6),
+READ = {"hysteresis_arcmin": ("hysteresis_rad", ARCMIN), "lost_motion_arcmin": ("lost_motion_rad", ARCMIN),
         "k_ts_bonded": ("k_ts_bonded_nm_per_rad", 1e-3), "k_ts_contact": ("k_ts_contact_nm_per_rad", 1e-3)}
 
 
@@ -39,10 +39,12 @@ def run(name, keys):
         if command.code != 0:
             return {"failed": command.text.strip().splitlines()[0]}, None
         r = summary["results"]
-        row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3) for i in (1, 2, 3)], "shares": {k: short(v) for k, v in (r.get("twist_shares") or {}).items()},
-               "cpu_s": short(command.cpu_s), "memory_mb": short(summary["peak_memory_mb"])}
+        row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3) for i in (1, 2, 3)]} | {k: short(r[name] and r[name] * scale) for k, (name, scale) in READ.items()}
+        if not keys:   # as it stands
+            row |= {"shares": {k: short(v) for k, v in r["twist_shares"].items()}, "cpu_s": short(command.cpu_s), "memory_mb": short(summary["peak_memory_mb"]),
+                    "von_mises_mpa": short(r["von_mises_max_pa"] / 1e6)}
         result = load(f"{folder}/r")
-        return row | {k: short(r[name] and r[name] * scale) for k, (name, scale) in READ.items()}, (result.loop, result.steps)
+        return row, (result.loop, result.steps)
 
 
 def fit(clearance):
@@ -68,10 +70,10 @@ def bands():
     rows = []
     for name in CATALOGUE:
         with tempfile.TemporaryDirectory() as folder:
-            summary, command = solve(f"drive{name}.nml", "run.band=.true.", out=f"{folder}/r")
+            summary, _ = solve(f"drive{name}.nml", "run.band=.true.", out=f"{folder}/r")
             r = summary["results"]
             shares = sorted(r["band_shares"].items(), key=lambda item: -item[1])[:3]
-            rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]], "shares": {k: short(v) for k, v in shares}, "cpu_s": short(command.cpu_s),
+            rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]], "shares": {k: short(v) for k, v in shares},
                          **{end: [short(r[f"k{i}_nm_per_rad_{end}"] / 1e3) for i in (1, 2, 3)] for end in ("low", "high")}})
     return rows
 

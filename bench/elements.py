@@ -5,8 +5,6 @@
 Needs the Debian package calculix-ccx. Writes bench/results/elements.json; --quick takes the first cases and writes nothing.
 Usage: bench/elements.py [--quick]
 """
-import re
-import resource
 import subprocess
 import sys
 import tempfile
@@ -16,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from common import program, write_record
+from common import measured, program, read_prints, write_record
 from hdengine import mesh as hm
 from hdengine import solid
+from hdengine.export.cards import body_cards, node_cards
 
 OURS = ("hex8", "hex8i", "hex20r")
 PEERS = ("C3D8", "C3D8I", "C3D20R")
@@ -261,25 +260,18 @@ CASES = (lambda q: straight(q, "rectangles", False), lambda q: straight(q, "trap
 # -- solving ----------------------------------------------------------------------------------------------------------
 def calculix(case, element, folder):
     """Displacements (n, 3) by CalculiX and the CPU time of the process [s]."""
-    lines = ["*NODE, NSET=ALL"] + [f"{i + 1},{p[0]:.12g},{p[1]:.12g},{p[2]:.12g}" for i, p in enumerate(case.mesh.points)]
-    lines.append(f"*ELEMENT, TYPE={element}, ELSET=E")
-    for e, c in enumerate(case.mesh.cells):
-        names = [str(v) for v in (e + 1, *(c + 1))]
-        lines += [",".join(names[:11]) + ("," if len(names) > 11 else "")] + ([",".join(names[11:])] if len(names) > 11 else [])
-    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{case.young}, {case.poisson}", "*SOLID SECTION, ELSET=E, MATERIAL=M", "*BOUNDARY"]
+    ours = OURS[PEERS.index(element)]
+    lines = [*node_cards(case.mesh.points, "ALL"), *body_cards("E", range(len(case.mesh.cells)), case.mesh.cells, ours, case.young, case.poisson), "*BOUNDARY"]
     lines += [f"{i + 1},{d + 1},{d + 1}" for i, d in np.argwhere(case.fixed)]
     lines += ["*STEP", "*STATIC", "*CLOAD"]
     lines += [f"{i + 1},{d + 1},{case.force[i, d]:.12g}" for i, d in np.argwhere((case.force != 0) & ~case.fixed)]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
     (folder / "case.inp").write_text("\n".join(lines) + "\n")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(["ccx", "-i", "case"], cwd=folder, capture_output=True, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    done = measured(["ccx", "-i", "case"], folder)
     u = np.zeros(case.mesh.points.shape)
-    for n, *v in re.findall(r"^\s+(\d+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", (folder / "case.dat").read_text(), re.M):
-        u[int(n) - 1] = [float(x) for x in v]
-    return u, seconds
+    for n, v in read_prints(folder / "case.dat")[-1][1].items():
+        u[n] = v
+    return u, done.cpu_s
 
 
 def engine(case, element):

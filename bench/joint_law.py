@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The joint by theory beside boundary elements (tamaas), on periodic maps.
 
-train   boundary elements on the training maps, then `fit`: a_0, a_1, e, m, n of hd_persson by least squares of ln k_N; the rms error over the waves
+train   boundary elements on the training maps: a_0, a_1, e, m, n of hd_persson by least squares of ln k_N; the rms error over the waves
         that count (hd_persson_error), and the error of skewed and worn maps per ln of their crests' height (`choice.SKEWED`)
-judge   36 maps that set nothing: longest over shortest wave from 2 to 200, with and without roll-off, skewness to -3; k_N, contact, gap, pressures
+judge   36 maps that set nothing: longest over shortest wave from 2 to 200, with and without roll-off, skewness to -3; k_N, contact, gap
 rule    144 maps of few long waves: where the planner takes the theory, and how far that is off; *cut* are pieces of maps four times as long
 fewer   boundary elements on averaged maps, with and without the theory of the waves that averaging takes
 Writes bench/results/joint_law_training.json, joint_law.json, joint_choice.json and docs/figures/joint_law.png.
-Usage: bench/joint_law.py train | fit | judge | rule | fewer | draw
+Usage: bench/joint_law.py train | judge | rule | fewer | draw
 """
 import itertools
 import math
@@ -17,7 +17,7 @@ import sys
 import numpy as np
 
 from common import new_axes, read_record, save_figure, styled, write_part, write_record
-from hdengine.elastic import contact_from_spectrum, moduli, stiffness_from_spectrum
+from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction.choice import CLOSING, TRUST, half_width_of, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
 from hdengine.prediction.patches import _averaged, on_fewer_points
@@ -128,7 +128,7 @@ JUDGES = {
 
 
 def solved(numbers, shares=WHOLE):
-    """Boundary elements on a map of E* 1, in points: k_N, contact, mean gap and mean square pressure."""
+    """Boundary elements on a map of E* 1, in points: k_N, contact and mean gap."""
     z, p = made(*numbers), pressures(1.0, shares) / E_STAR
     space, found = HalfSpace(z, (1.0, 1.0), 1.0, RATIO), []
     for x in p:
@@ -136,23 +136,20 @@ def solved(numbers, shares=WHOLE):
         if (traction > 0).all():   # nothing gives way any more
             break
         gap = space._displacement_of(traction) - z
-        found.append((space.normal_stiffness(traction > 0), corrected_area(traction > 0), gap.mean() - gap[traction > 0].mean(), (traction**2).mean()))
-    row = dict(zip(KEYS, numbers)) | {k: short(v) for k, v in zip(("p", "k", "contact", "gap", "square"), (p[:len(found)], *np.transpose(found)))}
+        found.append((space.normal_stiffness(traction > 0), corrected_area(traction > 0), gap.mean() - gap[traction > 0].mean()))
+    row = dict(zip(KEYS, numbers)) | {k: short(v) for k, v in zip(("p", "k", "contact", "gap"), (p[:len(found)], *np.transpose(found)))}
     print(row, flush=True)
     return row
 
 
 def theory(row):
-    """Of a row of `solved`: ln of k_N, contact, gap and mean square pressure by theory over boundary elements, stated error of ln k_N, waves, contact,
-    facts of the map."""
+    """Of a row of `solved`: ln of k_N, contact and gap by theory over boundary elements, stated error of ln k_N, waves, contact, height of the crests."""
     z = made(*(row[k] for k in KEYS))
-    s, facts = lattice(z), {"crests": round(crests(z), 3), "skewness_found": round(float(((z - z.mean()) ** 3).mean() / z.std() ** 3), 2)}
+    s, high = lattice(z), round(crests(z), 3)
     p = np.array(row["p"])
     k, area, gap = stiffness_from_spectrum(s.q, s.height_variance, p, 1.0)
-    spread = contact_from_spectrum(s.q, s.height_variance, p, 1.0)[2]
-    square = (p**2 + spread**2) * area + p * spread * np.sqrt(2 / np.pi) * np.exp(-0.5 * (p / spread) ** 2)
-    errors = [np.log(x / np.array(row[name])) for name, x in (("k", k), ("contact", area), ("gap", gap), ("square", square))]
-    return errors, half_width_of(area, s.waves, facts["crests"]), s.waves, area, facts
+    errors = [np.log(x / np.array(row[name])) for name, x in (("k", k), ("contact", area), ("gap", gap))]
+    return errors, half_width_of(area, s.waves, high), s.waves, area, high
 
 
 def judge():
@@ -161,9 +158,8 @@ def judge():
     for kind, maps in JUDGES.items():
         for numbers in maps:
             row = solved(numbers, WIDE if numbers[0] == 512 else WHOLE)
-            errors, half, waves, _, facts = theory(row)
-            rows.append({"kind": kind, **row, **facts, "waves": round(waves, 1), "half_width": short(half, 3)}
-                        | {f"ln_{k}": short(e, 3) for k, e in zip(("k", "contact", "gap", "square"), errors)})
+            errors, half = theory(row)[:2]
+            rows.append({"kind": kind, **row, "half_width": short(half, 3)} | {f"ln_{k}": short(e, 3) for k, e in zip(("k", "contact", "gap"), errors)})
     write_record("joint_law", {"maps": rows}, seed=901, peers=(tamaas(),))
     draw()
 
@@ -194,18 +190,28 @@ def surface(d, kind, seed):
     return z, z, scaled(lattice(z))
 
 
+def rule_row(rows):
+    """Of maps of `rule`: scatter of maps that differ in their phases alone, up to 4 % of contact; where the theory is taken, and how far it is off there."""
+    off = np.concatenate([np.exp(np.array(r["ln_error"])[r["theory"]]) - 1 for r in rows])
+    scatter = [np.std([r["ln_error"][i] for r in rows if (r["fractal_dimension"], r["kind"]) == alike], ddof=1)
+               for alike in dict.fromkeys((r["fractal_dimension"], r["kind"]) for r in rows) for i in range(4)]
+    return {**dict(zip(("least_scatter", "most_scatter"), short([min(scatter), max(scatter)]))), "taken": len(off), "of": sum(len(r["theory"]) for r in rows),
+            **{f"within_{x}_percent": int((abs(off) < x / 100).sum()) for x in (25, 10)}, "largest_error": float(f"{abs(off).max():.4g}")}
+
+
 def rule():
-    """Error of the theory on every map, and whether the planner takes it there."""
+    """Error of the theory on every map, and whether the planner takes it there, by kind of map."""
     rows = []
     for (d, kind), seed in itertools.product(KINDS, SEEDS):
         seen, z, spectrum = surface(d, kind, seed)
         p = pressures(spectrum.slope_rms)
         k_n, contact = boundary_elements(z, p)
         by_theory, area, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, E_STAR)
-        rows.append({"fractal_dimension": d, "kind": kind, "seed": seed, "contact": short(contact, 3), "ln_error": short(np.log(by_theory / k_n), 3),
+        rows.append({"fractal_dimension": d, "kind": kind, "ln_error": short(np.log(by_theory / k_n), 3),
                      "theory": (1.96 * scatter_of(area, of_map(seen, DX)[0].waves) <= TRUST).tolist()})
         print(rows[-1], flush=True)
-    write_part("joint_choice", "maps", rows, seed=list(SEEDS), peers=(tamaas(),))
+    kinds = {str(kind): [r for r in rows if r["kind"] == kind] for kind in (1, 2, 4, "cut")} | {"all": rows}
+    write_part("joint_choice", "rule", {kind: rule_row(mine) for kind, mine in kinds.items()}, seed=list(SEEDS), peers=(tamaas(),))
 
 
 def fewer():
@@ -259,22 +265,15 @@ def counted_of(contact, waves):
 
 
 def train():
-    """Boundary elements on the training maps, and what follows from them."""
-    write_record("joint_law_training", {"maps": [solved(numbers) for numbers in TRAINING]}, seed=1, peers=(tamaas(),))
-    fit()
-
-
-def fit():
-    """The constants, and the errors of the engine's law, from the record of the training maps."""
+    """The constants, and the errors of the engine's law, from boundary elements on the training maps."""
     from scipy.optimize import least_squares
 
-    record = read_record("joint_law_training")
     cases, error, counted, skew, shares = [], [], [], [], None
-    for row in record["maps"]:
-        errors, _, waves, area, facts = theory(row)
+    for row in map(solved, TRAINING):
+        errors, _, waves, area, high = theory(row)
         contact = np.array(row["contact"])
         if row["skewness"] or row["plateau"] is not None:
-            worn = abs(math.log(facts["crests"]))
+            worn = abs(math.log(high))
             skew.append(np.pad(abs(errors[0]) / np.where(area < CLOSING, worn, min(worn, 1)), (0, len(WHOLE) - len(area)), constant_values=np.nan))
             shares = area if len(area) == len(WHOLE) else shares
             continue
@@ -297,7 +296,7 @@ def fit():
     part = np.minimum(np.maximum(np.floor(2 * counted), -3), 4)
     table = [{"waves": float(f"{10 ** counted[part == n].mean():.2g}"), "rms_ln_error": float(f"{np.sqrt((error[part == n] ** 2).mean()):.2g}"),
               "mean_ln_error": round(float(error[part == n].mean()), 3), "cases": int((part == n).sum())} for n in sorted(set(part))]
-    write_record("joint_law_training", record | {
+    write_record("joint_law_training", {
         "fitted": short(fitted, 3), "used": USED, "rms_misfit_fitted_used": short([np.std(misfit(c)) for c in (fitted, USED)], 4), "errors_of_used": table,
         "skewed": [{"contact": float(f"{a:.2g}"), "ln_error_per_ln_crests": float(f"{e:.2g}")} for a, e in zip(shares, np.nanquantile(skew, 0.95, axis=0))]},
         seed=1, peers=(tamaas(),))
@@ -305,6 +304,6 @@ def fit():
 
 
 if __name__ == "__main__":
-    parts = {"train": train, "fit": fit, "judge": judge, "rule": rule, "fewer": fewer, "draw": draw}
+    parts = {"train": train, "judge": judge, "rule": rule, "fewer": fewer, "draw": draw}
     for name in sys.argv[1:] or ("judge", "rule", "fewer"):
         parts[name]()

@@ -62,7 +62,7 @@ def solved(keys):
 
 
 def judge(over_w, moved):
-    """A premise in one reading: K_TS at w = 0.2 mm, changes in per cent, and which of the three trends it has.
+    """A premise in one reading: K_TS at w = 0.2 mm, changes in per cent (with the torque; at 5 N m by eccentricity and over w), and its trends.
 
     Parameters
     ----------
@@ -82,8 +82,8 @@ def judge(over_w, moved):
 
     def number(values):
         return [float(f"{v:.4g}") if np.isfinite(v) else None for v in np.ravel(values)]
-    return {"k_nm_per_rad": number(k), "rise_percent": number(rise)[0], "fall_percent": number(fall), "gain_percent": number(gain),
-            "over_w": [number(row) for row in over_w], "top_mm": [1e3 * W[i] for i in top], "trends": [name for name, given in trends.items() if given]}
+    return {"k_nm_per_rad": number(k), "rise_percent": number(rise)[0], "fall_percent": number(fall)[2], "gain_percent": number(gain)[2],
+            "trends": [name for name, given in trends.items() if given]}
 
 
 def explore(keys):

@@ -98,9 +98,6 @@ def main():
         start = time.time()
         charts.append(asdict(make(options.quick)))
         print(f"{name}: {len(charts[-1]['points'])} points, {time.time() - start:.0f} s", flush=True)
-    for c in charts:
-        for p in c["points"]:
-            p["memory_mb"] = None if p["memory_mb"] is None or np.isnan(p["memory_mb"]) else p["memory_mb"]
     known = charted()
     scene = {key: value for key, value in read_scene().items() if key in known}
     kept = {"commit": whole["provenance"]["commit"]} if options.charts and old else {}  # of the charts that were not measured

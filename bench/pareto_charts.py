@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The charts of bench/pareto.py: for each family of methods one problem, and the error, time and memory of each method on it."""
+"""The charts of bench/pareto.py: for each family of methods one problem, and the error and time of each method on it."""
 import json
 import shutil
 import sys
@@ -7,6 +7,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
@@ -23,13 +24,12 @@ NOTHING = 1e3     # error drawn for a run that ended without a result
 
 @dataclass
 class Point:
-    """One run of a method: relative error, CPU seconds, peak memory [MB] where it was measured."""
+    """One run of a method: relative error, CPU seconds."""
 
     method: str
     setting: str
     error: float
     seconds: float
-    memory_mb: float = float("nan")
     default: bool = False
     peer: bool = False
 
@@ -79,12 +79,12 @@ def heights(_):
                     calls[name, f"{tolerance:g}", peer] = lambda c=call: c() + w["offset_m"]
         except ImportError:
             pass
-    timing, found = take_turns(calls, turns=5, limit=20, clock=time.process_time)
+    seconds, found = take_turns(calls, turns=5, limit=20, clock=time.process_time)
     best = {}   # of the ways to use a peer
     for key in calls:
         other = best.setdefault(key[:2], key)
-        best[key[:2]] = min(key, other, key=lambda k: timing[k].median)
-    points = [Point(name, setting, error(found[key]), timing[key].median, default=key == ("matrix product", "bit-exact", ""), peer=bool(key[2]))
+        best[key[:2]] = min(key, other, key=lambda k: median(seconds[k]))
+    points = [Point(name, setting, error(found[key]), median(seconds[key]), default=key == ("matrix product", "bit-exact", ""), peer=bool(key[2]))
               for (name, setting), key in best.items()]
     return Chart("heights", f"Heights of Eq. 1, {n} x {n} points, 160 waves",
                  "Matrix product and NUFFT reach any tolerance; the engine takes the cheaper one, and each peer its fastest use.", points)
@@ -146,7 +146,7 @@ def scene_runs(settings, truth_keys, quantities, base, method_of, default=None, 
         if summary is None or summary["status"] != "complete":
             continue
         error = float(max(np.abs(values(summary) / truth - 1).max(), 1e-16))
-        points.append(Point(method_of(setting), setting, error, command.cpu_s, summary["peak_memory_mb"], default=setting == default))
+        points.append(Point(method_of(setting), setting, error, command.cpu_s, default=setting == default))
     return points
 
 

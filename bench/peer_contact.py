@@ -4,9 +4,6 @@
 The deck is in mm, N and MPa. The gap of the problem becomes shape: nodes of the slave move along their normal. An even interference can be
 told by *CLEARANCE instead, which surface to surface and mortar contact read.
 """
-import re
-import resource
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +11,7 @@ from pathlib import Path
 import closed_solutions as cc
 import numpy as np
 
+from common import measured, read_prints
 from hdengine.export.cards import body_cards, contact_cards, node_cards, set_cards, sides_of, surface_cards
 
 
@@ -69,19 +67,12 @@ def contact_traction(text, n):
     return traction
 
 
-def printed(text, word, n):
-    """The last block of a vector print of a .dat file, (n, 3)."""
+def printed(blocks, word, n):
+    """The last block of a kind of `read_prints`, (n, 3)."""
     field = np.zeros((n, 3))
-    for block in re.split(r"\n(?= *(?:displacements|forces) )", "\n" + text):
-        if block.lstrip().startswith(word):
-            for number, *v in re.findall(r"^\s+(\d+)\s+(\S+)\s+(\S+)\s+(\S+)(?:\s+L)?\s*$", block, re.M):
-                field[int(number) - 1] = [float(x) for x in v]
+    for number, v in [rows for kind, rows in blocks if kind == word][-1].items():
+        field[number] = v
     return field
-
-
-def limited(limit):
-    """CPU seconds of a child."""
-    return lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 2))
 
 
 def solve(bodies, slave, master, fixed, steps, *, limit=120, **options):
@@ -90,18 +81,12 @@ def solve(bodies, slave, master, fixed, steps, *, limit=120, **options):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_deck(folder / "pair.inp", bodies, slave, master, fixed, np.asarray(steps), **options)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run(["ccx", "-i", "pair"], cwd=folder, capture_output=True, text=True, errors="replace", preexec_fn=limited(limit))
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        finished = "Job finished" in done.stdout
-        told = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line]
-        trouble = "" if finished else told[-1] if told else f"ended by signal {-done.returncode}" if done.returncode < 0 else "stopped without a word"
-        if not finished:
-            return Answer(False, f"over {limit} s" if seconds >= limit else trouble, seconds)
-        text = (folder / "pair.dat").read_text()
-        frd = (folder / "pair.frd").read_text(errors="replace")
-        return Answer(True, "", seconds, 1e-3 * printed(text, "displacements", n), contact_traction(frd, n), printed(text, "forces", n))
+        done = measured(["ccx", "-i", "pair"], folder, limit)
+        if "Job finished" not in done.text:
+            told = [line.strip() for line in done.text.splitlines() if "*ERROR" in line]
+            return Answer(False, f"over {limit} s" if done.code is None else told[-1] if told else "stopped without a word", done.cpu_s)
+        blocks, frd = read_prints(folder / "pair.dat"), (folder / "pair.frd").read_text(errors="replace")
+        return Answer(True, "", done.cpu_s, 1e-3 * printed(blocks, "displacements", n), contact_traction(frd, n), printed(blocks, "forces", n))
 
 
 def press_fit(method, told, inner, outer, element, layers, start, interference=10e-6, **options):

@@ -5,7 +5,6 @@
 Needs the Debian package calculix-ccx and the Python package meshio. CalculiX solves the mesh that hdengine wrote (C3D8I, ring and cup
 merged at their contact), with SPRINGA elements by tables for balls and flanks. Usage: bench/peer_drive.py
 """
-import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from common import measured, program, solve, write_record
+from common import measured, program, read_prints, solve, write_record
 from hdengine.export.cards import body_cards, equation_cards, node_cards, set_cards, strut_cards
 from hdengine.export.deck import flank_weights
 from hdengine.results import read_csv
@@ -83,17 +82,6 @@ def write_deck(path, points, cells, body, rate, touch, turns):
     return n_balls, len(flanks)
 
 
-def read_prints(path):
-    """Blocks of the .dat file in order: first component of each node, by node."""
-    blocks = []
-    for line in path.read_text().splitlines():
-        if re.match(r"\s*(displacements|forces)", line):
-            blocks.append({})
-        elif blocks and (m := re.match(r"\s*(\d+)((?:\s+\S+){3})", line)):
-            blocks[-1][int(m.group(1))] = [float(v) for v in m.group(2).split()]
-    return blocks
-
-
 def calculix(folder, mesh, rate, turns):
     """Assembly, then assembly and torque against flanks that touch; loads of balls and pairs and the turn at each torque."""
     points, cells = 1e3 * mesh.points, mesh.cells[0].data
@@ -113,8 +101,8 @@ def calculix(folder, mesh, rate, turns):
         done = measured([program("ccx", "apt-get install calculix-ccx"), "-i", name], folder, 3000)
         if done.code != 0 or "error" in done.text.lower():
             raise SystemExit(done.text[-3000:])
-        blocks = read_prints(folder / f"{name}.dat")
-        first = len(points) + 1
+        blocks = [rows for _, rows in read_prints(folder / f"{name}.dat")]
+        first = len(points)
         touch = np.array([blocks[0][first + n_balls + i][0] for i in range(n_flanks)])
     out = []
     for i in range(len(TORQUES)):

@@ -15,7 +15,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from common import ROOT, measured, program, write_record
+from common import ROOT, measured, program, read_prints, write_record
 from hdengine.export.cards import body_cards, contact_cards, node_cards, set_cards, surface_cards
 
 W, FRICTION, TORQUE = 0.2, 0.15, 5000.0  # mm, -, N mm
@@ -83,14 +83,7 @@ def calculix(folder, mesh):
     result = timed(["ccx", "-i", "peer"], folder)
     history = (folder / "peer.cvg").read_text().split("\n") if (folder / "peer.cvg").exists() else []
     result["iterations"] = sum(1 for line in history if re.match(r"\s*\d+\s+\d+\s+\d+", line))
-    steps, current = [], None
-    for line in ((folder / "peer.dat").read_text().split("\n") if (folder / "peer.dat").exists() else []):
-        if "displacements" in line:
-            current = {}
-            steps.append(current)
-        elif current is not None and line.endswith(" L"):  # node, u_r, u_theta, u_z in the local system
-            n, _, u_theta, *_ = line.split()
-            current[int(n) - 1] = float(u_theta)
+    steps = [{n: v[1] for n, v in rows.items()} for _, rows in read_prints(folder / "peer.dat")]   # u_theta in the local system
     rotation = [sum(force[n] * u for n, u in s.items()) / TORQUE for s in steps]
     result["rotation_rad"] = rotation[-1] - rotation[0] if len(rotation) > 1 and result["finished"] else None
     return result

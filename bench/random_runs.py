@@ -79,8 +79,7 @@ def scene(i):
     for chance, key, value in OPTIONS:
         if (key != "wave_generator.ring_contact" or "wave_generator.shape" not in keys) and r.random() < chance:
             keys[key] = value
-    keys = {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in keys.items()}
-    return keys | {"wave_generator.ring_tangent": "auto"}
+    return written(keys) | {"wave_generator.ring_tangent": "auto"}
 
 
 def cup(r):
@@ -92,6 +91,12 @@ def cup(r):
     fillet = r.uniform(1.05, 3) * max(wall, bottom) if hat or r.random() < 0.6 else 0
     return {"cup.sections_r": [bore, bore, bore, bore, bore, hub], "cup.sections_z": [0, 9e-3, 10e-3, end, end, end],
             "cup.sections_thickness": [rim, rim, wall, wall, bottom, bottom], "cup.sections_fillet": [0, 0, 0, fillet, 0, 0]}
+
+
+def written(keys):
+    """Six digits of every number, lists as the command takes them."""
+    return {k: ",".join(f"{x:.6g}" for x in v) if isinstance(v, list) else float(f"{v:.6g}") if isinstance(v, float) else v
+            for k, v in keys.items()}
 
 
 def drive(i):
@@ -129,8 +134,7 @@ def drive(i):
                                (0.1, "mesh.element", "hex20r"), (0.15, "solver.method", "newton"), (0.2, "mesh.through_wall", 2)):
         if r.random() < chance:
             keys[key] = value
-    return {k: ",".join(f"{x:.6g}" for x in v) if isinstance(v, list) else float(f"{v:.6g}") if isinstance(v, float) else v
-            for k, v in keys.items()}
+    return written(keys)
 
 
 def loose(i):
@@ -170,8 +174,7 @@ def loose(i):
     keys["solver.kinematics"] = "linear" if r.random() < 0.9 else "nonlinear"
     if keys["solver.kinematics"] == "nonlinear":
         keys |= {"load.torque_steps": 2, "loop.torques": [torque, 0]}
-    return {k: ",".join(f"{x:.6g}" for x in v) if isinstance(v, list) else float(f"{v:.6g}") if isinstance(v, float) else v
-            for k, v in keys.items()}
+    return written(keys)
 
 
 def varied(base, spans):

@@ -272,7 +272,7 @@ def premises():
     from paper_comparison import GROUPS, READINGS
 
     def shown(found):
-        changes = [found["rise_percent"], found["fall_percent"][2], found["gain_percent"][2]]
+        changes = [found[f"{what}_percent"] for what in ("rise", "fall", "gain")]
         return [*("-" if v is None else f"{v:+.0f}" for v in changes), " ".join(t[0].upper() for t in found["trends"]) or "-"]
     record = read_record("paper_comparison")
     rows = [r for group in GROUPS for r in record[group]]
@@ -340,21 +340,13 @@ def joint_law():
     return ("maps", "number", "k_N to 5 %", "k_N, 5 to 60 %", "k_N, 60 to 90 %", "contact", "gap to 90 %", "inside"), out
 
 
-LIGHT = (0, 1, 2, 3)   # the contacts up to 4 %
-
-
 def joint_rule():
     """Where the planner takes the theory: the error of k_N there."""
-    rows = read_record("joint_choice")["maps"]
-    names = {1: "none", 2: "1/2", 4: "1/4", "cut": "cut out of a larger map"}
-    out = []
-    for label, chosen in [(words, [r for r in rows if r["kind"] == kind]) for kind, words in names.items()] + [("all", rows)]:
-        e = np.concatenate([np.exp(np.array(r["ln_error"])[r["theory"]]) - 1 for r in chosen])
-        every = sum(len(r["theory"]) for r in chosen)
-        scatter = [np.std([r["ln_error"][i] for r in chosen if r["fractal_dimension"] == d and r["kind"] == kind], ddof=1)
-                   for d, kind in dict.fromkeys((r["fractal_dimension"], r["kind"]) for r in chosen) for i in LIGHT]
-        out.append((label, f"{100 * min(scatter):.0f} to {100 * max(scatter):.0f} %", f"{len(e)} of {every}", f"{100 * (abs(e) < 0.25).mean():.0f} %", f"{100 * (abs(e) < 0.10).mean():.0f} %", f"{100 * abs(e).max():.0f} %"))
-    return ("roll-off over the map", "scatter of maps", "theory taken", "within 25 %", "within 10 %", "largest error"), out
+    names = {"1": "none", "2": "1/2", "4": "1/4", "cut": "cut out of a larger map"}
+    return ("roll-off over the map", "scatter of maps", "theory taken", "within 25 %", "within 10 %", "largest error"), [
+        (names.get(kind, kind), f"{100 * r['least_scatter']:.0f} to {100 * r['most_scatter']:.0f} %", f"{r['taken']} of {r['of']}",
+         *(f"{100 * r[f'within_{x}_percent'] / r['taken']:.0f} %" for x in (25, 10)), f"{100 * r['largest_error']:.0f} %")
+        for kind, r in read_record("joint_choice")["rule"].items()]
 
 
 def joint_fewer():

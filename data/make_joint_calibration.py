@@ -6,7 +6,7 @@ Periodic surfaces of the paper's D and G, 512 x 512, three seeds, two short cut-
 At each pressure tamaas solves the normal contact; on the contact area it finds, conjugate gradients with tamaas's half-space
 operator give the incremental normal and tangential stiffness (full stick). The statistical model without yield (H = 1e6 GPa) is
 fitted to the means in the logarithm. Writes data/joint_calibration.json.
-Usage: python data/make_joint_calibration.py [--points 512] [--seeds 3] [--refit]
+Usage: python data/make_joint_calibration.py [--points 512] [--seeds 3]
 """
 import argparse
 import json
@@ -114,13 +114,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--points", type=int, default=512)
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--refit", action="store_true", help="keep the boundary-element rows on file")
     args = parser.parse_args()
-    if args.refit:
-        record = json.loads(DATA.read_text())
-        rows, version = record["rows"], record["provenance"]["tamaas"]
-    else:
-        rows, version = measure(args.points, args.seeds)
+    rows, version = measure(args.points, args.seeds)
+    means = [{"pressure_pa": p} | {k: np.mean([r[k] for r in rows if r["pressure_pa"] == p]) for k in ("k_n_pa_per_m", "k_t_pa_per_m")} for p in PRESSURE]
     separate = {f"{1e6 * c:g} um": dict(zip(("asperity_radius_m", "s_min_m2", "rms_ln_misfit"),
                                             fit([r for r in rows if r["cut_off_m"] == c]))) for c in CUT_OFFS}
     r_m, s_min, misfit = fit(rows)
@@ -128,7 +124,7 @@ def main():
               "surface": {"fractal_dimension": ELASTIC.fractal_dimension, "roughness_m": ELASTIC.roughness, "length_m": LENGTH,
                           "points": args.points, "cut_offs_m": CUT_OFFS},
               "provenance": {"script": "data/make_joint_calibration.py", "tamaas": version, "hdengine": hdengine.__version__,
-                             "model": "elastic (no yield) on both sides, moduli of the default joint"}, "rows": rows}
+                             "model": "elastic (no yield) on both sides, moduli of the default joint"}, "means": means}
     DATA.write_text(json.dumps(record, indent=1) + "\n")
     print(json.dumps(record["fitted"], indent=1))
 

@@ -19,7 +19,16 @@ import numpy as np
 from ._engine import FileError, InputError
 
 MOST_BYTES = 2**30  # of a file that is read as a whole, as in the engine
+ROUNDING = 1e-9     # relative, or in the unit of a table: numbers that differ by less are one
+HUGE = 1e300        # beyond: no number that anything is computed with
 F = TypeVar("F", bound=Callable)
+
+
+def alike(a, b):
+    """Whether two values of a key are one."""
+    if isinstance(a, str) or isinstance(b, str):
+        return a == b
+    return a is not None and abs(a - b) <= ROUNDING * max(abs(a), abs(b))
 
 
 def seen(value):
@@ -72,7 +81,7 @@ def number(above=None, least=None, below=None, most=None, finite=True, optional=
     def rule(name, value):
         if optional and value is None:
             return None
-        if type(value) in (float, int) and -1e300 < value < 1e300 and (above is None or value > above) \
+        if type(value) in (float, int) and -HUGE < value < HUGE and (above is None or value > above) \
                 and (least is None or value >= least) and (below is None or value < below) and (most is None or value <= most):
             return float(value)  # the same without arrays, which cost as much as a small surface
         x = _floats(value)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._check import array, checked, number
+from ._check import ROUNDING, array, checked, number
 from ._engine import InputError
 
 __all__ = ["Unit", "stages"]
@@ -46,8 +46,8 @@ UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9
 
 def unit_of(scene: dict) -> Unit | None:
     """The size whose T1 and T2 a scene ('group.key' to value) has, if there is one."""
-    return next((u for u in UNITS.values() if abs(u.t1_nm - scene["loop.torque_1"]) < 1e-9
-                 and abs(u.t2_nm - scene["loop.torque_2"]) < 1e-9), None)
+    return next((u for u in UNITS.values() if abs(u.t1_nm - scene["loop.torque_1"]) < ROUNDING
+                 and abs(u.t2_nm - scene["loop.torque_2"]) < ROUNDING), None)
 
 
 @checked(torque_nm=array((None,)), angle_rad=array((None,)), t1_nm=number(above=0), t2_nm=number(above=0))

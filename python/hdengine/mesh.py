@@ -13,6 +13,7 @@ from ._check import function as a_function
 from ._engine import InputError
 
 __all__ = ["Mesh", "block", "graded", "merge"]
+_MOST = 1e8   # intervals of a line
 _CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]])
 _EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
 _FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
@@ -163,8 +164,8 @@ def graded(first: float, last: float, size: float, growth: float) -> np.ndarray:
     """
     if not last > first:
         raise InputError(f"last = {last:g}: must be above first = {first:g}")
-    if (last - first) / size > 1e8:
-        raise InputError(f"size = {size:g}: {(last - first) / size:.3g} intervals from {first:g} to {last:g}, at most 1e8")
+    if (last - first) / size > _MOST:
+        raise InputError(f"size = {size:g}: {(last - first) / size:.3g} intervals from {first:g} to {last:g}, at most {_MOST:g}")
     if growth <= 1:
         return np.linspace(first, last, max(1, round((last - first) / size)) + 1)
     n = max(1, int(np.ceil(np.log1p((last - first) * (growth - 1) / size) / np.log(growth))))

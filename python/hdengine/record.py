@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
+FEWEST = 20      # readings of a record
+TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
 
 
 def _is_number(text):
@@ -87,8 +89,8 @@ class Record:
     def __init__(self, torque_nm: ArrayLike, angle_rad: ArrayLike, torque_error_nm: float = 0.05,
                  angle_error_rad: float = 2 * ARCSEC, pieces: int = 12) -> None:
         self.torque_nm, self.angle_rad = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
-        if self.torque_nm.shape != self.angle_rad.shape or len(self.torque_nm) < 20:
-            raise InputError("a record needs as many torques as angles, 20 or more; "
+        if self.torque_nm.shape != self.angle_rad.shape or len(self.torque_nm) < FEWEST:
+            raise InputError(f"a record needs as many torques as angles, {FEWEST} or more; "
                              f"it has {self.torque_nm.size} torques and {self.angle_rad.size} angles")
         self.torque_error_nm, self.angle_error_rad, self.pieces = torque_error_nm, angle_error_rad, pieces
         self._drawn: dict[tuple, list] = {}
@@ -116,7 +118,7 @@ class Record:
 
     def _split(self):
         """Slices between turning points of the torque; a reversal counts once it exceeds a tenth of the range."""
-        t, limit = self.torque_nm, 0.1 * np.ptp(self.torque_nm)
+        t, limit = self.torque_nm, TURN * np.ptp(self.torque_nm)
         turns, sense, extreme = [0], 0, 0
         for i, value in enumerate(t):
             if sense == 0:
@@ -134,7 +136,7 @@ class Record:
         """Last branch of a sense that crosses zero with both ends well away from it."""
         for part in reversed(self.branches):
             t = self.torque_nm[part]
-            if sense * (t[-1] - t[0]) > 0 and t.min() < -0.1 * np.ptp(t) and t.max() > 0.1 * np.ptp(t):
+            if sense * (t[-1] - t[0]) > 0 and t.min() < -TURN * np.ptp(t) < TURN * np.ptp(t) < t.max():
                 return part
         raise InputError(f"the record has no {'rising' if sense > 0 else 'falling'} branch through zero torque: give a whole loop")
 

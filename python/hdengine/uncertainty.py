@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import torsion
-from ._check import RUN, checked, integer
+from ._check import RUN, alike, checked, integer
 from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
@@ -154,11 +154,6 @@ def _places(low, high):
     return [low, high] if isinstance(low, str) else np.linspace(low, high, 5).tolist()
 
 
-def _same(a, b):
-    """Whether two values stand for one place."""
-    return a == b if isinstance(a, str) else abs(a - b) <= 1e-9 * max(abs(a), abs(b))
-
-
 def one_at_a_time(scene: PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Study:
     """Study with the scene itself and five places of each range: point 0, then those of each key that differ from the scene.
 
@@ -175,7 +170,7 @@ def one_at_a_time(scene: PathLike = "", ranges: dict | None = None, fixed: dict 
     base = read_scene(scene, **(fixed or {}))
     points = [{key: base[key] for key in ranges}]
     for key, (low, high, _) in ranges.items():
-        points += [{**points[0], key: value} for value in _places(low, high) if not _same(value, base[key])]
+        points += [{**points[0], key: value} for value in _places(low, high) if not alike(value, base[key])]
     columns = {key: [point[key] for point in points] for key in ranges}
     return Study(scene, together=columns, fixed=fixed or {}, rows="last", title="One at a time")
 
@@ -199,7 +194,7 @@ def drive_tornado(result: StudyResult, ranges: Mapping | None = None, column: st
     base, ends = np.nan, {}
     for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
         base, found = _solved(result, key, column)
-        first, last = (next((y for x, y in found.items() if _same(x, end)), np.nan) for end in (low, high))
+        first, last = (next((y for x, y in found.items() if alike(x, end)), np.nan) for end in (low, high))
         ends[key] = first, last
     return base, dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
 

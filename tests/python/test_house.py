@@ -172,6 +172,25 @@ def test_types_have_names_of_their_own():
     assert len(names) > 100 and len(names) == len(set(names)), sorted(name for name in set(names) if names.count(name) > 1)
 
 
+COMMON = (0, 0.5, 1, 2)   # numbers that need no name
+
+
+def compared(path):
+    """Real numbers that stand in comparisons of a source: beside the sign in Fortran, anywhere between in Python."""
+    if path.suffix == ".py":
+        found = [c for x in ast.walk(ast.parse(path.read_text())) if isinstance(x, ast.Compare) for c in ast.walk(x) if isinstance(c, ast.Constant)]
+        return [c.value for c in found if isinstance(c.value, float)]
+    text = re.sub(r"'[^'\n]*'|\"[^\"\n]*\"|!.*", "", path.read_text())
+    return [float(x) for x in re.findall(r"(?:[<>]=?|[/=]=)\s*((?:\d+\.\d*|\.\d+|\d+(?=e))(?:e[-+]?\d+)?)", text)]
+
+
+@pytest.mark.parametrize("path", [p for p in ALL if p.suffix != ".c" and p.parent.name not in ("figures", "report")],
+                         ids=lambda p: "/".join(p.relative_to(ROOT).parts[1:]))
+def test_bounds_have_names(path):
+    """A real number that something is compared with has a name, and a reason beside it; drawings measure by eye."""
+    assert [x for x in compared(path) if x not in COMMON] == []
+
+
 def test_main_is_short():
     """The main program stays under 50 lines."""
     assert len((ROOT / "fortran/app/main.f90").read_text().splitlines()) < 50

@@ -119,7 +119,7 @@ contains
     integer :: first, status
     i = 0
     first = 1 + scan(s(:min(1, len(s))), '+-')
-    ok = len(s) >= first .and. len(s) < 19 .and. verify(s(first:), figures) == 0
+    ok = len(s) >= first .and. len(s) <= range(i) .and. verify(s(first:), figures) == 0
     if (.not. ok) return
     read (s, '(i20)', iostat=status) i
     ok = status == 0
@@ -132,12 +132,12 @@ contains
     character(len=:), allocatable, intent(out) :: word    !< '' at the end
     integer :: first
     do while (at <= len(text))
-      if (iachar(text(at:at)) > 32) exit
+      if (text(at:at) > ' ') exit
       at = at + 1
     end do
     first = at
     do while (at <= len(text))
-      if (iachar(text(at:at)) <= 32) exit
+      if (text(at:at) <= ' ') exit
       at = at + 1
     end do
     word = text(first:at - 1)

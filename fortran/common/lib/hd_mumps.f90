@@ -12,6 +12,7 @@ module hd_mumps
   private
   public :: mumps_t, unsymmetric, positive_definite, check_mumps, ordering_given
 
+  integer, parameter :: too_little(2) = [-8, -9]  !< INFOG(1): integer and main working space do not suffice
   integer, parameter :: unsymmetric = 0        !< MUMPS SYM
   integer, parameter :: positive_definite = 1  !< MUMPS SYM
 
@@ -66,7 +67,7 @@ contains
     do attempt = 1, 5
       self%id%job = 2
       call dmumps(self%id)
-      if (self%id%infog(1) /= -8 .and. self%id%infog(1) /= -9) exit
+      if (all(self%id%infog(1) /= too_little)) exit
       self%id%icntl(14) = 2*self%id%icntl(14)
     end do
     call check_mumps(self%id%infog(:16), self%id%n, error)
@@ -84,7 +85,7 @@ contains
       'QAMD']
     if (analysis == 2) then
       name = merge('ParMETIS ', 'PT-SCOTCH', ordering == 2)
-    else if (ordering >= 0 .and. ordering <= 6) then
+    else if (ordering >= 0 .and. ordering <= ubound(names, 1)) then
       name = names(ordering)
     else
       name = 'INFOG(7) = '//to_text(ordering)

@@ -14,7 +14,7 @@ module hd_slip_integral
   public :: slip_series_t, new_slip_series, slip_integral
 
   real(dp), parameter :: fast = 0.1_dp, faster = 0.003_dp   !< x whose 17th, 7th power is below rounding: the first term left out
-  integer, parameter :: terms = 50, points = 12
+  integer, parameter :: terms = 50, terms_fast = 16, terms_faster = 6, points = 12
   real(dp), parameter :: third = 1/3._dp, narrow = 0.05_dp
 
   type :: slip_series_t
@@ -120,8 +120,8 @@ contains
   pure integer function length_of(x) result(n)
     real(dp), intent(in) :: x
     n = terms
-    if (x < fast) n = 16
-    if (x < faster) n = 6
+    if (x < fast) n = terms_fast
+    if (x < faster) n = terms_faster
   end function length_of
 
   !> Adds the part with x >= 1/2; h dI/dh = -a I + [sigma^e v] / p.

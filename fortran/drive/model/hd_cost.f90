@@ -50,20 +50,26 @@ contains
     type(scene_t), intent(in) :: s    !< scene
     logical, intent(in) :: round      !< its bodies have harmonics; where not, only a scene that asks for them gets them
     forecast%costs = predict_costs(s)
-    if (s%method == 'auto' .and. s%factors == 'auto' .and. .not. round) forecast%costs(:2)%applies = .false.
+    if (.not. round .and. s%may_condense() .and. s%may_newton() .and. free(s)) forecast%costs(:2)%applies = .false.
     forecast%memory_allowed_mb = allowed_memory_mb(s)
     forecast%chosen = findloc(forecast%costs%applies, .true., 1)
   end function forecast
+
+  !> The scene leaves open how Newton's matrix is solved.
+  pure logical function free(s)
+    type(scene_t), intent(in) :: s    !< scene
+    free = s%may_factorise() .and. s%may_harmonics()
+  end function free
 
   !> All solvers, those that do not apply too.
   function predict_costs(s) result(list)
     type(scene_t), intent(in) :: s  !< scene
     type(cost_t) :: list(3)
     real(dp) :: nodes, section, rows, thick, dof, images, extra, tangent, harmonic
-    logical :: round, small, newton
+    logical :: round, small
     call count_nodes(s, nodes, section, rows, thick)
     dof = 3*nodes
-    images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%symmetry /= 'full' .and. &
+    images = merge(2, 1, modulo(s%divisions, 2) == 0 .and. modulo(s%ring_divisions, 2) == 0 .and. s%most_images() > 1 .and. &
       .not. abs(s%eccentricity) > 0 .and. .not. s%formed())
     extra = min(thick - 1, 2._dp)
     small = .not. s%large()
@@ -76,17 +82,12 @@ contains
       memory_mb=30 + 2.5e-3_dp*nodes + 10.4e-6_dp*entries(dof))
     if (.not. small) list%seconds = pairs_time*list%seconds
     round = .not. s%support%against_teeth .and. .not. (s%cup_is_slave() .and. s%ring_lifts())
-    newton = s%method == 'auto' .or. s%method == 'newton'
-    list(1)%applies = s%method == 'condensed' .or. (s%method == 'auto' .and. round .and. small .and. .not. s%formed())
-    list(2:)%applies = newton .and. (s%factors == 'auto' .or. s%factors == list(2:)%name)
-    if (s%factors == 'auto') then
-      list(2)%applies = newton .and. round
-    else if (s%method == 'auto') then
-      list(1)%applies = .false.
-    end if
+    list(1)%applies = s%may_condense() .and. (.not. s%may_newton() .or. (free(s) .and. round .and. small .and. .not. s%formed()))
+    list(2)%applies = s%may_newton() .and. s%may_harmonics() .and. (round .or. .not. free(s))
+    list(3)%applies = s%may_newton() .and. s%may_factorise()
     if (s%support%struts) then
-      list(1)%applies = s%method /= 'newton' .and. s%factors == 'auto' .and. small
-      list(2)%applies = s%factors == 'auto' .and. .not. small
+      list(1)%applies = s%may_condense() .and. free(s) .and. small
+      list(2)%applies = free(s) .and. .not. small
       list(3)%applies = .not. any(list(:2)%applies)
     end if
   contains
@@ -114,7 +115,7 @@ contains
     section = size(cup%inner, 2)*(s%through_wall + 1) + size(ring%inner, 2)*(s%through_ring + 1)
     rows = 3*(band_rows(s) + 1)
     thick = max(s%through_wall, s%through_ring)
-    if (s%element == 'hex20r') then
+    if (s%quadratic()) then
       section = 3.5_dp*section
       rows = 3*rows
       thick = thick + 1

@@ -180,7 +180,7 @@ contains
       if (scene%support%struts .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
         call loosen(problem, drive%b_ring, 1)
-      else if (ring_follows(scene)) then
+      else if (scene%ring_follows()) then
         problem%fixed(2, inner) = .true.
       else if (scene%support%struts) then
         call loosen(problem, drive%b_ring, 3)
@@ -258,14 +258,6 @@ contains
     call remember(drive%problem, load, state)
     state%past(3:, :) = 0
   end subroutine touch_teeth
-
-  !> The ring's inner face follows the cam tangentially: by choice, or where nothing else holds the ring, which is with support
-  !> 'bearing', and without friction under large displacements.
-  pure logical function ring_follows(scene)
-    type(scene_t), intent(in) :: scene  !< scene
-    ring_follows = scene%ring_tangent == 'follow' .or. (scene%ring_tangent == 'auto' .and. (scene%support%friction_alone .or. &
-      (scene%frictionless() .and. scene%large())))
-  end function ring_follows
 
   !> Springs of the balls between wave generator and ring, even over the ring's inner face.
   subroutine set_on_balls(scene, drive)

@@ -11,6 +11,8 @@ module hd_section
   private
   public :: ring_strip, cup_strip, rim_end, band_rows
 
+  integer, parameter :: clear_cells = 4         !< edge cells that the band's ends keep clear of stations of their own
+  integer, parameter :: arc_cells = 8           !< of a half turn, at least
   real(dp), parameter :: whole = 1e-6_dp        !< a quarter turn of four cells that rounding lengthens has no fifth
 
 contains
@@ -38,7 +40,7 @@ contains
       last = scene%band_start + scene%band_length
       ends = [real(dp) ::]
       if (edge > 0) ends = thinning(scene)
-      ends = [pack(ends, ends > scene%band_start + 4*edge .and. ends < last - 4*edge), last]
+      ends = [pack(ends, ends > scene%band_start + clear_cells*edge .and. ends < last - clear_cells*edge), last]
       do i = 1, size(ends)
         times = min(i, 2)
         share = (ends(i) - z(size(z)))/scene%band_length
@@ -210,7 +212,7 @@ contains
       end associate
     end do
     n = max(1, nint((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0)))
-    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/8) - whole))
+    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/arc_cells) - whole))
   end function cells_of
 
   !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].

@@ -112,9 +112,7 @@ contains
     type(scene_t), intent(in) :: scene                !< scene
     class(linear_solver_t), intent(inout) :: solver   !< solver
     solver%inner = 0
-    solver%most_images = 4
-    if (scene%symmetry == 'half') solver%most_images = 2
-    if (scene%symmetry == 'full') solver%most_images = 1
-    solver%demanded = scene%symmetry == 'half' .or. scene%symmetry == 'quarter'
+    solver%most_images = scene%most_images()
+    solver%demanded = solver%most_images > 1 .and. scene%symmetry /= 'auto'
   end subroutine renew_solver
 end module hd_solver_choice

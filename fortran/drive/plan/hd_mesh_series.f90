@@ -17,6 +17,7 @@ module hd_mesh_series
   integer, parameter :: levels = 10             !< of a plan
   integer, parameter :: finest = size(band)     !< of the series
   integer, parameter :: coarse = 3              !< level on which kinematics and load steps are chosen
+  integer, parameter :: fewest_sectors = 16, sectors_of = 4  !< round the axis, and what their number is a multiple of: quarters
   integer, parameter :: first_judged = 5        !< coarser meshes agree by chance
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows
@@ -62,7 +63,8 @@ contains
     s = scene
     s%band_facets = band(level)
     s%edge_length = scene%band_length/(edge_cells*band(level))
-    s%divisions = max(16, 4*smooth_size(nint(pi*scene%bore_radius*band(level)/(2*aspect*scene%band_length)), .false.))
+    s%divisions = max(fewest_sectors, sectors_of*smooth_size(nint(2*pi*scene%bore_radius*band(level)/ &
+      (sectors_of*aspect*scene%band_length)), .false.))
     s%through_wall = 2
     s%through_ring = s%through_wall
     s%ring_divisions = 0

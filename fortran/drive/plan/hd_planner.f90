@@ -87,12 +87,12 @@ contains
     real(dp) :: change(promises), doubt(promises)
     type(promise_t) :: promised(promises), at
     character(len=:), allocatable :: text
-    if (plan%scene%kinematics /= 'auto') then
+    if (.not. plan%scene%kinematics_open()) then
       call note(plan, 'kinematics '//trim(plan%scene%kinematics)//': as the scene says')
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support%against_teeth .or. .not. (plan%scene%method == 'auto' .or. plan%scene%method == 'newton')) then
+    if (plan%scene%support%against_teeth .or. .not. plan%scene%may_newton()) then
       call note(plan, 'kinematics linear: support and method allow no other')
       return
     end if
@@ -331,7 +331,7 @@ contains
       if (error%code /= code_not_converged) return
       deallocate (error)
       plan%scene = scene
-      if (scene%kinematics == 'auto') plan%scene%kinematics = 'linear'
+      if (scene%kinematics_open()) plan%scene%kinematics = 'linear'
       call note(plan, 'a coarse run ended early: the scene is run as it stands')
       call check_memory(plan%scene, .false., error)
       return

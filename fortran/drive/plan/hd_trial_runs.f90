@@ -27,6 +27,7 @@ module hd_trial_runs
   public :: trial_runs_t, new_trial_runs, growth
 
   real(dp), parameter :: a_moment = 1e-3_dp  !< where the limit has passed [s]; 0 would be none
+  real(dp), parameter :: worth_saying = 3    !< of a mesh to come [s]
   real(dp), parameter :: growth = 1.4_dp  !< time of a mesh goes as this power of its facets, small displacements
 
   !> Results of a mesh.
@@ -176,7 +177,7 @@ contains
     type(scene_t), intent(in) :: now, next    !< mesh that is solved, a finer one
     real(dp) :: seconds
     seconds = seconds_of(self, now)*(real(next%divisions*band_rows(next), dp)/(now%divisions*band_rows(now)))**growth
-    if (seconds > 3) call say('plan      next mesh '//to_text(next%divisions)//' x '//to_text(band_rows(next))// &
+    if (seconds > worth_saying) call say('plan      next mesh '//to_text(next%divisions)//' x '//to_text(band_rows(next))// &
       ' facets: about '//to_text(nint(seconds))//' s')
   end subroutine foretell
 

@@ -13,7 +13,7 @@ module hd_facets
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
   use hd_persson_error, only: theory_error_t
-  use hd_supports, only: support_torques_t, support_torques, moment
+  use hd_balance, only: support_torques_t, support_torques, moment
   use hd_twist_shares, only: part_names
   use hd_vector, only: cross
   implicit none

@@ -12,7 +12,7 @@ module hd_loop
   use hd_energy, only: stored_energy
   use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
-  use hd_supports, only: moment_on_cam
+  use hd_balance, only: moment_on_cam
   use hd_text, only: rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none

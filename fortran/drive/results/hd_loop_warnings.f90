@@ -31,7 +31,7 @@ contains
       if (abs(scene%w/fitting - 1) > 0.5_dp) cause = 'wave_generator.w = '//to_text(scene%w)//' m does not go with '// &
         'load.teeth = '//to_text(scene%teeth)//', which ask for about 2 (bore_radius + rim_thickness)/teeth = '// &
         to_text(fitting)//' m'
-      if (scene%balls == 0 .and. scene%ring_tangent == 'follow') cause = "wave_generator.ring_tangent = 'follow' holds the ring"
+      if (scene%balls == 0 .and. scene%ring_follows()) cause = 'wave_generator.ring_tangent holds the ring'
       call push(lines, trim(merge('the ring puts', 'the balls put', scene%balls == 0))//' up to '// &
         to_text(loop%wave_generator_torque_max)//' N m on the cam; without losses '// &
         'the largest torque over half the teeth, '//to_text(lossless)//' N m, would drive it. Check this: '//cause)

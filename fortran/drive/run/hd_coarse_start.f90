@@ -14,6 +14,7 @@ module hd_coarse_start
   public :: has_coarser, coarser_scene, guess_from
 
   real(dp), parameter :: rounding = 1e-9_dp !< of a share of the way between two load steps
+  integer, parameter :: least_divisions = 48, least_rows = 8  !< half as many, 24 x 4, guide; 16 x 3 facets mislead
   integer, parameter :: worthwhile = 1000  !< facets from which a coarser mesh saves time
 
   !> Linear interpolation: (1 - part) of entry `low`, part of the next.
@@ -28,9 +29,8 @@ contains
   !> slip almost everywhere: there the coarser solution is no better a guess than rest (two to ten times the iterations).
   pure logical function has_coarser(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    has_coarser = scene%start /= 'rest' .and. .not. scene%bonded() .and. &
-      scene%element /= 'hex20r' .and. &
-      scene%divisions >= 48 .and. band_rows(scene) >= 8  ! 16 x 3 facets mislead
+    has_coarser = scene%start /= 'rest' .and. .not. scene%bonded() .and. .not. scene%quadratic() .and. &
+      scene%divisions >= least_divisions .and. band_rows(scene) >= least_rows
     if (scene%start == 'auto') has_coarser = has_coarser .and. .not. scene%formed() .and. &
       scene%divisions*band_rows(scene) >= worthwhile
   end function has_coarser

@@ -19,7 +19,7 @@ module hd_load_step
   use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
   use hd_scene, only: scene_t
   use hd_strut_step, only: remember
-  use hd_supports, only: contact_torque
+  use hd_balance, only: contact_torque
   use hd_system, only: stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded

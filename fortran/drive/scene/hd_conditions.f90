@@ -10,6 +10,9 @@ module hd_conditions
   private
   public :: check_scene
 
+  real(dp), parameter :: stretch = 0.02_dp  !< of the length of the circle on the cam: more is a wrong unit
+  real(dp), parameter :: small = 0.1_dp     !< of the radius, that small displacements and fits stay below
+  integer, parameter :: fewest_balls = 4    !< that hold the ring
   character(len=1), parameter :: nl = new_line('a')
 
 contains
@@ -51,11 +54,11 @@ contains
     call need(faults, (s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', &
       s%perimeter_length, "a length together with perimeter = 'given', else", 0._dp)
     associate (circle => 2*pi*(s%bore_radius - merge(s%ring_thickness, 0._dp, .not. s%formed())))
-      call need(faults, s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < 0.02_dp, &
+      call need(faults, s%perimeter /= 'given' .or. abs(s%perimeter_length/circle - 1) < stretch, &
         'wave_generator.perimeter_length', s%perimeter_length, 'within 2 % of the length of the circle', circle)
     end associate
-    call need(faults, s%eccentricity < 0.1_dp*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
-      'below a tenth of bore_radius (small displacements)', 0.1_dp*s%bore_radius)
+    call need(faults, s%eccentricity < small*s%bore_radius, 'wave_generator.eccentricity', s%eccentricity, &
+      'below a tenth of bore_radius (small displacements)', small*s%bore_radius)
     call need(faults, abs(tan(s%cone_angle_deg*pi/180))*s%band_length < s%bore_radius - s%ring_thickness, &
       'wave_generator.cone_angle_deg', s%cone_angle_deg, 'so small that the ring stays open', 10._dp)
   end subroutine check_shape
@@ -74,10 +77,10 @@ contains
       'number of load.tooth_gaps_back', real(s%gap_back_count, dp), 'none, or as many values as load.tooth_gaps', &
       real(s%gap_count, dp))
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
-    call need(faults, s%clearance < 0.1_dp*s%bore_radius, 'wave_generator.clearance', s%clearance, &
-      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
-    call need(faults, abs(s%interference) < 0.1_dp*s%bore_radius, 'wave_generator.interference', s%interference, &
-      'smaller than a tenth of bore_radius', 0.1_dp*s%bore_radius)
+    call need(faults, s%clearance < small*s%bore_radius, 'wave_generator.clearance', s%clearance, &
+      'smaller than a tenth of bore_radius', small*s%bore_radius)
+    call need(faults, abs(s%interference) < small*s%bore_radius, 'wave_generator.interference', s%interference, &
+      'smaller than a tenth of bore_radius', small*s%bore_radius)
     call need(faults, s%shortest_wavelength < s%sample_length, 'joint.shortest_wavelength', s%shortest_wavelength, &
       'below sample_length', s%sample_length)
     call ask(faults, s%support%contact .or. s%bonded(), 'contact.mode', s%contact_mode, &
@@ -88,19 +91,18 @@ contains
       s%groove_depth, "0, but with load.support = 'drive' and bearing.balls, that run in the groove")
     call ask(faults, .not. s%support%friction_alone .or. s%contact_mode /= 'frictionless', 'contact.mode', s%contact_mode, &
       "'frictional' with load.support = 'bearing', where all torque goes through friction")
-    call ask(faults, .not. s%ring_lifts() .or. (s%element /= 'hex20r' .and. .not. s%support%against_teeth), &
+    call ask(faults, .not. (s%ring_lifts() .and. (s%quadratic() .or. s%support%against_teeth)), &
       'wave_generator.ring_contact', s%ring_contact, "'tied' with mesh.element = 'hex20r' or load.support = 'teeth'")
-    call need(faults, .not. s%ball_stiffness > 0 .or. (s%element /= 'hex20r' .and. .not. s%ring_lifts()), &
+    call need(faults, .not. (s%ball_stiffness > 0 .and. (s%quadratic() .or. s%ring_lifts())), &
       'wave_generator.ball_stiffness', s%ball_stiffness, "0, or ring_contact = 'tied' and element hex8 or hex8i")
     call ask(faults, &
       .not. s%support%friction_alone .or. s%ring_tangent /= 'free' .or. s%formed() .or. .not. abs(s%torque) > 0, &
       'wave_generator.ring_tangent', s%ring_tangent, "'follow' or 'auto' with load.support = 'bearing': nothing takes the " // &
       'torque where the ring slides on the cam')
-    call ask(faults, &
-      .not. s%large() .or. ((s%method == 'auto' .or. s%method == 'newton') .and. .not. s%support%against_teeth), &
+    call ask(faults, .not. s%large() .or. (s%may_newton() .and. .not. s%support%against_teeth), &
       'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
-    call ask(faults, .not. s%support%against_teeth .or. s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', &
-      s%factors, "'auto' or 'exact' with load.support = 'teeth'")
+    call ask(faults, .not. s%support%against_teeth .or. s%may_factorise(), 'solver.factors', s%factors, &
+      "'auto' or 'exact' with load.support = 'teeth'")
     call ask(faults, s%with_band == '.false.' .or. s%support%loop, 'run.band', s%with_band, &
       "'.false.', but with load.support = 'drive'")
     call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. (s%with_band == '.false.' .and. .not. &
@@ -124,9 +126,9 @@ contains
     call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
-    call ask(faults, s%factors == 'auto' .or. s%factors == 'exact', 'solver.factors', s%factors, &
-      "'auto' or 'exact' with load.support = 'drive'")
-    call need(faults, s%balls == 0 .or. s%balls >= 4, 'bearing.balls', real(s%balls, dp), 'none, or enough to hold the ring', 4._dp)
+    call ask(faults, s%may_factorise(), 'solver.factors', s%factors, "'auto' or 'exact' with load.support = 'drive'")
+    call need(faults, s%balls == 0 .or. s%balls >= fewest_balls, 'bearing.balls', real(s%balls, dp), &
+      'none, or enough to hold the ring', real(fewest_balls, dp))
     call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &
       s%ball_diameter, 'so small that all balls have room on their circle: below', &
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))

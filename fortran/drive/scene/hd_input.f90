@@ -61,7 +61,7 @@ contains
       call raise(error, code_input, faults_text(list))
       return
     end if
-    if (.not. scene%planned_tolerance > 0 .and. scene%kinematics == 'auto') scene%kinematics = 'linear'
+    if (.not. scene%planned_tolerance > 0 .and. scene%kinematics_open()) scene%kinematics = 'linear'
   end subroutine read_scene
 
   !> A file describes a study, many scenes, if it ends in .toml.

@@ -424,6 +424,7 @@ contains
     type(string_t), intent(in) :: words(:)  !< words
     real(dp), intent(out) :: x(:)           !< numbers
     integer(i8), intent(out) :: n           !< count, or minus the place of a bad word
+    integer, parameter :: most_figures = 10   !< of a repeat count: their sum is an i8
     real(dp) :: number
     integer(i8) :: times
     integer :: i, star
@@ -434,7 +435,7 @@ contains
       associate (s => words(i)%s)
         star = index(s, '*')
         times = 1
-        ok = star <= 11 .and. scan(s(:max(0, star - 1)), '+-') == 0
+        ok = star <= 1 + most_figures .and. scan(s(:max(0, star - 1)), '+-') == 0
         if (star > 0 .and. ok) call to_number(s(:star - 1), times, ok)
         if (ok) call to_number(s(star + 1:), number, ok)
         if (.not. ok .or. times < 1) then

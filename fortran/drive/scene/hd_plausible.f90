@@ -151,7 +151,7 @@ contains
       key = 'loop.torques'
     end if
     hint = ''
-    if (abs(torque) > overload*most .and. abs(torque) < 1e3_dp*overload*most) hint = '; did you mean '// &
+    if (abs(torque) > overload*most .and. 1e-3_dp*abs(torque) < overload*most) hint = '; did you mean '// &
       to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
     if (abs(torque) > overload*most .and. (len(hint) > 0 .or. .not. slips_alone)) call push(lines, key//' = '// &
       to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))//' N m for a moment'//hint)

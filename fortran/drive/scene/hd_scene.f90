@@ -103,7 +103,15 @@ module hd_scene
     procedure :: large
     procedure :: cup_is_slave
     procedure :: ring_lifts
+    procedure :: ring_follows
     procedure :: turned
+    procedure :: quadratic
+    procedure :: kinematics_open
+    procedure :: may_condense
+    procedure :: may_newton
+    procedure :: may_factorise
+    procedure :: may_harmonics
+    procedure :: most_images
   end type scene_t
 
 contains
@@ -150,9 +158,61 @@ contains
     ring_lifts = self%ring_contact == 'unilateral'
   end function ring_lifts
 
+  !> The ring's inner face follows the cam tangentially: by choice, or where nothing else holds the ring, which is with support
+  !> 'bearing', and without friction under large displacements.
+  pure logical function ring_follows(self)
+    class(scene_t), intent(in) :: self  !< scene
+    ring_follows = self%ring_tangent == 'follow' .or. (self%ring_tangent == 'auto' .and. (self%support%friction_alone .or. &
+      (self%frictionless() .and. self%large())))
+  end function ring_follows
+
   !> The answer is that of a drive whose wave generator has turned.
   pure logical function turned(self)
     class(scene_t), intent(in) :: self  !< scene
     turned = self%history == 'turned'
   end function turned
+
+  !> Cells have nodes on their edges, too.
+  pure logical function quadratic(self)
+    class(scene_t), intent(in) :: self  !< scene
+    quadratic = self%element == 'hex20r'
+  end function quadratic
+
+  !> Small or large displacements: the plan is to say.
+  pure logical function kinematics_open(self)
+    class(scene_t), intent(in) :: self  !< scene
+    kinematics_open = self%kinematics == 'auto'
+  end function kinematics_open
+
+  !> The bodies may be condensed to the face.
+  pure logical function may_condense(self)
+    class(scene_t), intent(in) :: self  !< scene
+    may_condense = self%method /= 'newton'
+  end function may_condense
+
+  !> Systems may be solved with Newton's matrix.
+  pure logical function may_newton(self)
+    class(scene_t), intent(in) :: self  !< scene
+    may_newton = self%method /= 'condensed'
+  end function may_newton
+
+  !> Newton's matrix may be factorised.
+  pure logical function may_factorise(self)
+    class(scene_t), intent(in) :: self  !< scene
+    may_factorise = self%factors /= 'harmonic'
+  end function may_factorise
+
+  !> Newton's matrix may be solved around condensation by harmonics.
+  pure logical function may_harmonics(self)
+    class(scene_t), intent(in) :: self  !< scene
+    may_harmonics = self%factors /= 'exact'
+  end function may_harmonics
+
+  !> Images of the part that is solved, at most: 1, 2 or 4.
+  pure integer function most_images(self)
+    class(scene_t), intent(in) :: self  !< scene
+    most_images = 4
+    if (self%symmetry == 'half') most_images = 2
+    if (self%symmetry == 'full') most_images = 1
+  end function most_images
 end module hd_scene

@@ -116,12 +116,13 @@ contains
     real(dp), allocatable, intent(out) :: table(:, :)   !< (lags, frequencies)
     real(dp), allocatable, intent(out) :: f(:), w(:)    !< frequencies [1/m], weights
     integer, parameter :: n = 80, angles = 16
+    real(dp), parameter :: most_waves = 30, least_band = 3  !< of a plane: more waves a side, it takes nothing; of f_lo
     type(observation_t) :: raw
     real(dp) :: extent, top, a, with(size(o%lag)), without(size(o%lag))
     integer :: i, j, m
     extent = (o%nx - 1) * o%dx
     if (o%ny > 1) extent = min(extent, (o%ny - 1) * o%dy)
-    top = min(p%f_hi, max(30 / extent, 3 * p%f_lo))
+    top = min(p%f_hi, max(most_waves / extent, least_band * p%f_lo))
     f = [(p%f_lo * (top / p%f_lo)**(real(i - 1, dp) / (n - 1)), i=1, n)]
     allocate (w(n), source=log(top / p%f_lo) / (n - 1))
     w([1, n]) = w(1) / 2

@@ -4,7 +4,7 @@
 !> or run at an angle.
 module hd_lay
   use hd_kinds, only: dp, pi
-  use hd_ring_table, only: ring_table_t, taper
+  use hd_ring_table, only: ring_table_t, taper, falls
   use hd_seams, only: seams_t
   implicit none
   private
@@ -14,6 +14,7 @@ module hd_lay
   integer, parameter :: low_modes = 4         !< that the taper's main lobe reaches
   real(dp), parameter :: step = 0.25_dp       !< of the exponent, 0 to 5, and of ln of the amplitude
   real(dp), parameter :: doubt = 10.83_dp     !< of chi^2, one degree of freedom: once in a thousand
+  integer, parameter :: sure = 5              !< standard errors of it, beyond doubt
   real(dp), parameter :: ample = 0.5_dp       !< excess of the modes beside an axis that is more than an anisotropy of offsets
 
 contains
@@ -26,7 +27,7 @@ contains
     type(ring_table_t), intent(in) :: raw     !< its rings
     type(ring_table_t), intent(in) :: bare    !< those of the map without the offsets
     logical :: lay
-    lay = bare%beside(way) > 1 + max(ample, 5 * bare%beside_error(way))
+    lay = bare%beside(way) > 1 + max(ample, sure * bare%beside_error(way))
     if (.not. lay .and. way == 1) lay = colour(sum(z, 2) / size(z, 2), seams%x, size(z, 2), way, raw) > doubt
     if (.not. lay .and. way == 2) lay = colour(sum(z, 1) / size(z, 1), seams%y, size(z, 1), way, raw) > doubt
   end function is_lay
@@ -61,7 +62,7 @@ contains
       f(k) = at_f
       p(k) = (sum(w * m * cos(2 * pi * i / size(m) * [(a, a=1, size(m))]))**2 + &
         sum(w * m * sin(2 * pi * i / size(m) * [(a, a=1, size(m))]))**2) * n * t%step(1) * t%step(2) / sum(w**2)
-      base(k) = max(t%p(minloc(abs(log(t%f / at_f)), 1)), t%p(1) * (t%f(1) / at_f)**6)
+      base(k) = max(t%p(minloc(abs(log(t%f / at_f)), 1)), t%p(1) * (t%f(1) / at_f)**falls)
     end do
     colour = 0
     if (k < fewest) return

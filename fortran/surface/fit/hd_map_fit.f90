@@ -302,6 +302,7 @@ contains
     type(blind_t), intent(in) :: b            !< fit of the spectrum
     type(fit_t), intent(inout) :: r           !< curves are set
     integer, parameter :: n = 600
+    real(dp), parameter :: beyond = 5  !< Nyquist's frequency, to which detail finer than the spacing counts
     real(dp) :: f, low, high, a, scale, cov(size(o%lag), size(o%lag)), g(2), finer(2)
     type(radial_t) :: t
     integer :: i, k, kind
@@ -309,7 +310,7 @@ contains
     scale = exp(2 * (r%d - 2) * r%ln_g)
     a = 6 - 2 * r%d
     low = 1 / max(o%nx * o%dx, o%ny * o%dy)
-    high = merge(5._dp, 1._dp, b%fit%fold > 0) * b%rings%nyquist
+    high = merge(beyond, 1._dp, b%fit%fold > 0) * b%rings%nyquist
     finer = shares(b%fit%fold)
     allocate (r%curve(size(o%lag)), r%sd_sample(size(o%lag)), r%sd_curve(size(o%lag)))
     r%curve = 2 * r%noise_variance

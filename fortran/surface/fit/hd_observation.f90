@@ -7,8 +7,9 @@ module hd_observation
   use hd_structure_function, only: structure_line, check_map
   implicit none
   private
-  public :: observation_t, observe, level_plane, add_observation, directions
+  public :: observation_t, observe, level_plane, add_observation, directions, fewest_lags
 
+  integer, parameter :: fewest_lags = 4       !< of a window: three unknowns and one to judge them by
   real(dp), parameter :: one_line = 1e-12_dp  !< determinant over its largest value of points that lie on a line but for rounding
   real(dp), parameter :: equal = 1e-3_dp   !< relative difference of spacings that are one: an instrument's scales agree to no more
   !> Steps of the four directions, x and y: rows, columns, both diagonals.
@@ -95,9 +96,9 @@ contains
     logical :: square
     call check_map(z, dx, dy, error)
     if (allocated(error)) return
-    if (first < 1 .or. last < first + 3 .or. last > (size(z, 1) - 1) / 2) then
+    if (first < 1 .or. last < first + fewest_lags - 1 .or. last > (size(z, 1) - 1) / 2) then
       call raise(error, code_input, 'lags '//to_text(first)//' to '//to_text(last)//' on rows of '//to_text(size(z, 1))// &
-        ' points: a fit needs at least 4 lags, from 1 to half the length of a row')
+        ' points: a fit needs at least '//to_text(fewest_lags)//' lags, from 1 to half the length of a row')
       return
     end if
     o%nx = size(z, 1)

@@ -13,6 +13,8 @@ module hd_random_field
 
   real(dp), parameter :: most_tabled = 4e6_dp !< displacements whose S is worth a table: 32 MB
   integer, parameter :: nodes = 1500
+  integer, parameter :: near = 20, beyond = 10  !< places along a half side of the square that is visited, up to twice the reach
+                                                !< and beyond
 
   !> S as a function of distance: values at equidistant ln r, cubic between.
   type :: radial_t
@@ -138,7 +140,7 @@ contains
         end do
         if (outer >= far) exit
         outer = 2 * outer
-        step = max(2, outer / 20, merge(outer / 10, 0, outer > 2 * reach))
+        step = max(2, outer / near, merge(outer / beyond, 0, outer > 2 * reach))
       end do
       if (pass == 1) allocate (rx(n), ry(n), cell(n))
     end do

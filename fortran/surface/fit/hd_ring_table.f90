@@ -8,7 +8,7 @@ module hd_ring_table
   use hd_fft, only: forward_real_2d, forward_real
   implicit none
   private
-  public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far
+  public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far, falls
 
   real(dp), parameter :: lowest = 3.5_dp      !< waves per side where rings begin: the taper blurs longer ones into each other
   real(dp), parameter :: highest = 0.985_dp   !< of Nyquist's frequency, where a mode is its own mirror image: rings end below
@@ -16,6 +16,8 @@ module hd_ring_table
   integer, parameter :: fewest = 4            !< modes of a ring
   integer, parameter :: low_modes = 4         !< along an axis that the taper's main lobe reaches
   integer, parameter :: well_above = 10       !< times what the taper leaks of the longest waves, that is power of the surface
+  integer, parameter :: falls = 6             !< power of 1/f that what the taper leaks falls with
+  integer, parameter :: steep = 4             !< number of a mode along an axis over that beside it, at least, beside the axis
   integer, parameter :: axis_width = 2        !< modes below this number along x or y are left out
   integer, parameter :: reach = 3             !< of the taper's kernel [modes]
   integer, parameter :: per_bin = 4           !< its points per mode
@@ -52,7 +54,7 @@ contains
     real(dp) :: w(n)
     integer :: i
     w = [(min(i - 0.5_dp, n - i + 0.5_dp) / n, i=1, n)]
-    w = merge(0.5_dp - 0.5_dp * cos(4 * pi * w), 1._dp, w < 0.25_dp)
+    w = 0.5_dp - 0.5_dp * cos(4 * pi * min(w, 0.25_dp))
   end function taper
 
   !> Rings of a levelled map without holes.
@@ -203,13 +205,13 @@ contains
     n = size(power, 2)
     do i = 1 + low_modes, size(power, 1)
       call add(1, (i - 1) / t%side(1), power(i, 1))
-      do l = axis_width, min(axis_width + 2, (i - 1) / 4)
+      do l = axis_width, min(axis_width + 2, (i - 1) / steep)
         call add_beside(1, hypot((i - 1) / t%side(1), l / t%side(2)), power(i, [1 + l, n + 1 - l]))
       end do
     end do
     do j = 1 + low_modes, n / 2
       call add(2, (j - 1) / t%side(2), power(1, j))
-      do l = axis_width, min(axis_width + 2, (j - 1) / 4)
+      do l = axis_width, min(axis_width + 2, (j - 1) / steep)
         call add_beside(2, hypot(l / t%side(1), (j - 1) / t%side(2)), power(1 + l, [j, n + 2 - j]))
       end do
     end do
@@ -226,7 +228,7 @@ contains
       if (f < edge(1) .or. f >= edge(size(edge))) return
       q = place(ring_of(f, edge))
       if (q == 0) return
-      if (.not. t%p(q) > well_above * t%p(1) * (t%f(1) / f)**6) return     ! what leaks lies beside the axes
+      if (.not. t%p(q) > well_above * t%p(1) * (t%f(1) / f)**falls) return     ! what leaks lies beside the axes
       t%beside(k) = t%beside(k) + sum(value) / t%p(q)
       next(k) = next(k) + 2
     end subroutine add_beside
@@ -240,7 +242,7 @@ contains
       q = place(ring_of(f, edge))
       if (q == 0) return
       if (.not. t%p(q) > 0) return
-      t%axis(k) = t%axis(k) + value / max(t%p(q), t%p(1) * (t%f(1) / f)**6)
+      t%axis(k) = t%axis(k) + value / max(t%p(q), t%p(1) * (t%f(1) / f)**falls)
       t%leak(k) = t%leak(k) + value / t%p(q)
       on_axis(k) = on_axis(k) + 1
     end subroutine add

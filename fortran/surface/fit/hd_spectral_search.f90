@@ -21,6 +21,8 @@ module hd_spectral_search
   real(dp), parameter :: above_noise = 0.05_dp !< share of a ring's power that counts as signal at least, to begin with
   real(dp), parameter :: least_change = 0.2_dp, most_change = 5   !< of amplitude and noise in one step: they stay positive
   real(dp), parameter :: singular = 1e-14_dp  !< determinant over its largest value where noise and signal have one shape
+  integer, parameter :: slopes = 17           !< of the grid over the slope, at a pass
+  real(dp), parameter :: widest(2) = [4, 8]   !< probe: spacings, and 1/(2 pi f) of the last ring, of whose power it leaves e^-64
   integer, parameter :: probes = 9            !< of the grid over the probe
 
   !> One trial of the likelihood.
@@ -45,19 +47,19 @@ contains
     integer, intent(in) :: first, last        !< rings of the window
     type(fixed_t), intent(in) :: fixed        !< what is known
     integer, intent(in) :: passes             !< of the grid
-    type(trial_t) :: best, x(17)
+    type(trial_t) :: best, x(slopes)
     real(dp) :: low, high
     integer :: i, pass, k
     low = m%n_low
     high = m%n_high
     do pass = 1, passes
       !$omp parallel do schedule(dynamic)
-      do i = 1, 17
-        x(i) = best_at(t, m, first, last, fixed, low + (i - 1) * (high - low) / 16)
+      do i = 1, slopes
+        x(i) = best_at(t, m, first, last, fixed, low + (i - 1) * (high - low) / (slopes - 1))
       end do
       k = minloc(x%deviance, 1)
       if (x(k)%deviance < best%deviance .or. pass == 1) best = x(k)
-      low = max(m%n_low, best%n - (high - low) / 16)
+      low = max(m%n_low, best%n - (high - low) / (slopes - 1))
       high = min(m%n_high, 2 * best%n - low)
     end do
   end function most_likely
@@ -76,7 +78,7 @@ contains
     s = at_slope(m, n)
     noise = noise_power(t, fixed%noise)
     low = [0._dp, max(noise, 0._dp), 0._dp, 0._dp]            ! of amplitude, noise, square of the probe, share
-    high = [huge(n), merge(noise, huge(n), noise >= 0), min(4 * m%spacing, 8 / (2 * pi * t%f(last)))**2, 1._dp]
+    high = [huge(n), merge(noise, huge(n), noise >= 0), min(widest(1) * m%spacing, widest(2) / (2 * pi * t%f(last)))**2, 1._dp]
     if (fixed%sharp) high(3) = 0
     count_of = merge(1, probes, fixed%sharp)
     do range = 1, merge(1, 2, fixed%fold >= 0)

@@ -36,6 +36,7 @@ module hd_verdict
   real(dp), parameter :: of_sine = 0.02_dp         !< rms distance of S from a sine's over its largest value
   real(dp), parameter :: flat_from = 0.9_dp   !< S at the first lag over its plateau, and over S at twice that lag, of white noise
   ! Bounds on noise in S.
+  integer, parameter :: parts = 4                  !< of the window, of which the first and the last give its slopes
   real(dp), parameter :: asks = 0.03_dp            !< misfit from which on noise that was not asked for is tried
   real(dp), parameter :: explained = 0.5_dp        !< share of the residual that it must leave at most to be believed
   real(dp), parameter :: mostly = 0.5_dp           !< share of S at the first lag from which on the map is noise there,
@@ -205,7 +206,7 @@ contains
     integer :: n, m
     if (v%kind /= fractal) return
     n = count(o%share(1, :) > 0)            ! along the rows
-    m = max(2, n / 4)
+    m = max(2, n / parts)
     head = log(o%s(m) / o%s(1)) / log(o%tau(m) / o%tau(1))
     foot = log(o%s(n) / o%s(n - m)) / log(o%tau(n) / o%tau(n - m))
     share = r%noise_variance * 2 / r%curve(1)

@@ -19,6 +19,8 @@ module hd_nufft_plan
   end type nufft_plan_t
 
   real(dp), parameter :: of_window = 0.6_dp, of_rounding = 0.4_dp  !< shares of the tolerance: error of the window, rounding
+  integer, parameter :: most_windows = 4   !< that fine points hold at least: a window does not meet its own image
+  integer, parameter :: line = 8           !< points that are written together, in the cache
   integer, parameter :: fewest_rows = 64   !< of a tile: of fewer the window's reach beyond either end is a large part
   real(dp), parameter :: ratios(*) = [1.25_dp, 1.4_dp, 1.6_dp, 1.8_dp, 2._dp, 2.5_dp]
   real(dp), parameter :: rounding(2) = [2e-16_dp, 1.2e-7_dp] !< of the transforms, before the division by those of the windows
@@ -93,7 +95,7 @@ contains
     real(dp), intent(in) :: tolerance          !< error
     integer, intent(in) :: precision           !< 1 double, 2 single
     type(nufft_plan_t) :: d                    !< fine_x and width_x
-    d%fine_x = smooth_size(max(ceiling(n * ratio), 4 * widest), .true.)
+    d%fine_x = smooth_size(max(ceiling(n * ratio), most_windows * widest), .true.)
     d%width_x = window_width(n, d%fine_x, tolerance, precision)
   end function direction
 
@@ -104,7 +106,7 @@ contains
     real(dp) :: columns, points, row, tile, far
     integer :: k
     k = p%precision
-    columns = min(0.5_dp * p%fine_x + p%width_x, real(waves, dp) * (p%width_x + 8))
+    columns = min(0.5_dp * p%fine_x + p%width_x, real(waves, dp) * (p%width_x + line))
     points = columns * p%fine_y
     far = max(0._dp, min(most_far, (0.5_dp * p%fine_x + 2 * widest) * p%fine_y * (16 / k) / (cache_mb * 1e6_dp) - 1))
     row = p%fine_x * (2.5_dp * log(real(p%fine_x, dp)) / log(2._dp) * second_per_flop_row(k) + second_per_row_point(k))

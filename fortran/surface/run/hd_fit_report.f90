@@ -10,6 +10,7 @@ module hd_fit_report
   use hd_memory, only: need_memory
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
+  use hd_observation, only: fewest_lags
   use hd_roughness, only: roughness_t, new_roughness
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
@@ -26,6 +27,7 @@ module hd_fit_report
   !> A height map with its spacing.
   type :: specimen_t
     character(len=10) :: name = ''              !< generated, first or second
+    character(len=:), allocatable :: file       !< that it comes from; none: generated
     real(dp), allocatable :: z(:, :)            !< heights (nx, ny) [m]
     real(dp) :: dx = 0, dy = 0                  !< spacing [m]
   end type specimen_t
@@ -47,6 +49,7 @@ module hd_fit_report
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
   real(dp), parameter :: least_mb = 16          !< of a fit
   real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
+  integer, parameter :: most_lags = 20          !< of the window, where the key does not say
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
 
 contains
@@ -92,6 +95,7 @@ contains
     type(error_t), allocatable, intent(out) :: error            !< file, spacing missing
     character(len=:), allocatable :: ending
     real(dp) :: widest
+    s%file = path
     ending = path(index(path, '.', back=.true.) + 1:)
     select case (ending)
     case ('sdf')
@@ -134,8 +138,8 @@ contains
     type(found_t), allocatable, intent(out) :: found(:)         !< results, none if no fit is wanted or the map is too small
     type(error_t), allocatable, intent(out) :: error            !< bad map, bad model
     integer :: i
-    if (fit%model == 'none' .or. (s(1)%name == 'generated' .and. fit%last_lag == 0 &
-      .and. (size(s(1)%z, 1) - 1) / 2 < fit%first_lag + 3)) then
+    if (fit%model == 'none' .or. (.not. allocated(s(1)%file) .and. fit%last_lag == 0 &
+      .and. (size(s(1)%z, 1) - 1) / 2 < fit%first_lag + fewest_lags - 1)) then
       allocate (found(0))
       return
     end if
@@ -150,8 +154,7 @@ contains
         call fit_one(map, fit, n_max, s(1), s(2)%z, found(i), error)
       else
         found(i)%name = s(i)%name
-        if (s(i)%name == 'first') found(i)%file = trim(fit%first_file)
-        if (s(i)%name == 'second') found(i)%file = trim(fit%second_file)
+        if (allocated(s(i)%file)) found(i)%file = s(i)%file
         call fit_one(map, fit, n_max, s(i), reshape([0._dp], [1, 1]), found(i), error)
         if (.not. allocated(error)) call new_roughness(s(i)%z, s(i)%dx, s(i)%dy, found(i)%rough, error)
       end if
@@ -177,7 +180,7 @@ contains
     r%model = f%model(:9)
     if (f%model == 'auto') then
       r%model = 'spectrum'
-      if (s%name == 'generated' .and. small) r%model = 'ridges'
+      if (small .and. .not. allocated(s%file)) r%model = 'ridges'
     end if
     if (r%model == 'ridges' .and. .not. small) then
       call raise(error, code_input, "fit.model = 'ridges' takes up to "//to_text(most_waves)//' waves, &surface makes '// &
@@ -191,10 +194,10 @@ contains
     end select
     r%weighted = r%model == 'ridges'
     r%lags = [f%first_lag, f%last_lag]
-    if (f%last_lag == 0) r%lags(2) = min(20, (size(s%z, 1) - 1) / 2)
+    if (f%last_lag == 0) r%lags(2) = min(most_lags, (size(s%z, 1) - 1) / 2)
     r%band = [s%dx, max((size(s%z, 1) - 1) * s%dx, (size(s%z, 2) - 1) * s%dy)]
     if (size(s%z, 2) > 1) r%band(1) = min(s%dx, s%dy)
-    if (s%name == 'generated' .or. r%weighted) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
+    if (r%weighted .or. .not. allocated(s%file)) r%band = map%sample_length * map%gamma**[-(n_max + 0.5_dp), 0.5_dp]
     if (f%shortest_wavelength > 0) r%band(1) = f%shortest_wavelength
     if (f%longest_wavelength > 0) r%band(2) = f%longest_wavelength
     told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0

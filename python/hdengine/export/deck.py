@@ -19,6 +19,10 @@ __all__: list[str] = []
 STIFF = 2e6   # slope of pressure over closure in place of hard contact [N/mm3]
 STICK = 2e5   # slope of shear over slip before it slips [N/mm3]
 MM = 1e3
+SAME = 1e-9     # distance of points that are one [m]; of heights and radii of a mesh that are one ten times that, and more
+FACING = 0.7    # cosine of the normal of a side to the radius: cones up to 45 degrees look outwards or inwards
+TELLING = 1e-12  # weight of a node of a flank over the largest: rounding is less
+HAT = 1.2       # radius of the bottom over that of the bore from which on it is the collar of a hat
 
 
 def _grid(path):
@@ -48,8 +52,8 @@ class _Mesh:
 
     def facing(self, body, sense, from_z=-1.0, to_z=np.inf):
         """Free sides of a body that look outwards (1) or inwards (-1) between two heights."""
-        return np.flatnonzero((self.body[self.of] == body) & (sense * self.outward > 0.7) & (self.z.min(1) < to_z - 1e-9)
-                              & (self.z.max(1) > from_z + 1e-9))
+        return np.flatnonzero((self.body[self.of] == body) & (sense * self.outward > FACING) & (self.z.min(1) < to_z - SAME)
+                              & (self.z.max(1) > from_z + SAME))
 
     def nodes(self, sides):
         """Their nodes, those between corners too."""
@@ -104,7 +108,7 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
         for s, share in ((low, 1 - (place - low)), (low + 1, place - low)):
             for n in outside[sector[outside] == s % divisions]:
                 w = share * along[np.argmin(abs(heights - z[n]))]
-                if abs(w) > 1e-12 * scale:
+                if abs(w) > TELLING * scale:
                     weight[int(n)] = weight.get(int(n), 0.0) + w
         factor = arm / sum(w * r[n] for n, w in weight.items())
         rows.append({n: w * factor for n, w in weight.items()})
@@ -132,7 +136,7 @@ def _rim_forces(run, mesh, step):
         for s in rim:
             part = min(1.0, (scene["geometry.rim_length"] - mesh.z[s].min()) / np.ptp(mesh.z[s]))
             around[mesh.sides[s]] += part * np.ptp(mesh.z[s])
-        around *= torque / max(np.sum(around * np.hypot(points[:, 0], points[:, 1])), 1e-300)
+        around *= torque / max(np.sum(around * np.hypot(points[:, 0], points[:, 1])), np.finfo(float).tiny)
         pairs = []
     if pairs:
         rows = flank_weights(points, np.unique(mesh.sides[rim]), np.array([p[0] for p in pairs]), scene["mesh.divisions"],
@@ -152,10 +156,10 @@ def _sets(run, mesh):
     cup = np.unique(mesh.cells[mesh.body == 2])
     r = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
     bottom = cup[mesh.points[cup, 2] > 0.5 * mesh.points[cup, 2].max()]
-    hat = r[bottom].max() > 1.2 * run.scene["geometry.bore_radius"]
+    hat = r[bottom].max() > HAT * run.scene["geometry.bore_radius"]
     end = r[bottom].max() if hat else r[bottom].min()
-    middle = inside[abs(mesh.points[inside, 2] - heights[len(heights) // 2]) < 1e-8]
-    return {"INSIDE": inside, "MIDDLE": middle, "HUB": bottom[abs(r[bottom] - end) < 1e-7]}
+    middle = inside[abs(mesh.points[inside, 2] - heights[len(heights) // 2]) < 10 * SAME]
+    return {"INSIDE": inside, "MIDDLE": middle, "HUB": bottom[abs(r[bottom] - end) < 100 * SAME]}
 
 
 def _patch(mesh, inside, scene, theta):
@@ -178,7 +182,7 @@ def _patch(mesh, inside, scene, theta):
             for n, w in ((node[i, row], (1 - x) * (1 - y)), (node[i, row + 1], (1 - x) * y),
                          (node[(i + 1) % sectors, row], x * (1 - y)), (node[(i + 1) % sectors, row + 1], x * y)):
                 weight[int(n)] = weight.get(int(n), 0.0) + w / 144
-    return {n: w for n, w in weight.items() if w > 1e-9}
+    return {n: w for n, w in weight.items() if w > SAME}
 
 
 def _balls(run, step=None):
@@ -198,7 +202,7 @@ def _found(run, step):
 def _ball_struts(run, mesh):
     """Struts of the balls on the ring: cards, ground nodes, and the weights of each ball's patch."""
     balls = _balls(run)
-    closed = balls["closing_m"] > 1e-7
+    closed = balls["closing_m"] > 100 * SAME
     rate = float(np.median(balls["force_n"][closed] / (MM * balls["closing_m"][closed]) ** 1.5)) if closed.any() else 0.0
     places = [float(theta) for theta in balls["theta_rad"][balls["step"] == balls["step"][0]]]
     closing = 2 * MM * max(balls["closing_m"].max(), 1e-6) * np.linspace(0, 1, 801) ** 2

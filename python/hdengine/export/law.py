@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._check import RUN, checked
+from .._check import ROUNDING, RUN, checked
 from .._engine import InputError
 from .._types import RunLike
 
 __all__ = ["JointLaw", "joint_law"]
+PAST = 0.1   # of the largest torque, that a branch reaches on either side of 0
 
 
 @dataclass(frozen=True)
@@ -84,11 +85,11 @@ def joint_law(run: RunLike) -> JointLaw:
     turns = [0, *(np.flatnonzero(np.diff(np.sign(np.diff(torque))) != 0) + 1), len(torque) - 1]
     through = {}  # the last branch through 0 of either sense, ends well away from it
     for a, b in zip(turns, turns[1:]):
-        if min(torque[a], torque[b]) < -0.1 * top and max(torque[a], torque[b]) > 0.1 * top:
+        if min(torque[a], torque[b]) < -PAST * top and max(torque[a], torque[b]) > PAST * top:
             through[np.sign(torque[b] - torque[a])] = (torque[a:b + 1], angle[a:b + 1])
-    positive = np.unique(np.round(abs(torque[abs(torque) > 1e-9 * top]) / top, 9)) * top
+    positive = np.unique(np.round(abs(torque[abs(torque) > ROUNDING * top]) / top, 9)) * top
     if len(through) == 2:
-        positive = positive[positive <= min(max(t.max(), -t.min()) for t, _ in through.values()) * (1 + 1e-9)]
+        positive = positive[positive <= min(max(t.max(), -t.min()) for t, _ in through.values()) * (1 + ROUNDING)]
         grid = np.r_[-positive[::-1], 0.0, positive]
         falling, rising = (_angle_of(*through[sense], grid) for sense in (-1.0, 1.0))
     else:

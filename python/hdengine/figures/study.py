@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
-from ..paper.comparison import STATED
+from ..paper.comparison import BORE, STATED, of_size
 from ..views.labels import LABELS, label
 from .style import new_axes, styled
 
@@ -34,6 +34,7 @@ def axes_of(result: StudyLike) -> tuple:
 
 STYLES = ("-", "--", ":", "-.")
 MOST_NAMES = 12  # of a legend
+NOISE = 0.02     # range of a curve over its mean that is none
 RAMP = ListedColormap(colormaps["viridis"](np.linspace(0, 0.88, 256)))  # its last yellow is lost on white
 
 
@@ -76,7 +77,7 @@ def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chose
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
     low, high = axis.get_ylim()
-    if not figure.get("relative") and high - low < 0.02 * abs(low + high) / 2:  # no noise blown up to the height of the panel
+    if not figure.get("relative") and high - low < NOISE * abs(low + high) / 2:  # no noise blown up to the height of the panel
         axis.set_ylim(0.99 * (low + high) / 2, 1.01 * (low + high) / 2)
     axis.set_xlabel(label_x)
     axis.set_ylabel(label_y.split(" / ")[0] + ": change / %" if figure.get("relative") else label_y)
@@ -175,7 +176,7 @@ def plot_series(result: StudyLike) -> Figure:
             axis.semilogy(t, contact, "s-", color="C2", ms=4, label="$K_{TS}$, contact (Eq. 45)")
         axis.semilogy(t, teeth, "^--", color=f"C{i}", ms=5, label=f"$K_{{FTS}}$, {name}")
         axis.semilogy(t, drive, "o-", color=f"C{i}", ms=4, label=f"$K_{{WTS}}$ (Eq. 46), {name}")
-    if abs(result.summary["scene"]["geometry.bore_radius"] - 17.5e-3) < 0.3e-3:
+    if of_size(result.summary["scene"]):
         axis.step([0, unit.t1_nm, max(t)], [unit.k1_nm_per_rad, unit.k1_nm_per_rad, unit.k2_nm_per_rad], "k-", lw=1.2,
                   where="pre", label="catalogue, size 14: K1, K2")
         axis.semilogy([0.5], [STATED["k_wts_theory"]], "r_", ms=14, mew=2, label="Hu et al.: theory")
@@ -198,7 +199,7 @@ def draw_catalogue(axis: Axes, result: StudyLike, name: str, colour: str) -> lis
                       key=lambda r: r["geometry.bore_radius"])
         found.append([r["k_fe_secant_nm_per_rad"] for r in rows])
         text = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "closed at the start"
-        axis.loglog([14 * r["geometry.bore_radius"] / 17.5e-3 for r in rows], found[-1], colour + style, label=f"{name}, {text}")
+        axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], found[-1], colour + style, label=f"{name}, {text}")
     return found
 
 

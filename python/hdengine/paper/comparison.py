@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import torsion
+from .._check import ROUNDING
 from .._types import RunLike, StudyLike
 from ..catalogue import UNITS
 
@@ -22,6 +23,7 @@ STATED: dict[str, Any] = {
     "torque_error_nm": 0.05, "angle_error_arcsec": 2.0, "torque_step_nm": 0.01,
     "facets": 1290, "mesh_mm": 0.001, "fractal_dimension": 2.5304, "roughness_m": 2.4248e-7,
 }
+BORE, NEAR = 17.5e-3, 0.3e-3   # of size 14, and a tenth of the way to the next size [m]
 CLOSE, SIZE, RESOLVED = 0.1, 0.1, 1.0  # shares of a figure; in per cent: points that turn from stick to slip move K_TS by that much
 
 
@@ -66,15 +68,19 @@ def judge_trend(paper: ArrayLike, ours: ArrayLike) -> str:
     return "trend agrees" if order and large else "does not agree"
 
 
+def of_size(scene: Mapping[str, Any]) -> bool:
+    """The scene is that of the paper in size."""
+    return abs(scene["geometry.bore_radius"] - BORE) < NEAR
+
+
 def applies(scene: Mapping[str, Any]) -> bool:
     """The scene is that of the paper in size, and its torque passes the contact."""
-    return abs(scene["geometry.bore_radius"] - 17.5e-3) < 0.3e-3 and scene["contact.mode"] != "bonded" \
-        and scene["load.support"] != "teeth"
+    return of_size(scene) and scene["contact.mode"] != "bonded" and scene["load.support"] != "teeth"
 
 
 def at(rows: Sequence[Mapping], torque_nm: float, column: str = "k_ts_nm_per_rad") -> float:
     """A column at a torque; NaN where it was not solved."""
-    return next((r.get(column, np.nan) for r in rows if abs(r.get("torque_nm", -1) - torque_nm) < 1e-6), np.nan)
+    return next((r.get(column, np.nan) for r in rows if abs(r.get("torque_nm", -1) - torque_nm) < ROUNDING), np.nan)
 
 
 def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Mapping] = ()) -> list:
@@ -124,7 +130,7 @@ def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Ma
 def eccentricity_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
     """Change of K_TS by 10 um of eccentricity; rows with and without it, of one support."""
     def change(column):
-        values = {e: [at([r for r in rows if abs(r.get("wave_generator.eccentricity", -1) - e) < 1e-9], t, column)
+        values = {e: [at([r for r in rows if abs(r.get("wave_generator.eccentricity", -1) - e) < ROUNDING], t, column)
                       for t in TORQUES_NM] for e in (0.0, 10e-6)}
         return 100 * (np.divide(values[10e-6], values[0.0]) - 1)
     ours, stated = change("k_ts_nm_per_rad"), STATED["eccentricity_percent"]
@@ -227,7 +233,7 @@ def _nearest(row, stated, trends, key):
 
 def of_run(result: RunLike) -> list:
     """Rows that a run can answer; none for a scene unlike the paper's."""
-    steps = [i for i, torque in enumerate(result.torque_nm) if any(abs(torque - t) < 1e-6 for t in TORQUES_NM)]
+    steps = [i for i, torque in enumerate(result.torque_nm) if any(abs(torque - t) < ROUNDING for t in TORQUES_NM)]
     return torque_rows(result.rows(steps)) if applies(result.scene) else []
 
 

@@ -13,6 +13,9 @@ from ..files import check_folder
 from ..surfaces import specimen
 from .bodies import Bodies
 from .law import FILES, PATCHES, PRESSURES, predict
+from .spectrum import SMALLEST
+
+MOST_POINTS = 4096   # a side: boundary elements take hours beyond
 
 __all__: list[str] = []
 
@@ -120,8 +123,8 @@ def run_joint(args: argparse.Namespace) -> int:
     for name in ("nu1", "nu2"):
         if not -1 < getattr(args, name) < 0.5:
             raise InputError(f"--{name} {getattr(args, name):g}: valid: between -1 and 0.5")
-    if not 16 <= args.points <= 4096:
-        raise InputError(f"--points {args.points}: valid: 16 to 4096")
+    if not SMALLEST <= args.points <= MOST_POINTS:
+        raise InputError(f"--points {args.points}: valid: {SMALLEST} to {MOST_POINTS}")
     check_folder(args.out, FILES, args.force)
     seconds = args.seconds or (np.inf if args.model or args.patch == "free" else 120.0)
     maps = read_maps(args.maps, unit, args.dx, args.dy)

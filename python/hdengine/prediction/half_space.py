@@ -12,6 +12,10 @@ from .._engine import InputError, NotConvergedError
 
 __all__: list[str] = []
 RESIDUAL = 1e-6     # of the contact problem, relative (tamaas)
+SLACK = 0.01        # of a residual that counts as reached
+ROUNDING = 1e-13    # of a mean pressure that is met
+STAGE = 0.7         # of the largest pressure to which a stage on the way to the hardness lowers it
+WHOLE = 0.99        # of the hardness, that the largest pressure came down to: nearly all yields
 STIFFNESS_RESIDUAL = 1e-5   # of the linear solves for the stiffness, relative
 
 
@@ -93,10 +97,10 @@ class HalfSpace:
         traction = np.array(self._model.traction)
         bound = float(traction.max())
         while bound > self._hardness:  # by stages: from afar nearly everything would yield at once
-            bound = max(0.7 * bound, self._hardness)
+            bound = max(STAGE * bound, self._hardness)
             traction = self._bounded(traction, float(pressure), bound)
-        if not (self.error <= self._residual * 1.01 and np.isfinite(traction).all()):
-            why = "; nearly all of the contact yields, which --model spectrum can do" if bound > 0.99 * self._hardness else ""
+        if not (self.error <= self._residual * (1 + SLACK) and np.isfinite(traction).all()):
+            why = "; nearly all of the contact yields, which --model spectrum can do" if bound > WHOLE * self._hardness else ""
             raise NotConvergedError(f"boundary elements under {pressure:g} Pa: residual {self.error:.2g} instead of "
                                     f"{self._residual:g}{why}")
         return traction
@@ -224,7 +228,7 @@ def _with_mean(p, mean, most):
     """Pressures between 0 and `most` with a given mean."""
     for _ in range(50):
         free, lacks = (p > 0) & (p < most), (mean - p.mean()) * p.size
-        if abs(lacks) <= 1e-13 * mean * p.size:
+        if abs(lacks) <= ROUNDING * mean * p.size:
             break
         if lacks < 0 and not p[free].sum() > -lacks:
             return p * (mean / p.mean())

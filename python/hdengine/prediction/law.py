@@ -30,6 +30,9 @@ __all__ = ["Prediction", "predict"]
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
 FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
 STUDENT = 3.18      # 95 % of Student's t with three degrees of freedom: four quarters
+ROLLED = 3          # lengths of the longest wave in a map from which on its spectrum has rolled off
+LEAST_POWER = 0.05  # of the pressure that P/k_N goes with at first touch: its integral from 0 exists
+SOFTEST = 1.01      # hardness over the largest pressure
 UNIT = 30.0         # slope beyond which heights are taken for those of another unit
 MODULUS_ERROR, HARDNESS_ERROR = 0.02, 0.15   # standard deviations of ln E*, ln H
 PATCHES = ("periodic", "free")
@@ -314,7 +317,7 @@ def _facts_of(pairs, names, longest):
             found.append(of_map(*m))
         except InputError as why:
             raise InputError(f"{name}: {why}") from None
-        found[-1][1]["rolls_off"] |= longest < _length(m) / 3
+        found[-1][1]["rolls_off"] |= longest < _length(m) / ROLLED
         slope = found[-1][1]["slope_rms"]
         if slope > UNIT:
             raise InputError(f"{name} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: "
@@ -333,7 +336,7 @@ def _closure(p, k_n, theory):
     x = fine / (theory(fine) * np.exp(np.interp(np.log(fine), np.log(p), np.log(k_n / theory(p)))))
     steps = np.diff(np.log(fine))
     power = min(np.log(x[1] / x[0]) / steps[0], 1.0)     # x = P/k_N goes as this power of P at first touch
-    d = x[0] / max(power, 0.05) + np.concatenate([[0.0], np.cumsum(steps * (x[1:] + x[:-1]) / 2)])
+    d = x[0] / max(power, LEAST_POWER) + np.concatenate([[0.0], np.cumsum(steps * (x[1:] + x[:-1]) / 2)])
     return d[np.searchsorted(fine, p)]
 
 
@@ -381,7 +384,7 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
     freedom = np.maximum(spectrum.modes, 1)
 
     def change(q, h, modulus=1.0, hardness=1.0):
-        hard = max(bodies.hardness * hardness, 1.01 * p[-1])
+        hard = max(bodies.hardness * hardness, SOFTEST * p[-1])
         k, a, _ = contact_from_spectrum(q, h, p, bodies.e_star * modulus, hard)
         return np.log(k / k_n), np.log(a / area)
 
@@ -415,7 +418,7 @@ def _longer(spectrum, least, most):
     def octave(n):
         return h[(q >= 2**n * q[0]) & (q < 2 ** (n + 1) * q[0])].sum()
 
-    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), 1e-300), least), most)
+    growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), np.finfo(float).tiny), least), most)
     below = max(octave(1), octave(2) * growth)
     missing = [max(below * growth - octave(0), 0.0), below - octave(1)]
     return bands(np.concatenate([q[0] * 2 ** np.array([0.5, 1.5]), q]), np.concatenate([missing, h]))

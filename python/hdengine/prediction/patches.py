@@ -16,7 +16,7 @@ from ..surfaces.composite import resample
 from ..surfaces.specimen import Specimen
 from . import half_space
 from .bodies import Bodies
-from .spectrum import bands, level, waves
+from .spectrum import SMALLEST, bands, level, waves
 
 __all__: list[str] = []
 FEWEST = 64      # points a side to which the bound of time may take a map
@@ -110,7 +110,7 @@ def solve(maps: list, pressure: np.ndarray, bodies: Bodies, points: int, longest
     quarters = [level(part)[0] for part in _quarters(z)]
     args = (bodies.e_star, bodies.ratio, bodies.hardness)
     points = min(points, max(z.shape))
-    trial, step = _averaged(quarters[0], spacing, max(16, points // 4))
+    trial, step = _averaged(quarters[0], spacing, max(SMALLEST, points // 4))
     begun = time.monotonic()
     some = pressure[::4]
     half_space.stiffness_on_map(trial if free else half_space.mirrored(trial), step, some, *args, tangential=False, free=free)
@@ -136,7 +136,7 @@ def solve(maps: list, pressure: np.ndarray, bodies: Bodies, points: int, longest
                                 tell=partial(effort.step, f"quarter {i}"))
         logs.append(np.log(found[0]))
     k_n, k_t, area, coarse = on_fewer_points(z, spacing, points, pressure, *args, free=free, tell=partial(effort.step, "whole map"))
-    return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, 0.02), coarse, points
+    return k_n, k_t, area, np.maximum(np.std(logs, axis=0, ddof=1) / 2, COARSE[1]), coarse, points
 
 
 def on_fewer_points(z: np.ndarray, spacing: tuple[float, float], points: int, pressure: np.ndarray, e_star: float, ratio: float,

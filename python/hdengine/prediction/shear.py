@@ -15,6 +15,7 @@ from .half_space import HalfSpace
 
 __all__: list[str] = []
 RESIDUAL = 1e-7   # mean violation of stick and slip over mu P, in the step that the stiffest wave allows
+SLIPPING = 1e-6   # below mu P, relative, where a point slips
 _MOST = 20_000    # iterations of a step
 
 
@@ -63,7 +64,7 @@ class Slider:
     def slipping(self) -> float:
         """Share of the touching points at the limit of friction."""
         size = np.linalg.norm(self.traction, axis=-1)
-        return float((size > (1 - 1e-6) * self._most[..., 0])[self._touching[..., 0]].mean())
+        return float((size > (1 - SLIPPING) * self._most[..., 0])[self._touching[..., 0]].mean())
 
     def _solve(self, away):
         """Tractions inside the friction circles that hold the points where they are, or slide them along."""

@@ -10,7 +10,11 @@ from .._engine import InputError
 
 __all__: list[str] = []
 PER_OCTAVE = 16  # bands of a spectrum
-_FEWEST = 16     # points a side
+SMALLEST = 16     # points a side
+_MOST_HOLES = 0.2   # of the points
+_FLAT = 1e-12       # rms height over the largest height that rounding makes
+_LINE = 4           # points of a spectrum that a slope is laid through, at least
+_LONG = 1.9, 8.0    # of the lowest frequency: the waves between them tell a roll-off; longer ones levelling takes
 CRESTS = (0.9, 0.995, 1.2943)   # shares of the points below two heights of the crests, and their distance on random waves [rms]
 
 
@@ -106,12 +110,12 @@ def level(heights: np.ndarray) -> tuple[np.ndarray, float]:
     z = np.array(heights, dtype=float)
     if z.ndim != 2:
         raise InputError(f"a joint needs height maps, got {z.ndim} dimension(s): a profile does not tell the spectrum of an area")
-    if min(z.shape) < _FEWEST:
-        raise InputError(f"map of {z.shape[0]} x {z.shape[1]} points; valid: {_FEWEST} or more a side")
+    if min(z.shape) < SMALLEST:
+        raise InputError(f"map of {z.shape[0]} x {z.shape[1]} points; valid: {SMALLEST} or more a side")
     good = np.isfinite(z)
     holes = 1 - float(good.mean())
-    if holes > 0.2:
-        raise InputError(f"{100 * holes:.0f} % of the map are holes; valid: up to 20 %")
+    if holes > _MOST_HOLES:
+        raise InputError(f"{100 * holes:.0f} % of the map are holes; valid: up to {100 * _MOST_HOLES:g} %")
     y, x = np.indices(z.shape)
     basis = np.stack([np.ones(z.size), x.ravel() / z.shape[1], y.ravel() / z.shape[0]], axis=1)
     plane = np.linalg.lstsq(basis[good.ravel()], z[good], rcond=None)[0]
@@ -193,7 +197,7 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
         As `level`; a flat map.
     """
     z, holes = level(heights)
-    if not z.std() > 1e-12 * np.nanmax(np.abs(heights)):
+    if not z.std() > _FLAT * np.nanmax(np.abs(heights)):
         raise InputError("the map is flat: no roughness, no joint")
     qy, qx, power = waves(z, spacing)
     moments = np.array([[(power * a * b).sum() for a in (qy, qx)] for b in (qy, qx)])
@@ -217,7 +221,7 @@ def _noise(spectrum, points):
     """Variance of white noise over all points that a flat end of the spectrum shows [m^2]; 0 where it still falls."""
     last = spectrum.q > spectrum.q[-1] / 2
     per_wave = spectrum.height_variance / spectrum.modes
-    if last.sum() < 4 or not np.all(per_wave[last] > 0):
+    if last.sum() < _LINE or not np.all(per_wave[last] > 0):
         return 0.0
     fall = np.polyfit(np.log(spectrum.q[last]), np.log(per_wave[last]), 1, w=np.sqrt(spectrum.modes[last]))[0]
     return float(np.median(per_wave[last]) * points) if fall > -0.5 else 0.0
@@ -229,10 +233,10 @@ def _rolls_off(spectrum):
     Waves longer than the map are left out, since levelling takes them. On 16 generated maps each with Hurst exponents from 0.2 to
     0.8, 94 % of those with a roll-off at a third of the map or less are told, and 87 to 100 % of those without one.
     """
-    first = (spectrum.q > 1.9 * spectrum.q[0]) & (spectrum.q < 8 * spectrum.q[0])
+    first = (spectrum.q > _LONG[0] * spectrum.q[0]) & (spectrum.q < _LONG[1] * spectrum.q[0])
     per_wave = spectrum.height_variance / spectrum.modes
     use = first & (per_wave > 0)
-    if use.sum() < 4:
+    if use.sum() < _LINE:
         return False
     fall = np.polyfit(np.log(spectrum.q[use]), np.log(per_wave[use]), 1, w=np.sqrt(spectrum.modes[use]))[0]
     return bool(fall > -1)

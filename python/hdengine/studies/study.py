@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import MOST_BYTES, checked, fields, flag, input_file, integer, mapping, number, text
+from .._check import MOST_BYTES, ROUNDING, alike, checked, fields, flag, input_file, integer, mapping, number, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
@@ -343,12 +343,7 @@ class StudyResult:
         if torque_nm is not None:
             keys["torque_nm"] = torque_nm
         keys = {k: v if isinstance(v, str) else number()(k, v) for k, v in keys.items()}
-
-        def same(a, b):
-            if isinstance(a, str) or isinstance(b, str):
-                return a == b
-            return a is not None and abs(a - b) <= 1e-9 * max(abs(a), abs(b))
-        return [r for r in self.rows if r["status"] == "done" and all(same(r.get(k), v) for k, v in keys.items())]
+        return [r for r in self.rows if r["status"] == "done" and all(alike(r.get(k), v) for k, v in keys.items())]
 
     @property
     def failures(self) -> list:
@@ -367,7 +362,7 @@ class StudyResult:
         contact = {r["torque_nm"]: r["k_ts_nm_per_rad"] for r in done if r.get("load.support") != "teeth"}
         rows = []
         for r in done:
-            near = [k for t, k in contact.items() if abs(t - r["torque_nm"]) < 1e-9]
+            near = [k for t, k in contact.items() if abs(t - r["torque_nm"]) < ROUNDING]
             if r.get("load.support") == "teeth" and near:
                 k = r["k_fe_secant_nm_per_rad"]
                 rows.append({"tooth_clearance_m": r.get("load.tooth_clearance", 0.0), "torque_nm": r["torque_nm"],

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
+from .._check import ROUNDING
 from .._engine import HdengineError, InternalError
 from ..contact import Run, read_scene
 from ..results import long_axis
@@ -67,7 +68,7 @@ def solve(path: str, keys: dict, rows: str) -> list:
     except HdengineError as error:
         table.append({"status": "failed", "reason": str(error), "code": error.code})
     return table[-1:] if rows == "last" else table if rows == "all" else [
-        r for r in table if r["status"] == "failed" or r["in_torque"] or r["load_factor"] >= 1 - 1e-9]
+        r for r in table if r["status"] == "failed" or r["in_torque"] or r["load_factor"] >= 1 - ROUNDING]
 
 
 def work(file: int) -> None:

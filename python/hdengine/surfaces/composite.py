@@ -6,12 +6,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .._check import ROUNDING
 from .._engine import InputError
 from .._types import Spacing
 from . import roughness
 from .specimen import Specimen
 
 __all__: list[str] = []
+_FEWEST = 8     # points a side that two maps share
+_CLEAR = 12     # height of the peak of the correlation over its scatter, from which on maps are shifted to it
+_EQUAL = 0.999  # correlation of maps that are one
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ def resample(specimen: Specimen, spacing: Spacing) -> Specimen:
 def _cubic(z, old, new):
     """Cubic Lagrange interpolation along the last axis, which keeps cubics."""
     n = z.shape[-1]
-    if abs(old - new) <= 1e-9 * new:
+    if abs(old - new) <= ROUNDING * new:
         return z
     if n < 4:
         raise InputError(f"{n} points in a direction: resampling takes at least 4")
@@ -104,13 +108,13 @@ def composite(first: Specimen, second: Specimen, register: bool | None = None) -
     if a.heights.ndim != b.heights.ndim:
         raise InputError(f"{a.name} is {'a map' if a.heights.ndim == 2 else 'a profile'} and {b.name} is not: give two of a kind")
     step = tuple(max(p, q) for p, q in zip(a.spacing, b.spacing))
-    a, b = (s if np.allclose(s.spacing, step, rtol=1e-9) else resample(s, step) for s in (a, b))
+    a, b = (s if np.allclose(s.spacing, step, rtol=ROUNDING) else resample(s, step) for s in (a, b))
     shape = tuple(map(min, a.heights.shape, b.heights.shape))
-    if min(shape) < 8:
-        raise InputError(f"{a.name} and {b.name} have {' x '.join(map(str, shape))} points in common: at least 8 are needed")
+    if min(shape) < _FEWEST:
+        raise InputError(f"{a.name} and {b.name} have {' x '.join(map(str, shape))} points in common: {_FEWEST} or more are needed")
     flat = [np.atleast_2d(roughness.level(_middle(s.heights, shape))) for s in (a, b)]
     shift, significance = _offset(*flat)
-    moved = bool(register) if register is not None else significance > 12
+    moved = bool(register) if register is not None else significance > _CLEAR
     if moved and any(2 * abs(k) > n for k, n in zip(shift, flat[0].shape) if n > 1):
         raise InputError(f"{a.name} and {b.name} match at a shift of {shift} points, more than half a map: give the same place")
     if not moved:
@@ -118,7 +122,7 @@ def composite(first: Specimen, second: Specimen, register: bool | None = None) -
     flat = [_overlap(z, s) for z, s in zip(flat, (shift, tuple(-k for k in shift)))]
     good = np.isfinite(flat[0]) & np.isfinite(flat[1])
     correlation = float(np.corrcoef(flat[0][good], flat[1][good])[0, 1])
-    if correlation > 0.999:
+    if correlation > _EQUAL:
         raise InputError(f"{first.name} and {second.name} are the same heights (correlation {correlation:.4f})")
     if a.heights.ndim == 1:
         flat = [z[0] for z in flat]

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Fit", "Ridges"]
 
+_OFFSETS = 3     # power of an axis over that of other directions that is told of (hd_map_fit)
+_UNEQUAL = 0.4   # ln of S of rows over S of columns that isotropic maps stay below
 _DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 
 
@@ -166,7 +168,7 @@ class Fit:
                 lines.append(f"seams     {across_x} across x, {across_y} across y, steps up to "
                              f"{micrometres(self.seam_step_m)}, levelled")
             for name, what, excess, rms in zip("xy", ("columns", "rows"), self.axis_excess, self.jitter_m):
-                if excess > 3:
+                if excess > _OFFSETS:
                     done = "nothing taken off" if not rms > 0 else \
                         f"white offsets of {what} of {micrometres(rms)} rms taken off (jitter)"
                     lines.append(f"axes      waves along {name} hold {excess:.3g} times the power of other directions: {done}")
@@ -177,7 +179,7 @@ class Fit:
         if np.isfinite(self.anisotropy):
             lines.append(f"anisotropy S(rows)/S(columns) = {self.anisotropy:.3g}"
                          + (": not isotropic, D and G are means of both"
-                            if self.verdict == "fractal" and abs(np.log(self.anisotropy)) > 0.4 else ""))
+                            if self.verdict == "fractal" and abs(np.log(self.anisotropy)) > _UNEQUAL else ""))
         return "\n".join(lines)
 
     def _repr_html_(self):

@@ -11,14 +11,15 @@ import numpy as np
 
 from .._types import PathLike
 from ..files import csv_text, write_folder
+from .fit import Fit
 from .specimen import JointSurface, Specimen
-from .texture import texture
+from .texture import Texture, texture
 
 __all__: list[str] = []
 
 
-def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Any], joint: JointSurface | None = None,
-          sources: Sequence[Any] = (), force: bool = False, textures: Sequence[Any] = ()) -> list:
+def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Fit], joint: JointSurface | None = None,
+          sources: Sequence[PathLike] = (), force: bool = False, textures: Sequence[Texture] = ()) -> list:
     """Write specimens and their fits into a folder.
 
     Parameters

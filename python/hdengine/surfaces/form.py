@@ -14,6 +14,8 @@ from .specimen import Specimen
 __all__ = ["Form", "remove"]
 MOST = 8                                #: highest degree of a polynomial
 _BLOCK = 1 << 18                        #: points taken at once
+_ROOM = 0.6                             #: of the curvature at which an arc ends within the map: where the search begins at most
+_SETTLED = 1e-10                        #: fall of the sum of squares, relative, that ends it
 _STEP = 1e-6                            #: of numeric derivatives, relative to the longer side
 
 
@@ -83,7 +85,7 @@ def _degree(form):
 def _polynomial(x, y, z, good, degree):
     """Least-squares polynomial of a total degree in Legendre's products, which are nearly orthogonal on the grid."""
     top = min(degree, z.shape[1] - 1), min(degree, z.shape[0] - 1)
-    px, py = (np.polynomial.legendre.legvander(s / max(abs(s[0]), 1e-300), n) for s, n in zip((x, y), top))
+    px, py = (np.polynomial.legendre.legvander(s / max(abs(s[0]), np.finfo(float).tiny), n) for s, n in zip((x, y), top))
     terms = [(i, j) for j in range(top[1] + 1) for i in range(top[0] + 1) if i + j <= degree]
     weight = good.astype(float)
     flat = np.where(good, z - z[good].mean(), 0.0)
@@ -131,7 +133,7 @@ def _cylinder(x, y, z, good, half, name):
         bend, (cos, sin) = values[k], vectors[:, k]
         angle, along, across = float(np.arctan2(sin, cos)), cos * start[2] - sin * start[1], cos * start[1] + sin * start[2]
     room = 1 - abs(across) / np.hypot(1, across)        # from the sine of the slope in the middle to that where the arc ends
-    bend = np.clip(bend * (1 + across**2) ** -1.5, -0.6 * room, 0.6 * room)
+    bend = np.clip(bend * (1 + across**2) ** -1.5, -_ROOM * room, _ROOM * room)
     found = _least(np.array([start[0], along, across, bend, angle]), [0, 2, 3] if z.shape[0] == 1 else [0, 1, 2, 3, 4], points)
     if found is None:
         raise InputError(f"{name}: no cylinder follows the heights; take a polynomial")
@@ -155,7 +157,7 @@ def _least(p, free, points):
         else:                                                 # no step gains: rounding is reached
             break
         gain, p, cost, (normal, right), damping = cost - now, trial, now, system, damping / 9
-        if gain <= 1e-10 * cost:
+        if gain <= _SETTLED * cost:
             break
     return p
 

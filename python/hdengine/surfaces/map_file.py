@@ -21,6 +21,7 @@ from .._types import Spacing
 from . import plain, roughness
 
 __all__: list[str] = []
+UNEVEN = 1e-3    # distance of a position from an even row of them, over the step: heights are interpolated beyond
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
 
 
@@ -300,7 +301,7 @@ def _profile(path, x, heights, lateral, height, spacing, notes):
         if not (np.diff(x) > 0).all() or x.size < 2:
             raise FileError(f"{path.name}: its positions do not rise, or are less than two")
         uneven = np.max(abs(np.diff(x) - step)) / step
-        if uneven > 1e-3:
+        if uneven > UNEVEN:
             even = x[0] + step * np.arange(x.size)
             heights = np.interp(even, x, heights)
             notes.append(f"points up to {100 * uneven:.0f} % off equidistance: interpolated, the shortest lags are smoothed")

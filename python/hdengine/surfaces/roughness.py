@@ -16,6 +16,7 @@ from .._types import Spacing
 from .fit import Fit, Ridges
 
 __all__ = ["expected_structure", "fit", "level", "structure_function"]
+_MOST_LAGS, _MOST_WAVES = 20, 4000   # of a window that nobody states; for the covariance of random phases (hd_fit_report)
 _MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
 _BANDS = {"isotropic": 1, "profile": 2}
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}
@@ -235,7 +236,7 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
     other = np.zeros((1, 1), order="F") if second is None else _map(second)
     dx, dy = _spacing(spacing)
     if lags is None:
-        lags = (1, min(20, (z.shape[0] - 1) // 2))
+        lags = (1, min(_MOST_LAGS, (z.shape[0] - 1) // 2))
     profile = z.shape[1] == 1
     if model is None:
         model = "ridges" if surface is not None else "spectrum"
@@ -256,8 +257,8 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
     if (free and noise != "fit") or not 0 <= rms < inf:
         raise InputError(f'noise = {noise!r}: rms in m, >= 0, or "fit"')
     waves = surface or Ridges(1.0, 0.5)
-    if model == "ridges" and waves.ridges * (waves.n_max + 1) > 4000:
-        raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to 4000; leave out surface=")
+    if model == "ridges" and waves.ridges * (waves.n_max + 1) > _MOST_WAVES:
+        raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to {_MOST_WAVES}; leave out surface=")
     options = _engine.named(
         "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted,
         fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],

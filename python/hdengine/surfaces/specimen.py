@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 __all__ = ["JointSurface", "Specimen", "clean", "equivalent", "read", "save"]
 METRES = map_file.METRES
+_WIDE, _COARSE = 1.0, 2e-4   # map [m] and spacing [m] beyond those of instruments that see roughness
+_FLAT, _SMOOTH = 1e-8, 1e-4  # rms height over the length, rms slope: below those of finished faces
+_STEEP, _ATOM = 3.0, 5e-11   # slope that no probe follows; spacing below an atom [m]
+_MOST_POINTS = 65535         # of SDF in a direction
+_STEPS = 64000               # of 16 bits: the range of heights, with room at its ends
 LONGEST = 10.0  # of a map, and of a height [m], as in the engine: more is a wrong unit, or a mark for holes
 
 
@@ -122,10 +127,10 @@ def _doubt(s):
     if not np.isfinite(ratio) or ratio == 0:
         return s
     words = f"rms height {ratio:.2g} of the length, rms slope {slope:.2g}"
-    if max(s.size) > 1 or min(s.spacing) > 2e-4 or ratio < 1e-8 or slope < 1e-4:
+    if max(s.size) > _WIDE or min(s.spacing) > _COARSE or ratio < _FLAT or slope < _SMOOTH:
         note = (f"{words}, length {max(s.size):.3g} m, spacing {min(s.spacing):.2g} m: flatter or coarser than maps of rough "
                 "surfaces are; is the lateral scale 1000 times too large?")
-    elif ratio > 0.5 or slope > 3 or max(s.spacing) < 5e-11:
+    elif ratio > 0.5 or slope > _STEEP or max(s.spacing) < _ATOM:
         note = f"{words}: steeper than instruments see; is the lateral scale 1000 times too small?"
     else:
         return s
@@ -151,10 +156,10 @@ def save(path: PathLike, specimen: Specimen) -> None:
         More than 65535 points in a direction.
     """
     z = np.atleast_2d(specimen.heights)
-    if max(z.shape) > 65535:
-        raise InputError(f"{z.shape[0]} x {z.shape[1]} points: SDF holds up to 65535 in a direction")
+    if max(z.shape) > _MOST_POINTS:
+        raise InputError(f"{z.shape[0]} x {z.shape[1]} points: SDF holds up to {_MOST_POINTS} in a direction")
     low, high = np.nanmin(z), np.nanmax(z)
-    step = max((high - low) / 64000, np.finfo(float).tiny)
+    step = max((high - low) / _STEPS, np.finfo(float).tiny)
     steps = np.where(np.isnan(z), np.iinfo(np.int16).min, np.rint((z - 0.5 * (low + high)) / step)).astype("<i2")
     dates = (b" " * 12, b" " * 12)
     head = map_file.HEADER.pack(b"bISO-1.0", b"hdengine  ", *dates, z.shape[1], z.shape[0], specimen.spacing[1],

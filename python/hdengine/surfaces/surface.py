@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from .. import _engine
-from .._check import array, checked, integer, number, seen
+from .._check import HUGE, array, checked, integer, number, seen
 from .._types import Spacing
 
 __all__ = ["choose", "generate", "periodic", "profile", "sum_waves", "waves"]
@@ -125,7 +125,7 @@ def _arguments(shape, spacing, spectrum, ridges, seed, origin, tolerance, method
     head, size, dtype, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype)
     found = _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, dtype.itemsize, wanted)
     n_max, waves, evaluator, seconds, memory = found
-    predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < 1e300}
+    predicted = {name: t for name, t in zip(METHODS[1:], seconds.tolist()) if t < HUGE}
     return head, size, dtype, int(evaluator), Method(METHODS[evaluator], int(n_max), int(waves), predicted, float(memory))
 
 
@@ -284,8 +284,8 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
     if len({v.size for v in lists}) != 1 or lists[0].size == 0:
         raise _engine.InputError(f"fx, fy, amplitude, phase: {[v.size for v in lists]} numbers, must be equally many, at least one")
     largest = [float(np.abs(v).max()) for v in lists]
-    if not largest[2] * lists[2].size < 1e150:
-        raise _engine.InputError(f"amplitude: {lists[2].size} waves of up to {largest[2]:.3g} m: their sum must be below 1e150 m")
+    if not largest[2] * lists[2].size < HUGE**0.5:
+        raise _engine.InputError(f"amplitude: {lists[2].size} waves of up to {largest[2]:.3g} m; valid: up to {HUGE**0.5:g} m")
     dx, dy, x_0, y_0 = grid.tolist()
     if math.isfinite(dx + dy + x_0 + y_0):  # else the engine says what is wrong
         _turns(largest[0] * (abs(x_0) + size[0] * dx), "fx")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._check import array, checked, flag, integer, kind, number, text
+from .._check import ROUNDING, array, checked, flag, integer, kind, number, text
 from .._engine import InputError
 from .._types import Spacing
 from . import form as forms
@@ -21,6 +21,7 @@ CORE = 0.4                              #: share of the material ratio curve tha
 _ANGLES = 360                           #: directions over half a turn
 _BINS = 180                             #: of the angular spectrum over half a turn
 _SHARES = ("sdr", "smrk1", "smrk2")     #: numbers that are printed in per cent
+_LOBE = 1.5                             #: modes of the map that the window blurs the mean into
 _FINER = 2                              #: modes per wave of the map: the window's lobe is then smooth
 
 
@@ -212,7 +213,7 @@ def _correlation(z, dx, dy):
     fall = np.full(len(angles), np.nan)
     for k, angle in enumerate(angles):
         u, v = at * np.cos(angle) / dx, at * np.sin(angle) / dy if z.ndim == 2 else np.zeros_like(at)
-        inside = (u <= nx + 1e-9) & (abs(v) <= ny + 1e-9)
+        inside = (u <= nx + ROUNDING) & (abs(v) <= ny + ROUNDING)
         values = _bilinear(c, v[inside] + ny, u[inside])
         below = np.nonzero(values <= FALL)[0]
         if len(below):
@@ -242,7 +243,7 @@ def _direction(z, dx, dy):
     power = abs(np.fft.rfft2((z - np.sum(z * window) / np.sum(window)) * window, (ny, nx))) ** 2
     fx, fy = np.meshgrid(np.arange(nx // 2 + 1) / (nx * dx), np.fft.fftfreq(ny, dy))
     f = np.hypot(fx, fy)
-    keep = (f > 1.5 * _FINER * max(1 / (nx * dx), 1 / (ny * dy))) & (f <= 0.5 / max(dx, dy)) & ((fx > 0) | (fy > 0))
+    keep = (f > _LOBE * _FINER * max(1 / (nx * dx), 1 / (ny * dy))) & (f <= 0.5 / max(dx, dy)) & ((fx > 0) | (fy > 0))
     if not keep.any() or not power[keep].any():
         return float("nan")
     angle = np.arctan2(fy[keep], fx[keep])

@@ -8,6 +8,7 @@ from .._check import array, checked
 from .._engine import InputError
 
 __all__ = ["envelope", "flank_gap"]
+TOUCH = 1e-12   # of two points that are one [m]
 
 
 def _line(name, value):
@@ -63,7 +64,7 @@ def flank_gap(tooth: np.ndarray, space: np.ndarray) -> tuple[float, float, float
         gap = np.where(entered, -np.minimum(far, depth), far)
         i = int(np.argmin(gap))
         if gap[i] < best[0]:
-            corner = (before[i] or after[i]) and not entered[i] and far[i] > 1e-12
+            corner = (before[i] or after[i]) and not entered[i] and far[i] > TOUCH
             n = sign * (way[i] / far[i] if corner else normal[i])
             best = (float(gap[i]), float(np.arctan2(n[1], n[0])), float(points[i, 1] if sign > 0 else points[i, 1] + way[i, 1]))
     return best

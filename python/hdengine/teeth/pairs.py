@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ToothGaps", "tooth_gaps"]
 FILES = ("gaps.json", "gaps.csv", "gaps.nml", "gaps.png")
+MOST_SPACES = 1.5   # of the circular spline over the teeth
+ROOT = 0.9, 1.15    # diameter at the root of the teeth over module times teeth: else they stand on another wall
 STEP = 0.5        # of the places of a half turn at which the closest pair is sought [tooth pitches]
 STEPS = 0.05      # of those whose envelope is the circular spline
 COARSE = 60       # points of a flank in that search
@@ -170,11 +172,11 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
     rim = Rim.read(path, **keys)
     scene, teeth = rim.scene, rim.scene["load.teeth"]
     spaces = teeth + 2 if spline_teeth is None else spline_teeth
-    if not teeth <= spaces <= 1.5 * teeth:
+    if not teeth <= spaces <= MOST_SPACES * teeth:
         raise InputError(f"spline_teeth = {spaces}: must be load.teeth = {teeth} or more, up to half as many more")
-    if not 0.9 < 2 * rim.root / (profile.module * teeth) < 1.15:
-        raise InputError(f"module = {profile.module:g} with load.teeth = {teeth}: must be {2 * rim.root / 1.15 / teeth:.4g} to "
-                         f"{2 * rim.root / 0.9 / teeth:.4g}, for the teeth stand on a wall of {rim.root:.6g} m "
+    if not ROOT[0] < 2 * rim.root / (profile.module * teeth) < ROOT[1]:
+        raise InputError(f"module = {profile.module:g} with load.teeth = {teeth}: must be {2 * rim.root / ROOT[1] / teeth:.4g} to "
+                         f"{2 * rim.root / ROOT[0] / teeth:.4g}, for the teeth stand on a wall of {rim.root:.6g} m "
                          "(geometry.bore_radius + wall_thickness)")
     facts = {"teeth": teeth, "spline_teeth": spaces, "neutral_radius_m": rim.radius, "root_radius_m": rim.root}
     tooth = profile.flank(teeth, rim.root, points)

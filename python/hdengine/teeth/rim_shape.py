@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from .._check import input_file
+from .._check import ROUNDING, input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
 __all__: list[str] = []
+ON = 1e-6   # of the radius, by which nodes lie on a surface
 
 
 def read_grid(path: PathLike, *names: str) -> dict:
@@ -94,7 +95,7 @@ class RimShape:
         for path in grids:
             grid = read_grid(path, "Points", "displacement_m")
             tried.append(f"{grid.get('torque_nm', np.nan):g}")
-            if grid.get("TimeValue", 0) >= 1 - 1e-9 and abs(grid.get("torque_nm", 1)) < 1e-9:
+            if grid.get("TimeValue", 0) >= 1 - ROUNDING and abs(grid.get("torque_nm", 1)) < ROUNDING:
                 return cls._of(grid["Points"], grid["displacement_m"], scene)
         seen = f"grids at {', '.join(tried)} N m" if tried else "no bodies_*.vtu"
         raise InputError(f"'{folder}' has {seen}: must have one of the whole assembly at 0 N m; run it with loop.torques=0,0 "
@@ -105,7 +106,7 @@ class RimShape:
         """Nodes of the rim's outside: rows along the axis count by their share of its length."""
         radius = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"]
         r, turn = np.hypot(points[:, 0], points[:, 1]), np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
-        on = np.flatnonzero((abs(r - radius) < 1e-6 * radius) & (points[:, 2] <= scene["geometry.rim_length"] * (1 + 1e-9)))
+        on = np.flatnonzero((abs(r - radius) < ON * radius) & (points[:, 2] <= scene["geometry.rim_length"] * (1 + ROUNDING)))
         sectors = scene["mesh.divisions"]
         step = np.round(turn[on] * sectors / (2 * np.pi), 6)
         on, step = on[step % 1 == 0], step[step % 1 == 0].astype(int) % sectors    # not the middles of quadratic elements
@@ -113,7 +114,7 @@ class RimShape:
         if len(on) != sectors * len(heights) or len(heights) < 2:
             raise InputError(f"the rim of the run has {len(on)} nodes on {len(heights)} rows of {sectors} at {radius:.6g} m: must "
                              "be whole rows of a pressed cup (wave_generator.shape = 'pressed')")
-        row = np.searchsorted(heights, points[on, 2] - 1e-9)
+        row = np.searchsorted(heights, points[on, 2] - ROUNDING)
         edges = np.concatenate([heights[:1], (heights[:-1] + heights[1:]) / 2, heights[-1:]])
         share = (np.diff(edges) / np.ptp(heights))[row]
         c, s = np.cos(turn[on]), np.sin(turn[on])

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._check import ROUNDING
 from .._types import RunLike
 from ..catalogue import unit_of
 from .palette import PARTS
 
 __all__: list[str] = []
 ARCMIN = np.degrees(1) * 60
+UNLOADED = 0.01   # of the largest torque: angles are shared out from here on
+EDGE = 0.35       # length of a row over that of even rows from which down it is one of the edge cells
 NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalogue (docs/evidence/drive.md)
 
 
@@ -23,13 +26,13 @@ def is_drive(result: RunLike) -> bool:
 
 def is_assembled(result: RunLike) -> bool:
     """The run was not stopped on its way to the assembled state."""
-    return bool(np.any(result.steps["load_factor"] >= 1 - 1e-9))
+    return bool(np.any(result.steps["load_factor"] >= 1 - ROUNDING))
 
 
 def reference_step(result: RunLike) -> int:
     """Row of the step that the results of a drive are of: the largest torque, of equals the last; of others the last step."""
     torque = result.summary["results"].get("reference_torque_nm", result.torque_nm[-1])
-    return int(np.flatnonzero(abs(result.torque_nm - torque) <= 1e-9 * max(1.0, abs(torque)))[-1])
+    return int(np.flatnonzero(abs(result.torque_nm - torque) <= ROUNDING * max(1.0, abs(torque)))[-1])
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ def twist_of(result: RunLike) -> tuple[np.ndarray, dict[str, np.ndarray], str] |
     while first > 0 and loop["torque_nm"][first - 1] < loop["torque_nm"][first]:
         first -= 1
     rows = loop[first:step + 1]
-    rows = rows[rows["torque_nm"] > 0.01 * rows["torque_nm"][-1]]
+    rows = rows[rows["torque_nm"] > UNLOADED * rows["torque_nm"][-1]]
     if not names or len(rows) < 2 or not all(np.isfinite(rows[f"share_{p}"]).all() for p in names):
         return None
     shares = {p: 100 * rows[f"share_{p}"] for p in names}
@@ -182,14 +185,14 @@ def positions_of(result: RunLike) -> list:
     z, found = 0.5 * (edges[1:] + edges[:-1]), []
     for label, place in zip(("I", "II", "III"), result.scene["output.positions"]):
         row = int(np.argmin(abs(z - place)))
-        narrow = np.diff(edges)[row] < 0.35 * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
+        narrow = np.diff(edges)[row] < EDGE * result.scene["geometry.band_length"] / result.scene["mesh.band_facets"]
         found.append((f"{label}: {1e3 * z[row]:.2g} mm" + (", edge cells" if narrow else ""), pressure[:, row], shear[:, row]))
     return found
 
 
 def pair_shares(result: RunLike, torque: float) -> tuple[np.ndarray, np.ndarray]:
     """Angles [degree] and shares [per cent] of the pairs of teeth at one end of the long axis at a torque; both ends are alike."""
-    rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < 1e-9]
+    rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < ROUNDING]
     angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90
     near = np.argsort(angle)[np.sort(angle) < 90]
     return angle[near], 100 * rows["share"][near]

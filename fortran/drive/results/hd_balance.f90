@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Where the torque leaves the scene: moments about the axis of the forces of each support, and the balance of all forces.
-module hd_supports
+module hd_balance
   use hd_kinds, only: dp
   use hd_body, only: axial_moment, cartesian
   use hd_drive, only: drive_t
@@ -130,4 +130,4 @@ contains
     call add_nodal_forces(drive%problem%mortar, -state%traction, force)
     m = moment(drive, state, force, drive%b_ring)
   end function contact_torque
-end module hd_supports
+end module hd_balance

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1]
+"""Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1] [--minutes 60]
 
 A copy of HEAD in FOLDER gets all mutants at once, each behind a switch, so that one build serves all: `x = a + b` becomes
 `if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each test reaches; a mutant
-then runs the tests that reach it, those of the quickest file first, until one fails. Mutants are drawn by rule: every room in turn, a
-line at random in it, a change at random of those that it allows. The outcome goes to tools/mutants.json. Needs ./hd test once.
+then runs the tests that reach it until one fails: first the quick ones, those of its subject and those that killed others. All mutants have
+their first seconds of tests before one has more. Mutants are drawn by rule: every room in turn, a line at random in it, a change at random of
+those that it allows. The outcome goes to tools/mutants.json; what that calls harmless is not run again. Begun again in its FOLDER it goes on.
+Needs ./hd test once.
 """
 import argparse
 import ast
@@ -22,7 +24,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PLACES = 4096      # mutants that the switch has room for
 SLOW = {"test_house", "test_pages", "test_site", "test_regressions", "test_slurm", "test_version"}  # of sources, pages and machines
-LONGEST = 200      # seconds of tests that one mutant may take
+PATIENCE = 20, 100, 500, 3000   # seconds of tests of one mutant, in rounds
 CHANGES = [(r" \+ ", " - "), (r" - ", " + "), (r"(?<=[\w)])\*(?=[\w(])", "/"), (r"(?<=[\w)])/(?=[\w(])", "*"), (r" < ", " <= "),
            (r" > ", " >= "), (r" <= ", " < "), (r" >= ", " > "), (r" == ", " /= "), (r" /= ", " == "), (r"\.and\.", ".or."),
            (r"\.or\.", ".and."), (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\bsin\(", "cos("), (r"\bcos\(", "sin("),
@@ -110,7 +112,7 @@ def fortran_mutants(text):
         for pattern, new in CHANGES:
             for hit in re.finditer(pattern, code):
                 other = code[:hit.start()] + hit.expand(new) + code[hit.end():]
-                if re.search(r"\b(\w+):\1 - \d", other):  # a section of no length, which compilers refuse
+                if re.search(r"\b(\w+)( [+-] \d)?:\1 - \d", other):  # a section of no length, which compilers refuse
                     continue
                 if block:
                     pad, kind, old = block.groups()
@@ -199,29 +201,37 @@ def build(folder, mutants):
     rules = tree / "config/meson.build"
     rules.write_text(rules.read_text().replace(", '-ffree-line-length-132'", "").replace(
         "add_project_arguments(", "add_project_arguments('-ffree-line-length-none', "))
-    python = ROOT / ".venv/bin/python"
     env = os.environ | {"PATH": f"{ROOT}/.venv/bin:{os.environ['PATH']}"}
-    subprocess.run([python, "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "--upgrade", "--target",
-                    folder / "site", f"--config-settings=build-dir={folder}/build", tree], check=True, env=env)
+    while (done := subprocess.run([ROOT / ".venv/bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation",
+                                   "--upgrade", "--target", folder / "site", f"--config-settings=build-dir={folder}/build",
+                                   "--config-settings=compile-args=-k0", tree], capture_output=True, text=True, env=env)).returncode:
+        refused = set()
+        for name, line in re.findall(r"/tree/(\S+\.f90):(\d+):\d+:(?:\n(?!.*/tree/).*){1,8}\n *Error:", done.stderr):
+            near = "\n".join((tree / name).read_text().splitlines()[:int(line)])
+            refused.add((name, int(re.findall(r"mutated\((\d+)\)", near)[-1])))
+        if not refused or any("fate" in mutants[n] for _, n in refused):
+            raise SystemExit(done.stderr[-3000:])
+        for name, n in refused:  # a change that the compiler refuses is no mutant
+            mutants[n]["fate"] = "refused"
+            path = tree / name
+            path.write_text(path.read_text().replace(mutants[n]["both"].replace("{on}", f"mutated({n})"), (ROOT / name).read_text().splitlines()[mutants[n]["line"] - 1]))
     subprocess.run(["ninja", "-C", folder / "build", "--quiet", "tests/fortran/hd_tester"], check=True, env=env)
     (folder / "site/hdengine/_mutants.py").write_text(SWITCH_PY)
     (folder / "mutants_reached.py").write_text(REACHED_PY)
 
 
 def run(folder, tests, limit, **env):
-    """Passed or not, seconds: of the Fortran tests or of tests of Python, the first failure ends them."""
+    """The first test that fails ('' if none does), seconds, whether it may be of load alone: of the Fortran tests or of tests of Python."""
     command = [folder / "build/tests/fortran/hd_tester"] if tests == ["fortran"] else [
         ROOT / ".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "mutants_reached",
         *([] if "HDENGINE_REACHED" in env else ["-x"]), *tests]
     start = time.monotonic()
-    try:
-        done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, env=os.environ | {
-                                  "HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site:{folder}",
-                                  "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} | env)
-    except OSError:
-        return False, 0
-    return done.returncode == 0, time.monotonic() - start
+    done = subprocess.run(["timeout", "-k", "5", str(int(limit)), *command], cwd=folder / "tree", stdout=subprocess.PIPE, errors="replace",
+                          stderr=subprocess.DEVNULL, env=os.environ | {
+                              "HDENGINE_EXE": f"{folder}/site/hdengine_x/hdengine.x", "PYTHONPATH": f"{folder}/site:{folder}",
+                              "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} | env)
+    by = re.search(r"^(?:FAILED|ERROR) (tests/python/[\w.:]+)", done.stdout, re.M)
+    return "" if done.returncode == 0 else by[1] if by else tests[0], time.monotonic() - start, re.search("Timeout|second", done.stdout) is not None
 
 
 def survey(folder, count, files):
@@ -230,32 +240,53 @@ def survey(folder, count, files):
         place, told = folder / f"{file}.reached", folder / f"{file}.json"
         place.write_bytes(bytes(PLACES))
         if file == "fortran":
-            passed, seconds = run(folder, [file], 900, HDENGINE_REACHED=str(place))
-            tests = [[file, file, seconds, [n for n in range(count) if place.read_bytes()[n]]]] if passed else []
+            failed, seconds, _ = run(folder, [file], 900, HDENGINE_REACHED=str(place))
+            tests = [[file, file, seconds, [n for n in range(count) if place.read_bytes()[n]]]] if not failed else []
         else:
             seconds = run(folder, [f"tests/python/{file}.py"], 900, HDENGINE_REACHED=str(place), HDENGINE_TOLD=str(told))[1]
             tests = [[file, *t] for t in json.loads(told.read_text())] if told.exists() else []
         print(f"{file}: {seconds:.0f} s, {len(tests)} tests", flush=True)
         return tests
     with ThreadPoolExecutor(2) as pool:
-        return [test for tests in pool.map(one, files) for test in tests]
+        # a test that closes its streams may write into the list of what is reached
+        return [test for tests in pool.map(one, files) for test in tests if max(test[3], default=0) < count]
 
 
-def fate(folder, n, tests):
-    """What becomes of a mutant: killed by a file of tests, survived, undecided (no time for the rest), or reached by none."""
-    files, spent = {}, 0.0
+def order(m, files, kills):
+    """Files of tests in the order in which they are tried: seconds over past kills, and over what the names share with the mutant's module."""
+    def words(text):
+        return {word[:5] for word in re.findall(r"[a-z]{3,}", text.lower())}
+    subject = words(Path(m["file"]).stem)
+    return sorted(files, key=lambda f: (2 + files[f][0]) / (1 + kills[f]) / (1 + 5 * len(subject & words(f" {f} ".join(files[f][1])))))
+
+
+def tried(folder, n, m, tests, kills, patience, end):
+    """Run what a mutant has not run yet of the tests that reach it until one kills it, none is left, or its time is over."""
+    files = {}
     for file, name, seconds, reached in tests:
-        if n in reached:
-            files.setdefault(file, []).append((seconds, name))
-    for file, known in sorted(files.items(), key=lambda f: sum(t[0] for t in f[1])):
-        seconds = sum(t[0] for t in known)
-        if spent + seconds > LONGEST:
-            return {"fate": "undecided", "files_left": sum(sum(t[0] for t in other) >= seconds for other in files.values())}
-        passed, took = run(folder, [t[1] for t in known], 3 * seconds + 30, HDENGINE_MUTANT=str(n))
-        spent += took
-        if not passed:
-            return {"fate": "killed", "by": file}
-    return {"fate": "survived" if files else "not reached"}
+        if n in reached and file not in m["passed"]:
+            known = files.setdefault(file, [0.0, []])
+            known[0] += seconds
+            known[1].append(name)
+    queue = order(m, files, kills)
+    while queue and m["spent"] < patience and time.monotonic() < end:
+        batch, seconds = [], 0.0
+        while queue and "fortran" not in batch and (not batch or queue[0] != "fortran" and seconds + files[queue[0]][0] < max(5, m["spent"])):
+            seconds += files[queue[0]][0]
+            batch.append(queue.pop(0))
+        by, took, hurried = run(folder, [name for file in batch for name in files[file][1]], 3 * seconds + 30, HDENGINE_MUTANT=str(n))
+        m["spent"] += took
+        if by and not (hurried and "::" in by and run(folder, [by], 300)[0]):
+            kills[Path(by.split("::")[0]).stem] += 1
+            m.update(fate="killed", by=by)
+            return
+        if by:  # a test that fails without a mutant too, of load: without it
+            for file in batch:
+                files[file][1] = [name for name in files[file][1] if not name.startswith(by)]
+            queue = [file for file in batch if files[file][1]] + queue
+        else:
+            m["passed"] += batch
+    m["fate"] = "undecided" if queue else "survived"
 
 
 def main():
@@ -263,25 +294,46 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--count", type=int, default=160)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--draw", action="store_true", help="only print the mutants")
     args = parser.parse_args()
-    folder, mutants = args.folder.resolve(), drawn(args.count, args.seed)
+    folder, mutants, end = args.folder.resolve(), drawn(args.count, args.seed), time.monotonic() + 60 * args.minutes
     if args.draw:
         for n, m in enumerate(mutants):
             print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}")
         return
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
-    build(folder, mutants)
-    tests = survey(folder, args.count, ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
-    with ThreadPoolExecutor(2) as pool:
-        for n, (m, found) in enumerate(zip(mutants, pool.map(lambda n: fate(folder, n, tests), range(args.count)))):
-            m.update(found)
-            del m["both"]
-            print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}: {m['fate']} {m.get('by', '')}", flush=True)
-    fates = Counter(m["fate"] for m in mutants)
-    record = {"commit": commit, "seed": args.seed, "mutants": args.count, **fates, "left": [m for m in mutants if m["fate"] != "killed"]}
-    (ROOT / "tools/mutants.json").write_text(json.dumps(record, indent=1) + "\n")
-    print(f"of {args.count}: {dict(fates)}")
+    place, state = ROOT / "tools/mutants.json", folder / "state.json"
+    past = json.loads(place.read_text())
+    if state.exists():
+        commit, tests, mutants = json.loads(state.read_text())
+    else:
+        commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+        build(folder, mutants)
+        tests = survey(folder, args.count, ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
+        for m in mutants:
+            m.update({"fate": "undecided", "spent": 0.0, "passed": []} | m)
+        state.write_text(json.dumps([commit, tests, mutants]))
+    kills = Counter(past["kills"])
+    reasons = {(m["file"], m["old"], m["new"]): m["harmless"] for m in past["left"] if "harmless" in m}
+    for m in mutants:
+        if m["fate"] in ("undecided", "survived") and (told := (m["file"], m["old"], m["new"])) in reasons:
+            m.update(fate="survived", harmless=reasons[told])  # by argument: no test is run
+
+    def one(n, patience):
+        m = mutants[n]
+        tried(folder, n, m, tests, kills, patience, end)
+        print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}: {m['fate']} {m.get('by', '')} {m['spent']:.0f} s", flush=True)
+    for patience in PATIENCE:
+        with ThreadPoolExecutor(2) as pool:
+            left = [n for n, m in enumerate(mutants) if m["fate"] == "undecided" and m["spent"] < patience]
+            for _ in pool.map(lambda n, patience=patience: one(n, patience), left):
+                state.write_text(json.dumps([commit, tests, [dict(m) for m in mutants]]))
+    mutants = [m for m in mutants if m["fate"] != "refused"]
+    left = [{key: m[key] for key in ("file", "line", "old", "new", "fate", "harmless") if key in m} for m in mutants if m["fate"] != "killed"]
+    fates = {fate: sum(m["fate"] == fate for m in mutants) for fate in ("killed", "survived", "undecided")}
+    record = {"commit": commit, "seed": args.seed, "mutants": len(mutants), **fates, "left": left, "kills": Counter(Path(m["by"].split("::")[0]).stem for m in mutants if "by" in m)}
+    place.write_text(json.dumps(record, indent=1) + "\n")
+    print(f"of {len(mutants)}: {fates}")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ for kind in sanitize trap; do
     options="--buildtype=debug -Dfortran_args=['-fcheck=all,no-array-temps','-ffpe-trap=zero,overflow']"
   fi
   # shellcheck disable=SC2086
-  [ -f build-$kind/build.ninja ] || meson setup build-$kind -Dpython=false $options >build-$kind.log
+  [ -f build-$kind/build.ninja ] || meson setup build-$kind -Dpython=false $options >.venv/$kind.log
   ninja -C build-$kind --quiet
   [ $kind = trap ] || { ninja -C build-$kind --quiet tests/fortran/hd_tester tests/fortran/hd_fuzz && build-$kind/tests/fortran/hd_tester; }
   exe=$PWD/build-$kind/fortran/app/hdengine.x folder=$(mktemp -d)
@@ -38,4 +38,5 @@ for kind in sanitize trap; do
   run data/surface.nml surface.nx=40 surface.ny=30
   [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}" --many "${1:-200}00" --build build-sanitize
   rm -r "$folder"
+  echo "$kind: nothing found"
 done

@@ -4,6 +4,7 @@
 A rule takes the name and the value of an argument and returns the value as the function wants it, or raises InputError with the
 name, the value seen and what is valid.
 """
+import contextlib
 import functools
 import inspect
 import operator
@@ -191,16 +192,18 @@ def word(*choices, optional=False):
 
 def text(name, value):
     """A rule: a text."""
-    return value if isinstance(value, str) and "\0" not in value else _fail(name, value, "a text")
+    whole = isinstance(value, str) and not any(c == "\0" or "\ud800" <= c <= "\udfff" for c in value)  # or half a letter
+    return value if whole else _fail(name, value, "a text")
 
 
 def path(name, value):
     """A rule: the path of a file or folder."""
     if isinstance(value, (str, os.PathLike)) and not isinstance(value, bytes):
-        found = os.fspath(value)
-        if isinstance(found, str) and "\0" not in found:
-            return value
-    return _fail(name, value, "a path: a text or a pathlib.Path")
+        with contextlib.suppress(UnicodeError):
+            found = os.fsencode(value) if isinstance(os.fspath(value), str) else b"\0"
+            if b"\0" not in found and len(found) < 4096 and max(map(len, found.split(b"/"))) < 256:
+                return value
+    return _fail(name, value, "a path: a text or a pathlib.Path, names of up to 255 bytes")
 
 
 def input_file(path, most=None):

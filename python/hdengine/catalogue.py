@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from ._check import ROUNDING, array, checked, number
 from ._engine import InputError
 
+__all__ = ["Unit", "stages"]
+
 
 @dataclass(frozen=True)
 class Unit:

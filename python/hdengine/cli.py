@@ -29,6 +29,8 @@ from .surfaces.run import SurfaceResult
 from .surfaces.run import _run as _run_surface_alone
 from .teeth import command as teeth_command
 
+__all__: list[str] = []
+
 
 class _Explain(argparse.Action):
     """Print what a key means, and end."""

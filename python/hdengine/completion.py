@@ -7,6 +7,7 @@ import argparse
 from ._engine import InputError
 from .contact import read_scene
 
+__all__: list[str] = []
 SHELLS = ("bash", "zsh")
 
 

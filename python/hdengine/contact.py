@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from ._keys import SceneKeys
 
+__all__ = ["Cam", "Run", "Step", "cam", "forget", "read_scene", "run"]
 _SUMS = _engine.names("step")
 _FIELDS = _engine.names("facet")
 

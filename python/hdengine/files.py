@@ -18,6 +18,7 @@ from ._check import MOST_BYTES, input_file
 from ._engine import FileError
 from ._types import PathLike
 
+__all__: list[str] = []
 # files that say what a folder holds
 _MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json", "joint.json", "gaps.json")
 

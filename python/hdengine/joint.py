@@ -17,6 +17,7 @@ from ._check import fields as check_fields
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+__all__ = ["Joint", "JointWarning"]
 _warned: set[str] = set()  # beginnings of the warnings that were given
 
 

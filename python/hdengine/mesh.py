@@ -12,6 +12,7 @@ from ._check import array, checked, fields, flag, integers, number
 from ._check import function as a_function
 from ._engine import InputError
 
+__all__ = ["Mesh", "block", "graded", "merge"]
 _MOST = 1e8   # intervals of a line
 _CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]])
 _EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])

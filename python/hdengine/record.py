@@ -21,6 +21,7 @@ from .smoothing import Spline
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
 FEWEST = 20      # readings of a record
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero

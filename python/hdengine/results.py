@@ -25,6 +25,7 @@ from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
 from .joint import Joint, JointWarning
 
+__all__ = ["Result", "load"]
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
             "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
 KEPT = 8    # steps of contact.csv that a result holds besides the whole

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+__all__: list[str] = []
+
 
 def basis(x: ArrayLike, low: float, high: float, pieces: int, derivative: int = 0) -> np.ndarray:
     """Cubic B-splines on equal intervals.

@@ -11,6 +11,8 @@ from . import _engine
 from ._check import array, checked, fields, integer, integers, kind, number, word
 from .mesh import Mesh
 
+__all__ = ["Body", "Face", "Solution", "contact", "static"]
+
 
 @dataclass
 class Body:

@@ -9,6 +9,8 @@ from . import _engine
 from ._check import array, checked, flag, number, together
 from ._engine import InputError
 
+__all__ = ["remaining_stiffness", "series", "torsional_stiffness", "torsional_stiffness_paper"]
+
 
 @checked(position=array(), normal=array())
 def facet_weights(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

@@ -22,6 +22,7 @@ from .results import Result, facet_stiffness
 from .studies.progress import Progress
 from .studies.study import Study, StudyResult
 
+__all__ = ["ContactField", "analyse"]
 # key: (low, high, why)
 JOINT = {
     "joint.asperity_radius": (3.74e-6, 6.30e-6, "fits to boundary elements: both cut-offs, the finer one"),

@@ -24,6 +24,7 @@ contains
     integer :: i
     call check(to_text(-42) == '-42', 'an integer becomes its decimal digits')
     call check(to_text(0.0175_dp) == '0.0175', 'a real becomes short text')
+    call check(to_text(0.001_dp) == '0.001' .and. index(to_text(0.0001_dp), 'e') > 0, 'from a thousandth on without an exponent')
     call check(percent(0.1234_dp) == '12 %' .and. percent(0.0123_dp) == '1.2 %', 'a share becomes per cent of two digits')
     x = 1.2345678901234567e-7_dp
     do i = 1, 300

@@ -2,6 +2,7 @@
 """Wrong arguments end with the package's errors: never with a raw error from inside, never with the end of the process."""
 import importlib
 import inspect
+import pkgutil
 import random
 import re
 import subprocess
@@ -94,9 +95,12 @@ def test_specimens_hold_what_is_checked():
                        (lambda: hdengine.specimen.Specimen(np.ones((3, 3)), "um"), "spacing = 'um'"),
                        (lambda: mesh.block([0, 1], [0, 1], [0, 1]).facets([[], 1]), "chosen is no array"),
                        (lambda: hdengine.read_scene("", load={"torque": object()}), "a key takes"),
+                       (lambda: elastic.ElasticJoint([1e6], [1e12], [1e12]), "two or more"),
+                       (lambda: elastic.contact_from_spectrum([1e4, 1e5], [1e-14, 1e-15], [0.0], 1e11), "above 0 and below"),
                        (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
         with pytest.raises(hdengine.InputError, match=says):
             call()
+    assert "from 1 to 20 MPa" in str(elastic.ElasticJoint([1e6, 2e7], [1e12, 2e12], [1e12, 2e12]))
 
 
 def test_letters_beyond_ascii(tmp_path):
@@ -119,12 +123,28 @@ def objects(small_run):
             hdengine.Study(grid={"load.torque": [1, 2]}), roughness.Ridges(1e-4, 1e-6, 10, 1.5)]
 
 
+def on_page():
+    """(name, object) of the page of the Python interface."""
+    for name in re.findall(r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(), re.M):
+        module, _, last = f"hdengine.{name}".rpartition(".")
+        yield name, getattr(importlib.import_module(module), last)
+
+
+def test_public_names_are_those_of_the_page():
+    """What a module gives to the public (`__all__`, or all functions and classes without an underscore) stands on the page of the Python interface."""
+    known = [found for _, found in on_page()]
+    for told in pkgutil.walk_packages(hdengine.__path__, "hdengine."):
+        if any(part[0] == "_" for part in told.name.split(".")):
+            continue
+        module = importlib.import_module(told.name)
+        names = getattr(module, "__all__", [n for n, o in vars(module).items() if getattr(o, "__module__", None) == told.name and n[0] != "_"])
+        assert all(any(getattr(module, n) is o for o in known) for n in names), (told.name, names)
+
+
 def public(small_run):
     """(name, function) of the functions, classes and methods on the page of the Python interface; without those that solve or draw."""
     held = {type(o): o for o in objects(small_run)}
-    for name in re.findall(r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(), re.M):
-        module, _, last = f"hdengine.{name}".rpartition(".")
-        found = getattr(importlib.import_module(module), last)
+    for name, found in on_page():
         if isinstance(found, type) and issubclass(found, BaseException):
             continue
         if name not in ("run", "prediction.law.predict", "report.write_pdf"):
@@ -139,7 +159,7 @@ def test_every_public_name_checks_its_arguments(small_run, tmp_path, monkeypatch
     """Whatever a public function, class or method gets for its arguments, it answers, or raises an error of the package."""
     monkeypatch.chdir(tmp_path)
     values = [None, -1, 2**31, 1.5, np.nan, 1e300, "x", "\0", b"x", [], [[1, 2], [3]], {1: 2}, np.ones((4, 4)), np.zeros((0, 3)),
-              np.full(3, np.nan), np.array("s"), object(), 1j, slice(1)]
+              np.full(3, np.nan), np.array("s"), object(), 1j, slice(1), "a" * 256, "\ud800"]
     lot, raw, count = random.Random(1), [], 0
     for name, function in public(small_run):
         known = [p for p in inspect.signature(function).parameters.values() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]

@@ -7,6 +7,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hdengine
@@ -265,6 +266,7 @@ def test_a_result_answers_in_words(tmp_path):
     assert result.report() == tmp_path / "r/report.html" and result.report().stat().st_size > 4e4
     page = result._repr_html_()
     assert "<td>K2 / (kN m/rad)</td>" in page and "data:image/png;base64," in page
+    assert f"<td>hysteresis / arcmin</td><td>{found['hysteresis_rad'] * 180 * 60 / np.pi:.4g}</td>" in page
     with pytest.raises(hdengine.FileError, match="nothing.csv"):
         result.frame("nothing")
 

@@ -3,12 +3,14 @@
 import ast
 import json
 import re
+from math import erf
 
 import numpy as np
 import pytest
 
 import hdengine
 from conftest import ROOT, call
+from hdengine import cli
 from hdengine.results import read_csv
 from hdengine.torsion import torsional_stiffness
 
@@ -49,6 +51,18 @@ def surface(exe, tmp_path_factory):
     done = call(exe, ROOT / "data/surface.nml", "surface.nx=128", "surface.ny=96", "--out", out, "-q")
     assert done.returncode == 0, done.stderr
     return ({p.stem: read_csv(p) for p in out.glob("*.csv")}, json.loads((out / "summary.json").read_text())), np.load(out / "heights.npy")
+
+
+@pytest.fixture(scope="module")
+def joint(tmp_path_factory):
+    """Tables and record of `hdengine joint` on waves of random phase, isotropic, from 6 to 64 um, of which none yields."""
+    folder, f = tmp_path_factory.mktemp("j"), np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.fftfreq(64)))
+    phases = np.fft.fft2(np.random.default_rng(1).normal(size=f.shape))
+    z = np.fft.ifft2(np.where((f > 0) & (f < 1 / 6), phases / abs(phases) * np.maximum(f, 1e-9)**-1.8, 0)).real
+    z *= 0.005e-6 / np.sqrt(np.mean([(z - np.roll(z, 1, k))**2 for k in (0, 1)]) * 2)
+    np.save(folder / "a.npy", z)
+    assert cli.main(["joint", str(folder / "a.npy"), "--dx", "1e-6", "--model", "spectrum", "--pressure", "2e6,2e7,4e8", "--out", str(folder / "j")]) == 0
+    return {p.stem: read_csv(p) for p in (folder / "j").glob("*.csv")}, json.loads((folder / "j/joint.json").read_text()), z
 
 
 def last(table, step=None):
@@ -256,14 +270,22 @@ def test_numbers_of_the_joint_and_the_model(drive, press):
     assert model["facets"] == AROUND * ALONG and model["multipliers"] == AROUND * (ALONG + 1) == model["unknowns"] / 3 and model["dof"] % (3 * AROUND) == 0
 
 
-def test_structure_of_heights(surface):
-    """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
-    its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
-    (tables, _), heights = surface
+def waves_of_eq_1():
+    """The scene of the surface, wavenumbers over 2 pi and squared amplitudes of its waves."""
     scene = hdengine.read_scene(ROOT / "data/surface.nml")
     d, g, gamma, length = (scene[f"surface.{name}"] for name in ("fractal_dimension", "roughness", "gamma", "sample_length"))
     waves = gamma**np.arange(int(np.log(length / scene["surface.shortest_wavelength"]) / np.log(gamma) + 1e-9) + 1) / length
     square = np.log(gamma) * g**(2 * (d - 2)) * waves**(-2 * (3 - d))
+    return scene, waves, square
+
+
+def test_structure_of_heights(surface):
+    """structure.csv and fit.csv: s_m2 is the mean square of differences at lag_points, lag_m, of rows and columns; s_expected_m2 that of Eq. 1,
+    its waves summed; band_low_m2, band_high_m2 lie 1.96 sample_error_ln about model_m2, and s_m2 within the errors of the model."""
+    (tables, summary), heights = surface
+    scene, waves, square = waves_of_eq_1()
+    band = np.array([1 / waves[-1], 1 / waves[0]]) * scene["surface.gamma"]**np.array([-0.5, 0.5])
+    assert summary["fits"]["generated"]["band_m"] == pytest.approx(band)
     ridges = np.pi * np.arange(1, scene["surface.ridges"] + 1) / scene["surface.ridges"]
     for row in tables["structure"]:
         z = heights if row["direction"] == "columns" else heights.T
@@ -280,9 +302,82 @@ def test_structure_of_heights(surface):
     assert (abs(np.log(fit["s_m2"] / fit["model_m2"])) < 3 * np.hypot(fit["sample_error_ln"], fit["model_error_ln"])).mean() > 0.9
 
 
+def test_spectrum_of_a_map(joint):
+    """q_per_m, height_variance_m2, c_m4 and waves_per_m2 add up to the variance of heights and slopes, to the plane of wave vectors, to the waves of
+    a quarter circle of the mirrored map."""
+    (tables, record, z), dx = joint, 1e-6
+    q, h = tables["spectrum"]["q_per_m"], tables["spectrum"]["height_variance_m2"]
+    assert h.sum() == pytest.approx(z.var(), rel=0.05) and record["h_rms_m"] == pytest.approx(np.sqrt(h.sum()), rel=1e-6)
+    assert record["slope_rms"] == pytest.approx(np.sqrt((q**2 * h).sum()), rel=1e-6) and record["slope_rms"] == pytest.approx(0.005, rel=0.1)
+    np.testing.assert_allclose(tables["spectrum"]["waves_per_m2"].sum() * (64 * dx)**2, np.pi / 4 * 64**2, rtol=0.02)
+    np.testing.assert_allclose((h / tables["spectrum"]["c_m4"]).sum(), np.pi * (np.pi / dx)**2, rtol=0.02)
+
+
+def test_joint_is_that_of_its_spectrum(joint):
+    """k_n_pa_per_m, contact_area_fraction, pressure_spread_pa, closure_m and mean_gap_m are those of Persson's theory, by another integrator, from the
+    bands of spectrum.csv; closure and gap are the integrals of dP/k_N from no load and to full contact. Shear goes with the ratio of elastic bodies."""
+    (tables, record, _), scene = joint, hdengine.read_scene(ROOT / "data/cd14.nml")
+    table, q, h = tables["joint"], *(tables["spectrum"][name] for name in ("q_per_m", "height_variance_m2"))
+    e, nu = ([scene[f"material.{body}_{name}"] for body in ("flexspline", "ring")] for name in ("e", "nu"))
+    soft = sum((1 - n**2) / x for x, n in zip(e, nu))
+    assert 1 / soft == pytest.approx(record["e_star_pa"]) and record["hardness_pa"] == pytest.approx(2.8 * scene["material.yield_strength"])
+    assert record["k_t_over_k_n"] == pytest.approx(soft / sum((2 - n) * (1 + n) / (2 * x) for x, n in zip(e, nu)))
+    p = np.unique(np.concatenate([table["pressure_pa"], np.geomspace(1.1e3, 1.1e9, 420)]))
+    width = (h @ q)**2 / h.sum() / (h @ q**2)
+    v, spread, share, energy = 0.0, np.full(len(p), 1e-99), np.ones(len(p)), 0.0
+    for x, part in zip(np.repeat(q, 40), np.repeat(h / 40, 40)):
+        more = (x / soft / 2)**2 * part
+        v, spread = v + more, spread + more * np.where(v < p**2 / 50, 1, (5 - 2 * share**2 + 6 * share**4) / 9)
+        next_share = np.vectorize(erf)(p / np.sqrt(2 * spread))
+        mean, a = (share + next_share) / 2, 0.35 + 0.15 * width**9
+        energy, share = energy + x / soft / 4 * part * mean * (a * mean**0.17 + (1 - a) * mean**3.15), next_share
+    k_n = p / np.gradient(energy, p)  # at first touch as P**0.83
+    way = p[0] / k_n[0] / 0.17 + np.concatenate([[0], np.cumsum(np.diff(p) * (1 / k_n[1:] + 1 / k_n[:-1]) / 2)])
+    at = np.searchsorted(p, table["pressure_pa"])
+    for name, found, within in (("k_n_pa_per_m", k_n, 0.02), ("contact_area_fraction", share, 0.002), ("pressure_spread_pa", spread**0.5, 0.002),
+                                ("closure_m", way, 0.02), ("mean_gap_m", way[-1] - way, 0.02)):
+        np.testing.assert_allclose(table[name], found[at], rtol=within, err_msg=name)
+    np.testing.assert_allclose(table["k_t_pa_per_m"], record["k_t_over_k_n"] * table["k_n_pa_per_m"], rtol=1e-9)
+
+
+def test_bands_of_the_joint(joint):
+    """_low and _high of the stiffnesses are the root of the squares of the parts that the record names, and of what longer waves take; closure and
+    gap, which go with 1/k_N, take them the other way round. Contact takes no part of longer waves, and less of E*: it does not go with it."""
+    (tables, record, _) = joint
+    table, parts = tables["joint"], {name: [np.array(part[end]) for end in ("low", "high")] for name, part in record["band_half_widths_ln_k_n"].items()}
+    low, high = (np.sqrt(sum(part[k]**2 for name, part in parts.items() if name != "longer waves")) for k in (0, 1))
+    low = low + parts.get("longer waves", [0])[0]
+    for ends, down, up in ((("k_n_pa_per_m_low", "k_n_pa_per_m_high"), low, high), (("k_t_pa_per_m_low", "k_t_pa_per_m_high"), low, high),
+                           (("closure_m_low", "closure_m_high"), high, low), (("mean_gap_m_low", "mean_gap_m_high"), high, low)):
+        np.testing.assert_allclose([np.log(table[end] / table[end.rsplit("_", 1)[0]]) for end in ends], [-down, up], rtol=1e-6)
+    for end in ("contact_area_fraction_low", "contact_area_fraction_high"):
+        wide = abs(np.log(table[end] / table["contact_area_fraction"]))
+        assert (((wide > parts["law"][0]) & (wide < 1.05 * high)) | (table[end] == 1)).all() and wide[0] > 0, (wide, parts["law"], high)
+
+
+def test_numbers_of_heights(surface):
+    """Results and roughness of a surface by numpy: sa_m, sq_m, sz_m, ssk, sku, sdq and nayak of its levelled heights, height_rms_m, height_min_m and
+    height_max_m of the heights as they are; height_rms_expected_m and slope_rms_expected are half the squares of the waves of Eq. 1, and of their slopes."""
+    (_, summary), heights = surface
+    y, x = np.indices(heights.shape)
+    plane = np.stack([np.ones(heights.size), x.ravel(), y.ravel()], axis=1)
+    z = heights - (plane @ np.linalg.lstsq(plane, heights.ravel(), rcond=None)[0]).reshape(heights.shape)
+    numbers, step, r = dict(summary["fits"]["generated"]["roughness"]), 1e-6, summary["results"]
+    rows, columns = (np.mean(np.diff(z, axis=k)**2) for k in (1, 0))
+    wanted = {"sa_m": abs(z).mean(), "sq_m": z.std(), "sz_m": np.ptp(z), "ssk": (z**3).mean() / z.std()**3, "sku": (z**4).mean() / z.std()**4,
+              "sdq": np.sqrt(rows + columns) / step, "nayak": z.var() * np.mean(np.diff(z, 2, axis=1)**2) / rows**2}
+    assert numbers.pop("bandwidth_m") == pytest.approx([2e-6, 95e-6]) and numbers == pytest.approx(wanted, rel=1e-9) and abs(wanted["ssk"]) > 0.2
+    assert (r["height_min_m"], r["height_max_m"]) == (heights.min(), heights.max()) and r["height_rms_m"] == pytest.approx(heights.std())
+    _, waves, square = waves_of_eq_1()
+    assert r["height_rms_expected_m"] == pytest.approx(np.sqrt(square.sum() / 2))
+    assert r["slope_rms_expected"] == pytest.approx(np.sqrt((square / 2 * (2 * np.pi * waves)**2).sum()))
+
+
 # Columns that no formula above holds, and the test that does.
 HELD = {(table, name): held for held, names in {
     "test_balance.py::test_lateral_forces_balance": "steps hub_force_x_n hub_force_y_n lateral_balance_x_n lateral_balance_y_n",
+    "test_cam.py::test_gap_over_a_notch": "results cam_gap_max_m",
+    "test_cam.py::test_hoop_force_of_a_stretched_ring": "results cam_force_n cam_contact_area_m2 cam_pressure_min_pa",
     "test_drive.py::test_balls_follow_hertz": "balls closing_m",
     "test_drive.py::test_chords_are_those_of_the_first_rise": "results k1_nm_per_rad k2_nm_per_rad k3_nm_per_rad",
     "test_drive.py::test_flanks_follow_their_law": "teeth closing_m",
@@ -295,6 +390,8 @@ HELD = {(table, name): held for held, names in {
     "test_load_path.py::test_springs_of_the_ring_count": "steps ring_spring_torque_nm",
     "test_premises.py::test_tangent_is_the_slope_of_the_coupled_run": "steps k_ts_bonded_nm_per_rad k_ts_secant_nm_per_rad",
     "test_run.py::test_forces_balance": "steps axial_balance_n",
+    "test_run.py::test_gross_slip_is_diagnosed": "results gross_slip_torque_nm",
+    "test_sides.py::test_ring_lifts_off_the_wave_generator": "results cam_force_x_n",
     "test_small_loads.py::test_the_tangent_does_not_depend_on_the_path": "steps k_ts_contact_nm_per_rad",
     "test_tooth_friction.py::test_flanks_rub_by_coulomb": "teeth friction_n",
     "test_torsion.py::test_engine_and_python_give_one_k_ts": "steps k_ts_paper_n",
@@ -328,13 +425,17 @@ def source_of(name):
     return "\n".join([parts[test], *(parts[word] for word in parts if word != test and re.search(rf"\b{word}\b", parts[test]))])
 
 
-def test_every_column_is_held(press, drive, surface):
+def test_every_column_is_held(press, drive, surface, joint):
     """Each column is named by a test of this file or by the one that HELD gives it, which names it too; HELD names none that is not there."""
     text = (ROOT / "tests/python/test_columns.py").read_text().split("# Columns that no formula")[0]
     here = words(text) | {rf"{name}_[1-4]_pa" for name in ("pressure", "shear")}
-    columns = {(name, column) for tables, _ in (press, drive, surface[0]) for name, table in tables.items() for column in table.dtype.names}
+    columns = {(name, column) for tables, *_ in (press, drive, surface[0], joint) for name, table in tables.items() for column in table.dtype.names}
     columns |= {(part, name) for _, summary in (press, drive) for part in ("results", "joint") for name, value in summary[part].items()
-                if isinstance(value, (int, float)) and ("steps", name) not in columns}  # those are of test_results_are_the_last_step
+                if isinstance(value, (int, float))}
+    columns |= {("surface", name) for name in {**surface[0][1]["results"], **surface[0][1]["fits"]["generated"]["roughness"]}}
+    results = (ROOT / "fortran/drive/results/hd_summary.f90").read_text().split("subroutine add_results")[1].split("subroutine add_band")[0]
+    columns |= {("results", name) for name in re.findall(r"json%add\('(\w+)'", results)}  # those of other runs too
+    columns -= {("results", name) for table, name in columns if table == "steps"}  # of test_results_are_the_last_step
     for table, column in sorted(columns):
         if column in MEASURED or (table, column) not in HELD and any(re.fullmatch(word, column) for word in here):
             continue

@@ -64,6 +64,16 @@ XML = """<?xml version='1.0'?>
 <ANALYSIS><ROUGHNESS><ROUGHNESS_DATA_POINT_VALUES>{other}</ROUGHNESS_DATA_POINT_VALUES></ROUGHNESS></ANALYSIS></DATA>"""
 
 
+
+def test_four_points_hold_a_cubic():
+    """Resampling keeps a cubic, of four points too; three are refused."""
+    x = np.arange(4.0)
+    half = composite.resample(Specimen(np.outer(x**3, x**2), (1.0, 1.0)), 0.5).heights
+    np.testing.assert_allclose(half, np.outer(np.arange(0, 3.1, 0.5)**3, np.arange(0, 3.1, 0.5)**2), atol=1e-12)
+    with pytest.raises(hdengine.InputError, match="at least 4"):
+        composite.resample(Specimen(np.outer(x, x[:3]), (1.0, 1.0)), 0.5)
+
+
 def test_softgauge_of_two_curves_is_read_as_its_raw_one(tmp_path):
     """The XML of a softgauge with a raw and a filtered curve gives all raw points in metres and its spacing; a cut one is refused."""
     raw = np.round(np.sin(np.arange(40.0)), 6)

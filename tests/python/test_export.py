@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 from types import SimpleNamespace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -65,6 +66,17 @@ def test_fmu_gives_the_torque_of_the_law(drive):
     inside = abs(found["phi_rel"]) <= law.angle_rad[-1]
     assert found["tau"][inside] == pytest.approx(np.interp(found["phi_rel"][inside], law.angle_rad, law.torque_nm))
     assert found["tau"][-1] == pytest.approx(law.torque_nm[-1] + found["c"][-1] * (found["phi_rel"][-1] - law.angle_rad[-1])) and inside.sum() > 80
+
+
+def test_tendons_add_up_to_the_law(drive):
+    """The springs of the MuJoCo model, each of which pulls beyond the ends of its length, give the torques of the law at its angles."""
+    assert main(["export", str(drive.folder), "--to", "mujoco"]) == 0
+    model, law = ElementTree.parse(drive.folder / "joint.xml"), joint_law(drive)
+    torque = float(model.find(".//joint[@name='drive']").get("stiffness")) * law.angle_rad
+    for spring in model.iter("fixed"):
+        low, high = map(float, spring.get("springlength").split())
+        torque += float(spring.get("stiffness")) * (np.maximum(law.angle_rad - high, 0) + np.minimum(law.angle_rad - low, 0))
+    np.testing.assert_allclose(torque, law.torque_nm, atol=1e-6 * law.torque_nm.max())
 
 
 def test_texts_hold_the_law(drive):

@@ -4,16 +4,20 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 import hdengine
 from conftest import ROOT
-from hdengine.figures.run import plot_positions, plot_run
+from hdengine.figures.run import plot_positions, plot_run, plot_torsion
+from hdengine.figures.study import _shades
+from hdengine.views.run import band_of, positions_of
 
 CODE = """
 import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import numpy as np
+import pytest
 before = dict(matplotlib.rcParams)
 import hdengine, hdengine.cli
 from hdengine.figures import cup, record, run, sensitivity, study, surface
@@ -45,6 +49,13 @@ def test_a_run_stopped_in_the_assembly_is_drawn(tmp_path):
     assert "pressure_band.png" in names and "torsion.png" not in names
 
 
+def test_the_band_of_eq_45_is_one_per_cent(small_run):
+    """Beside K_TS of Eq. 45 lies a band of 1 %."""
+    axis = plot_torsion(hdengine.load(small_run)).axes[1]
+    line, band = axis.lines[0].get_ydata(), axis.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == pytest.approx((0.99 * line.min(), 1.01 * line.max()))
+
+
 def test_stresses_are_drawn_in_megapascal(small_run):
     """The lines of the contact's stresses are the columns of contact.csv over 1e6, at the angles in degrees."""
     result = hdengine.load(small_run)
@@ -55,3 +66,22 @@ def test_stresses_are_drawn_in_megapascal(small_run):
             rows = [last[last["i_z"] == i] for i in np.unique(last["i_z"])]
             assert any(np.allclose(line.get_ydata(), row[name] / 1e6) for row in rows)
             assert np.allclose(line.get_xdata(), np.degrees(rows[0]["theta_rad"]))
+
+
+def test_the_band_is_the_table_of_facets(small_run):
+    """Pressures in MPa, line loads that carry the force, and for each position the row of facets that is nearest to it."""
+    result = hdengine.load(small_run)
+    contact = np.genfromtxt(small_run / "contact.csv", delimiter=",", names=True)
+    last, band, scene = contact[contact["step"] == contact["step"].max()], band_of(result), result.scene
+    np.testing.assert_allclose(np.nan_to_num(band.pressure).ravel(), last["pressure_pa"] / 1e6)
+    arc = 1e3 * 2 * np.pi * scene["geometry.bore_radius"] / scene["mesh.divisions"]
+    assert (band.load * arc).sum() == pytest.approx((last["pressure_pa"] * last["area_m2"]).sum())
+    middles = scene["geometry.band_length"] * (np.arange(scene["mesh.band_facets"]) + 0.5) / scene["mesh.band_facets"]
+    for place, (_, pressure, _) in zip(scene["output.positions"], positions_of(result)):
+        row = 1 + np.argmin(abs(middles - place))
+        np.testing.assert_allclose(pressure, last["pressure_pa"][last["i_z"] == row] / 1e6)
+
+
+def test_three_lines_have_the_colours_of_the_style():
+    """Four take shades of one colour."""
+    assert _shades([1, 2, 3]) == ["C0", "C1", "C2"] and len(_shades([1, 2, 3, 4])) == 4

@@ -29,8 +29,10 @@ def test_power_difference():
 
 @pytest.mark.parametrize("edge", [0.5, 3.0, 100.0])
 def test_unclipped_limits(edge):
-    """Below the last regime edge the printed sum of loads is negative; clipped, every part is at least 0 and the sum is positive."""
+    """Below the last regime edge the printed sum of loads is negative; clipped, every part is at least 0 and the sum is positive. Far above it both agree."""
     joint = Joint(s_min=1e-20)
+    s = 1e5 * joint.asperity()[0]["s_ec_m2"]
+    np.testing.assert_allclose(printed.load_parts(joint, s), joint.parts(s)["load_n"], rtol=1e-3)
     s = min(edge, 4.0) * joint.asperity()[0]["s_ec_m2"]
     assert printed.load_parts(joint, s).sum() < 0
     parts = joint.parts(s)["load_n"]

@@ -32,6 +32,7 @@ def test_rows_of_the_papers_own_curves_agree():
     rows = paper.torque_rows(curve(own))
     rise, = (r for r in rows if r.quantity == "K_TS from 1 to 5 N m")
     assert rise.verdict == "agrees" and rise.ours == rise.printed  # both columns of `curve` hold the paper's figures
+    assert [r.quantity for r in paper.torque_rows(curve(own)[-1:])].count("K_TS from 1 to 5 N m") == 0  # of 5 N m alone
     key = "wave_generator.eccentricity"
     moved = curve(own, **{key: 0.0}) + curve(own * fall, **{key: 10e-6})
     assert paper.eccentricity_rows(moved)[0].verdict == "agrees"

@@ -154,8 +154,10 @@ def test_plan_is_printed_and_nothing_is_written(exe, tmp_path):
     """--plan: choices with reasons, one line per mesh with facets, time and memory; without a tolerance code 2."""
     done = call(exe, "--plan", CD14, *QUICK, cwd=tmp_path)
     assert done.returncode == 0 and "<- start" in done.stdout and "load steps" in done.stdout and not list(tmp_path.iterdir())
+    meshes = np.array([line.split()[:7] for line in done.stdout.splitlines() if re.match(r" +\d+ +\d+ +\d+ ", line)], float)
+    assert len(meshes) > 4 and (np.diff(meshes[:, [1, 2, 4, 5, 6]], axis=0) > 0).all() and meshes[-1, 4] > 10 * meshes[0, 4]
     done = call(exe, "--plan", CD14)
-    assert done.returncode == 2 and "run.tolerance" in done.stderr
+    assert done.returncode == 2 and "--plan needs a tolerance" in done.stderr
 
 
 def test_a_tolerance_that_no_mesh_can_promise_is_refused(exe, tmp_path):

@@ -20,7 +20,8 @@ from hdengine.figures import cup as picture
 from hdengine.figures.run import plot_steps
 from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
-from hdengine.report.chart import Chart, ticks
+from hdengine.report.chart import Chart, _legend, ticks
+from hdengine.report.parts import _answer
 from hdengine.views.palette import STEPS
 from hdengine.views.run import colour_top
 
@@ -171,6 +172,10 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     places = [head.index(text) for text in ("K1 ", "Torque over the angle", "largest force of a ball", "front view", "Stress cycle")]
     assert places == sorted(places)
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head
+    loop = next(svg for svg in page.split("<svg ")[1:] if "catalogue, size" in svg)
+    frame = [float(x) for x in re.search(r'<rect class="line" x="([\d.]+)" y="[\d.]+" width="([\d.]+)"', loop).groups()]
+    across = [float(place.split()[0]) for path in re.findall(r'd="M([^"VH]*)Z?"', loop) for place in path.strip("Z").split("L")]
+    assert len(across) > 20 and frame[0] - 0.1 <= min(across) and max(across) <= sum(frame) + 0.1
     assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head
     for i, part in enumerate(found["twist_shares"]):
         assert f">{part}</text>" in head and f">{100 * found['twist_shares'][part]:.2g} %</text>" in head, i
@@ -260,6 +265,12 @@ def test_colours_of_cells():
     assert high.count("M") == 1 and f"M{right:.1f}" in high and STEPS[-1] in high
 
 
+def test_a_name_wider_than_the_chart_stays_in_the_first_row():
+    """The next one goes below it."""
+    found, low = _legend([("red", 60 * "a"), ("blue", "b")], 100, 10.0)
+    assert low == 28.0 and 'y="2.0"' in found[0]
+
+
 def test_ticks_are_round():
     """Ticks are multiples of 1, 2 or 5 times a power of ten inside of the range, at most seven; a range of nothing has one."""
     assert ticks(-4.3, 6.2) == [-4, -2, 0, 2, 4, 6] and ticks(0, 100, 5) == [0, 20, 40, 60, 80, 100] and ticks(2, 2) == [2]
@@ -285,6 +296,14 @@ def test_report_opens_with_the_answer(folder):
     assert len(links) > 6 and len(set(links)) == len(links) == rest.count("<details><summary><h2>")
     assert all(page.count(f'id="{mark}"') == 1 for mark in links)
     assert "max-width:600px" in page and "prefers-color-scheme:dark" in page and "counter(pages)" in page
+
+
+@pytest.mark.parametrize("k", [0.0, float("inf")])
+def test_no_stiffness_is_no_value(folder, k):
+    """Where nothing carries the torque the headline says so instead of an angle."""
+    result = hdengine.load(folder)
+    result.summary["results"]["k_ts_bonded_nm_per_rad"] = k
+    assert "no value" in _answer(result)
 
 
 def test_one_scale_for_every_pressure_map(folder):

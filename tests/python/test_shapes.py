@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shapes of the wave generator and of the stress-free bodies, loads of the rim."""
+import meshio
 import numpy as np
 import pytest
 
@@ -50,6 +51,20 @@ def test_formed_bodies_are_free_of_stress(exe, tmp_path):
     x, y = r.contact["x_m"][-1], r.contact["y_m"][-1]
     np.testing.assert_allclose(np.hypot(x / 17.7e-3, y / 17.3e-3), 1, atol=3e-3)
     assert x.max() - y.max() == pytest.approx(0.4e-3, rel=0.02)
+
+
+def test_the_formed_shape_fades_to_the_bottom(exe, tmp_path):
+    """Behind the band the shape of a formed cup, 2 w from short to long axis, falls in proportion to what is left of the way to the bottom."""
+    done = call(exe, CD14, *SMALL, "wave_generator.shape=as_formed", "wave_generator.interference=0", "load.torque_steps=0", "mesh.wall_elements=6",
+                "--out", tmp_path / "f", "-q")
+    assert done.returncode == 0, done.stderr
+    grid, scene = meshio.read(next((tmp_path / "f").glob("bodies_*.vtu"))), hdengine.load(tmp_path / "f").scene
+    x, y, z = grid.points[np.unique(grid.cells[0].data[np.ravel(grid.cell_data["body"][0]) == 2])].T
+    end, corner = scene["geometry.band_start"] + scene["geometry.band_length"], scene["geometry.cup_length"] - scene["geometry.bottom_thickness"]
+    heights = [h for h in np.unique(z.round(7)) if end < h < corner]
+    long, short = ([np.hypot(x, y)[(abs(z - h) < 1e-6) & (abs(across) < 1e-6)].min() for h in heights] for across in (y, x))
+    np.testing.assert_allclose(np.subtract(long, short), 2 * scene["wave_generator.w"] * (corner - np.array(heights)) / (corner - end), rtol=0.02, atol=1e-7)
+    assert len(heights) > 2
 
 
 def test_formed_cup_holds_by_its_shape(exe, tmp_path):

@@ -55,7 +55,10 @@ def test_parts_make_the_table_of_one_machine(study, tmp_path):
 
 
 def test_points_are_dealt_largest_first(study):
-    """Every point goes to one shard, the work differs by less than one point's, and the largest come first."""
+    """Every point goes to one shard, the work differs by less than one point's, and the largest come first; a loop is as much work as its legs."""
+    legs = [shard.work(Study(fixed={"load.assembly_steps": 1, "load.torque_steps": 2, "loop.torques": loop}, grid={"load.torque": [1]}))[0]
+            for loop in ([5], [5, -5, 5])]
+    assert legs[1] / legs[0] == pytest.approx((1 + 3 * 2) / (1 + 2))
     s = Study.read(study)
     work, dealt = shard.work(s), shard.deal(s, 3)
     assert sorted(sum(dealt, [])) == list(range(8)) and 0 < work[0] == work[3] < work[4] == work[7]

@@ -59,6 +59,8 @@ def test_saved_specimen_reads_back(tmp_path):
     assert back.spacing == (2e-6, 1e-6) and np.isnan(back.heights[3, 4])
     shift = np.nanmean(back.heights - z)
     assert np.nanmax(abs(back.heights - z - shift)) < 1e-4
+    specimen.save(tmp_path / "flat.sdf", specimen.Specimen(np.zeros((20, 30)), (2e-6, 1e-6)))
+    assert specimen.read(tmp_path / "flat.sdf").notes == ()  # nothing to doubt a scale by
 
 
 def test_numbers_of_a_sine():

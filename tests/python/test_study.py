@@ -197,11 +197,12 @@ def test_lines_of_a_figure():
     def lines(rows, *names):
         axis = new_axes()[1]
         draw(axis, Table(rows), *names)
+        assert all((line.get_linestyle() == "None") == (len(line.get_xdata()) == 1) for line in axis.lines)  # one point is a dot
         return [len(line.get_xdata()) for line in axis.lines]
 
     assert lines([{"a": i, "b": 10 * i} for i in range(3)], "a", "k", "c") == [3]
     grid = [{"a": a, "b": b, "c": c, "d": d} for a in range(2) for b in range(2) for c in range(3) for d in range(2)]
-    assert lines(grid, "a", "k", "b") == [2, 2]
+    assert lines(grid, "a", "k", "b") == [2, 2] and lines(grid[:2] + grid[-2:], "a", "k", "a") == [1, 1, 1, 1]
     assert lines([{"a": 1}, {"a": 2}, {"a": 3}, {"a": 3, "point": 2, "status": "failed"}], "a", "k", "c") == [2]
 
 

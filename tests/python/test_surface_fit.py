@@ -42,8 +42,9 @@ def test_exact_sum_is_found(surfaces):
 
 def test_a_spectrum_of_lines_is_left_to_the_structure_function(surfaces):
     """Ten ridges that are not told make no continuous spectrum: least squares of S on the isotropic band, mean of 8 within 0.008 in D,
-    spread within 0.01."""
+    spread within 0.01, residuals twice what sampling leaves at the most."""
     fits = [roughness.fit(z, 1e-6) for z in surfaces[:8]]
+    assert 0.5 < np.sqrt(np.sum([f.rms**2 for f in fits]) / np.sum([f.rms_expected**2 for f in fits])) < 2
     d = np.array([f.fractal_dimension for f in fits]) - D
     assert abs(d.mean()) < 8e-3 and d.std() < 1e-2 and all(f.model == "isotropic" and f.ridges is None for f in fits)
     assert all(f.interval[0][0] <= D <= f.interval[0][1] and f.kind == "lay" for f in fits)
@@ -175,3 +176,19 @@ def test_bad_options_are_named(keys, words, surfaces):
     """Each bad option raises one InputError with its name."""
     with pytest.raises(hdengine.InputError, match=words):
         roughness.fit(surfaces[0], 1e-6, **keys)
+
+
+def test_spectra_of_two_maps_add(tmp_path):
+    """Two independent maps of one D and G are fitted by the sum of their spectra: twice the square of the heights is 2**(1/(2(D - 2))) G; also
+    where the process has fitted neither of them before (tables that are kept are of the grid, not of the map). A band of which one end alone is
+    told leaves the fit of the spectrum as it is."""
+    maps = [surface.periodic(256, 2.56e-4, 2.5, 1e-8, 2e-6, seed=seed)[:200, :180] for seed in (1, 2)]
+    both = [roughness.fit(maps[0], 1e-6, second=maps[1])]
+    alone = roughness.fit(maps[0], 1e-6)
+    both.append(roughness.fit(maps[0], 1e-6, second=maps[1]))
+    assert both[0].fractal_dimension == both[1].fractal_dimension == pytest.approx(2.5, abs=0.03)
+    assert both[0].model == "spectrum" and both[0].roughness_m == pytest.approx(2e-8, rel=0.1)
+    assert alone.fractal_dimension == pytest.approx(2.5, abs=0.03)
+    np.save(tmp_path / "a.npy", maps[0])
+    told = hdengine.run_surface(out=tmp_path / "a", fit__first_file=str(tmp_path / "a.npy"), fit__dx=1e-6, fit__longest_wavelength=5e-5).fits["first"]
+    assert told.model == "spectrum" and told.fractal_dimension == alone.fractal_dimension

@@ -133,7 +133,8 @@ contains
       end do
       part(t%ring(i)) = part(t%ring(i)) + total
     end do
-    where (part > 0) v = log(part / t%m)
+    ! by the modes of the ring, not by t%m, which of two maps is that of their sum: the tables are of the grid alone
+    where (part > 0) v = log(part / [(count(t%ring == i), i=1, size(part))])
   end function main_of
 
   !> What folds back into a ring from above the grid: of detail down to half the spacing, and down to a fifth (two cells each way; a

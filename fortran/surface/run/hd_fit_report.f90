@@ -106,7 +106,7 @@ contains
       end if
     case ('npy')
       s%dx = f%dx
-      s%dy = merge(f%dy, f%dx, f%dy > 0)
+      s%dy = f%dy
       if (.not. s%dx > 0) then
         call raise(error, code_input, "'"//path//"' states no spacing: give fit.dx in m")
       else

@@ -12,6 +12,7 @@ from .. import _engine
 from .._check import array, checked, fields, mapping, number, text, together
 from ..joint import Joint, JointWarning, scene_lines
 
+__all__ = ["ElasticJoint"]
 _MOST = 100_000  # rows of a scene's table
 
 

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike
 
 from .. import _engine
 
+__all__: list[str] = []
+
 
 def moduli(e1: float, nu1: float, e2: float, nu2: float) -> tuple[float, float]:
     """E* [Pa] of two bodies, and the stiffness ratio k_T/k_N of full stick, 4 G*/E*.

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+__all__: list[str] = []
 ELEMENTS = {"hex8": "C3D8", "hex8i": "C3D8I", "hex20r": "C3D20R"}
 METHODS = {"n2s": "NODE TO SURFACE", "s2s": "SURFACE TO SURFACE", "mortar": "MORTAR"}
 SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))

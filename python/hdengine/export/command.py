@@ -15,6 +15,7 @@ from .fmu import to_fmu
 from .formats import FORMATS
 from .law import JointLaw, joint_law
 
+__all__ = ["export"]
 LAWS: dict[str, tuple[Callable[[JointLaw], str | bytes], str]] = {**FORMATS, "fmu": (to_fmu, ".fmu")}
 KINDS = (*LAWS, "inp")
 

@@ -15,6 +15,7 @@ from .._engine import FileError, InputError
 from .._types import RunLike
 from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
+__all__: list[str] = []
 STIFF = 2e6   # slope of pressure over closure in place of hard contact [N/mm3]
 STICK = 2e5   # slope of shear over slip before it slips [N/mm3]
 MM = 1e3

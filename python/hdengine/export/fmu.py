@@ -17,6 +17,7 @@ from .._engine import InputError
 from .formats import head_of
 from .law import JointLaw
 
+__all__: list[str] = []
 NAME = "HarmonicDriveSpring"
 _MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{guid}" generationTool="hdengine" description="{head}">

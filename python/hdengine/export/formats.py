@@ -8,6 +8,7 @@ import numpy as np
 
 from .law import JointLaw
 
+__all__: list[str] = []
 FAR = 10.0  # rad: no joint of a drive twists so far
 
 

@@ -10,6 +10,7 @@ from .._check import ROUNDING, RUN, checked
 from .._engine import InputError
 from .._types import RunLike
 
+__all__ = ["JointLaw", "joint_law"]
 PAST = 0.1   # of the largest torque, that a branch reaches on either side of 0
 
 

@@ -10,6 +10,8 @@ from .._engine import FileError
 from .._types import PathLike, RunLike
 from .run import pressure_top
 
+__all__: list[str] = []
+
 
 class PictureError(Exception):
     """The picture cannot be made here; the message says why."""

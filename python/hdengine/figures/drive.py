@@ -12,6 +12,8 @@ from ..views.palette import COLOURS, PARTS, PRESSURE, REFERENCE
 from ..views.run import ARCMIN, NEAR_CATALOGUE, ball_steps, band_of, forces_of, loop_of, stresses_of, twist_of
 from .style import new_axes, new_figure, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_loop(result: RunLike) -> Figure:

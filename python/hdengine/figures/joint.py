@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from .._types import JointLike
 from .style import new_axes, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_joint(joint: JointLike, pressure: np.ndarray, axis: Axes | None = None) -> Axes:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from .._types import RecordLike
 from .style import new_axes, styled
 
+__all__: list[str] = []
 ARCMIN = 180 * 60 / pi
 
 

@@ -18,6 +18,8 @@ from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positio
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
 from .style import new_axes, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_run(result: RunLike, debug: bool = False) -> list:

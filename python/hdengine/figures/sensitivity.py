@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from ..views.labels import LABELS
 from .style import new_axes, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Figure:

@@ -18,6 +18,8 @@ from ..paper.comparison import BORE, STATED, of_size
 from ..views.labels import LABELS, label
 from .style import new_axes, styled
 
+__all__: list[str] = []
+
 
 def axes_of(result: StudyLike) -> tuple:
     """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from .._types import PathLike
 from ..views.palette import COLOURS
 
+__all__: list[str] = []
 F = TypeVar("F", bound=Callable)
 STYLE: Any = {"font.size": 12, "axes.grid": True, "grid.alpha": 0.3, "savefig.dpi": 110,
               "axes.prop_cycle": cycler(color=COLOURS)}

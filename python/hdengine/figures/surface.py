@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from .._types import FitLike, PairLike, SpecimenLike
 from .style import new_axes, new_figure, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_fit(fit: FitLike, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:

@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from .._types import GapsLike
 from .style import new_axes, styled
 
+__all__: list[str] = []
+
 
 @styled
 def plot_gaps(gaps: GapsLike) -> Figure:

@@ -14,6 +14,7 @@ from .._check import ROUNDING
 from .._types import RunLike, StudyLike
 from ..catalogue import UNITS
 
+__all__: list[str] = []
 TORQUES_NM = (1.0, 3.0, 5.0)
 STATED: dict[str, Any] = {
     "k_ts_5_nm": 1820.44, "pressure_long_1_mpa": 96.35, "eccentricity_percent": (-9.40, -6.61, -5.02),
@@ -249,15 +250,3 @@ def of_study(result: StudyLike) -> list:
     done = [r for r in result.rows if r["status"] == "done"]
     same = [r for r in done if all(r.get(k) == scene[k] for k in swept if k != key)]
     return known[key](same) if key else torque_rows(same)
-
-
-def markdown(rows: Sequence[Row]) -> str:
-    """Rows as a table for docs, and below it why each verdict is what it is."""
-    short = {"agrees": "yes", "trend agrees": "in trend", "does not agree": "no", "cannot agree": "cannot"}
-    lines = ["| quantity | paper | ours | agrees |", "|---|---|---|---|"]
-    why = []
-    for r in rows:
-        quantity, printed, ours, by_forms, verdict, because = r.cells()
-        lines.append(f"| {quantity} | {printed} | {ours} | **{short[verdict]}** |")
-        why.append(f"- *{quantity}*: {because}." + ("" if by_forms == "-" else f" By the printed forms: {by_forms}."))
-    return "\n".join([*lines, "", "Why:", "", *why])

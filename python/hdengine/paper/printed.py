@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 
 from .._types import JointLike
 
+__all__: list[str] = []
+
 
 def spot_ratio_fit(fractal_dimension: float) -> float:
     """Psi of Eq. 17 by the printed fit in D_s = D - 1, up to 0.37 % off."""

@@ -8,6 +8,8 @@ from .._check import fields, number
 from ..elastic import moduli
 from ..joint import Joint
 
+__all__ = ["Bodies"]
+
 
 @dataclass(frozen=True)
 class Bodies:

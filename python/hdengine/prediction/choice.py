@@ -6,6 +6,7 @@ import numpy as np
 
 from .. import _engine
 
+__all__: list[str] = []
 LAY = 0.6           # isotropy below which a surface has a lay
 SKEW = 0.7          # skewness beyond which heights are not those of random waves
 WORN, PEAKED = 0.5, 1.9   # height of the crests over that of random waves where a map is none of them (77 such: 0.53 to 1.7)

@@ -17,6 +17,8 @@ from .spectrum import SMALLEST
 
 MOST_POINTS = 4096   # a side: boundary elements take hours beyond
 
+__all__: list[str] = []
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._engine import InputError, NotConvergedError
 
+__all__: list[str] = []
 RESIDUAL = 1e-6     # of the contact problem, relative (tamaas)
 SLACK = 0.01        # of a residual that counts as reached
 ROUNDING = 1e-13    # of a mean pressure that is met

@@ -26,6 +26,7 @@ from .spectrum import Spectrum, bands, of_map
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["Prediction", "predict"]
 PRESSURES = tuple(float(f"{p:.4g}") for p in np.geomspace(1e6, 500e6, 15))
 FILES = ("joint.json", "joint.csv", "spectrum.csv", "joint.png")
 STUDENT = 3.18      # 95 % of Student's t with three degrees of freedom: four quarters

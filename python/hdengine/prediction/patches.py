@@ -18,6 +18,7 @@ from . import half_space
 from .bodies import Bodies
 from .spectrum import SMALLEST, bands, level, waves
 
+__all__: list[str] = []
 FEWEST = 64      # points a side to which the bound of time may take a map
 GROWTH = 4.6     # time of twice the points a side, over that of the points: transforms and iterations
 COARSE = 0.3, 0.02   # rms error of ln k_N of an averaged map: over the root of its touching points, and however many touch

@@ -13,6 +13,7 @@ import numpy as np
 from .._engine import InputError, NotConvergedError
 from .half_space import HalfSpace
 
+__all__: list[str] = []
 RESIDUAL = 1e-7   # mean violation of stick and slip over mu P, in the step that the stiffest wave allows
 SLIPPING = 1e-6   # below mu P, relative, where a point slips
 _MOST = 20_000    # iterations of a step

@@ -8,6 +8,7 @@ import numpy as np
 
 from .._engine import InputError
 
+__all__: list[str] = []
 PER_OCTAVE = 16  # bands of a spectrum
 SMALLEST = 16     # points a side
 _MOST_HOLES = 0.2   # of the points

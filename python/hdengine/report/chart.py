@@ -11,6 +11,7 @@ import numpy as np
 
 from ..views.palette import STEPS
 
+__all__: list[str] = []
 Values: TypeAlias = Union[Sequence[float], np.ndarray]  # noqa: UP007
 WIDTH, HEIGHT, SIDE, TOP, FOOT = 480, 320, 56, 34, 48   # of a chart; margins of its axes
 _FONT, _LETTER = 13, 7.0   # height, and mean width of a letter [px]

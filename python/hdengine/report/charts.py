@@ -12,6 +12,7 @@ from ..views import run as views
 from ..views.palette import COLOURS, PARTS, REFERENCE
 from .chart import Chart, bars, polar
 
+__all__: list[str] = []
 _ROUND = range(0, 361, 45)
 
 

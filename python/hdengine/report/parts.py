@@ -26,6 +26,7 @@ from ..views.run import is_drive
 from . import charts
 from .sketch import draw_scene
 
+__all__: list[str] = []
 OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
         "Figure")  # the other sections fold away
 

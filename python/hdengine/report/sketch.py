@@ -2,6 +2,7 @@
 """A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
 import math
 
+__all__: list[str] = []
 _FLEXSPLINE, _RING, _BAND, _BALL, _TEETH, _CAM = "#8fb0cc", "#dcc08a", "#d1495b", "#c8963e", "#4f8a6b", "#c9cdd3"
 
 

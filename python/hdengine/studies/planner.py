@@ -9,6 +9,7 @@ from .._types import PathLike, Value
 from ..contact import _assignments, read_scene
 from .study import Study
 
+__all__ = ["plan"]
 TOLERANCE = 0.1  # where the scene names none
 
 

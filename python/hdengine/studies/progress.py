@@ -7,6 +7,8 @@ import time
 
 from ..contact import bar, in_notebook
 
+__all__: list[str] = []
+
 
 def duration(seconds: float) -> str:
     """Seconds as a short text."""

@@ -24,6 +24,7 @@ from .progress import Progress
 from .study import Study, StudyResult
 from .workers import solve_all
 
+__all__: list[str] = []
 COSTLY = ("mesh", "load", "loop", "turning", "solver", "run")  # groups of keys that decide how long a point takes
 GROWTH = 1.5   # of a run's time with its facets (the condensed solver: between 1.1 and 2)
 LARGE = 10     # time of large displacements over that of small ones

@@ -27,6 +27,7 @@ from . import study_file
 from .progress import Progress
 from .workers import solve_all
 
+__all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
 WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 

@@ -10,6 +10,8 @@ from .._check import MOST_BYTES, input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
+__all__: list[str] = []
+
 if sys.version_info >= (3, 11):
     import tomllib
 else:

@@ -20,6 +20,8 @@ from .._engine import HdengineError, InternalError
 from ..contact import Run, read_scene
 from ..results import long_axis
 
+__all__: list[str] = []
+
 
 def _row(step, run, scene):
     """One row of the table: nothing in it depends on the machine's speed."""

@@ -11,6 +11,8 @@ from .._engine import InputError
 from ..files import check_folder
 from . import composite, folder, form, roughness, specimen, texture
 
+__all__: list[str] = []
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""

@@ -12,6 +12,7 @@ from .._types import Spacing
 from . import roughness
 from .specimen import Specimen
 
+__all__: list[str] = []
 _FEWEST = 8     # points a side that two maps share
 _CLEAR = 12     # height of the peak of the correlation over its scatter, from which on maps are shifted to it
 _EQUAL = 0.999  # correlation of maps that are one

@@ -16,6 +16,7 @@ from ..results import preformatted
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+__all__ = ["Fit", "Ridges"]
 
 _OFFSETS = 3     # power of an axis over that of other directions that is told of (hd_map_fit)
 _UNEQUAL = 0.4   # ln of S of rows over S of columns that isotropic maps stay below

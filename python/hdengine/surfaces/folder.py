@@ -15,6 +15,8 @@ from .fit import Fit
 from .specimen import JointSurface, Specimen
 from .texture import Texture, texture
 
+__all__: list[str] = []
+
 
 def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Fit], joint: JointSurface | None = None,
           sources: Sequence[PathLike] = (), force: bool = False, textures: Sequence[Texture] = ()) -> list:

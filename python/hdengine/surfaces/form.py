@@ -11,6 +11,7 @@ from .._check import checked, kind, text
 from .._engine import InputError
 from .specimen import Specimen
 
+__all__ = ["Form", "remove"]
 MOST = 8                                #: highest degree of a polynomial
 _BLOCK = 1 << 18                        #: points taken at once
 _ROOM = 0.6                             #: of the curvature at which an arc ends within the map: where the search begins at most

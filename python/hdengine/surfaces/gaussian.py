@@ -12,6 +12,7 @@ from .._check import array, checked, number
 from .._engine import InputError
 from .._types import Spacing
 
+__all__ = ["highpass", "lowpass"]
 HEIGHTS = array([(None,), (None, None)], holes=True)
 STEPS = array([(), (1,), (2,)], above=0)
 ALPHA = np.sqrt(np.log(2) / np.pi)      #: half of a wave as long as the nesting index passes (ISO 16610-21)

@@ -20,6 +20,7 @@ from .._engine import FileError, InputError
 from .._types import Spacing
 from . import plain, roughness
 
+__all__: list[str] = []
 UNEVEN = 1e-3    # distance of a position from an even row of them, over the step: heights are interpolated beyond
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._engine import FileError
 
+__all__: list[str] = []
 _ROW = re.compile(r"[\d\s,;.eE+-]+", re.ASCII)
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _HOLES = ("bad", "nan")  # the words of SDF and of C

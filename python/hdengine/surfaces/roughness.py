@@ -15,6 +15,7 @@ from .._engine import InputError
 from .._types import Spacing
 from .fit import Fit, Ridges
 
+__all__ = ["expected_structure", "fit", "level", "structure_function"]
 _MOST_LAGS, _MOST_WAVES = 20, 4000   # of a window that nobody states; for the covariance of random phases (hd_fit_report)
 _MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
 _BANDS = {"isotropic": 1, "profile": 2}

@@ -17,6 +17,8 @@ from ..results import read_csv, read_summary
 from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 
+__all__ = ["SurfaceResult", "run_surface"]
+
 
 @checked(path=a_path, out=a_path, force=flag)
 def run_surface(path: PathLike | None = "", out: PathLike = "surface.out", force: bool = False,

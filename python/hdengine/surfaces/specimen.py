@@ -20,6 +20,7 @@ from . import map_file, roughness
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["JointSurface", "Specimen", "clean", "equivalent", "read", "save"]
 METRES = map_file.METRES
 _WIDE, _COARSE = 1.0, 2e-4   # map [m] and spacing [m] beyond those of instruments that see roughness
 _FLAT, _SMOOTH = 1e-8, 1e-4  # rms height over the length, rms slope: below those of finished faces

@@ -15,6 +15,7 @@ from .. import _engine
 from .._check import HUGE, array, checked, integer, number, seen
 from .._types import Spacing
 
+__all__ = ["choose", "generate", "periodic", "profile", "sum_waves", "waves"]
 METHODS = ("auto", "direct", "product", "nufft")
 _TURNS = 2.0**53  # from here a phase has no digit behind the point
 _LARGE = 1 << 24  # points from which the engine is asked before memory is taken

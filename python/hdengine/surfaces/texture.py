@@ -15,6 +15,7 @@ from . import gaussian, roughness
 from .fit import micrometres
 from .specimen import Specimen, clean
 
+__all__ = ["Texture", "numbers", "smc", "smr", "texture"]
 FALL = 0.2                              #: of the autocorrelation, to which Sal and Str look (ISO 25178-2)
 CORE = 0.4                              #: share of the material ratio curve that the core's line is laid through (ISO 25178-2)
 _ANGLES = 360                           #: directions over half a turn

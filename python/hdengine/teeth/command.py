@@ -11,6 +11,7 @@ from ..files import check_folder
 from .pairs import FILES, tooth_gaps
 from .profile import DoubleArc, Involute
 
+__all__: list[str] = []
 PROFILES: dict[str, type] = {"involute": Involute, "double_arc": DoubleArc}
 MEANING = {
     "module": "module [m]", "pressure_angle_deg": "of the rack [deg]",

@@ -7,6 +7,7 @@ import numpy as np
 from .._check import array, checked
 from .._engine import InputError
 
+__all__ = ["envelope", "flank_gap"]
 TOUCH = 1e-12   # of two points that are one [m]
 
 

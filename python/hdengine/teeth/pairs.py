@@ -20,6 +20,7 @@ from .rim import Rim
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+__all__ = ["ToothGaps", "tooth_gaps"]
 FILES = ("gaps.json", "gaps.csv", "gaps.nml", "gaps.png")
 MOST_SPACES = 1.5   # of the circular spline over the teeth
 ROOT = 0.9, 1.15    # diameter at the root of the teeth over module times teeth: else they stand on another wall

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from .._check import checked, fields, integer, number
 from .._engine import InputError
 
+__all__ = ["DoubleArc", "Involute"]
 _TEETH, _POINTS = integer(1, 10**6), integer(2, 10**6)
 
 

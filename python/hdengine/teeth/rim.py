@@ -15,6 +15,8 @@ from .._types import PathLike, Value
 from ..contact import cam, read_scene
 from .rim_shape import RimShape
 
+__all__ = ["Rim"]
+
 
 @dataclass(frozen=True)
 class Rim:

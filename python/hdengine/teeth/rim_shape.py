@@ -13,6 +13,7 @@ from .._check import ROUNDING, input_file
 from .._engine import FileError, InputError
 from .._types import PathLike
 
+__all__: list[str] = []
 ON = 1e-6   # of the radius, by which nodes lie on a surface
 
 

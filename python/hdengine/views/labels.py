@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Names, units and factors of columns and keys, as figures and tables show them."""
 
+__all__: list[str] = []
 LABELS = {  # column: (label, unit, factor)
     "torque_nm": ("torque", "N m", 1), "k_ts_nm_per_rad": ("$K_{TS}$ (Eq. 45)", "MN m/rad", 1e-6),
     "k_ts_normal_nm_per_rad": ("$K_{TS}$, normal part", "MN m/rad", 1e-6),

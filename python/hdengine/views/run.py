@@ -12,6 +12,7 @@ from .._types import RunLike
 from ..catalogue import unit_of
 from .palette import PARTS
 
+__all__: list[str] = []
 ARCMIN = np.degrees(1) * 60
 UNLOADED = 0.01   # of the largest torque: angles are shared out from here on
 EDGE = 0.35       # length of a row over that of even rows from which down it is one of the edge cells

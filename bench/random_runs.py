@@ -235,10 +235,12 @@ def pair(i):
     others = {"condensed": {"solver.method": "condensed"}, "exact": {"solver.method": "newton", "solver.factors": "exact"},
               "harmonic": {"solver.method": "newton", "solver.factors": "harmonic"}, "no symmetry": {"solver.symmetry": "full"}, "threads": {}}
     name = list(others)[i % len(others)]
-    if name == "condensed":  # which is linear, of two bodies of revolution
-        keys |= {"solver.kinematics": "linear", "wave_generator.shape": "pressed"}
+    if name == "condensed":  # which is linear
+        keys["solver.kinematics"] = "linear"
     first = solve("cd14.nml", keys, limit)
     second = solve("cd14.nml", keys | others[name], limit, threads="4" if name == "threads" else "1")
+    if second["code"] == 2:   # it does not take this scene
+        return second
     if first["code"] != second["code"]:
         first["faults"] += [f"{name}: code {second['code']} beside {first['code']}: {second['message'][:80]}"]
     elif first["code"] == 0:

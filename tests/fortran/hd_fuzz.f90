@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Damaged input for one reader, many times in one process: hd_fuzz READER GOOD_FILE COUNT SEED SCRATCH_FILE, called by tools/fuzz.py.
+!> Damaged input for one reader, many times in one process: hd_fuzz READER GOOD_FILE COUNT SEED SCRATCH_FILE, by tools/fuzz.py.
 !>
-!> A copy of the good file with one to four changes is written to the scratch file and read. A fault ends the process, and the scratch
+!> A copy of the good file with one to four changes is written to the scratch file and read. A fault ends the process, and that
 !> file holds what made it; a reader that takes longer than `patience` stops the program with the number of the copy.
 program hd_fuzz
   use, intrinsic :: iso_fortran_env, only: error_unit

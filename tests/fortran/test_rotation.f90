@@ -62,6 +62,9 @@ contains
     u = turned(x, 0.9_dp) - x + 0.08_dp*noise(:, n:1:-1)
     call respond(cell, u, f, k)
     call check_close(maxval(abs(k - transpose(k))), 0._dp, 1e-15_dp, 'the tangent is symmetric')
+    call respond(cell, u, plus, along=noise)
+    call check_close(maxval(abs(reshape(plus, [3*n]) - matmul(k, reshape(noise, [3*n])))), 0._dp, 1e-14_dp, &
+      'the tangent times displacements is its product with them')
     worst = 0
     step = 1e-6_dp
     do j = 1, n
@@ -79,11 +82,12 @@ contains
   end subroutine element_tangent
 
   !> Forces and tangent of one sector, the last; the others are strained otherwise.
-  subroutine respond(cell, u, f, k)
+  subroutine respond(cell, u, f, k, along)
     type(cell_t), intent(in) :: cell
     real(dp), intent(in) :: u(:, :)
     real(dp), intent(out) :: f(:, :)
     real(dp), intent(out), optional :: k(:, :)
+    real(dp), intent(in), optional :: along(:, :)
     real(dp) :: many(lanes, 3, size(u, 2)), forces(lanes, 3, size(u, 2)), tangents(lanes, 3*size(u, 2), 3*size(u, 2))
     integer :: i
     do i = 1, lanes
@@ -92,6 +96,8 @@ contains
     if (present(k)) then
       call cell_response(cell, many, forces, tangents)
       k = tangents(lanes, :, :)
+    else if (present(along)) then
+      call cell_response(cell, many, forces, along=spread(along, 1, lanes))
     else
       call cell_response(cell, many, forces)
     end if

@@ -4,53 +4,98 @@ typedef double NAME(lanes) __attribute__((vector_size(BYTES), aligned(8)));
 #define LANES NAME(lanes)
 #define AT(x, i) (*(LANES *)((x) + 8 * (i) + l))
 
+/* Displacements of nodes along x, y, z. */
+TARGET static inline void NAME(turn_nodes)(int nodes, int l, const double *restrict turn, const double *restrict u,
+                                           LANES *restrict v)
+{
+  for (int a = 0; a < nodes; a++) {
+    v[3 * a] = turn[2 * a] * AT(u, 3 * a) - turn[2 * a + 1] * AT(u, 3 * a + 1);
+    v[3 * a + 1] = turn[2 * a + 1] * AT(u, 3 * a) + turn[2 * a] * AT(u, 3 * a + 1);
+    v[3 * a + 2] = AT(u, 3 * a + 2);
+  }
+}
+
+/* Their gradient at a point. */
+TARGET static inline void NAME(find_gradient)(int nodes, const double *restrict g, const LANES *restrict v, LANES h[3][3])
+{
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) h[i][j] = (LANES){0};
+  for (int a = 0; a < nodes; a++)
+    for (int j = 0; j < 3; j++)
+      for (int i = 0; i < 3; i++) h[i][j] += g[j * nodes + a] * v[3 * a + i];
+}
+
+/* Weighted stresses at all points of strains there. */
+TARGET static inline void NAME(find_stress)(int modes, double lambda, double mu, const double *restrict weight,
+                                            const double *restrict eased, const LANES *restrict e, LANES *restrict s)
+{
+  for (int p = 0; p < 8; p++) {
+    const LANES volume = lambda * (e[6 * p] + e[6 * p + 1] + e[6 * p + 2]);
+    for (int i = 0; i < 3; i++) {
+      s[6 * p + i] = weight[p] * (volume + 2 * mu * e[6 * p + i]);
+      s[6 * p + 3 + i] = weight[p] * (mu * e[6 * p + 3 + i]);
+    }
+  }
+  for (int m = 0; m < modes; m++) {
+    const double *const a = eased + 48 * m;
+    LANES amount = {0};
+    for (int i = 0; i < 48; i++) amount += a[i] * e[i];
+    for (int i = 0; i < 48; i++) s[i] -= a[i] * amount;
+  }
+}
+
 TARGET static void NAME(hd_large_strain)(int nodes, int modes, double lambda, double mu, const double *restrict turn,
                                          const double *restrict g, const double *restrict weight, const double *restrict eased,
                                          const double *restrict pushed, const double *restrict u, double *restrict stress,
-                                         double *restrict energy, double *restrict f, double *restrict k)
+                                         double *restrict energy, double *restrict f, double *restrict k,
+                                         const double *restrict v)
 {
   static const int next[3] = {1, 2, 0}, place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   const int n = 3 * nodes;
   for (int l = 0; l < 8; l += BYTES / 8) {
-    LANES def[8][3][3], e[48], s[48], v[60], force[60] = {0}, work = {0};
-    for (int a = 0; a < nodes; a++) {
-      v[3 * a] = turn[2 * a] * AT(u, 3 * a) - turn[2 * a + 1] * AT(u, 3 * a + 1);
-      v[3 * a + 1] = turn[2 * a + 1] * AT(u, 3 * a) + turn[2 * a] * AT(u, 3 * a + 1);
-      v[3 * a + 2] = AT(u, 3 * a + 2);
-    }
+    LANES def[8][3][3], e[48], s[48], moved[60], force[60] = {0}, work = {0};
+    NAME(turn_nodes)(nodes, l, turn, u, moved);
     for (int p = 0; p < 8; p++) {
-      LANES h[3][3] = {{{0}}}, (*const d)[3] = def[p], *const t = s + 6 * p;
-      for (int a = 0; a < nodes; a++)
-        for (int j = 0; j < 3; j++)
-          for (int i = 0; i < 3; i++) h[i][j] += g[(3 * p + j) * nodes + a] * v[3 * a + i];
+      LANES h[3][3], (*const d)[3] = def[p];
+      NAME(find_gradient)(nodes, g + 3 * p * nodes, moved, h);
       for (int i = 0; i < 3; i++) {
         const int j = next[i];
         e[6 * p + i] = h[i][i] + 0.5 * (h[0][i] * h[0][i] + h[1][i] * h[1][i] + h[2][i] * h[2][i]);
         e[6 * p + 3 + i] = h[i][j] + h[j][i] + (h[0][i] * h[0][j] + h[1][i] * h[1][j] + h[2][i] * h[2][j]);
         for (int q = 0; q < 3; q++) d[i][q] = h[i][q] + (i == q);
       }
-      const LANES volume = lambda * (e[6 * p] + e[6 * p + 1] + e[6 * p + 2]);
-      for (int i = 0; i < 3; i++) {
-        t[i] = weight[p] * (volume + 2 * mu * e[6 * p + i]);
-        t[3 + i] = weight[p] * (mu * e[6 * p + 3 + i]);
-      }
     }
-    for (int m = 0; m < modes; m++) {
-      const double *const a = eased + 48 * m;
-      LANES amount = {0};
-      for (int i = 0; i < 48; i++) amount += a[i] * e[i];
-      for (int i = 0; i < 48; i++) s[i] -= a[i] * amount;
-    }
+    NAME(find_stress)(modes, lambda, mu, weight, eased, e, s);
     for (int i = 0; i < 48; i++) {
       work += s[i] * e[i];
       AT(stress, i) = s[i] / weight[i / 6];
     }
     AT(energy, 0) = 0.5 * work;
+    LANES more[8][3][3], added[48];
+    if (v) {
+      NAME(turn_nodes)(nodes, l, turn, v, moved);
+      for (int p = 0; p < 8; p++) {
+        LANES (*const d)[3] = def[p], (*const h)[3] = more[p];
+        NAME(find_gradient)(nodes, g + 3 * p * nodes, moved, h);
+        for (int i = 0; i < 3; i++) {
+          const int j = next[i];
+          e[6 * p + i] = d[0][i] * h[0][i] + d[1][i] * h[1][i] + d[2][i] * h[2][i];
+          e[6 * p + 3 + i] = d[0][i] * h[0][j] + d[1][i] * h[1][j] + d[2][i] * h[2][j] + d[0][j] * h[0][i] + d[1][j] * h[1][i]
+                             + d[2][j] * h[2][i];
+        }
+      }
+      NAME(find_stress)(modes, lambda, mu, weight, eased, e, added);
+    }
     for (int p = 0; p < 8; p++) {
+      const LANES *const t = (v ? added : s) + 6 * p;
       LANES first[3][3] = {{{0}}};
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-          for (int q = 0; q < 3; q++) first[i][j] += def[p][i][q] * s[6 * p + place[q][j]];
+          for (int q = 0; q < 3; q++) first[i][j] += def[p][i][q] * t[place[q][j]];
+      if (v)
+        for (int i = 0; i < 3; i++)
+          for (int j = 0; j < 3; j++)
+            for (int q = 0; q < 3; q++) first[i][j] += more[p][i][q] * s[6 * p + place[q][j]];
       for (int a = 0; a < nodes; a++)
         for (int j = 0; j < 3; j++)
           for (int i = 0; i < 3; i++) force[3 * a + i] += g[(3 * p + j) * nodes + a] * first[i][j];

@@ -16,9 +16,11 @@ module hd_total_lagrangian
   use hd_hexahedron, only: element_points, elasticity_matrix, nodes_per_element, points
   implicit none
   private
-  public :: hd_large_strain, cell_t, total_lagrangian_t, new_total_lagrangian, new_cell, cell_response, cell_stress, lanes
+  public :: hd_large_strain, cell_t, total_lagrangian_t, new_total_lagrangian, new_cell, cell_response, cell_stress, nodal_turns, &
+    lanes, unity
 
   integer, parameter :: lanes = 8  !< sectors at once
+  real(dp), parameter :: unity(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
 
   !> A cell at rest, in Cartesian components.
   type :: cell_t
@@ -37,13 +39,14 @@ module hd_total_lagrangian
   end type total_lagrangian_t
 
   interface
-    subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, u, stress, energy, f, k) bind(c)
+    subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, u, stress, energy, f, k, v) bind(c)
       import :: c_double, c_int
       integer(c_int), value :: most, nodes, modes
       real(c_double), value :: lambda, mu
       real(c_double), intent(in) :: turn(2, *), g(nodes, 3, *), weight(*), eased(48, *), pushed(3, nodes, 8, *), u(8, 3, *)
       real(c_double), intent(out) :: stress(8, 6, *), energy(8), f(8, 3, *)
       real(c_double), intent(out), optional :: k(8, 3*nodes, *)
+      real(c_double), intent(in), optional :: v(8, 3, *)
     end subroutine hd_large_strain
   end interface
 
@@ -89,17 +92,21 @@ contains
     end do
   end subroutine new_cell
 
-  !> Forces and tangent of a cell in some sectors, in the dofs of its nodes.
-  subroutine cell_response(cell, u, f, tangent)
+  !> Forces and tangent of a cell in some sectors, in the dofs of its nodes; with `along` the tangent times that in place of forces.
+  subroutine cell_response(cell, u, f, tangent, along)
     type(cell_t), intent(in) :: cell                       !< cell
     real(dp), intent(in), contiguous :: u(:, :, :)         !< displacements of its nodes (lanes, 3, nodes) [m]
     real(dp), intent(out), contiguous :: f(:, :, :)        !< forces (lanes, 3, nodes) [N]
     real(dp), intent(out), optional, contiguous :: tangent(:, :, :)    !< (lanes, 3 nodes, 3 nodes) [N/m]
+    real(dp), intent(in), optional, contiguous :: along(:, :, :)       !< (lanes, 3, nodes) [m]
     real(dp) :: stress(lanes, 6, points), energy(lanes)
     associate (modes => cell%condensed_modes)
       if (present(tangent)) then  ! an absent array passed on has bounds that overflow (gfortran)
         call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
           cell%pushed, u, stress, energy, f, tangent)
+      else if (present(along)) then
+        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
+          cell%pushed, u, stress, energy, f, v=along)
       else
         call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
           cell%pushed, u, stress, energy, f)
@@ -122,4 +129,54 @@ contains
     stress = s(1, :, :)
     energy = e(1)
   end subroutine cell_stress
+
+  !> Rotations of a body at its nodes, in their dofs: means of the gradients of the cells around, without the strain to its square.
+  function nodal_turns(body, lagrangian, u) result(turn)
+    type(body_t), intent(in) :: body                      !< body
+    type(total_lagrangian_t), intent(in) :: lagrangian    !< its cells
+    real(dp), intent(in) :: u(:, :)                       !< displacements (3, nodes) [m]
+    real(dp) :: turn(3, 3, size(u, 2))
+    real(dp), dimension(nodes_per_element(body%kind), 3) :: mean
+    real(dp) :: weight(size(u, 2)), h(3, 3), f(3, 3), whole
+    integer :: a, c, i, s, list(size(body%cells, 1))
+    turn = 0
+    weight = 0
+    do c = 1, size(body%cells, 2)
+      associate (cell => lagrangian%cells(c))
+        whole = sum(cell%weight)
+        do i = 1, 3
+          mean(:, i) = matmul(cell%g(:, i, :), cell%weight)
+        end do
+        do s = 0, body%sectors - 1
+          list = cell_nodes(body, c, s)
+          h = 0
+          do a = 1, size(list)
+            h = h + spread(about_z(cell%turn(:, a), u(:, list(a))), 2, 3)*spread(mean(a, :), 1, 3)
+          end do
+          do a = 1, size(list)
+            associate (back => cell%turn(:, a)*[1, -1])
+              do i = 1, 3
+                f(i, :) = about_z(back, h(i, :))
+              end do
+              do i = 1, 3
+                turn(:, i, list(a)) = turn(:, i, list(a)) + about_z(back, f(:, i))
+              end do
+            end associate
+            weight(list(a)) = weight(list(a)) + whole
+          end do
+        end do
+      end associate
+    end do
+    do a = 1, size(u, 2)
+      f = unity + turn(:, :, a)/weight(a)
+      turn(:, :, a) = matmul(f, 1.5_dp*unity - matmul(transpose(f), f)/2)
+    end do
+  end function nodal_turns
+
+  !> A vector turned about z.
+  pure function about_z(turn, v) result(w)
+    real(dp), intent(in) :: turn(2), v(3)  !< cosine and sine, vector
+    real(dp) :: w(3)
+    w = [turn(1)*v(1) - turn(2)*v(2), turn(2)*v(1) + turn(1)*v(2), v(3)]
+  end function about_z
 end module hd_total_lagrangian

@@ -26,7 +26,8 @@ module hd_segment
   end type bins_t
 
   real(dp), parameter :: sliver = 1e-14_dp    !< area over the square of a facet's diagonal that rounding alone makes
-  real(dp), parameter :: settled = 1e-14_dp   !< change of natural coordinates that is rounding
+  real(dp), parameter :: settled = 1e-14_dp   !< change of natural coordinates that is rounding,
+  real(dp), parameter :: nearly = 1e-8_dp     !< and one after which the next is rounding
   !> Degree-5 rule of seven points on the unit triangle, weights sum to 1.
   real(dp), parameter :: ra = 0.10128650732345633_dp, rb = 0.47014206410511509_dp
   real(dp), parameter :: rule(2, 7) = reshape([1/3._dp, 1/3._dp, ra, ra, 1 - 2*ra, ra, ra, 1 - 2*ra, &
@@ -177,7 +178,7 @@ contains
       more(:found) = points(:found)
       call move_alloc(more, points)
     end if
-    call enter(n, x(:n, :), w(:n), a, b, nodes_a, nodes_b, facet, points(found + 1:found + n))
+    call enter(n, x(:n, :), w(:n), a, b, nodes_a, nodes_b, facet, merge(nearly, settled, moved), points(found + 1:found + n))
     found = found + n
   end subroutine add_points
 
@@ -234,16 +235,17 @@ contains
   end subroutine triangle_points
 
   !> Shape functions of points in both facets.
-  pure subroutine enter(n, x, w, a, b, nodes_a, nodes_b, facet, points)
+  pure subroutine enter(n, x, w, a, b, nodes_a, nodes_b, facet, last, points)
     integer, intent(in) :: n                  !< points
     real(dp), intent(in) :: x(n, 2), w(n)     !< their places [m], weights [m^2]
     real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
     integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
     integer, intent(in) :: facet              !< master facet
+    real(dp), intent(in) :: last              !< change of natural coordinates after which they stay
     type(point_t), intent(inout) :: points(n) !< filled
     real(dp) :: xi(n, 2), corner(n, 4)
     integer :: p
-    call locate(a, n, x, xi, corner)
+    call locate(a, n, x, last, xi, corner)
     do p = 1, n
       points(p)%weight = w(p)
       points(p)%facet = facet
@@ -251,7 +253,7 @@ contains
       points(p)%slave(:4) = corner(p, :)
       if (nodes_a > 4) points(p)%slave = shape_facet(8, xi(p, :))
     end do
-    call locate(b, n, x, xi, corner)
+    call locate(b, n, x, last, xi, corner)
     do p = 1, n
       points(p)%master(:4) = corner(p, :)
       if (nodes_b > 4) points(p)%master = shape_facet(8, xi(p, :))
@@ -261,16 +263,17 @@ contains
   !> Are opposite sides of a quadrilateral so nearly equal that the rule for polynomials errs by less than 1e-10?
   pure logical function is_parallelogram(c)
     real(dp), intent(in) :: c(2, 4)  !< corners [m]
-    real(dp), parameter :: nearly = 0.02_dp  !< difference of the sides over the diagonal
-    is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= nearly*maxval(abs(c(:, 3) - c(:, 1)))
+    real(dp), parameter :: hardly = 0.02_dp  !< difference of the sides over the diagonal
+    is_parallelogram = maxval(abs(c(:, 1) - c(:, 2) + c(:, 3) - c(:, 4))) <= hardly*maxval(abs(c(:, 3) - c(:, 1)))
   end function is_parallelogram
 
   !> Natural coordinates of points in a bilinear quadrilateral, by Newton's method (one step for a rectangle), and shape functions
   !> of its corners there. All points go on until the last has settled, those that have stand still: its loops are vectors.
-  pure subroutine locate(c, n, x, xi, shape)
+  pure subroutine locate(c, n, x, last, xi, shape)
     real(dp), intent(in) :: c(2, 4)        !< corners [m]
     integer, intent(in) :: n               !< points
     real(dp), intent(in) :: x(n, 2)        !< points [m]
+    real(dp), intent(in) :: last           !< change of natural coordinates after which they stay
     real(dp), intent(out) :: xi(n, 2)      !< natural coordinates
     real(dp), intent(out) :: shape(n, 4)   !< of shape_corner
     real(dp), dimension(2) :: along, back, up, down   !< sides
@@ -301,7 +304,7 @@ contains
         step2 = (u1*r2 - u2*r1)/det
         s(p) = s(p) + move(p)*step1
         t(p) = t(p) + move(p)*step2
-        move(p) = merge(0._dp, move(p), max(abs(step1), abs(step2)) < settled)
+        move(p) = merge(0._dp, move(p), max(abs(step1), abs(step2)) < last)
       end do
       if (.not. any(move > 0)) exit
     end do

@@ -204,7 +204,7 @@ contains
     here%stiffness = largest_stiffness(problem)
     call linearise(problem, load, previous, state, here)
     ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
-    if (allocated(problem%lagrangian)) then
+    if (allocated(problem%lagrangian) .and. any(abs(state%u - guess%u) > 0)) then
       here%r_u = internal_residual(problem, load, guess) + apply_stiffness(problem, state%u - guess%u)
     end if
     do

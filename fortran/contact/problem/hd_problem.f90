@@ -15,9 +15,9 @@ module hd_problem
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, add_springs, loosen, &
-    apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, update_struts, &
-    elastic_forces, linear_forces, strut_closings, strut_forces, forces_at
+  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
+    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, &
+    update_struts, elastic_forces, linear_forces, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -28,8 +28,10 @@ module hd_problem
     integer :: n = 0                           !< nodes
     type(sector_matrix_t), allocatable :: sector(:)   !< stiffness of the bodies, if all are revolved
     type(block_matrix_t) :: stiffness          !< of all bodies and springs, nothing removed; with large displacements the tangent;
-                                               !< for revolved bodies only where a solver asked for it
+                                               !< for revolved bodies only where a solver asked for it, values where it needs them
     type(total_lagrangian_t), allocatable :: lagrangian(:)  !< of each body, if displacements may be large
+    real(dp), allocatable :: tangent_at(:, :)  !< displacements of their tangent (3, n) [m]
+    real(dp) :: largest = 0                    !< largest entry of their stiffness at rest [N/m]
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
     type(mortar_t) :: mortar                   !< interface
@@ -134,16 +136,17 @@ contains
         end do
       end do
     end do
-    call enter_springs(problem)
+    call enter_springs(problem%spring, problem%stiffness)
   end subroutine assemble_stiffness
 
   !> Springs at all dofs that have one, into a stiffness without them.
-  subroutine enter_springs(problem)
-    type(problem_t), intent(inout) :: problem  !< problem
+  pure subroutine enter_springs(spring, matrix)
+    real(dp), intent(in) :: spring(:, :)           !< (3, n) [N/m]
+    type(block_matrix_t), intent(inout) :: matrix  !< added to
     integer :: b, c
-    do b = 1, problem%n
+    do b = 1, size(spring, 2)
       do c = 1, 3
-        if (problem%spring(c, b) > 0) call add_to_diagonal(problem%stiffness, b, c, problem%spring(c, b))
+        if (spring(c, b) > 0) call add_to_diagonal(matrix, b, c, spring(c, b))
       end do
     end do
   end subroutine enter_springs
@@ -229,6 +232,11 @@ contains
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(3, problem%n)
     integer :: b
+    if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
+      call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u)
+      f = f + problem%spring*u
+      return
+    end if
     if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
       f = multiply(problem%stiffness, u)
       return
@@ -246,7 +254,9 @@ contains
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
     type(problem_t), intent(in) :: problem  !< problem
-    if (allocated(problem%lagrangian) .or. .not. allocated(problem%sector)) then
+    if (allocated(problem%lagrangian)) then
+      k = problem%largest
+    else if (.not. allocated(problem%sector)) then
       k = largest_diagonal(problem%stiffness)
     else
       k = maxval(problem%sector%largest)
@@ -351,6 +361,8 @@ contains
     integer :: b, c, s
     call assemble_stiffness(problem, error)
     if (allocated(error)) return
+    problem%largest = largest_diagonal(problem%stiffness)
+    problem%tangent_at = 0*problem%spring
     allocate (problem%lagrangian(size(problem%bodies)))
     do b = 1, size(problem%bodies)
       associate (body => problem%bodies(b), lagrangian => problem%lagrangian(b))
@@ -370,22 +382,46 @@ contains
   subroutine update_tangent(problem, u)
     type(problem_t), intent(inout) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n)
     if (.not. allocated(problem%lagrangian)) return
-    problem%stiffness%val = 0
-    call sum_cells(problem%bodies, problem%first, problem%lagrangian, u, f, problem%stiffness)
-    call enter_springs(problem)
+    problem%tangent_at = u
+    if (allocated(problem%stiffness%val)) call assemble_tangent(problem, problem%stiffness)
   end subroutine update_tangent
 
-  !> Nodal forces and tangent of all cells under large displacements. Sectors go in groups. A group shares nodes with its neighbours
-  !> only, so every other one may run beside the rest, with the same bits for any number of threads.
-  subroutine sum_cells(bodies, first, lagrangian, u, f, tangent)
+  !> Tangent of the present displacements, with springs.
+  subroutine assemble_tangent(problem, matrix)
+    type(problem_t), intent(in) :: problem         !< problem with large displacements
+    type(block_matrix_t), intent(inout) :: matrix  !< has its pattern
+    real(dp) :: f(3, problem%n)
+    matrix%val = 0
+    call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, matrix)
+    call enter_springs(problem%spring, matrix)
+  end subroutine assemble_tangent
+
+  !> Blocks of the stiffness in the order of its pattern, also where they are not kept.
+  function stiffness_blocks(problem) result(val)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), allocatable :: val(:, :, :)
+    type(block_matrix_t) :: matrix
+    if (allocated(problem%stiffness%val)) then
+      val = problem%stiffness%val
+    else
+      matrix = problem%stiffness
+      allocate (matrix%val(3, 3, size(matrix%col)))
+      call assemble_tangent(problem, matrix)
+      call move_alloc(matrix%val, val)
+    end if
+  end function stiffness_blocks
+
+  !> Nodal forces and tangent of all cells under large displacements, or its product. Sectors go in groups. A group shares nodes
+  !> with its neighbours only, so every other one may run beside the rest, with the same bits for any number of threads.
+  subroutine sum_cells(bodies, first, lagrangian, u, f, tangent, along)
     type(body_t), intent(in) :: bodies(:)                      !< bodies of one element kind
     integer, intent(in) :: first(:)                            !< nodes before each
     type(total_lagrangian_t), intent(in) :: lagrangian(:)      !< their cells at rest
     real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
     real(dp), intent(out) :: f(:, :)                           !< forces (3, n) [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
+    real(dp), intent(in), optional :: along(:, :)              !< f gets the tangent times this (3, n) [m]
     integer :: b, even, groups, s, turn
     f = 0
     do b = 1, size(bodies)
@@ -394,15 +430,15 @@ contains
       do turn = 0, 2
         !$omp parallel do schedule(static) if(bodies(b)%sectors*size(bodies(b)%cells, 2) > long_loop)
         do s = merge(even, turn, turn == 2), merge(groups, even, turn == 2) - 1, 2
-          call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent)
+          call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent, along)
         end do
         !$omp end parallel do
       end do
     end do
   end subroutine sum_cells
 
-  !> Nodal forces and tangent of a group of sectors.
-  subroutine sum_group(body, first, lagrangian, sector, u, f, tangent)
+  !> Nodal forces and tangent of a group of sectors, or its product.
+  subroutine sum_group(body, first, lagrangian, sector, u, f, tangent, along)
     type(body_t), intent(in) :: body                           !< body
     integer, intent(in) :: first                               !< nodes before it
     type(total_lagrangian_t), intent(in) :: lagrangian         !< its cells at rest
@@ -410,19 +446,24 @@ contains
     real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
     real(dp), intent(inout) :: f(:, :)                         !< forces (3, n), added to [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
-    real(dp), dimension(lanes, 3, size(body%cells, 1)) :: v, part
+    real(dp), intent(in), optional :: along(:, :)              !< as of sum_cells
+    real(dp), dimension(lanes, 3, size(body%cells, 1)) :: v, part, way
     real(dp), allocatable :: ke(:, :, :)
     integer :: c, l, many, list(size(body%cells, 1), lanes)
     if (present(tangent)) allocate (ke(lanes, 3*size(list, 1), 3*size(list, 1)))
     many = min(lanes, body%sectors - sector)
     v = 0
+    way = 0
     do c = 1, size(body%cells, 2)
       do l = 1, many
         list(:, l) = first + cell_nodes(body, c, sector + l - 1)
         v(l, :, :) = u(:, list(:, l))
+        if (present(along)) way(l, :, :) = along(:, list(:, l))
       end do
       if (present(tangent)) then
         call cell_response(lagrangian%cells(c), v, part, ke)
+      else if (present(along)) then
+        call cell_response(lagrangian%cells(c), v, part, along=way)
       else
         call cell_response(lagrangian%cells(c), v, part)
       end if

@@ -2,17 +2,22 @@
 !> Newton's equations by GMRES around the round, undeformed bodies by harmonics. The matrix itself is only applied. Where GMRES
 !> stalls, the exact factors of hd_newton_matrix take over for the rest of the run. Round bodies keep struts where they stood
 !> at rest.
+!>
+!> A wall of thickness t that large displacements have turned by an angle a resists a wave of length l by its membrane too, by a
+!> share of some (a l/t)^2 of its bending. So the preconditioner turns with it: the compliance C becomes T C T^T with the turns T of
+!> the nodes, and the contact law refers to the turned faces.
 module hd_newton_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t, code_linear_solver
   use hd_krylov, only: operator_t, solve_gmres
   use hd_linear_solver, only: linear_solver_t
   use hd_log, only: say, detail
-  use hd_mortar, only: mortar_t, add_nodal_forces, moved_share, relative_displacement
+  use hd_mortar, only: add_nodal_forces, moved_share, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
   use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
   use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
   use hd_text, only: to_text
+  use hd_total_lagrangian, only: nodal_turns, unity
   implicit none
   private
   public :: newton_krylov_t, new_newton_krylov
@@ -31,6 +36,8 @@ module hd_newton_krylov
     type(newton_matrix_t), allocatable :: exact        !< takes over where GMRES stalls
     real(dp), allocatable :: dw(:, :, :), dt(:, :, :)  !< derivatives of the law, as symmetric as the load step
     type(sharing_t) :: sharing                         !< points whose law counts for others
+    real(dp), allocatable :: turn(:, :, :)             !< T, if displacements may be large (3, 3, n)
+    real(dp), allocatable :: frame(:, :, :)            !< from the turned face to the frame of each multiplier (3, 3, multipliers)
   contains
     procedure :: begin => begin_newton_krylov
     procedure :: update => update_newton_krylov
@@ -67,6 +74,7 @@ contains
     type(state_t), intent(in) :: state                !< state at its beginning
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, memory
     if (allocated(self%exact)) return
+    if (allocated(self%turn)) deallocate (self%turn)
     self%near%most_images = self%most_images
     self%near%demanded = self%demanded
     if (allocated(self%round)) then
@@ -100,11 +108,12 @@ contains
     self%dt = dt
     call self%sharing%take_law(self%dw, self%dt)
     if (.not. allocated(self%exact)) then
+      if (allocated(problem%lagrangian)) call turn_along(self, problem)
       if (allocated(self%round)) then
         call follow_pairs(self%round, problem)
-        call self%near%update(self%round, in_rest_frames(problem%mortar, self%dw), in_rest_frames(problem%mortar, self%dt), error)
+        call self%near%update(self%round, in_frames(self%frame, self%dw), in_frames(self%frame, self%dt), error)
       else
-        call self%near%update(problem, self%dw, self%dt, error)
+        call self%near%update(problem, in_frames(self%frame, self%dw), in_frames(self%frame, self%dt), error)
       end if
       self%factor_entries = self%near%factor_entries
       self%flops = self%near%flops
@@ -130,18 +139,39 @@ contains
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs
 
-  !> Derivatives by displacements and tractions in the frames of the bodies at rest, which `round` has.
-  pure function in_rest_frames(mortar, d) result(e)
-    type(mortar_t), intent(in) :: mortar  !< present coupling
-    real(dp), intent(in) :: d(:, :, :)    !< in its frames (3, 3, multipliers)
+  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay.
+  subroutine turn_along(self, problem)
+    class(newton_krylov_t), intent(inout) :: self     !< gets turn, frame
+    type(problem_t), intent(in) :: problem            !< problem with large displacements
+    integer :: b, j
+    if (.not. allocated(self%turn)) then
+      allocate (self%turn(3, 3, problem%n))
+      do b = 1, size(problem%bodies)
+        associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
+          self%turn(:, :, low:high) = nodal_turns(problem%bodies(b), problem%lagrangian(b), problem%tangent_at(:, low:high))
+        end associate
+      end do
+      where (spread(spread(any(problem%fixed, 1), 1, 3), 1, 3)) self%turn = spread(unity, 3, problem%n)
+    end if
+    self%frame = self%turn(:, :, problem%mortar%node)
+    if (.not. allocated(problem%mortar%turn)) return
+    do j = 1, problem%mortar%n
+      self%frame(:, :, j) = matmul(problem%mortar%turn(:, :, j), self%frame(:, :, j))
+    end do
+  end subroutine turn_along
+
+  !> Derivatives by displacements and tractions in the frames of the turned bodies.
+  pure function in_frames(frame, d) result(e)
+    real(dp), allocatable, intent(in) :: frame(:, :, :)  !< from these frames to the multipliers'; unallocated: the same
+    real(dp), intent(in) :: d(:, :, :)                   !< in those of the multipliers (3, 3, multipliers)
     real(dp) :: e(3, 3, size(d, 3))
     integer :: j
     e = d
-    if (.not. allocated(mortar%turn)) return
+    if (.not. allocated(frame)) return
     do j = 1, size(d, 3)
-      e(:, :, j) = matmul(d(:, :, j), mortar%turn(:, :, j))
+      e(:, :, j) = matmul(d(:, :, j), frame(:, :, j))
     end do
-  end function in_rest_frames
+  end function in_frames
 
   !> Factorise the matrix as it is, from here on.
   subroutine take_exact(self, problem, reason, error)
@@ -273,14 +303,22 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< solver failure
     real(dp), allocatable :: r_u(:, :), r_c(:, :), u(:, :), t(:, :)
     integer :: j
-    associate (p => self%problem)
+    associate (p => self%problem, s => self%solver)
       allocate (r_u(3, p%n), r_c(3, p%mortar%n), u(3, p%n), t(3, p%mortar%n))
       call unpack_correction(-x, r_u, r_c)
       r_c = r_c/spread(max(p%mortar%area, tiny(1._dp)), 1, 3)
-      call self%solver%near%solve(self%round, r_u, r_c, u, t, error)
-      if (allocated(self%solver%round) .and. allocated(p%mortar%turn)) then
+      if (allocated(s%turn)) then
+        do j = 1, p%n
+          r_u(:, j) = r_u(1, j)*s%turn(1, :, j) + r_u(2, j)*s%turn(2, :, j) + r_u(3, j)*s%turn(3, :, j)
+        end do
+      end if
+      call s%near%solve(self%round, r_u, r_c, u, t, error)
+      if (allocated(s%turn)) then
+        do j = 1, p%n
+          u(:, j) = s%turn(:, 1, j)*u(1, j) + s%turn(:, 2, j)*u(2, j) + s%turn(:, 3, j)*u(3, j)
+        end do
         do j = 1, p%mortar%n
-          t(:, j) = matmul(p%mortar%turn(:, :, j), t(:, j))
+          t(:, j) = matmul(s%frame(:, :, j), t(:, j))
         end do
       end if
       y = [reshape(u, [size(u)]), reshape(t, [size(t)])]

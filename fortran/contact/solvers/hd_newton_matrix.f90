@@ -10,7 +10,7 @@ module hd_newton_matrix
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: coupling_block
-  use hd_problem, only: problem_t, assemble_stiffness
+  use hd_problem, only: problem_t, assemble_stiffness, stiffness_blocks
   use hd_metis, only: nested_dissection
   use hd_mumps, only: mumps_t, unsymmetric, ordering_given
   implicit none
@@ -84,8 +84,10 @@ contains
   subroutine lay_out(problem, matrix)
     type(problem_t), intent(in) :: problem           !< problem
     type(newton_matrix_t), intent(inout) :: matrix   !< gets row, col, val
+    real(dp), allocatable :: val(:, :, :)
     integer :: a, b, c, d, j, k, pass, n
     logical :: turned
+    val = stiffness_blocks(problem)
     turned = allocated(problem%mortar%turn)
     do pass = 1, 2
       n = 0
@@ -94,7 +96,7 @@ contains
           b = problem%stiffness%col(k)
           do d = 1, 3
             do c = 1, 3
-              call put(matrix%equation(c, a), matrix%equation(d, b), problem%stiffness%val(c, d, k))
+              call put(matrix%equation(c, a), matrix%equation(d, b), val(c, d, k))
             end do
           end do
         end do
@@ -166,7 +168,9 @@ contains
   subroutine enter_stiffness(problem, matrix)
     type(problem_t), intent(in) :: problem           !< problem
     type(newton_matrix_t), intent(inout) :: matrix   !< gets the first values
+    real(dp), allocatable :: val(:, :, :)
     integer :: a, b, c, d, k, n
+    val = stiffness_blocks(problem)
     n = 0
     do a = 1, problem%n
       do k = problem%stiffness%ptr(a), problem%stiffness%ptr(a + 1) - 1
@@ -175,7 +179,7 @@ contains
           do c = 1, 3
             if (matrix%equation(c, a) == 0 .or. matrix%equation(d, b) == 0) cycle
             n = n + 1
-            matrix%val(n) = problem%stiffness%val(c, d, k)
+            matrix%val(n) = val(c, d, k)
           end do
         end do
       end do

@@ -88,6 +88,7 @@ contains
       if (allocated(drive%problem%pairing)) then
         krylov%round = drive%problem
         deallocate (krylov%round%lagrangian, krylov%round%pairing, krylov%round%stiffness%val)
+        deallocate (drive%problem%stiffness%val)  ! GMRES gets along with products
       end if
     end if
     if (allocated(error)) return

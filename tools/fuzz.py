@@ -152,7 +152,8 @@ def main():
         kinds = [*known, *package]
         if args.many:
             found += (wrong := list(by_process(args.build, folder, known, args.many, args.seed)))
-            print(*wrong, sep="\n")
+            for line in wrong:
+                print(line, flush=True)
             kinds, args.count = package, max(args.count, args.many // 100 * len(package))
         for k in range(args.count):
             name = kinds[k % len(kinds)]

@@ -8,46 +8,35 @@
 module hd_gradient
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t
-  use hd_conditions, only: check_scene
-  use hd_contact_law, only: contact_law_t, stick_state
+  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, pull_of
+  use hd_contact_law, only: stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
-  use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction, strut_load, touch_teeth
+  use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t, raise, code_linear_solver
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes
   use hd_joint, only: joint_t, at_friction
   use hd_lapack, only: dgemm
   use hd_linear_solver, only: linear_solver_t
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
-  use hd_loop, only: loop_t, readings_t, read_loop, bottom_turn
+  use hd_loop, only: loop_t, readings_t, read_loop
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton, only: linear_equations, prescribe
-  use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
-  use hd_parameters, only: new_table, value_count
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, new_state, &
-    strut_closings, strut_forces, update_struts
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, strut_closings, &
+    strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
   use hd_scene, only: scene_t
-  use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_stress, only: spot_t, worst_spot, spot_stress
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
-  use hd_text, only: string_t, split
+  use hd_text, only: split
   implicit none
   private
   public :: gradient_t
 
-  !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
-  !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
-  real(dp), parameter :: share = 1e-7_dp, share_of_shape = 5e-7_dp, share_of_material = 3e-6_dp
-  !> In the place of a value that is 0.
-  real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
-  real(dp), parameter :: of_state = 1e-7_dp  !< share by which a traction is changed, for the derivatives of its law
-
-  !> Units that hold one of force: with all keys in these f times as large a drive turns as before under f times the torque.
-  character(len=7), parameter :: of_force(5) = ['N      ', 'N/m    ', 'N/m^1.5', 'N m    ', 'Pa     ']
-  real(dp), parameter :: largest_misfit = 0.02_dp  !< of K1 to K3 under such a scale, by their derivatives
+  real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction is changed, for the derivatives of its law
+  real(dp), parameter :: largest_misfit = 0.02_dp  !< of K1 to K3 in proportion to all forces, by their derivatives
 
   !> Results of a loop: readings, then largest forces; and of all runs, the last one of those without a loop.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
@@ -62,19 +51,6 @@ module hd_gradient
     type(state_t) :: state
     logical :: booked = .false.                      !< the end of a load step
   end type station_t
-
-  !> The run's drive with one key changed.
-  type :: companion_t
-    type(string_t) :: key                            !< group.key
-    real(dp) :: change = 0                           !< of it
-    real(dp) :: force = 0                            !< its value, if its unit holds one of force
-    logical :: idle = .false.                        !< the key has no part in the equilibrium
-    logical :: whole = .false.                       !< bodies, supports or nodal loads are others: else the drive has only
-    logical :: struts = .false., law = .false.       !< struts and contact law, which may be others
-    type(scene_t) :: scene
-    type(drive_t) :: drive                           !< unless it is idle
-    type(joint_t) :: joint
-  end type companion_t
 
   !> A result on its way back.
   type :: result_t
@@ -154,174 +130,6 @@ contains
     if (.not. loaded) self%assembled = self%n
   end subroutine book
 
-  !> The drives of all real keys.
-  subroutine find_companions(self, scene, drive, joint, error)
-    type(gradient_t), intent(inout) :: self           !< gets them
-    type(scene_t), intent(in) :: scene                !< of the run
-    type(drive_t), intent(in) :: drive                !< its drive
-    type(joint_t), intent(in) :: joint                !< its joint
-    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
-    type(scene_t), target :: copy
-    type(parameter_table_t) :: table
-    integer, allocatable :: rows(:)
-    logical :: fits
-    integer :: i
-    copy = scene
-    call new_table(copy, table)
-    rows = pack([(i, i=1, size(table%rows))], [(is_real(table%rows(i), scene), i=1, size(table%rows))])
-    allocate (self%of(size(rows)))
-    do i = 1, size(rows)
-      call change_key(scene, rows(i), drive, joint, self%of(self%keys + 1), fits, error)
-      if (allocated(error)) return
-      if (fits) self%keys = self%keys + 1
-    end do
-  end subroutine find_companions
-
-  !> A key counts: a number of the drive, in use. Where 0 is a word for something else, the number is not in use.
-  pure logical function is_real(p, scene)
-    type(parameter_t), intent(in) :: p   !< row
-    type(scene_t), intent(in) :: scene   !< scene
-    logical :: zero
-    is_real = .false.
-    if (.not. (associated(p%real) .or. associated(p%count)) .or. p%stage(.true., .true.) > stage_load) return
-    if (any(p%group == [character(len=8) :: 'run', 'mesh', 'solver', 'surface', 'fit'])) return
-    if (associated(p%real)) then
-      zero = .not. abs(p%real) > 0
-    else
-      zero = .not. any(abs(p%reals(:value_count(p))) > 0)
-    end if
-    is_real = .not. (zero .and. (index(p%meaning, '0: ') > 0 .or. associated(p%count)))
-    if (p%key == 'clearance' .and. p%group == 'wave_generator') is_real = is_real .and. (.not. zero .or. &
-      .not. scene%interference > 0)  ! it would take the place of an interference
-  end function is_real
-
-  !> The drive with a key changed, upwards if that is valid.
-  subroutine change_key(scene, row, drive, joint, other, fits, error)
-    type(scene_t), intent(in) :: scene                !< of the run
-    integer, intent(in) :: row                        !< of the table
-    type(drive_t), intent(in) :: drive                !< of the run
-    type(joint_t), intent(in) :: joint                !< of the run
-    type(companion_t), intent(out) :: other           !< companion
-    logical, intent(out) :: fits                      !< it is valid, on the same mesh
-    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
-    type(scene_t), target :: moved
-    type(parameter_table_t) :: table
-    type(string_t), allocatable :: faults(:)
-    integer :: side
-    do side = 1, -1, -2
-      moved = scene
-      call new_table(moved, table)
-      associate (p => table%rows(row))
-        other%key%s = p%group//'.'//p%key
-        other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. p%key /= 'torques') .or. &
-          index(p%key, 'yield') > 0 .or. (p%group == 'joint' .and. scene%hard())
-        if (associated(p%real)) then
-          if (any(p%unit == of_force)) other%force = p%real
-          other%change = side*change_of(p, abs(p%real))
-          p%real = p%real + other%change
-          fits = p%real > p%low .and. p%real < p%high
-        else
-          associate (x => p%reals(:value_count(p)))
-            other%change = side*change_of(p, maxval(abs(x)))
-            x = x + other%change
-            fits = all(x > p%low .and. x < p%high)
-          end associate
-        end if
-        if (.not. fits) cycle
-        allocate (faults(0))
-        call check_scene(moved, faults)
-        fits = size(faults) == 0
-        deallocate (faults)
-        if (.not. fits) cycle
-        other%scene = moved
-        other%joint = joint
-        if (any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])) call scene_joint(moved, other%joint, error)
-        if (allocated(error) .or. other%idle) return
-        other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
-        if (other%whole) then
-          call new_drive(moved, other%drive, error)
-        else
-          other%drive = drive
-          call renew_drive(moved, other%drive, error)
-        end if
-        if (.not. (allocated(error) .or. scene%hard())) then
-          if (.not. allocated(other%drive%problem%law%joint)) allocate (other%drive%problem%law%joint)
-          call tabulate_joint(moved, other%joint, other%drive%problem%law%joint, error)
-        end if
-        if (allocated(error)) return
-        fits = same_mesh(other%drive, drive)
-        if (fits) call compare_drives(scene, drive, other, any(p%group == [character(len=8) :: 'material', 'joint', 'contact']))
-        if (fits) return
-      end associate
-    end do
-  end subroutine change_key
-
-  !> Find what of a drive is another's; of one with the run's bodies nothing else is kept.
-  subroutine compare_drives(scene, drive, other, law)
-    type(scene_t), intent(in) :: scene           !< of the run
-    type(drive_t), intent(in) :: drive           !< of the run
-    type(companion_t), intent(inout) :: other    !< companion
-    logical, intent(in) :: law                   !< its joint may be another
-    type(drive_t) :: light
-    logical :: felt(3, size(drive%assembly, 2))
-    integer :: i
-    felt = drive%problem%fixed .or. drive%problem%spring > 0
-    associate (mortar => drive%problem%mortar)
-      felt(1, mortar%node(mortar%n - mortar%rigid + 1:)) = .true.
-    end associate
-    other%whole = other%whole .or. any(felt .and. abs(other%drive%assembly - drive%assembly) > 0) .or. &
-      abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0)
-    other%law = abs(other%drive%interference - drive%interference) > 0 .or. abs(other%scene%friction - scene%friction) > 0 .or. &
-      abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard())
-    if (allocated(drive%problem%struts)) then
-      associate (a => drive%problem%struts, b => other%drive%problem%struts)
-        do i = 1, size(a)
-          other%whole = other%whole .or. size(a(i)%node) /= size(b(i)%node)
-          if (other%whole) return
-          other%whole = any(a(i)%node /= b(i)%node) .or. any(abs(a(i)%weight - b(i)%weight) > 0)
-          other%struts = other%struts .or. abs(a(i)%rate - b(i)%rate) > 0
-        end do
-      end associate
-      if (allocated(drive%problem%strut_give)) other%struts = other%struts .or. any(abs(other%drive%problem%strut_give - &
-        drive%problem%strut_give) > 0)
-      other%struts = other%struts .or. any(abs(other%drive%way - drive%way) > 0)
-    end if
-    if (other%whole) return
-    light%balls = drive%balls
-    light%flanks = drive%flanks
-    light%interference = other%drive%interference
-    light%problem%law = other%drive%problem%law
-    if (allocated(drive%problem%struts)) then
-      light%way = other%drive%way
-      light%problem%struts = other%drive%problem%struts
-      light%problem%strut_rate = other%drive%problem%strut_rate
-      if (allocated(drive%problem%strut_give)) light%problem%strut_give = other%drive%problem%strut_give
-    end if
-    other%drive = light
-  end subroutine compare_drives
-
-  !> Two drives have the same mesh but for small shifts of its nodes.
-  pure logical function same_mesh(a, b) result(same)
-    type(drive_t), intent(in) :: a, b  !< drives
-    real(dp), parameter :: small = 1e-5_dp  !< over the radius
-    same = a%problem%n == b%problem%n .and. a%problem%mortar%n == b%problem%mortar%n
-    if (same) same = maxval(abs(a%reference([1, 3], :) - b%reference([1, 3], :))) < small*b%radius
-  end function same_mesh
-
-  !> Change of a key of a size.
-  pure real(dp) function change_of(p, size) result(change)
-    type(parameter_t), intent(in) :: p   !< row
-    real(dp), intent(in) :: size         !< amount of its value
-    change = share
-    if (p%group == 'geometry') change = share_of_shape
-    if (p%group == 'material') change = share_of_material
-    if (size > 0) then
-      change = change*size
-      return
-    end if
-    change = change*merge(typical_m, merge(typical_deg, typical_other, p%unit == 'deg'), p%unit == 'm')
-  end function change_of
-
   !> Derivatives of the results.
   subroutine differentiate(self, solver, scene, joint, drive, certain, found, error)
     class(gradient_t), intent(inout) :: self          !< stations of the whole run
@@ -334,7 +142,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint, linear solver
     real(dp), allocatable :: value(:)
     integer :: i, images
-    call find_companions(self, scene, drive, joint, error)
+    call find_companions(scene, drive, joint, self%of, self%keys, error)
     if (.not. allocated(error)) call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
     if (allocated(error)) return
     found%results = split(of_all)
@@ -717,83 +525,6 @@ contains
       self%value(keys, list) = self%value(keys, list) - product
     end subroutine subtract
   end subroutine add_keys
-
-  !> Residuals of a drive of its own bodies in a state of the run. The way of a step is taken as linear: a change may be larger
-  !> than the slip in it.
-  subroutine change_residuals(c, drive, place, before, state, r_u, r_c)
-    type(companion_t), intent(inout) :: c           !< its drive gets whether the wheel turns
-    type(drive_t), intent(in) :: drive              !< of the run
-    type(place_t), intent(in) :: place              !< here
-    type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
-    real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], (3, points) [Pa]
-    real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :), pull(:)
-    real(dp) :: w(3, size(r_c, 2)), slip(2, size(r_c, 2))
-    type(state_t) :: next, was
-    type(load_t) :: load
-    integer :: j
-    associate (problem => c%drive%problem)
-      call drive_load(c%drive, assembly_at(c%scene, place), torque_at(c%scene, place), &
-        step_friction(c%scene, under_torque(c%scene, place)), load, before)
-      problem%wheel_turns = drive%problem%wheel_turns
-      next = state
-      call prescribe(problem, load, next%u)
-      w = relative_displacement(problem%mortar, next%u)
-      was%traction = before%traction
-      was%contact = before%contact
-      was%slip = before%slip + (w(2:, :) - state%slip)
-      w = relative_displacement(problem%mortar, before%u)
-      slip = was%slip - w(2:, :)
-      call linear_equations(problem, load, was, next, left, dw, dt)
-      do j = 1, size(slip, 2)
-        r_c(:, j) = left(:, j) + matmul(dw(:, 2:, j), slip(:, j))
-      end do
-      r_u = internal_residual(problem, load, next)
-      if (.not. (problem%wheel_turns .and. allocated(problem%struts))) return
-      pull = pull_of(problem, drive%problem%strut_rate, load, next%u)
-      do j = 1, size(pull)
-        if (abs(pull(j)) > 0) call push(problem%struts(j), pull(j), r_u)
-      end do
-    end associate
-  end subroutine change_residuals
-
-  !> Residuals of another law, less those of the run.
-  subroutine change_law(c, problem, place, load, before, state, left_c, r_c)
-    type(companion_t), intent(in) :: c              !< companion
-    type(problem_t), intent(inout) :: problem       !< of the run, has the law for a while
-    type(place_t), intent(in) :: place              !< here
-    type(load_t), intent(in) :: load                !< of the run
-    type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
-    real(dp), intent(in) :: left_c(:, :)            !< residuals of the run (3, points) [Pa]
-    real(dp), intent(out) :: r_c(:, :)              !< change (3, points) [Pa]
-    real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :)
-    type(contact_law_t) :: law
-    type(load_t) :: other
-    type(state_t) :: next
-    law = problem%law
-    problem%law = c%drive%problem%law
-    other%friction = step_friction(c%scene, under_torque(c%scene, place))
-    other%gap = load%gap
-    other%gap(:problem%mortar%n - problem%mortar%rigid) = -assembly_at(c%scene, place)*c%drive%interference
-    next = state
-    call linear_equations(problem, other, before, next, left, dw, dt)
-    problem%law = law
-    r_c = left - left_c
-  end subroutine change_law
-
-  !> Pull of flanks that push on the run but that a change has taken off a companion: in the run their way is that of the wheel,
-  !> also where the torque is 0 and they only just touch [N].
-  function pull_of(problem, rate, load, u) result(pull)
-    type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
-    real(dp), intent(in) :: rate(:)             !< of the run [N/m]
-    type(load_t), intent(in) :: load            !< of the companion
-    real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
-    real(dp) :: closing(size(rate)), pull(size(rate))
-    closing = strut_closings(problem, load, u)
-    pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
-    if (.not. any(abs(pull) > 0)) return
-    problem%strut_rate = rate
-    pull = linear_forces(problem, pull)
-  end function pull_of
 
   !> Begin with a state whose matrix meets many right-hand sides.
   subroutine begin_many(solver, sides, problem, load, state, error)

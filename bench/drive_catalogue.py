@@ -28,8 +28,8 @@ READ = {"hysteresis_arcmin": ("hysteresis_rad", ARCMIN), "lost_motion_arcmin": (
 
 
 def short(value):
-    """Four digits of a number, None as it is."""
-    return value if value is None else float(f"{value:.4g}")
+    """Six digits of a number, twice those that a table shows; None as it is."""
+    return value if value is None else float(f"{value:.6g}")
 
 
 def run(name, keys):

@@ -559,14 +559,16 @@ class Result:
         Returns
         -------
         dict of dict
-            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result.
+            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result, or
+            one that would not be in proportion to all forces and stiffnesses, for a change of state has spoilt its derivatives: it
+            is named in the warnings of the summary.
 
         Raises
         ------
         InputError
             Large displacements, the teeth alone, `load.tooth_friction`, or `loop.history` 'turned'.
         NotConvergedError
-            K1 to K3 would not be in proportion to all forces and stiffnesses: a change of state has spoilt the derivatives.
+            The equations behind the derivatives could not be solved.
         """
         if "gradient" not in self.summary:
             with tempfile.TemporaryDirectory() as folder:
@@ -578,8 +580,9 @@ class Result:
                     _engine.call("run_close", handle, 0)
                 found = read_summary(f"{folder}/r", "warnings")
             lost = [w for w in found["warnings"] if w.startswith("no gradient: ")]
-            if lost:
+            if "gradient" not in found:
                 raise NotConvergedError(lost[0])
+            self.summary["warnings"] += lost
             self.summary["gradient"] = found["gradient"]
         return {result: {key: np.nan if value is None else value for key, value in by_key.items()}
                 for result, by_key in self.summary["gradient"].items()}

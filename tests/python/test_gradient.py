@@ -41,24 +41,54 @@ def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, m
             assert abs(gradient[name][key] - other[name]) * scale < 1e-5 * max(1, abs(other[name]) * scale), (key, name)
 
 
-def test_slopes_are_in_proportion_to_all_forces(tmp_path):
+@pytest.mark.parametrize(("scene", "steps"), [("drive14.nml", 4), ("drive17.nml", 10)])
+def test_slopes_are_in_proportion_to_all_forces(tmp_path, scene, steps):
     """Dimensions alone: sum of p dK/dp over all keys of forces and stiffnesses is K, for K1 to K3 of a loose drive; the teeth, which are
-    open until the torque comes, have their part of it."""
-    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", mesh={"divisions": 40, "band_facets": 6}, load={"torque_steps": 4},
+    open until the torque comes, have their part of it. T2 of drive17 is the torque of a load step: K2 missed by 27 %."""
+    found = hdengine.run(ROOT / "data" / scene, tmp_path / "run", mesh={"divisions": 40, "band_facets": 6}, load={"torque_steps": steps},
                          output={"vtu": "none"})
     keys = ("material.flexspline_e", "material.ring_e", "bearing.ball_e", "load.tooth_stiffness", "load.torque", "loop.torque_1", "loop.torque_2")
     for i in (1, 2, 3):
         slope, by = found.summary["results"][f"k{i}_nm_per_rad"], found.gradient()[f"k{i}_nm_per_rad"]
         parts = [by[key] * found.scene[key] / slope for key in keys]
-        assert sum(parts) == pytest.approx(1, abs=1e-3) and 0.004 < parts[3] < 0.04
+        assert sum(parts) == pytest.approx(1, abs=1e-3) and 0.002 < abs(parts[3]) < 0.04
+
+
+# a drive whose teeth are all open at a load step
+OPEN = {"mesh.divisions": 20, "mesh.band_facets": 4, "geometry.bore_radius": 0.039, "geometry.rim_length": 0.0201, "geometry.rim_thickness": 0.000949564,
+        "geometry.cup_length": 0.058, "geometry.hub_radius": 0.023, "wave_generator.w": 0.001, "bearing.balls": 23, "bearing.ball_diameter": 0.0071,
+        "contact.friction": 0.27, "load.torque": 66.0, "load.teeth": 100, "load.tooth_stiffness": 2.8e8, "load.spline_diameter": 0.11,
+        "load.torque_steps": 4, "load.tooth_gaps": 2 * [2.35658e-05, 1.40627e-05, 8.37614e-06, 6.50608e-06, 8.45253e-06, 1.42155e-05, 2.37949e-05,
+                                                        3.71909e-05, 5.44034e-05, 7.54324e-05], "load.tooth_gaps_back": 0.0, "output.vtu": "none"}
 
 
 def test_a_lost_gradient_is_said(tmp_path):
-    """On 32 x 5 facets a change of state spoils those of K1 of drive14 (by 7 % under a scale of all forces): they are refused, with what to do."""
-    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", mesh={"divisions": 32, "band_facets": 5}, load={"torque_steps": 4},
-                         output={"vtu": "none"})
-    with pytest.raises(hdengine.NotConvergedError, match="no gradient: .* lost at a change of state"):
-        found.gradient()
+    """Where the bottom is free at a load step, those of K1 are lost: they are NaN and named; those of other results stand."""
+    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", run__gradient=True, **keywords(OPEN))
+    gradient = found.gradient()
+    lost = [name for name, by_key in gradient.items() if np.isnan(list(by_key.values())).all()]
+    assert "k1_nm_per_rad" in lost and "ball_force_max_n" not in lost and "normal_force_n" not in lost
+    assert [w for w in found.summary["warnings"] if w.startswith(f"no gradient: not of {', '.join(lost)}, ")]
+
+
+def test_hat_has_a_gradient(tmp_path):
+    """The bore follows from the cup's sections, so that the key of its radius is not free; all sections move together."""
+    found = hdengine.run(ROOT / "data/drive14_hat.nml", tmp_path / "run", run__gradient=True, mesh={"divisions": 24, "band_facets": 4},
+                         load={"torque_steps": 2}, output={"vtu": "none"})
+    by = found.gradient()["k1_nm_per_rad"]
+    assert "geometry.bore_radius" not in by and by["cup.sections_thickness"] > 0 and np.isfinite(list(by.values())).all()
+
+
+@pytest.mark.parametrize("law", ["hard", "joint"])
+def test_strength_counts_in_a_joint(tmp_path, law):
+    """The yield strength bounds the spots of a rough joint: derivatives by it are those of differences where the joint takes part in the contact,
+    else 0."""
+    keys = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none", "contact.law": law, "solver.tolerance": 1e-11}
+    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", run__gradient=True, **keywords(keys))
+    strength = found.scene["material.yield_strength"]
+    other = central(ROOT / "data/drive14.nml", keys, "material.yield_strength", strength, 1e-3, tmp_path) if law == "joint" else {"k1_nm_per_rad": 0}
+    assert found.gradient()["k1_nm_per_rad"]["material.yield_strength"] == pytest.approx(other["k1_nm_per_rad"], rel=1e-3)
+    assert (other["k1_nm_per_rad"] != 0) == (law == "joint")
 
 
 def test_tangent_has_derivatives(tmp_path):

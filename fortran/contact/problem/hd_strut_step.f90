@@ -35,7 +35,7 @@ contains
     real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:)
-    logical :: torque
+    logical :: parted
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
     closing = strut_closings(problem, load, u)
@@ -45,10 +45,11 @@ contains
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
     if (ahead%held .or. any(linear .and. problem%strut_rate > 0)) return
-    torque = abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
+    parted = any(linear .and. closing > -just_off) .and. &
+      .not. abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
     do i = 1, size(closing)
-      linear(i) = linear(i) .and. ((.not. torque .and. closing(i) > -just_off) .or. &
-        sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0)
+      linear(i) = linear(i) .and. merge(closing(i) > -just_off, &
+        sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0, parted)
     end do
     linear = linear .and. closing >= maxval(closing, mask=linear) - near
     ahead%some = any(linear)

@@ -4,6 +4,7 @@ module hd_companion
   use hd_kinds, only: dp
   use hd_conditions, only: check_scene
   use hd_contact_law, only: contact_law_t
+  use hd_cup_sections, only: adopt_sections, has_sections
   use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction
   use hd_error, only: error_t
   use hd_joint, only: joint_t
@@ -89,7 +90,8 @@ contains
       .not. scene%interference > 0)  ! it would take the place of an interference
   end function is_real
 
-  !> The drive with a key changed, upwards if that is valid.
+  !> The drive with a key changed, upwards if that is valid and can be meshed. What is read at the torque of a step is read on the
+  !> side that a larger torque of the steps leaves it on: downwards.
   subroutine change_key(scene, row, drive, joint, other, fits, error)
     type(scene_t), intent(in) :: scene                !< of the run
     integer, intent(in) :: row                        !< of the table
@@ -97,18 +99,22 @@ contains
     type(joint_t), intent(in) :: joint                !< of the run
     type(companion_t), intent(out) :: other           !< companion
     logical, intent(out) :: fits                      !< it is valid, on the same mesh
-    type(error_t), allocatable, intent(out) :: error  !< mesh, joint
+    type(error_t), allocatable, intent(out) :: error  !< joint
     type(scene_t), target :: moved
     type(parameter_table_t) :: table
     type(string_t), allocatable :: faults(:)
-    integer :: side
-    do side = 1, -1, -2
+    type(error_t), allocatable :: refused
+    real(dp) :: value
+    integer :: try, side
+    do try = 1, -1, -2
       moved = scene
       call new_table(moved, table)
       associate (p => table%rows(row))
         other%key%s = p%group//'.'//p%key
+        side = try
+        if (any(other%key%s == [character(len=17) :: 'loop.torque_1', 'loop.torque_2', 'loop.rated_torque'])) side = -try
         other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. p%key /= 'torques') .or. &
-          index(p%key, 'yield') > 0 .or. (p%group == 'joint' .and. scene%hard())
+          (scene%hard() .and. (p%group == 'joint' .or. index(p%key, 'yield') > 0))
         if (associated(p%real)) then
           if (any(p%unit == of_force)) other%force = p%real
           other%change = side*change_of(p, abs(p%real))
@@ -123,8 +129,13 @@ contains
         end if
         if (.not. fits) cycle
         allocate (faults(0))
-        call check_scene(moved, faults)
-        fits = size(faults) == 0
+        if (has_sections(moved)) then
+          if (associated(p%real)) value = p%real
+          call adopt_sections(moved, table, faults)
+          if (associated(p%real)) fits = .not. abs(p%real - value) > 0  ! else the sections settle it
+        end if
+        if (fits) call check_scene(moved, faults)
+        fits = fits .and. size(faults) == 0
         deallocate (faults)
         if (.not. fits) cycle
         other%scene = moved
@@ -133,12 +144,14 @@ contains
         if (allocated(error) .or. other%idle) return
         other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
         if (other%whole) then
-          call new_drive(moved, other%drive, error)
+          call new_drive(moved, other%drive, refused)
         else
           other%drive = drive
-          call renew_drive(moved, other%drive, error)
+          call renew_drive(moved, other%drive, refused)
         end if
-        if (.not. (allocated(error) .or. scene%hard())) then
+        fits = .not. allocated(refused)
+        if (.not. fits) cycle
+        if (.not. scene%hard()) then
           if (.not. allocated(other%drive%problem%law%joint)) allocate (other%drive%problem%law%joint)
           call tabulate_joint(moved, other%joint, other%drive%problem%law%joint, error)
         end if

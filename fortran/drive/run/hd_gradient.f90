@@ -6,13 +6,14 @@
 !> A key then costs its residuals alone: those of the same drive with the key changed a little, in the run's states. Contact states
 !> are those of the run; where a change would turn one, the derivative is that of one side.
 module hd_gradient
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t
   use hd_companion, only: companion_t, find_companions, change_residuals, change_law, pull_of
   use hd_contact_law, only: stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
-  use hd_error, only: error_t, raise, code_linear_solver
+  use hd_error, only: error_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes
   use hd_joint, only: joint_t, at_friction
   use hd_lapack, only: dgemm
@@ -36,7 +37,7 @@ module hd_gradient
   public :: gradient_t
 
   real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction is changed, for the derivatives of its law
-  real(dp), parameter :: largest_misfit = 0.02_dp  !< of K1 to K3 in proportion to all forces, by their derivatives
+  real(dp), parameter :: largest_misfit = 0.02_dp  !< of a result to all forces, over the parts that they have in it
 
   !> Results of a loop: readings, then largest forces; and of all runs, the last one of those without a loop.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
@@ -131,14 +132,15 @@ contains
   end subroutine book
 
   !> Derivatives of the results.
-  subroutine differentiate(self, solver, scene, joint, drive, certain, found, error)
+  subroutine differentiate(self, solver, scene, joint, drive, tangent, found, lost, error)
     class(gradient_t), intent(inout) :: self          !< stations of the whole run
     class(linear_solver_t), intent(inout) :: solver   !< of the run
     type(scene_t), intent(in) :: scene                !< of the run
     type(joint_t), intent(in) :: joint                !< its joint
     type(drive_t), intent(inout) :: drive             !< its drive
-    logical, intent(in) :: certain                    !< the reference step has a tangent K_TS
-    type(derivatives_t), intent(out) :: found         !< derivatives
+    real(dp), intent(in) :: tangent                   !< K_TS of the reference step, NaN: none [N m/rad]
+    type(derivatives_t), intent(out) :: found         !< derivatives; NaN: no such result, or lost
+    character(len=:), allocatable, intent(out) :: lost  !< results whose derivatives do not hold
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint, linear solver
     real(dp), allocatable :: value(:)
     integer :: i, images
@@ -161,7 +163,7 @@ contains
     images = solver%most_images
     solver%most_images = 1
     call begin_results(self, scene, joint, drive, error)
-    if (certain .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
+    if (tangent == tangent .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
     do i = self%n, 1, -1
       if (.not. allocated(error)) call go_back(self, solver, scene, drive, i, error)
     end do
@@ -170,22 +172,34 @@ contains
     if (allocated(error)) return
     found%keys = self%of(:self%keys)%key
     found%value = self%value/spread(self%of(:self%keys)%change, 2, size(found%results))
-    if (scene%support%loop .and. .not. any(abs(scene%torques) > 0)) call check_scale(self, value(:3), found, error)
+    value(merge(readings + forces, 0, scene%support%loop) + 2) = tangent
+    call check_scale(self, scene, value, found, lost)
   end subroutine differentiate
 
-  !> K1 to K3 of a drive are in proportion to all its forces and stiffnesses together (Euler): derivatives that do not say so were
-  !> lost where a change of state nearly turns a matrix singular.
-  subroutine check_scale(self, slope, found, error)
+  !> Stiffnesses, forces and stresses are in proportion to all forces and stiffnesses of a scene together, angles do not change
+  !> with them (Euler; the ball's patch, taken at a force, is 3e-3 of them at most): derivatives that do not say so were lost where
+  !> a change of state nearly turns a matrix singular. Not all forces are keys of a joint by a table and of given torques, which
+  !> count as one.
+  subroutine check_scale(self, scene, value, found, lost)
     class(gradient_t), intent(in) :: self             !< companions
-    real(dp), intent(in) :: slope(3)                  !< K1 to K3 [N m/rad]
-    type(derivatives_t), intent(inout) :: found       !< derivatives, deallocated if they do not hold
-    type(error_t), allocatable, intent(out) :: error  !< they do not
-    real(dp) :: misfit(3)
-    misfit = abs(matmul(self%of(:self%keys)%force, found%value(:, :3))/max(slope, tiny(1._dp)) - 1)
-    if (.not. any(slope > 0 .and. .not. misfit < largest_misfit)) return
-    deallocate (found%value)
-    call raise(error, code_linear_solver, 'K1 to K3 would not be in proportion to all forces and stiffnesses by their '// &
-      'derivatives, which were lost at a change of state; more load steps or another mesh may keep them')
+    type(scene_t), intent(in) :: scene                !< of the run
+    real(dp), intent(in) :: value(:)                  !< the results
+    type(derivatives_t), intent(inout) :: found       !< NaN where they do not hold
+    character(len=:), allocatable, intent(out) :: lost  !< names of these
+    character(len=*), parameter :: angles(3) = [character(len=15) :: 'hysteresis_rad', 'lost_motion_rad', 'rotation_rad']
+    real(dp), parameter :: no_angle = 1e-9_dp  !< one that rounding may be of the size of [rad]
+    real(dp) :: part(self%keys), degree
+    integer :: j
+    lost = ''
+    if (scene%joint_model == 'table' .or. any(abs(scene%torques) > 0)) return
+    do j = 1, size(value)
+      part = self%of(:self%keys)%force*found%value(:, j)
+      degree = merge(0._dp, 1._dp, any(found%results(j)%s == angles))
+      if (.not. abs(sum(part) - degree*value(j)) > largest_misfit*max(sum(abs(part)), abs(value(j)), no_angle)) cycle
+      if (len(lost) > 0) lost = lost//', '
+      lost = lost//found%results(j)%s
+      found%value(:, j) = ieee_value(1._dp, ieee_quiet_nan)
+    end do
   end subroutine check_scale
 
   !> Where balls and teeth carry most, of all load steps.

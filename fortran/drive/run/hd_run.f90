@@ -265,14 +265,20 @@ contains
   subroutine find_gradient(run)
     type(run_t), intent(inout) :: run  !< its record gets them
     type(error_t), allocatable :: error
+    character(len=:), allocatable :: lost
     integer :: threads
     if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
     threads = 0
     if (run%model%solver%own_threads) threads = blas_threads(1)
     call run%gradient%differentiate(run%model%solver, run%scene, run%joint, run%model%drive, &
-      run%sums%k_tangent == run%sums%k_tangent, run%record%gradient, error)
+      run%sums%k_tangent, run%record%gradient, lost, error)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
-    if (allocated(error)) call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
+    if (allocated(error)) then
+      call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
+    else if (len(lost) > 0) then
+      call push(run%record%warnings, 'no gradient: not of '//lost//', which would not be in proportion to all forces and '// &
+        'stiffnesses: lost at a change of state. Take more load steps or another mesh, or compare runs with the key changed')
+    end if
     call run%record%timers%book(in_gradient)
   end subroutine find_gradient
 

@@ -309,6 +309,13 @@ def test_slip_under_a_held_bottom_is_no_gross_slip(exe, tmp_path):
     assert "gross slip" not in done.stderr and (done.returncode == 0 or "in the torque step" in done.stderr and "lower load.torque" in done.stderr)
 
 
+def test_a_rough_tolerance_hides_no_gross_slip(exe, tmp_path):
+    """Friction carries 21 N m: at a tolerance of 1e-5 soft springs took the rest of 60, turned by thousands of radians, and the run was complete."""
+    done = call(exe, ROOT / "data/cd14.nml", "load.support=bearing", "load.torque=60", "load.torque_steps=1", "solver.tolerance=1e-5", "mesh.divisions=20",
+                "mesh.band_facets=4", "output.vtu=none", "--allow-implausible", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 4 and "gross slip at T = " in done.stderr
+
+
 RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.vtu=none"]
 
 

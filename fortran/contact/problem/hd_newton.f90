@@ -219,7 +219,7 @@ contains
       call check_stop(error)
       if (allocated(error)) return
       state%contact = here%contact
-      sliding = here%merit < merge(clear, small, row%open == problem%mortar%n) .and. &
+      sliding = here%merit <= max(options%tolerance, merge(clear, small, row%open == problem%mortar%n)) .and. &
         maxval(abs(state%u)) > options%runaway
       if (sliding) return
       converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0

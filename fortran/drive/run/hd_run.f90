@@ -607,12 +607,16 @@ contains
   subroutine judge_load_path(run)
     type(run_t), intent(inout) :: run  !< run
     real(dp), parameter :: allowed = 2  !< times the torque over the ratio: losses of a real drive
+    real(dp), parameter :: unbalanced = 1e-3_dp  !< of the torque: what a reader of four digits sees
     character(len=:), allocatable :: line
     real(dp) :: real_one
     if (run%step%number == 0 .or. .not. abs(run%step%torque) > 0) return
     associate (t => run%sums%torque)
       call say('torque    carried by the hub '//rounded(t%hub, run%step%torque)//', the wave generator '// &
         rounded(t%wave_generator, run%step%torque)//', springs of the ring '//rounded(t%ring_springs, run%step%torque)//' N m')
+      if (abs(t%balance) > unbalanced*abs(run%step%torque)) call push(run%record%warnings, rounded(abs(t%balance))//' of '// &
+        to_text(run%step%torque)//' N m are out of balance: facets of formed faces do not meet. Raise mesh.divisions, or '// &
+        'leave mesh.ring_divisions at 0')
       if (run%scene%support%loop) return  ! drive_warnings judges the whole loop
       real_one = abs(run%step%torque)*2/run%scene%teeth
       if (.not. abs(t%wave_generator) > allowed*real_one) return

@@ -35,6 +35,7 @@ module hd_warning_list
     warning_t(' comes from points that slip', 'Eq. 45 counts them as if they held. Quote k_ts_bonded_nm_per_rad'), &
     warning_t('the tangent K_TS is not certain', 'which points stick did not settle. Solve 1 % beside the torque'), &
     warning_t('the wave generator carries ', "the ring is held on the cam. Take support 'drive', or ring_tangent = 'free'"), &
+    warning_t(' are out of balance: facets', 'the torque is carried to three digits. Raise mesh.divisions'), &
     warning_t('K_T about to slip falls', 'more pressure looks softer in Eq. 45. Read the tangent'), &
     warning_t('no largest spot carries', 'pressure near the hardness. Raise joint.hardness if it is higher'), &
     warning_t('s_min is not below the largest spot', 'the stiffness rests on s_min. Lower joint.s_min'), &

@@ -394,8 +394,8 @@ def maps():
 
 def random_runs():
     """Outcomes of random scenes and drives."""
-    return ("random", "runs", "converged", "ended otherwise", "iterations a step, 95 %"), [
-        (name, r["count"], r["outcomes"].get("converged", 0), ", ".join(f"{what.removeprefix('stopped ')} {n}" for what, n in r["outcomes"].items() if what != "converged") or "-",
+    return ("random", "runs", "converged", "else", "iterations, 95 %"), [
+        (name, r["count"], r["outcomes"].get("converged", 0), ", ".join(f"{what.removeprefix('stopped at a ').removeprefix('run in a ')} {n}" for what, n in r["outcomes"].items() if what != "converged") or "-",
          f"{r['iterations_per_step_median']:.0f}, {r['iterations_per_step_95']:.0f}") for name, r in read_record("random_runs").items() if name != "commits"]
 
 

@@ -13,7 +13,8 @@ module hd_ball_bearing
   private
   public :: ball_rate, ball_angles, ball_patches, ball_struts
 
-  real(dp), parameter :: usual_force = 100  !< that the ellipse of contact is taken at [N]
+  !> Force over the contact's modulus that its ellipse is taken at [m^2]: 100 N of steel.
+  real(dp), parameter :: usual_load = 8.53e-10_dp
 
 contains
 
@@ -21,12 +22,17 @@ contains
   pure function race_contacts(scene) result(contact)
     type(scene_t), intent(in) :: scene    !< scene
     type(point_contact_t) :: contact(2)
-    real(dp) :: modulus, outer
-    modulus = 1/((1 - scene%ball_nu**2)/scene%ball_e + (1 - scene%ring_nu**2)/scene%ring_e)
+    real(dp) :: outer
     outer = race_radius(scene)
-    contact(1) = ball_on_race(scene%ball_diameter, outer - scene%ball_diameter, scene%inner_conformity, modulus)
-    contact(2) = ball_on_race(scene%ball_diameter, -outer, scene%outer_conformity, modulus)
+    contact(1) = ball_on_race(scene%ball_diameter, outer - scene%ball_diameter, scene%inner_conformity, modulus(scene))
+    contact(2) = ball_on_race(scene%ball_diameter, -outer, scene%outer_conformity, modulus(scene))
   end function race_contacts
+
+  !> Modulus of contact of balls and races [Pa].
+  pure real(dp) function modulus(scene)
+    type(scene_t), intent(in) :: scene    !< scene
+    modulus = 1/((1 - scene%ball_nu**2)/scene%ball_e + (1 - scene%ring_nu**2)/scene%ring_e)
+  end function modulus
 
   !> F over approach^1.5 of both races in series [N/m^1.5].
   pure real(dp) function ball_rate(scene) result(k)
@@ -58,7 +64,7 @@ contains
     outer = race_radius(scene)
     z = [minval(face%chart(2, :, :)), maxval(face%chart(2, :, :))]
     contact = race_contacts(scene)
-    axes = 2*semi_axes(contact(2), usual_force)
+    axes = 2*semi_axes(contact(2), usual_load*modulus(scene))
     patch%face = face
     patch%sectors = sectors
     patch%first = first

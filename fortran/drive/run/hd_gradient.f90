@@ -37,7 +37,7 @@ module hd_gradient
   public :: gradient_t
 
   real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction is changed, for the derivatives of its law
-  real(dp), parameter :: largest_misfit = 0.02_dp  !< of a result to all forces, over the parts that they have in it
+  real(dp), parameter :: largest_misfit = 5e-3_dp  !< of a result to all forces, over the parts that they have in it
 
   !> Results of a loop: readings, then largest forces; and of all runs, the last one of those without a loop.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
@@ -177,9 +177,8 @@ contains
   end subroutine differentiate
 
   !> Stiffnesses, forces and stresses are in proportion to all forces and stiffnesses of a scene together, angles do not change
-  !> with them (Euler; the ball's patch, taken at a force, is 3e-3 of them at most): derivatives that do not say so were lost where
-  !> a change of state nearly turns a matrix singular. Not all forces are keys of a joint by a table and of given torques, which
-  !> count as one.
+  !> with them (Euler): derivatives that do not say so were lost where a change of state nearly turns a matrix singular. Not all
+  !> forces are keys of a joint by a table and of given torques, which count as one.
   subroutine check_scale(self, scene, value, found, lost)
     class(gradient_t), intent(in) :: self             !< companions
     type(scene_t), intent(in) :: scene                !< of the run

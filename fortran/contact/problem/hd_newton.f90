@@ -131,7 +131,7 @@ contains
     share = 1
     stay = .false.
     do k = 1, most_pairings
-      if (.not. stay) call pair_bodies(problem, paired)
+      if (.not. stay) call pair_bodies(problem, paired, again=k > 1)
       call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
       if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
       history = [history, more(merge(2, 1, stay):)]

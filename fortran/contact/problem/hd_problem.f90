@@ -475,14 +475,15 @@ contains
   end subroutine sum_group
 
   !> Couple the faces, and place struts, where they are; nothing to do for pairs that stay those at rest.
-  subroutine pair_bodies(problem, u)
+  subroutine pair_bodies(problem, u, again)
     type(problem_t), intent(inout) :: problem  !< gets its mortar and its struts anew
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    logical, intent(in), optional :: again     !< as of pair_faces
     type(strut_t) :: new
     integer :: i, n
     logical :: same
     if (.not. allocated(problem%pairing)) return
-    call pair_faces(problem%pairing, u, problem%mortar)
+    call pair_faces(problem%pairing, u, problem%mortar, again)
     if (.not. allocated(problem%placing)) return
     n = problem%placing%struts
     if (.not. allocated(problem%strut_shift)) allocate (problem%strut_shift(n))

@@ -90,7 +90,7 @@ contains
     integer, intent(in) :: nodes, modes    !< of the cell
     real(dp) :: turn(2, nodes), g(nodes, 3, 8), weight(8), eased(48, modes), pushed(3, nodes, 8, modes), u(8, 3, nodes)
     real(dp) :: stress(8, 48, 3), energy(8, 3), f(8, 3*nodes, 3), k(8, 9*nodes**2, 3)
-    integer :: i
+    integer :: a, i
     call random_number(turn)
     call random_number(g)
     call random_number(weight)
@@ -98,9 +98,11 @@ contains
     call random_number(pushed)
     call random_number(u)
     u(8, :, :) = u(1, :, :)
+    energy = 0
+    f = 0
     do i = 1, 3
-      call hd_large_strain(widths(i), nodes, modes, 1.2_dp, 0.8_dp, turn, g, weight + 1, eased, pushed, u, stress(:, :, i), &
-        energy(:, i), f(:, :, i), k(:, :, i))
+      call hd_large_strain(widths(i), nodes, modes, 1.2_dp, 0.8_dp, turn, g, weight + 1, eased, pushed, [(a, a=1, nodes)], u, &
+        stress(:, :, i), energy(:, i), f(:, :, i), k(:, :, i))
       call check(maxval(abs(k(:, :, i) - k(:, :, 1))) < 1e-13_dp*maxval(abs(k)) .and. &
         maxval(abs(f(:, :, i) - f(:, :, 1))) < 1e-13_dp*maxval(abs(f)), 'cells under large displacements in registers of '// &
         to_text(widths(i))//' bytes')

@@ -4,7 +4,7 @@ module test_rotation
   use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i
+  use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i, points
   use hd_kinds, only: dp, pi
   use hd_problem, only: use_lagrangian, internal_residual, load_t, new_problem, new_state, problem_t, state_t, update_tangent
   use hd_static, only: solve_static
@@ -89,17 +89,24 @@ contains
     real(dp), intent(out), optional :: k(:, :)
     real(dp), intent(in), optional :: along(:, :)
     real(dp) :: many(lanes, 3, size(u, 2)), forces(lanes, 3, size(u, 2)), tangents(lanes, 3*size(u, 2), 3*size(u, 2))
-    integer :: i
+    real(dp) :: kept(15*lanes*points), again(lanes, 3, size(u, 2))
+    integer :: i, at(size(u, 2))
+    at = [(i, i=1, size(at))]
     do i = 1, lanes
       many(i, :, :) = u*i/lanes
     end do
+    forces = 0
     if (present(k)) then
-      call cell_response(cell, many, forces, tangents)
+      call cell_response(cell, at, many, forces, tangents)
       k = tangents(lanes, :, :)
     else if (present(along)) then
-      call cell_response(cell, many, forces, along=spread(along, 1, lanes))
+      call cell_response(cell, at, many, forces, along=spread(along, 1, lanes))
+      again = 0
+      call cell_response(cell, at, many, keep=kept)
+      call cell_response(cell, at, 0*many, again, along=spread(along, 1, lanes), kept=kept)
+      call check(all(again == forces), 'what is kept of the displacements gives the same product')
     else
-      call cell_response(cell, many, forces)
+      call cell_response(cell, at, many, forces)
     end if
     f = forces(lanes, :, :)
   end subroutine respond

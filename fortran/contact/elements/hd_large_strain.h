@@ -5,13 +5,14 @@ typedef double NAME(lanes) __attribute__((vector_size(BYTES), aligned(8)));
 #define AT(x, i) (*(LANES *)((x) + 8 * (i) + l))
 
 /* Displacements of nodes along x, y, z. */
-TARGET static inline void NAME(turn_nodes)(int nodes, int l, const double *restrict turn, const double *restrict u,
-                                           LANES *restrict v)
+TARGET static inline void NAME(turn_nodes)(int nodes, int l, const double *restrict turn, const int *restrict at,
+                                           const double *restrict u, LANES *restrict v)
 {
   for (int a = 0; a < nodes; a++) {
-    v[3 * a] = turn[2 * a] * AT(u, 3 * a) - turn[2 * a + 1] * AT(u, 3 * a + 1);
-    v[3 * a + 1] = turn[2 * a + 1] * AT(u, 3 * a) + turn[2 * a] * AT(u, 3 * a + 1);
-    v[3 * a + 2] = AT(u, 3 * a + 2);
+    const int b = 3 * (at[a] - 1);
+    v[3 * a] = turn[2 * a] * AT(u, b) - turn[2 * a + 1] * AT(u, b + 1);
+    v[3 * a + 1] = turn[2 * a + 1] * AT(u, b) + turn[2 * a] * AT(u, b + 1);
+    v[3 * a + 2] = AT(u, b + 2);
   }
 }
 
@@ -38,42 +39,60 @@ TARGET static inline void NAME(find_stress)(int modes, double lambda, double mu,
   }
   for (int m = 0; m < modes; m++) {
     const double *const a = eased + 48 * m;
-    LANES amount = {0};
-    for (int i = 0; i < 48; i++) amount += a[i] * e[i];
+    LANES part[4] = {{0}}; /* one sum would wait for itself */
+    for (int i = 0; i < 48; i += 4)
+      for (int q = 0; q < 4; q++) part[q] += a[i + q] * e[i + q];
+    const LANES amount = (part[0] + part[1]) + (part[2] + part[3]);
     for (int i = 0; i < 48; i++) s[i] -= a[i] * amount;
   }
 }
 
 TARGET static void NAME(hd_large_strain)(int nodes, int modes, double lambda, double mu, const double *restrict turn,
                                          const double *restrict g, const double *restrict weight, const double *restrict eased,
-                                         const double *restrict pushed, const double *restrict u, double *restrict stress,
-                                         double *restrict energy, double *restrict f, double *restrict k,
-                                         const double *restrict v)
+                                         const double *restrict pushed, const int *restrict at, const double *restrict u,
+                                         double *restrict stress, double *restrict energy, double *restrict f,
+                                         double *restrict k, const double *restrict v, double *restrict keep,
+                                         const double *restrict kept)
 {
   static const int next[3] = {1, 2, 0}, place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   const int n = 3 * nodes;
   for (int l = 0; l < 8; l += BYTES / 8) {
-    LANES def[8][3][3], e[48], s[48], moved[60], force[60] = {0}, work = {0};
-    NAME(turn_nodes)(nodes, l, turn, u, moved);
-    for (int p = 0; p < 8; p++) {
-      LANES h[3][3], (*const d)[3] = def[p];
-      NAME(find_gradient)(nodes, g + 3 * p * nodes, moved, h);
-      for (int i = 0; i < 3; i++) {
-        const int j = next[i];
-        e[6 * p + i] = h[i][i] + 0.5 * (h[0][i] * h[0][i] + h[1][i] * h[1][i] + h[2][i] * h[2][i]);
-        e[6 * p + 3 + i] = h[i][j] + h[j][i] + (h[0][i] * h[0][j] + h[1][i] * h[1][j] + h[2][i] * h[2][j]);
-        for (int q = 0; q < 3; q++) d[i][q] = h[i][q] + (i == q);
+    LANES def[8][3][3], e[48], s[48], moved[60], force[60] = {0};
+    if (kept) {
+      for (int p = 0; p < 8; p++) {
+        for (int i = 0; i < 9; i++) def[p][i / 3][i % 3] = AT(kept, 15 * p + i);
+        for (int i = 0; i < 6; i++) s[6 * p + i] = AT(kept, 15 * p + 9 + i);
       }
+    } else {
+      NAME(turn_nodes)(nodes, l, turn, at, u, moved);
+      for (int p = 0; p < 8; p++) {
+        LANES h[3][3], (*const d)[3] = def[p];
+        NAME(find_gradient)(nodes, g + 3 * p * nodes, moved, h);
+        for (int i = 0; i < 3; i++) {
+          const int j = next[i];
+          e[6 * p + i] = h[i][i] + 0.5 * (h[0][i] * h[0][i] + h[1][i] * h[1][i] + h[2][i] * h[2][i]);
+          e[6 * p + 3 + i] = h[i][j] + h[j][i] + (h[0][i] * h[0][j] + h[1][i] * h[1][j] + h[2][i] * h[2][j]);
+          for (int q = 0; q < 3; q++) d[i][q] = h[i][q] + (i == q);
+        }
+      }
+      NAME(find_stress)(modes, lambda, mu, weight, eased, e, s);
+      if (keep)
+        for (int p = 0; p < 8; p++) {
+          for (int i = 0; i < 9; i++) AT(keep, 15 * p + i) = def[p][i / 3][i % 3];
+          for (int i = 0; i < 6; i++) AT(keep, 15 * p + 9 + i) = s[6 * p + i];
+        }
     }
-    NAME(find_stress)(modes, lambda, mu, weight, eased, e, s);
-    for (int i = 0; i < 48; i++) {
-      work += s[i] * e[i];
-      AT(stress, i) = s[i] / weight[i / 6];
+    if (stress)
+      for (int i = 0; i < 48; i++) AT(stress, i) = s[i] / weight[i / 6];
+    if (energy) {
+      LANES work = {0};
+      for (int i = 0; i < 48; i++) work += s[i] * e[i];
+      AT(energy, 0) += 0.5 * work;
     }
-    AT(energy, 0) = 0.5 * work;
+    if (!f) continue;
     LANES more[8][3][3], added[48];
     if (v) {
-      NAME(turn_nodes)(nodes, l, turn, v, moved);
+      NAME(turn_nodes)(nodes, l, turn, at, v, moved);
       for (int p = 0; p < 8; p++) {
         LANES (*const d)[3] = def[p], (*const h)[3] = more[p];
         NAME(find_gradient)(nodes, g + 3 * p * nodes, moved, h);
@@ -101,9 +120,10 @@ TARGET static void NAME(hd_large_strain)(int nodes, int modes, double lambda, do
           for (int i = 0; i < 3; i++) force[3 * a + i] += g[(3 * p + j) * nodes + a] * first[i][j];
     }
     for (int a = 0; a < nodes; a++) {
-      AT(f, 3 * a) = turn[2 * a] * force[3 * a] + turn[2 * a + 1] * force[3 * a + 1];
-      AT(f, 3 * a + 1) = turn[2 * a] * force[3 * a + 1] - turn[2 * a + 1] * force[3 * a];
-      AT(f, 3 * a + 2) = force[3 * a + 2];
+      const int b = 3 * (at[a] - 1);
+      AT(f, b) += turn[2 * a] * force[3 * a] + turn[2 * a + 1] * force[3 * a + 1];
+      AT(f, b + 1) += turn[2 * a] * force[3 * a + 1] - turn[2 * a + 1] * force[3 * a];
+      AT(f, b + 2) += force[3 * a + 2];
     }
     if (!k) continue;
     /* of each point and node: F g, S g; of each point F F^T; of each mode and node what it does to the strains */

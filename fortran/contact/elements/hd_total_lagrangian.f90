@@ -7,7 +7,7 @@
 !> the D of hd_hexahedron, which no displacement changes. Forces and tangent are its exact derivatives,
 !>   f = B^T s,   K = B^T D B + sum_p (g_a . S_p g_b) 1,   s = D e (weighted stresses S_p),   B = de/du,
 !> rigid turns are free of force, and small displacements give back the linear element whatever its kind. Sectors are equal, so a
-!> cell is evaluated for `lanes` of them at once.
+!> cell is evaluated for `lanes` of them at once. F and S of the tangent are kept for its products with many vectors.
 module hd_total_lagrangian
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use hd_kinds, only: dp
@@ -36,17 +36,21 @@ module hd_total_lagrangian
   type :: total_lagrangian_t
     type(cell_t), allocatable :: cells(:)       !< (cells)
     integer, allocatable :: place(:, :, :, :)   !< of their blocks in the tangent (nodes, nodes, cells, sectors)
+    real(dp), allocatable :: kept(:, :, :)      !< as of hd_large_strain, where the tangent is (15 lanes points, cells, groups)
   end type total_lagrangian_t
 
   interface
-    subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, u, stress, energy, f, k, v) bind(c)
+    subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, at, u, stress, energy, f, k, v, &
+      keep, kept) bind(c)
       import :: c_double, c_int
       integer(c_int), value :: most, nodes, modes
       real(c_double), value :: lambda, mu
       real(c_double), intent(in) :: turn(2, *), g(nodes, 3, *), weight(*), eased(48, *), pushed(3, nodes, 8, *), u(8, 3, *)
-      real(c_double), intent(out) :: stress(8, 6, *), energy(8), f(8, 3, *)
-      real(c_double), intent(out), optional :: k(8, 3*nodes, *)
-      real(c_double), intent(in), optional :: v(8, 3, *)
+      integer(c_int), intent(in) :: at(*)
+      real(c_double), intent(out), optional :: stress(8, 6, *)
+      real(c_double), intent(inout), optional :: energy(8), f(8, 3, *)
+      real(c_double), intent(out), optional :: k(8, 3*nodes, *), keep(8, 15, *)
+      real(c_double), intent(in), optional :: v(8, 3, *), kept(8, 15, *)
     end subroutine hd_large_strain
   end interface
 
@@ -92,42 +96,41 @@ contains
     end do
   end subroutine new_cell
 
-  !> Forces and tangent of a cell in some sectors, in the dofs of its nodes; with `along` the tangent times that in place of forces.
-  subroutine cell_response(cell, u, f, tangent, along)
-    type(cell_t), intent(in) :: cell                       !< cell
-    real(dp), intent(in), contiguous :: u(:, :, :)         !< displacements of its nodes (lanes, 3, nodes) [m]
-    real(dp), intent(out), contiguous :: f(:, :, :)        !< forces (lanes, 3, nodes) [N]
-    real(dp), intent(out), optional, contiguous :: tangent(:, :, :)    !< (lanes, 3 nodes, 3 nodes) [N/m]
-    real(dp), intent(in), optional, contiguous :: along(:, :, :)       !< (lanes, 3, nodes) [m]
-    real(dp) :: stress(lanes, 6, points), energy(lanes)
+  !> Add the forces of a cell in some sectors, in the dofs of its nodes; with `along` the tangent times that in their place.
+  subroutine cell_response(cell, at, u, f, tangent, along, keep, kept, energy)
+    type(cell_t), intent(in) :: cell                           !< cell
+    integer, intent(in), contiguous :: at(:)                   !< places of its nodes in fields
+    real(dp), intent(in) :: u(lanes, 3, *)                     !< displacements (lanes, 3, places) [m]
+    real(dp), intent(inout), optional :: f(lanes, 3, *)        !< forces (lanes, 3, places) [N]
+    real(dp), intent(out), optional :: tangent(lanes, 3*size(at), *)  !< (lanes, 3 nodes, 3 nodes) [N/m]
+    real(dp), intent(in), optional :: along(lanes, 3, *)       !< (lanes, 3, places) [m]
+    real(dp), intent(out), optional :: keep(*)                 !< as of hd_large_strain, like the next
+    real(dp), intent(in), optional :: kept(*)                  !< (15 lanes points)
+    real(dp), intent(inout), optional :: energy(lanes)         !< added to [J]
     associate (modes => cell%condensed_modes)
-      if (present(tangent)) then  ! an absent array passed on has bounds that overflow (gfortran)
-        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
-          cell%pushed, u, stress, energy, f, tangent)
-      else if (present(along)) then
-        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
-          cell%pushed, u, stress, energy, f, v=along)
-      else
-        call hd_large_strain(0, size(u, 3), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
-          cell%pushed, u, stress, energy, f)
-      end if
+      call hd_large_strain(0, size(at), size(modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, modes, &
+        cell%pushed, at, u, energy=energy, f=f, k=tangent, v=along, keep=keep, kept=kept)
     end associate
   end subroutine cell_response
 
-  !> Second Piola-Kirchhoff stress at the Gauss points of a cell of any sector, in the Cartesian directions of the first sector at
-  !> rest, and the energy that the cell stores.
-  subroutine cell_stress(cell, u, stress, energy)
-    type(cell_t), intent(in) :: cell                        !< cell of the first sector
-    real(dp), intent(in) :: u(:, :)                         !< displacements of its nodes (3, nodes) [m]
-    real(dp), intent(out) :: stress(6, points)              !< xx, yy, zz, xy, yz, zx [Pa]
-    real(dp), intent(out) :: energy                         !< [J]
-    real(dp), dimension(lanes, 3, size(u, 2)) :: v, f
-    real(dp) :: s(lanes, 6, points), e(lanes)
-    v = spread(u, 1, lanes)
-    call hd_large_strain(0, size(u, 2), size(cell%condensed_modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, cell%weight, &
-      cell%condensed_modes, cell%pushed, v, s, e, f)
-    stress = s(1, :, :)
-    energy = e(1)
+  !> Second Piola-Kirchhoff stress at the Gauss points of a cell of the first sector and of those like it in all others, in the
+  !> Cartesian directions of the first sector at rest.
+  subroutine cell_stress(cell, u, stress)
+    type(cell_t), intent(in) :: cell             !< cell of the first sector
+    real(dp), intent(in) :: u(:, :, :)           !< displacements of the nodes (3, nodes, sectors) [m]
+    real(dp), intent(out) :: stress(:, :, :)     !< xx, yy, zz, xy, yz, zx (6, points, sectors) [Pa]
+    real(dp) :: v(lanes, 3, size(u, 2)), s(lanes, 6, points)
+    integer :: a, l, sector
+    do sector = 0, size(u, 3) - 1, lanes
+      do l = 1, lanes
+        v(l, :, :) = u(:, :, min(sector + l, size(u, 3)))
+      end do
+      call hd_large_strain(0, size(u, 2), size(cell%condensed_modes, 2), cell%lame(1), cell%lame(2), cell%turn, cell%g, &
+        cell%weight, cell%condensed_modes, cell%pushed, [(a, a=1, size(u, 2))], v, s)
+      do l = 1, min(lanes, size(u, 3) - sector)
+        stress(:, :, sector + l) = s(l, :, :)
+      end do
+    end do
   end subroutine cell_stress
 
   !> Rotations of a body at its nodes, in their dofs: means of the gradients of the cells around, without the strain to its square.

@@ -32,6 +32,7 @@ module hd_mortar
     real(dp), allocatable :: turn(:, :, :)     !< from the dofs of the slave to the frame of the multiplier; unallocated: the same
     real(dp), allocatable :: carry(:, :, :)    !< from those of the master (3, 3, multipliers)
     real(dp), allocatable :: offset(:, :)      !< part of the relative position that is not of displacements (3, multipliers) [m]
+    real(dp), allocatable :: shift(:, :)       !< way on the chart to the opposite (2, multipliers but for the rigid) [m]
   end type mortar_t
 
   integer, parameter :: batch = 1024   !< facets whose overlaps are found together
@@ -63,7 +64,8 @@ contains
     if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
     call new_bins(master, bins)
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
-    allocate (row(0), col(0), val(0))
+    n = 48*size(slave%nodes, 2)  ! where facets meet two others
+    allocate (row(n), col(n), val(n))
     near_nodes = size(slave%nodes, 1)
     far_nodes = size(master%nodes, 1)
     nnz = 0
@@ -244,7 +246,7 @@ contains
     type(mortar_t), intent(inout) :: mortar  !< gets area, ptr, col, val
     integer, intent(in) :: row(:), col(:)    !< coordinate list
     real(dp), intent(in) :: val(:)
-    integer, allocatable :: first(:), list(:), place(:)
+    integer, allocatable :: first(:), list(:), place(:), entry(:), last(:)  ! of each column: its entry in the row where it was last
     integer :: i, j, k, n
     allocate (mortar%area(mortar%n), mortar%ptr(mortar%n + 1), mortar%col(size(row)), mortar%val(size(row)))
     mortar%area = 0
@@ -267,18 +269,20 @@ contains
       list(row(i)) = list(row(i)) + 1
       place(list(row(i))) = i
     end do
+    allocate (entry(maxval(col)), last(maxval(col)), source=0)
     n = 0
     do j = 1, mortar%n
       mortar%ptr(j) = n + 1
       do k = first(j) + 1, first(j + 1)
-        i = findloc(mortar%col(mortar%ptr(j):n), col(place(k)), 1)
-        if (i == 0) then
+        i = col(place(k))
+        if (last(i) /= j) then
           n = n + 1
-          mortar%col(n) = col(place(k))
+          mortar%col(n) = i
           mortar%val(n) = 0
-          i = n - mortar%ptr(j) + 1
+          entry(i) = n
+          last(i) = j
         end if
-        mortar%val(mortar%ptr(j) + i - 1) = mortar%val(mortar%ptr(j) + i - 1) + val(place(k))/mortar%area(j)
+        mortar%val(entry(i)) = mortar%val(entry(i)) + val(place(k))/mortar%area(j)
       end do
       call drop_rounding(mortar, j, n)
     end do

@@ -33,18 +33,27 @@ module hd_pairing
 contains
 
   !> Couple the deformed faces.
-  subroutine pair_faces(pairing, u, mortar)
+  subroutine pair_faces(pairing, u, mortar, again)
     type(pairing_t), intent(in) :: pairing      !< faces
     real(dp), intent(in) :: u(:, :)             !< displacements (3, nodes) [m]
     type(mortar_t), intent(inout) :: mortar     !< coupling before, then anew
+    logical, intent(in), optional :: again      !< in rounds, where one search less does: not the first, it goes on from before
     type(mortar_t) :: new
     real(dp) :: shift(2, pairing%rest%n), frames(3, 3, pairing%rest%n), y(3), base(3)
     integer :: i, j, n
+    logical :: goes_on
     n = pairing%rest%n
     frames = deformed_frames(pairing, u)
     new = pairing%rest
     shift = 0
-    do i = 1, searches
+    goes_on = .false.
+    if (present(again)) goes_on = again
+    if (goes_on) then
+      new = mortar
+      new%val = pairing%sign*new%val
+      shift = mortar%shift
+    end if
+    do i = merge(2, 1, present(again)), searches
       do j = 1, n
         if (.not. new%area(j) > 0) cycle
         y = matmul(frames(:, :, j), apart(pairing, new, u, shift(:, j), j))
@@ -60,6 +69,7 @@ contains
     new%turn(:, :, n + 1:) = spread(frame(0._dp), 3, new%rigid)
     new%carry = new%turn
     new%offset = 0
+    new%shift = shift
     do j = 1, n
       base = [pairing%stretch(j)/pairing%bend(j), 0._dp, 0._dp]
       new%carry(:, :, j) = matmul(frames(:, :, j), frame(shift(1, j)*pairing%bend(j)))

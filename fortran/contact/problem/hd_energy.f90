@@ -2,11 +2,8 @@
 !> Energy that bodies, springs and struts store: what a loop's work less its friction must equal.
 module hd_energy
   use hd_kinds, only: dp
-  use hd_body, only: cell_nodes
-  use hd_hexahedron, only: points
-  use hd_problem, only: problem_t, load_t, elastic_forces, forces_at, strut_closings
+  use hd_problem, only: problem_t, load_t, elastic_forces, forces_at, strain_energy, strut_closings
   use hd_strut, only: strut_energy
-  use hd_total_lagrangian, only: cell_stress
   implicit none
   private
   public :: stored_energy
@@ -33,23 +30,4 @@ contains
     if (.not. allocated(problem%strut_give)) return
     e = e + dot_product(force, matmul(problem%strut_give, force))/2
   end function stored_energy
-
-  !> Energy of the bodies under large displacements [J].
-  real(dp) function strain_energy(problem, u) result(e)
-    type(problem_t), intent(in) :: problem  !< problem
-    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: stress(6, points), part
-    integer :: b, c, s
-    e = 0
-    do b = 1, size(problem%bodies)
-      associate (body => problem%bodies(b))
-        do s = 0, body%sectors - 1
-          do c = 1, size(body%cells, 2)
-            call cell_stress(problem%lagrangian(b)%cells(c), u(:, problem%first(b) + cell_nodes(body, c, s)), stress, part)
-            e = e + part
-          end do
-        end do
-      end associate
-    end do
-  end function strain_energy
 end module hd_energy

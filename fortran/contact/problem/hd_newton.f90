@@ -74,7 +74,6 @@ module hd_newton
     logical :: damped = .false.            !< the line search is on from here on
   end type globalisation_t
 
-  real(dp), parameter :: roughest = 1e-3_dp      !< accuracy of a correction that any residual leads to
   !> what an outer step stiffens by, gains and asks of the next; and Armijo's share of the fall that a Newton step promises
   real(dp), parameter :: tenth = 0.1_dp
   integer, parameter :: halvings = 7            !< of a step in a line search: down to a hundredth of it
@@ -84,7 +83,6 @@ module hd_newton
   real(dp), parameter :: small = 1e-6_dp
   real(dp), parameter :: exact = 1e-9_dp        !< accuracy of a correction that is taken whole,
   real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
-  real(dp), parameter :: forcing = 1e-2_dp   !< accuracy over the residual while pairs still move (Dembo, Eisenstat, Steihaug 1982)
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
   real(dp), parameter :: rounding = 10*epsilon(1._dp)  !< of forces, over that product: none in the bodies is seen
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
@@ -131,7 +129,7 @@ contains
     share = 1
     stay = .false.
     do k = 1, most_pairings
-      if (.not. stay) call pair_bodies(problem, paired)
+      if (.not. stay) call pair_bodies(problem, paired, again=k > 1)
       call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
       if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
       history = [history, more(merge(2, 1, stay):)]
@@ -234,9 +232,8 @@ contains
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(exact, searched, search)
       if (allocated(problem%pairing) .and. .not. search) then
-        ! pairs still move, or little is left to do
-        solver%accuracy = max(solver%accuracy, min(roughest, forcing*here%merit), &
-          min(tenth, tenth*options%tolerance/here%merit))
+        ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do
+        solver%accuracy = max(solver%accuracy, min(tenth, max(here%merit, tenth*options%tolerance/here%merit)))
       end if
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return

@@ -4,6 +4,7 @@ module hd_problem
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_body, only: body_t, sector_stiffness, cell_nodes
+  use hd_hexahedron, only: points
   use hd_block_matrix, only: block_matrix_t, graph_from_cells, cell_places, add_cell, largest_diagonal, multiply
   use hd_total_lagrangian, only: total_lagrangian_t, new_total_lagrangian, cell_response, lanes
   use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
@@ -17,7 +18,7 @@ module hd_problem
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
     add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, &
-    update_struts, elastic_forces, linear_forces, strut_closings, strut_forces, forces_at
+    update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -384,8 +385,55 @@ contains
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
     if (.not. allocated(problem%lagrangian)) return
     problem%tangent_at = u
-    if (allocated(problem%stiffness%val)) call assemble_tangent(problem, problem%stiffness)
+    if (allocated(problem%stiffness%val)) then
+      call assemble_tangent(problem, problem%stiffness)
+    else
+      call keep_strains(problem)
+    end if
   end subroutine update_tangent
+
+  !> Keep what the products of the tangent need of all cells.
+  subroutine keep_strains(problem)
+    type(problem_t), intent(inout) :: problem  !< gets kept of its bodies
+    real(dp), allocatable :: v(:, :, :)
+    integer :: b, c, groups, s
+    do b = 1, size(problem%bodies)
+      associate (body => problem%bodies(b), lagrangian => problem%lagrangian(b))
+        groups = (body%sectors + lanes - 1)/lanes
+        if (.not. allocated(lagrangian%kept)) allocate (lagrangian%kept(15*lanes*points, size(body%cells, 2), 0:groups - 1))
+        !$omp parallel do schedule(static) private(v, c) if(body%sectors*size(body%cells, 2) > long_loop)
+        do s = 0, groups - 1
+          v = group_field(body, problem%first(b), lanes*s, problem%tangent_at)
+          do c = 1, size(body%cells, 2)
+            call cell_response(lagrangian%cells(c), body%cells(:, c), v, keep=lagrangian%kept(:, c, s))
+          end do
+        end do
+        !$omp end parallel do
+      end associate
+    end do
+  end subroutine keep_strains
+
+  !> Energy of the bodies under large displacements [J].
+  real(dp) function strain_energy(problem, u) result(e)
+    type(problem_t), intent(in) :: problem  !< problem with large displacements
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp), allocatable :: v(:, :, :)
+    real(dp) :: part(lanes)
+    integer :: b, c, s
+    e = 0
+    do b = 1, size(problem%bodies)
+      associate (body => problem%bodies(b))
+        do s = 0, body%sectors - 1, lanes
+          v = group_field(body, problem%first(b), s, u)
+          part = 0
+          do c = 1, size(body%cells, 2)
+            call cell_response(problem%lagrangian(b)%cells(c), body%cells(:, c), v, energy=part)
+          end do
+          e = e + sum(part(:min(lanes, body%sectors - s)))
+        end do
+      end associate
+    end do
+  end function strain_energy
 
   !> Tangent of the present displacements, with springs.
   subroutine assemble_tangent(problem, matrix)
@@ -447,42 +495,71 @@ contains
     real(dp), intent(inout) :: f(:, :)                         !< forces (3, n), added to [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
     real(dp), intent(in), optional :: along(:, :)              !< as of sum_cells
-    real(dp), dimension(lanes, 3, size(body%cells, 1)) :: v, part, way
-    real(dp), allocatable :: ke(:, :, :)
-    integer :: c, l, many, list(size(body%cells, 1), lanes)
-    if (present(tangent)) allocate (ke(lanes, 3*size(list, 1), 3*size(list, 1)))
+    real(dp), allocatable :: v(:, :, :), part(:, :, :), way(:, :, :), ke(:, :, :)  ! absent arguments where they are not there
+    integer :: a, b, c, l, many
     many = min(lanes, body%sectors - sector)
-    v = 0
-    way = 0
+    if (present(tangent)) allocate (ke(lanes, 3*size(body%cells, 1), 3*size(body%cells, 1)))
+    if (present(along)) way = group_field(body, first, sector, along)
+    if (present(along) .and. allocated(lagrangian%kept)) then
+      allocate (v(lanes, 3, 0), part(lanes, 3, size(way, 3)))
+    else
+      v = group_field(body, first, sector, u)
+      allocate (part, mold=v)
+    end if
+    part = 0
     do c = 1, size(body%cells, 2)
-      do l = 1, many
-        list(:, l) = first + cell_nodes(body, c, sector + l - 1)
-        v(l, :, :) = u(:, list(:, l))
-        if (present(along)) way(l, :, :) = along(:, list(:, l))
-      end do
-      if (present(tangent)) then
-        call cell_response(lagrangian%cells(c), v, part, ke)
-      else if (present(along)) then
-        call cell_response(lagrangian%cells(c), v, part, along=way)
+      if (size(v) > 0) then
+        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, ke, way)
       else
-        call cell_response(lagrangian%cells(c), v, part)
+        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, along=way, kept=lagrangian%kept(:, c, sector/lanes))
       end if
+      do l = 1, merge(many, 0, present(tangent))
+        call add_cell(tangent, lagrangian%place(:, :, c, sector + l - 1), ke(l, :, :))
+      end do
+    end do
+    do a = 1, size(part, 3)
       do l = 1, many
-        f(:, list(:, l)) = f(:, list(:, l)) + part(l, :, :)
-        if (present(tangent)) call add_cell(tangent, lagrangian%place(:, :, c, sector + l - 1), ke(l, :, :))
+        b = first + group_node(body, sector + l - 1, a)
+        f(:, b) = f(:, b) + part(l, :, a)
       end do
     end do
   end subroutine sum_group
 
+  !> A nodal field at the nodes of all cells of a group of sectors, of one sector and the next in each lane.
+  pure function group_field(body, first, sector, u) result(v)
+    type(body_t), intent(in) :: body   !< body
+    integer, intent(in) :: first       !< nodes before it
+    integer, intent(in) :: sector      !< first of the group, from 0
+    real(dp), intent(in) :: u(:, :)    !< field (3, n)
+    real(dp), allocatable :: v(:, :, :)  !< (lanes, 3, places as in the cells)
+    integer :: a, l
+    allocate (v(lanes, 3, maxval(body%cells)))
+    do a = 1, size(v, 3)
+      do l = 1, lanes
+        v(l, :, a) = u(:, first + group_node(body, min(sector + l, body%sectors) - 1, a))
+      end do
+    end do
+  end function group_field
+
+  !> Node of a sector at a place as in the cells, of which the second half belongs to the next sector.
+  pure integer function group_node(body, sector, place) result(node)
+    type(body_t), intent(in) :: body   !< body
+    integer, intent(in) :: sector      !< from 0
+    integer, intent(in) :: place       !< as in the cells
+    node = sector*body%nodes_per_sector + place
+    if (node > body%sectors*body%nodes_per_sector) node = node - body%sectors*body%nodes_per_sector
+  end function group_node
+
   !> Couple the faces, and place struts, where they are; nothing to do for pairs that stay those at rest.
-  subroutine pair_bodies(problem, u)
+  subroutine pair_bodies(problem, u, again)
     type(problem_t), intent(inout) :: problem  !< gets its mortar and its struts anew
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    logical, intent(in), optional :: again     !< as of pair_faces
     type(strut_t) :: new
     integer :: i, n
     logical :: same
     if (.not. allocated(problem%pairing)) return
-    call pair_faces(problem%pairing, u, problem%mortar)
+    call pair_faces(problem%pairing, u, problem%mortar, again)
     if (.not. allocated(problem%placing)) return
     n = problem%placing%struts
     if (.not. allocated(problem%strut_shift)) allocate (problem%strut_shift(n))

@@ -182,7 +182,7 @@ contains
     real(dp), intent(out), contiguous :: t(:, :, :)   !< at the nodes (6, nodes, sectors) [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< as of nodal_stress
     integer :: list(nodes_per_element(body%kind)), sector, a, n
-    real(dp) :: to_nodes(size(list), points), energy
+    real(dp) :: to_nodes(size(list), points)
     real(dp), allocatable :: v(:, :, :)
     n = body%sectors
     allocate (v(3, size(list), n))
@@ -194,8 +194,8 @@ contains
     if (present(lagrangian)) then
       to_nodes = extrapolation(size(list))
       list = cell_nodes(body, cell, 0)
+      call cell_stress(lagrangian%cells(cell), v, s)
       do sector = 1, n
-        call cell_stress(lagrangian%cells(cell), v(:, :, sector), s(:, :, sector), energy)
         do a = 1, merge(size(list), 0, nodal)
           t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
         end do

@@ -105,6 +105,7 @@ contains
     type(string_t), allocatable :: faults(:)
     type(error_t), allocatable :: refused
     real(dp) :: value
+    logical :: law
     integer :: try, side
     do try = 1, -1, -2
       moved = scene
@@ -140,7 +141,8 @@ contains
         if (.not. fits) cycle
         other%scene = moved
         other%joint = joint
-        if (any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])) call scene_joint(moved, other%joint, error)
+        law = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
+        if (law) call scene_joint(moved, other%joint, error)
         if (allocated(error) .or. other%idle) return
         other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
         if (other%whole) then
@@ -157,7 +159,7 @@ contains
         end if
         if (allocated(error)) return
         fits = same_mesh(other%drive, drive)
-        if (fits) call compare_drives(scene, drive, other, any(p%group == [character(len=8) :: 'material', 'joint', 'contact']))
+        if (fits) call compare_drives(scene, drive, other, law)
         if (fits) return
       end associate
     end do

@@ -12,7 +12,7 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
-  use hd_vector, only: many
+  use hd_vector, only: add, many
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
@@ -232,7 +232,7 @@ contains
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp) :: f(3, problem%n)
-    integer :: b
+    integer :: b, i
     if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u)
       f = f + problem%spring*u
@@ -242,9 +242,11 @@ contains
       f = multiply(problem%stiffness, u)
       return
     end if
-    !$omp parallel workshare if(size(u) > many)
-    f = problem%spring*u
-    !$omp end parallel workshare
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      f(:, i) = problem%spring(:, i)*u(:, i)
+    end do
+    !$omp end parallel do
     do b = 1, size(problem%bodies)
       associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
         call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
@@ -269,26 +271,22 @@ contains
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
-    real(dp) :: r(3, problem%n), f(3, problem%n)
+    real(dp) :: r(3, problem%n)
     real(dp), allocatable :: forces(:)
     integer :: i
-    f = load%force
-    call add_nodal_forces(problem%mortar, state%traction, f)
-    if (allocated(problem%struts)) then
-      forces = strut_forces(problem, load, state%u)
-      do i = 1, size(forces)
-        if (abs(forces(i)) > 0) call push(problem%struts(i), -forces(i), f)
-      end do
-    end if
     if (allocated(problem%lagrangian)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
-      r = r + problem%spring*state%u - f
+      r = r + problem%spring*state%u
     else
       r = elastic_forces(problem, state%u)
-      !$omp parallel workshare if(size(f) > many)
-      r = r - f
-      !$omp end parallel workshare
     end if
+    call add(size(r), -1._dp, load%force, r)
+    call add_nodal_forces(problem%mortar, state%traction, r, factor=-1._dp)
+    if (.not. allocated(problem%struts)) return
+    forces = strut_forces(problem, load, state%u)
+    do i = 1, size(forces)
+      if (abs(forces(i)) > 0) call push(problem%struts(i), forces(i), r)
+    end do
   end function internal_residual
 
   !> Closings of the struts, less what they stand on gives way [m].

@@ -226,12 +226,18 @@ contains
     class(sharing_t), intent(in) :: self            !< sharing
     real(dp), intent(inout) :: dw(:, :, :)          !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(inout) :: dt(:, :, :)          !< dR/dt (3, 3, multipliers)
-    integer :: j
+    integer :: i, j, k
     if (.not. allocated(self%representative)) return
-    do j = 1, size(self%representative)  ! an representative is not behind its images
-      dw(:, :, j) = dw(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
-      dt(:, :, j) = dt(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+    !$omp parallel do schedule(static) private(i, k) if(9*size(self%representative) > many)
+    do j = 1, size(self%representative)
+      i = self%representative(j)  ! stays as it is
+      if (i == j) cycle
+      do k = 1, 3
+        dw(:, k, j) = dw(:, k, i)*self%sign(:, j)*self%sign(k, j)
+        dt(:, k, j) = dt(:, k, i)*self%sign(:, j)*self%sign(k, j)
+      end do
     end do
+    !$omp end parallel do
   end subroutine take_law
 
   !> A field equals its image.

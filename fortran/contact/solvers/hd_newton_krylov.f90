@@ -241,7 +241,7 @@ contains
     left = b
     residual = 1
     do k = 1, most_starts
-      call solve_gmres(op, left, self%accuracy/residual, most_steps, dx, steps, share, error, flexible=.true.)
+      call solve_gmres(op, left, self%accuracy/residual, most_steps, dx, steps, share, error)
       if (allocated(error)) return
       x = x + dx
       residual = share*residual

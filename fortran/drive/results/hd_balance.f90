@@ -122,7 +122,7 @@ contains
   end function lateral_force
 
   !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].
-  pure real(dp) function contact_torque(drive, state) result(m)
+  real(dp) function contact_torque(drive, state) result(m)
     type(drive_t), intent(in) :: drive  !< drive
     type(state_t), intent(in) :: state  !< state or iterate
     real(dp) :: force(3, drive%problem%n)

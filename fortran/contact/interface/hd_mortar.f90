@@ -442,16 +442,14 @@ contains
     end do
   end function radial_force
 
-  !> Means over the slave facets of a field known at the multipliers.
-  pure function facet_mean(mortar, field) result(mean)
-    type(mortar_t), intent(in) :: mortar  !< coupling
-    real(dp), intent(in) :: field(:)      !< (multipliers)
-    real(dp) :: mean(size(mortar%facet, 2)), area
-    integer :: f
-    do f = 1, size(mean)
-      area = sum(mortar%share(:, f))
-      mean(f) = 0
-      if (area > 0) mean(f) = dot_product(mortar%share(:, f), field(mortar%facet(:, f)))/area
-    end do
+  !> Mean over a slave facet of a field known at the multipliers.
+  pure real(dp) function facet_mean(mortar, f, corner) result(mean)
+    type(mortar_t), intent(in) :: mortar   !< coupling
+    integer, intent(in) :: f               !< facet
+    real(dp), intent(in) :: corner(4)      !< the field at its multipliers
+    real(dp) :: area
+    area = sum(mortar%share(:, f))
+    mean = 0
+    if (area > 0) mean = dot_product(mortar%share(:, f), corner)/area
   end function facet_mean
 end module hd_mortar

@@ -14,12 +14,14 @@ module hd_rate
   use hd_newton, only: idle_components
   use hd_problem, only: problem_t
   use hd_rate_law, only: rate_point_t, rate_rows, rate_drive, asked_state, missed_work, rate_stick, rate_slip
+  use hd_vector, only: dot
   implicit none
   private
   public :: respond_by_rates, rate_matrices
 
   integer, parameter :: most = 24             !< sets of states
   integer, parameter :: halves = 10           !< of the way of the drives, at most
+  integer, parameter :: long_loop = 3000      !< points from which two threads are worth waking
   integer, parameter :: refinements = 11      !< solves for the last of them
   real(dp), parameter :: coarse = 1e-3_dp     !< relative accuracy of inner iterations while states are sought,
   real(dp), parameter :: accuracy = 1e-6_dp   !< and of the solution
@@ -58,17 +60,19 @@ contains
       solver%inner = newtons
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, du)
+      !$omp parallel do schedule(static) if(size(points) > long_loop)
       do j = 1, size(points)
         new(j) = rate_drive(points(j), friction, problem%law%scale, w(2:, j), traction(:, j))
+        next(j) = asked_state(points(j), new(j))
       end do
-      next = asked_state(points, new)
+      !$omp end parallel do
       turned = count(.not. alike(next, points))
       missed = 0
       do j = 1, size(points)
         if (.not. alike(next(j), points(j))) missed = missed + &
           problem%mortar%area(j)*missed_work(next(j), friction, w(2:, j), traction(:, j))
       end do
-      negligible = missed <= of_work*abs(sum(force*du))
+      negligible = missed <= of_work*abs(dot(size(du), force, du))
       settled = accurate .and. negligible
       if (last .and. (turned == 0 .or. k >= most)) return
       last = last .or. negligible .or. k >= most - 1
@@ -94,6 +98,7 @@ contains
     logical :: idle(3, size(points))
     integer :: c, i, j
     idle = idle_components(problem)
+    !$omp parallel do schedule(static) private(c, i) if(size(points) > long_loop)
     do j = 1, size(points)
       call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))
       do c = 1, 3
@@ -102,6 +107,7 @@ contains
         dt(c, :, j) = [(merge(1, 0, i == c), i=1, 3)]
       end do
     end do
+    !$omp end parallel do
   end subroutine rate_matrices
 
   !> Both states have the same rows.

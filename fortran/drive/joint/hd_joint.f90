@@ -378,12 +378,10 @@ contains
   end subroutine evaluate_joint
 
   !> d ln K_T / d ln P at a constant share of the friction; 0 without stiffness.
-  elemental real(dp) function pressure_power(joint, pressure, shear) result(a)
-    type(joint_t), intent(in) :: joint         !< joint
+  elemental real(dp) function pressure_power(r, pressure, shear) result(a)
+    type(response_t), intent(in) :: r          !< answer of the joint to these
     real(dp), intent(in) :: pressure, shear    !< nominal [Pa]
-    type(response_t) :: r
     a = 0
-    call evaluate_joint(joint, pressure, shear, 1._dp, r)
     if (r%k_t > 0) a = (pressure*r%dk_t_dp + shear*r%dk_t_dtau)/r%k_t
   end function pressure_power
 end module hd_joint

@@ -4,7 +4,7 @@ module hd_joint_range
   use hd_kinds, only: dp, pi, hair
   use hd_asperity, only: edge, fully_plastic
   use hd_error, only: error_t, raise, code_input
-  use hd_joint, only: joint_t, spots_t, find_largest_spot, pressure_power, real_area
+  use hd_joint, only: joint_t, response_t, spots_t, evaluate_joint, find_largest_spot, pressure_power, real_area
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
@@ -35,6 +35,7 @@ contains
     real(dp), intent(in) :: pressure                          !< largest pressure [Pa]
     type(string_t), allocatable, intent(out) :: lines(:)      !< warnings, none if all holds
     type(spots_t) :: s
+    type(response_t) :: r
     real(dp) :: s_l, base, power
     integer :: iterations
     allocate (lines(0))
@@ -65,7 +66,8 @@ contains
       call push(lines, 's_min is plastic already: no spot has stiffness, K_N = K_T = 0. '// &
         "Lower s_min, or count plastic spots as elastic (joint.plastic_spots = 'elastic', plastic=True in Python)")
     end if
-    power = pressure_power(joint, pressure, (1 - just)*joint%mu*pressure)
+    call evaluate_joint(joint, pressure, (1 - just)*joint%mu*pressure, 1._dp, r)
+    power = pressure_power(r, pressure, (1 - just)*joint%mu*pressure)
     if (power < 0) call push(lines, 'K_T about to slip falls as the pressure grows, d ln K_T / d ln p = '//to_text(power)// &
       ': more pressure looks softer in Eq. 45. Read the tangent')
     if (s%excess < just) then

@@ -25,6 +25,7 @@ module hd_drive
   use hd_strut_step, only: remember
   use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
+  use hd_vector, only: many
   implicit none
   private
   public :: drive_t, new_drive, renew_drive, drive_load, strut_load, step_friction, touch_teeth
@@ -405,16 +406,22 @@ contains
     type(load_t), intent(out) :: load     !< load
     type(state_t), intent(in), optional :: state   !< its flanks are there, once the assembly has ended;
     type(state_t), intent(in), optional :: before  !< at the beginning of the step they remember this state, else `state`
-    integer :: m
+    integer :: i, m
     load%friction = friction
     if (drive%exact .and. assembly < 1) then
       load%displacement = assembled(drive, assembly)
     else
-      load%displacement = assembly*drive%assembly
+      allocate (load%displacement, mold=drive%assembly)
     end if
-    load%force = torque*drive%torque + abs(torque)*drive%squeeze
+    allocate (load%force, mold=drive%torque)
+    !$omp parallel do schedule(static) if(size(load%force) > many)
+    do i = 1, size(load%force, 2)
+      if (.not. drive%exact .or. assembly >= 1) load%displacement(:, i) = assembly*drive%assembly(:, i)
+      load%force(:, i) = torque*drive%torque(:, i) + abs(torque)*drive%squeeze(:, i)
+      load%force(1, i) = load%force(1, i) + drive%problem%spring(1, i)*load%displacement(1, i)
+    end do
+    !$omp end parallel do
     if (allocated(drive%problem%struts)) call strut_load(drive, assembly, load, state, before)
-    load%force(1, :) = load%force(1, :) + drive%problem%spring(1, :)*load%displacement(1, :)
     associate (mortar => drive%problem%mortar)
       m = mortar%n - mortar%rigid
       load%gap = [spread(-assembly*drive%interference, 1, m), -load%displacement(1, mortar%node(m + 1:))]

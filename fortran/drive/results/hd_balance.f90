@@ -2,14 +2,17 @@
 !> Where the torque leaves the scene: moments about the axis of the forces of each support, and the balance of all forces.
 module hd_balance
   use hd_kinds, only: dp
-  use hd_body, only: axial_moment, cartesian
+  use hd_body, only: resultant
   use hd_drive, only: drive_t
   use hd_mortar, only: add_nodal_forces
   use hd_problem, only: state_t, load_t, internal_residual, strut_forces
   use hd_strut, only: push
+  use hd_vector, only: many
   implicit none
   private
-  public :: support_torques_t, moment_on_cam, support_torques, moment, contact_torque
+  public :: support_torques_t, moment_on_cam, support_torques, body_resultant, contact_torque
+
+  integer, parameter :: block = 8000     !< nodes whose forces are summed one behind the other
 
   !> What each support takes of the torque, positive in the sense of a torque on the rim; their sum is that torque.
   type :: support_torques_t
@@ -28,53 +31,64 @@ contains
     type(drive_t), intent(in) :: drive  !< drive
     type(load_t), intent(in) :: load    !< load of the step
     type(state_t), intent(in) :: state  !< converged state
-    real(dp), intent(in) :: r(:, :)     !< reactions at fixed dofs, else 0 (3, n) [N]
+    real(dp), intent(in) :: r(:, :)     !< forces that are out of balance, at fixed dofs reactions (3, n) [N]
     type(support_torques_t) :: torque
-    real(dp), dimension(3, drive%problem%n) :: part, all
-    real(dp), allocatable :: force(:)
+    real(dp), allocatable :: all(:, :), force(:)
+    real(dp) :: total(3)
     integer :: i
-    associate (problem => drive%problem)
-      part = 0
-      part(:, drive%hub) = r(:, drive%hub)
-      part(:, drive%sprung) = part(:, drive%sprung) - problem%spring(:, drive%sprung)*state%u(:, drive%sprung)
-      torque%hub = -moment(drive, state, part, drive%b_cup)
-      torque%hub_force = -lateral_force(drive, part)
-      all = part + load%force
-      part = forces_of_cam(drive, load, state, r)
-      torque%wave_generator = -moment(drive, state, part, drive%b_ring)
-      all = all + part
-      part = 0
-      part(2, drive%inner) = -problem%spring(2, drive%inner)*state%u(2, drive%inner)
-      torque%ring_springs = -moment(drive, state, part, drive%b_ring)
-      all = all + part
-      all(1, drive%inner) = all(1, drive%inner) - problem%spring(1, drive%inner)*load%displacement(1, drive%inner)
+    associate (problem => drive%problem, inner => drive%inner, hub => drive%hub, sprung => drive%sprung)
+      all = load%force
+      total = 0
+      call take(hub, drive%b_cup, merge(r(:, hub), 0._dp, problem%fixed(:, hub)))
+      call take(sprung, drive%b_cup, -problem%spring(:, sprung)*state%u(:, sprung))
+      torque%hub = -total(3)
+      torque%hub_force = -total(:2)
+      total = 0
+      call take(inner, drive%b_ring, forces_of_cam(drive, load, state, r))
+      torque%wave_generator = -total(3)
+      total = 0
+      call take(inner, drive%b_ring, spread([0, 1, 0], 2, size(inner))*(-problem%spring(:, inner)*state%u(:, inner)))
+      torque%ring_springs = -total(3)
+      all(1, inner) = all(1, inner) - problem%spring(1, inner)*load%displacement(1, inner)
       if (allocated(problem%struts)) then
         force = strut_forces(problem, load, state%u)
         do i = 1, size(force)
           call push(problem%struts(i), -force(i), all)
         end do
       end if
-      torque%balance = moment(drive, state, all, 1) + moment(drive, state, all, 2)
-      torque%lateral = lateral_force(drive, all)
+      total = body_resultant(drive, state, all, 1) + body_resultant(drive, state, all, 2)
+      torque%balance = total(3)
+      torque%lateral = total(:2)
     end associate
+  contains
+    !> Add forces on nodes of a body to all, and to their sum.
+    subroutine take(nodes, b, part)
+      integer, intent(in) :: nodes(:)      !< nodes
+      integer, intent(in) :: b             !< body
+      real(dp), intent(in) :: part(:, :)   !< forces (3, nodes) [N]
+      all(:, nodes) = all(:, nodes) + part
+      total = total + nodes_resultant(drive, state, nodes, part, b)
+    end subroutine take
   end function support_torques
 
-  !> Forces of the wave generator on the ring where no balls lie between them (3, n) [N].
-  function forces_of_cam(drive, load, state, reactions) result(force)
+  !> Forces of the wave generator on the nodes of the ring's inner face where no balls lie between them (3, inner) [N].
+  function forces_of_cam(drive, load, state, r) result(force)
     type(drive_t), intent(in) :: drive         !< drive
     type(load_t), intent(in) :: load           !< load of the step
     type(state_t), intent(in) :: state         !< converged state
-    real(dp), intent(in) :: reactions(:, :)    !< at fixed dofs (3, n) [N]
-    real(dp) :: force(3, drive%problem%n), traction(3, drive%problem%mortar%n)
-    force = 0
+    real(dp), intent(in) :: r(:, :)            !< as of support_torques
+    real(dp) :: force(3, size(drive%inner))
+    real(dp), allocatable :: contact(:, :), traction(:, :)
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, inner => drive%inner)
+      force = merge(r(:, inner), 0._dp, problem%fixed(:, inner))
       if (m < problem%mortar%n) then
         traction = state%traction
         traction(:, :m) = 0
-        call add_nodal_forces(problem%mortar, traction, force)
+        allocate (contact(3, problem%n), source=0._dp)
+        call add_nodal_forces(problem%mortar, traction, contact)
+        force = force + contact(:, inner)
       end if
-      force(:, inner) = force(:, inner) + reactions(:, inner)
-      force(1, inner) = force(1, inner) + problem%spring(1, inner)*(load%displacement(1, inner) - state%u(1, inner))
+      force(1, :) = force(1, :) + problem%spring(1, inner)*(load%displacement(1, inner) - state%u(1, inner))
     end associate
   end function forces_of_cam
 
@@ -84,50 +98,72 @@ contains
     type(drive_t), intent(in) :: drive   !< whole drive
     type(load_t), intent(in) :: load     !< load of the step
     type(state_t), intent(in) :: state   !< converged state
-    real(dp) :: m, force(3, drive%problem%n)
-    force = internal_residual(drive%problem, load, state)
-    where (.not. drive%problem%fixed) force = 0
-    force = forces_of_cam(drive, load, state, force)
-    m = sum(force(1, drive%inner)*drive%slope) - moment(drive, state, force, drive%b_ring)
+    real(dp) :: m, force(3, size(drive%inner)), total(3)
+    force = forces_of_cam(drive, load, state, internal_residual(drive%problem, load, state))
+    total = nodes_resultant(drive, state, drive%inner, force, drive%b_ring)
+    m = sum(force(1, :)*drive%slope) - total(3)
   end function moment_on_cam
 
-  !> Moment about the axis of the nodal forces on one body [N m].
-  pure real(dp) function moment(drive, state, force, b) result(m)
+  !> Resultant of forces on nodes of one body, as of `resultant`.
+  pure function nodes_resultant(drive, state, nodes, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
     type(state_t), intent(in) :: state     !< with large displacements the deformed bodies count
-    real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
+    integer, intent(in) :: nodes(:)        !< nodes
+    real(dp), intent(in) :: force(:, :)    !< (3, nodes) [N]
     integer, intent(in) :: b               !< body
-    associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
+    real(dp) :: r(3)
+    integer :: i
+    r = 0
+    do i = 1, size(nodes)
+      r = r + part_resultant(drive, state, nodes(i), force(:, i:i), b)
+    end do
+  end function nodes_resultant
+
+  !> The same of nodes that follow each other from one on.
+  pure function part_resultant(drive, state, from, force, b) result(r)
+    type(drive_t), intent(in) :: drive     !< drive
+    type(state_t), intent(in) :: state     !< state
+    integer, intent(in) :: from            !< first of them
+    real(dp), intent(in) :: force(:, :)    !< (3, these nodes) [N]
+    integer, intent(in) :: b               !< body
+    real(dp) :: r(3)
+    associate (body => drive%problem%bodies(b), first => drive%problem%first(b), to => from - 1 + size(force, 2))
       if (allocated(drive%problem%lagrangian)) then
-        m = axial_moment(body, force(:, first + 1:first + body%nodes()), state%u(:, first + 1:first + body%nodes()))
+        r = resultant(body, from - 1 - first, force, state%u(:, from:to))
       else
-        m = axial_moment(body, force(:, first + 1:first + body%nodes()))
+        r = resultant(body, from - 1 - first, force)
       end if
     end associate
-  end function moment
+  end function part_resultant
 
-  !> Sum along x and y of nodal forces on both bodies [N].
-  pure function lateral_force(drive, force) result(f)
+  !> Resultant of the nodal forces on one body, summed in blocks of one length whatever the number of threads.
+  function body_resultant(drive, state, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
+    type(state_t), intent(in) :: state     !< state
     real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
-    real(dp) :: f(2), v(3)
-    integer :: b
-    f = 0
-    do b = 1, 2
-      associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
-        v = sum(cartesian(body, force(:, first + 1:first + body%nodes())), 2)
-      end associate
-      f = f + v(:2)
-    end do
-  end function lateral_force
+    integer, intent(in) :: b               !< body
+    real(dp) :: r(3), part(3, drive%problem%bodies(b)%nodes()/block + 1)
+    integer :: k
+    associate (first => drive%problem%first(b), last => drive%problem%first(b) + drive%problem%bodies(b)%nodes())
+      !$omp parallel do schedule(static) if(size(force) > many)
+      do k = 1, size(part, 2)
+        associate (from => first + block*(k - 1) + 1, to => min(last, first + block*k))
+          part(:, k) = part_resultant(drive, state, from, force(:, from:to), b)
+        end associate
+      end do
+      !$omp end parallel do
+    end associate
+    r = sum(part, 2)
+  end function body_resultant
 
   !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].
   real(dp) function contact_torque(drive, state) result(m)
     type(drive_t), intent(in) :: drive  !< drive
     type(state_t), intent(in) :: state  !< state or iterate
-    real(dp) :: force(3, drive%problem%n)
+    real(dp) :: force(3, drive%problem%n), total(3)
     force = 0
     call add_nodal_forces(drive%problem%mortar, -state%traction, force)
-    m = moment(drive, state, force, drive%b_ring)
+    total = body_resultant(drive, state, force, drive%b_ring)
+    m = total(3)
   end function contact_torque
 end module hd_balance

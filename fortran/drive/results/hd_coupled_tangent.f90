@@ -16,6 +16,7 @@ module hd_coupled_tangent
   use hd_problem, only: load_t, state_t
   use hd_rate, only: respond_by_rates
   use hd_rate_law, only: rate_point_t, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
+  use hd_vector, only: dot, many
   implicit none
   private
   public :: answer_t, coupled_response, glued_response, contact_alone, joint_points
@@ -30,6 +31,8 @@ module hd_coupled_tangent
 
   !> share by which shear lies below slip, and of the unsheared stiffness that a point keeps there
   real(dp), parameter :: just = 1e-6_dp
+  integer, parameter :: long_loop = 1500   !< points from which two threads are worth waking
+  integer, parameter :: share = 128        !< points of a thread's turn: those that press lie together
 
 contains
 
@@ -38,7 +41,7 @@ contains
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(joint_t), intent(in) :: joint                   !< joint, its shear capped by the friction of the step
-    type(load_t), intent(in) :: load                     !< of the state
+    type(load_t), intent(inout) :: load                  !< of the state; left as it is
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
     type(answer_t), intent(out) :: answer                !< to a further unit of torque
@@ -58,6 +61,7 @@ contains
     real(dp) :: shear
     integer :: j, m
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
+    !$omp parallel do schedule(static, share) private(sheared, free, shear) if(m > long_loop)
     do j = 1, size(state%contact)
       if (state%contact(j) == open_state) cycle
       points(j)%state = rate_rigid
@@ -82,13 +86,14 @@ contains
         if (.not. points(j)%k_t > 0) points(j)%k_t = just*points(j)%k_0
       end associate
     end do
+    !$omp end parallel do
   end function joint_points
 
   !> The same with the faces glued all over.
   subroutine glued_response(drive, solver, load, sense, state, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive, its tangent that of the state
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
-    type(load_t), intent(in) :: load                     !< of the state
+    type(load_t), intent(inout) :: load                  !< of the state; left as it is
     real(dp), intent(in) :: sense                        !< of the torque, +1 or -1
     type(state_t), intent(in) :: state                   !< converged state
     type(answer_t), intent(out) :: answer                !< to a further unit of torque
@@ -124,22 +129,28 @@ contains
   subroutine turn(drive, solver, load, sense, state, friction, answer, error)
     type(drive_t), intent(in) :: drive                   !< drive
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
-    type(load_t), intent(in) :: load                     !< of the state
+    type(load_t), intent(inout) :: load                  !< of the state; left as it is
     real(dp), intent(in) :: sense                        !< of the torque
     type(state_t), intent(in) :: state                   !< converged state
     real(dp), intent(in) :: friction                     !< mu
     type(answer_t), intent(inout) :: answer              !< has its points in their first states
     type(error_t), allocatable, intent(out) :: error     !< linear solver
-    type(load_t) :: further
-    real(dp) :: force(3, drive%problem%n)
-    allocate (answer%du(3, drive%problem%n), source=0._dp)
-    allocate (answer%traction(3, size(answer%points)), source=0._dp)
-    force = sense*drive%torque + drive%squeeze
-    further = load
-    further%force = load%force + force
-    call solver%begin(drive%problem, further, state, error)
+    real(dp), allocatable :: force(:, :), without(:, :)
+    integer :: i
+    allocate (answer%du(3, drive%problem%n), answer%traction(3, size(answer%points)))
+    call move_alloc(load%force, without)
+    allocate (load%force, force, mold=without)
+    !$omp parallel do schedule(static) if(size(force) > many)
+    do i = 1, size(force, 2)
+      force(:, i) = sense*drive%torque(:, i) + drive%squeeze(:, i)
+      load%force(:, i) = without(:, i) + force(:, i)
+    end do
+    !$omp end parallel do
+    call solver%begin(drive%problem, load, state, error)
+    call move_alloc(without, load%force)
     if (.not. allocated(error)) call respond_by_rates(drive%problem, solver, force, friction, answer%points, answer%du, &
       answer%traction, answer%settled, error)
-    if (.not. allocated(error)) answer%flexibility = sense*sum(drive%gauge*answer%du)
+    if (.not. allocated(error)) answer%flexibility = sense*dot(size(answer%du), drive%gauge, &
+      answer%du)
   end subroutine turn
 end module hd_coupled_tangent

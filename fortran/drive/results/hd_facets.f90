@@ -3,19 +3,19 @@
 module hd_facets
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp, pi
-  use hd_body, only: body_t, cartesian, frame
+  use hd_body, only: frame
   use hd_contact_edge, only: softening
   use hd_contact_law, only: open_state, stick_state, slip_state
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, evaluate_joint, pressure_power
-  use hd_mortar, only: mortar_t, facet_mean, add_nodal_forces, radial_force
-  use hd_problem, only: state_t, load_t, internal_residual
+  use hd_mortar, only: facet_mean, add_nodal_forces, radial_force
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
   use hd_persson_error, only: theory_error_t
-  use hd_balance, only: support_torques_t, support_torques, moment
+  use hd_balance, only: support_torques_t, support_torques, body_resultant
   use hd_twist_shares, only: part_names
-  use hd_vector, only: cross
+  use hd_vector, only: cross, dot, many
   implicit none
   private
   public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness, &
@@ -87,6 +87,9 @@ module hd_facets
     'hub_torque_nm,wave_generator_torque_nm,ring_spring_torque_nm'
   real(dp), parameter :: just_below = 1e-6_dp !< share by which shear stays below slip, where K_T has no slope
   real(dp), parameter :: smallest = 1e-7_dp   !< share by which a traction or the radius is changed for slopes
+  integer, parameter :: long_loop = 1500      !< facets from which two threads are worth waking
+  integer, parameter :: share = 128           !< points of a thread's turn: those that press lie together
+  integer, parameter :: block = 8000          !< nodes summed one behind the other
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
 
 contains
@@ -122,100 +125,108 @@ contains
     type(joint_t), intent(in) :: joint      !< joint, its shear capped by the friction of the step
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(out) :: facets   !< fields
-    real(dp), allocatable :: x(:, :), point(:, :)
+    real(dp), allocatable :: point(:, :)
     type(response_t), allocatable :: response(:)
-    real(dp) :: c(3, 4), d(3), e(3), unit
-    integer :: f, i, n
+    real(dp) :: c(3, 4), along(3), turn(3, 3), unit
+    integer :: f, i, k, n, at(4)
     n = size(drive%face%nodes, 2)
-    allocate (facets%x(3, n), facets%bent(3, n), facets%traction(3, n), facets%slip(2, n), facets%state(n))
+    allocate (facets%theta(n), facets%area(n), facets%gap(n), facets%x(3, n), facets%normal(3, n), facets%bent(3, n))
+    allocate (facets%traction(3, n), facets%slip(2, n), facets%state(n))
     allocate (facets%corner(2, 4, n), facets%k_n(n), facets%k_t(n), facets%slipping(2, n), point(2, size(state%traction, 2)))
     allocate (response(size(point, 2)))
-    point = effective(drive, joint, state%traction)
-    call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
+    call answer(drive, joint, state%traction, point, response)
     associate (mortar => drive%problem%mortar, slave => drive%problem%bodies(1))
-      x = slave%x + cartesian(slave, state%u(:, :slave%nodes()))
-      facets%theta = sum(drive%face%chart(1, :, :), 1)/(4*drive%radius)
-      facets%area = sum(mortar%share, 1)
-      facets%normal = acting_normals(mortar, slave)
-      facets%gap = facet_mean(mortar, state%gap)
-      do i = 1, 3
-        facets%traction(i, :) = facet_mean(mortar, state%traction(i, :))
-      end do
-      do i = 1, 2
-        facets%slip(i, :) = facet_mean(mortar, state%slip(i, :))
-      end do
+      !$omp parallel do schedule(static) private(c, along, turn, unit, i, k, at) if(n > long_loop)
       do f = 1, n
-        c = x(:, drive%face%nodes(:4, f))
+        at = mortar%facet(:, f)
+        facets%theta(f) = sum(drive%face%chart(1, :, f))/(4*drive%radius)
+        facets%area(f) = sum(mortar%share(:, f))
+        facets%normal(:, f) = 0  ! of the equilibrium: at rest, with large displacements of the faces as they are paired
+        do k = 1, 4
+          i = drive%face%nodes(k, f)
+          turn = frame(slave%angle(i))
+          c(:, k) = slave%x(:, i) + matmul(turn, state%u(:, i))
+          along = [1, 0, 0]
+          if (allocated(mortar%turn)) along = mortar%turn(1, :, at(k))
+          facets%normal(:, f) = facets%normal(:, f) + matmul(turn, along)
+        end do
+        facets%normal(:, f) = facets%normal(:, f)/norm2(facets%normal(:, f))
         facets%x(:, f) = sum(c, 2)/4
-        d = c(:, 3) - c(:, 1)
-        e = c(:, 4) - c(:, 2)
-        facets%bent(:, f) = cross(d, e)
+        facets%bent(:, f) = cross(c(:, 3) - c(:, 1), c(:, 4) - c(:, 2))
         facets%bent(:, f) = facets%bent(:, f)/norm2(facets%bent(:, f))
-        associate (s => state%contact(mortar%facet(:, f)))
-          facets%state(f) = open_state
-          if (any(s == slip_state)) facets%state(f) = slip_state
-          if (any(s == stick_state)) facets%state(f) = stick_state
-        end associate
+        facets%gap(f) = facet_mean(mortar, f, state%gap(at))
+        facets%traction(:, f) = [(facet_mean(mortar, f, state%traction(i, at)), i=1, 3)]
+        facets%slip(:, f) = [(facet_mean(mortar, f, state%slip(i, at)), i=1, 2)]
+        facets%state(f) = open_state
+        if (any(state%contact(at) == slip_state)) facets%state(f) = slip_state
+        if (any(state%contact(at) == stick_state)) facets%state(f) = stick_state
         unit = merge(1._dp, facets%area(f), joint%paper)
-        facets%corner(:, :, f) = point(:, mortar%facet(:, f))
-        facets%k_n(f) = unit*sum(response(mortar%facet(:, f))%k_n)/4
-        facets%k_t(f) = unit*sum(response(mortar%facet(:, f))%k_t)/4
-        associate (slips => state%contact(mortar%facet(:, f)) == slip_state)
-          facets%slipping(1, f) = unit*sum(response(mortar%facet(:, f))%k_n, mask=slips)/4
-          facets%slipping(2, f) = unit*sum(response(mortar%facet(:, f))%k_t, mask=slips)/4
-        end associate
+        facets%corner(:, :, f) = point(:, at)
+        facets%k_n(f) = unit*sum(response(at)%k_n)/4
+        facets%k_t(f) = unit*sum(response(at)%k_t)/4
+        facets%slipping(1, f) = unit*sum(response(at)%k_n, mask=state%contact(at) == slip_state)/4
+        facets%slipping(2, f) = unit*sum(response(at)%k_t, mask=state%contact(at) == slip_state)/4
       end do
+      !$omp end parallel do
     end associate
   end subroutine evaluate_facets
 
-  !> Normals of the facets along which the equilibrium has their pressures act: those at rest, with large displacements those of the
-  !> faces as they are paired. Times pressure and area at rest they are the forces.
-  pure function acting_normals(mortar, slave) result(normal)
-    type(mortar_t), intent(in) :: mortar  !< interface
-    type(body_t), intent(in) :: slave     !< body that carries it
-    real(dp) :: normal(3, size(mortar%facet, 2)), along(3)
-    integer :: f, k
-    normal = 0
-    do f = 1, size(normal, 2)
-      do k = 1, 4
-        associate (j => mortar%facet(k, f))
-          along = [1, 0, 0]
-          if (allocated(mortar%turn)) along = mortar%turn(1, :, j)
-          normal(:, f) = normal(:, f) + matmul(frame(slave%angle(mortar%node(j))), along)
-        end associate
-      end do
-      normal(:, f) = normal(:, f)/norm2(normal(:, f))
-    end do
-  end function acting_normals
-
-  !> Pressure and shear of the points (2, points) as the joint takes them: power means where contact ends along the axis and
-  !> round it [Pa].
-  function effective(drive, joint, traction) result(point)
-    type(drive_t), intent(in) :: drive        !< drive
-    type(joint_t), intent(in) :: joint        !< joint, its shear capped by the friction of the step
-    real(dp), intent(in) :: traction(:, :)    !< of the points (3, points) [Pa]
-    real(dp) :: point(2, size(traction, 2))
-    integer, allocatable :: grid(:, :)
-    real(dp), allocatable :: z(:), softer(:), power(:)
-    integer :: i, k, n, m
+  !> Pressure and shear of the points as the joint takes them, power means where contact ends along the axis and round it, and its
+  !> answers per area.
+  subroutine answer(drive, joint, traction, point, response)
+    type(drive_t), intent(in) :: drive               !< drive
+    type(joint_t), intent(in) :: joint               !< joint, its shear capped by the friction of the step
+    real(dp), intent(in) :: traction(:, :)           !< of the points (3, points) [Pa]
+    real(dp), intent(out) :: point(:, :)             !< pressure and shear (2, points) [Pa]
+    type(response_t), intent(out) :: response(:)     !< of the points
+    integer, allocatable :: grid(:, :), round(:)
+    real(dp), allocatable :: z(:), even(:)
+    real(dp) :: softer(2, size(traction, 2)), power(size(traction, 2))
+    integer :: i, j, k, n, m
     n = drive%axial_facets
     m = size(drive%face%nodes, 2)/n
     allocate (grid(n + 1, m))
     grid(:n, :) = reshape(drive%problem%mortar%facet(1, :), [n, m])
     grid(n + 1, :) = drive%problem%mortar%facet(4, n::n)
     z = [drive%face%chart(2, 1, :n), drive%face%chart(2, 4, n)]
-    point(1, :) = traction(1, :)
-    point(2, :) = below_slip(joint%mu*point(1, :), hypot(traction(2, :), traction(3, :)))
-    power = pressure_power(joint, point(1, :), point(2, :))
+    even = [(real(k, dp), k=1, m + 6)]  ! the angles are equal; three more points at either end close the ring
+    round = [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3]
+    !$omp parallel if(m*n > long_loop)
+    !$omp do schedule(static, share)
+    do j = 1, size(response)
+      softer(:, j) = 1
+      point(:, j) = [traction(1, j), below_slip(joint%mu*traction(1, j), hypot(traction(2, j), traction(3, j)))]
+      call evaluate_joint(joint, point(1, j), point(2, j), 1._dp, response(j))
+      power(j) = pressure_power(response(j), point(1, j), point(2, j))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
     do i = 1, m
-      point(:, grid(:, i)) = point(:, grid(:, i))*spread(softening(z, traction(1, grid(:, i)), power(grid(:, i))), 1, 2)
+      softer(1, grid(:, i)) = softening(z, traction(1, grid(:, i)), power(grid(:, i)))
     end do
-    do i = 1, n + 1  ! the angles are equal; three more points at either end close the ring
-      softer = softening([(real(k, dp), k=1, m + 6)], traction(1, grid(i, [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3])), &
-        power(grid(i, [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3])))
-      point(:, grid(i, :)) = point(:, grid(i, :))*spread(softer(4:m + 3), 1, 2)
+    !$omp end do
+    !$omp do schedule(static)
+    do i = 1, n + 1
+      call soften_round(grid(i, round))
     end do
-  end function effective
+    !$omp end do
+    !$omp do schedule(static, share)
+    do j = 1, size(response)
+      if (.not. any(abs(softer(:, j) - 1) > 0)) cycle
+      point(:, j) = point(:, j)*softer(1, j)*softer(2, j)
+      call evaluate_joint(joint, point(1, j), point(2, j), 1._dp, response(j))
+    end do
+    !$omp end do
+    !$omp end parallel
+  contains
+    !> Along a line round the axis.
+    subroutine soften_round(line)
+      integer, intent(in) :: line(:)  !< points
+      real(dp) :: f(size(line))
+      f = softening(even, traction(1, line), power(line))
+      softer(2, line(4:m + 3)) = f(4:m + 3)
+    end subroutine soften_round
+  end subroutine answer
 
   !> Shear of a point for its joint. It slips where that equals mu p but for the residual, and K_T jumps to 0 there, so that
   !> the residual would decide; every point that slips counts with the limit from below.
@@ -386,8 +397,7 @@ contains
       real(dp), allocatable :: part(:)
       type(response_t) :: response(size(traction, 2))
       real(dp) :: point(2, size(traction, 2))
-      point = effective(drive, joint, traction)
-      call evaluate_joint(joint, point(1, :), point(2, :), 1._dp, response)
+      call answer(drive, joint, traction, point, response)
       part = weight(1, :)*response%k_n + weight(2, :)*response%k_t
     end function parts
   end subroutine stiffness_slopes
@@ -447,12 +457,12 @@ contains
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
     real(dp), allocatable :: forces(:, :), r(:, :), p(:)
-    integer :: first, last
+    real(dp) :: total(3)
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)
       if (m < size(p)) call sum_cam(drive, state, m, sums)
       p(m + 1:) = 0
-      sums%rotation = sum(drive%gauge*state%u)
+      sums%rotation = dot(size(state%u), drive%gauge, state%u)
       sums%normal_force = sum(a*p)
       sums%facet_force = sum(facets%area*facets%traction(1, :))
       sums%lobe_force_x = lobe_force(drive, p)
@@ -463,21 +473,40 @@ contains
       call middle_pressure(drive, state, facets, sums%pressure_middle, sums%pressure_middle_max)
       allocate (forces(3, problem%n), source=0._dp)
       call add_nodal_forces(problem%mortar, state%traction, forces)
-      sums%friction_torque = moment(drive, state, forces, drive%b_cup)
+      total = body_resultant(drive, state, forces, drive%b_cup)
+      sums%friction_torque = total(3)
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
       r = internal_residual(problem, load, state)
-      forces = forces + r  ! without the contact's
-      where (.not. problem%fixed) r = 0
       sums%torque = support_torques(drive, load, state, r)
-      sums%axial_balance = sum(r(3, :))
-      where (problem%fixed) forces = 0
-      first = problem%first(drive%b_cup)
-      last = first + problem%bodies(drive%b_cup)%nodes()
-      sums%reaction_force = sums%normal_force + (sum(forces(1, first + 1:last)) - &
+      total(:2) = balance_sums(problem, forces, r, drive%b_cup)
+      sums%axial_balance = total(1)
+      sums%reaction_force = sums%normal_force + (total(2) - &
         radial_force(problem%mortar, state%traction, drive%b_cup == 2, m))
     end associate
   end subroutine sum_up
+
+  !> Sum of the axial reactions, and of what contact and all else leave of radial forces on the free dofs of one body [N].
+  function balance_sums(problem, contact, r, b) result(s)
+    type(problem_t), intent(in) :: problem   !< problem
+    real(dp), intent(in) :: contact(:, :)    !< nodal forces of the contact (3, n) [N]
+    real(dp), intent(in) :: r(:, :)          !< forces that are out of balance, at fixed dofs reactions (3, n) [N]
+    integer, intent(in) :: b                 !< body
+    real(dp) :: s(2), part(2, problem%n/block + 1)
+    integer :: i, k
+    part = 0
+    associate (first => problem%first(b), last => problem%first(b) + problem%bodies(b)%nodes(), fixed => problem%fixed)
+      !$omp parallel do schedule(static) private(i) if(size(r) > many)
+      do k = 1, size(part, 2)
+        do i = block*(k - 1) + 1, min(problem%n, block*k)
+          if (fixed(3, i)) part(1, k) = part(1, k) + r(3, i)
+          if (i > first .and. i <= last .and. .not. fixed(1, i)) part(2, k) = part(2, k) + (contact(1, i) + r(1, i))
+        end do
+      end do
+      !$omp end parallel do
+    end associate
+    s = sum(part, 2)
+  end function balance_sums
 
   !> Sums over the contact of ring and wave generator.
   subroutine sum_cam(drive, state, m, sums)

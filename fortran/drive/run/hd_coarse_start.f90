@@ -9,6 +9,7 @@ module hd_coarse_start
   use hd_revolution, only: strip_t, strip_node
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
+  use hd_vector, only: many
   implicit none
   private
   public :: has_coarser, coarser_scene, guess_from
@@ -60,9 +61,10 @@ contains
     type(state_t), intent(in) :: before        !< its state at the beginning of the step
     real(dp), intent(in) :: assembly(2)        !< fractions of the assembly at beginning and end
     real(dp), intent(in) :: torque(2)          !< torques there [N m]
-    type(state_t), intent(inout) :: state      !< guess, left as it is where the coarser run knows nothing
+    type(state_t), intent(inout) :: state      !< guess, its displacements those of `before`; left as it is where the coarser run
+                                               !< knows nothing
     type(state_t) :: pair(2)
-    real(dp), allocatable :: nodal(:, :)
+    real(dp), allocatable :: nodal(:, :), fine(:, :)
     logical :: found
     integer :: i
     do i = 1, 2
@@ -71,18 +73,19 @@ contains
       call coarse%assembly%recall(assembly(i), torque(i), pair(i), found)
       if (.not. found) return
     end do
-    state%u = before%u + prolonged(coarse%drive, drive, pair(2)%u - pair(1)%u)
+    call prolong(coarse%drive, drive, pair(2)%u - pair(1)%u, state%u)
     allocate (nodal(3, coarse%drive%problem%n), source=0._dp)
     nodal(:, coarse%drive%problem%mortar%node) = pair(2)%traction - pair(1)%traction
-    nodal = prolonged(coarse%drive, drive, nodal)
-    state%traction = before%traction + nodal(:, drive%problem%mortar%node)
+    allocate (fine(3, drive%problem%n), source=0._dp)
+    call prolong(coarse%drive, drive, nodal, fine)
+    state%traction = before%traction + fine(:, drive%problem%mortar%node)
   end subroutine guess_from
 
-  !> A nodal field in cylindrical components, interpolated linearly along the section, through its layers and round the axis.
-  pure function prolonged(coarse, fine, u) result(v)
+  !> Add a nodal field in cylindrical components, interpolated linearly along the section, through its layers and round the axis.
+  subroutine prolong(coarse, fine, u, v)
     type(drive_t), intent(in) :: coarse, fine  !< models
     real(dp), intent(in) :: u(:, :)            !< on the coarse nodes (3, coarse nodes)
-    real(dp) :: v(3, fine%problem%n)
+    real(dp), intent(inout) :: v(:, :)         !< on the fine nodes (3, fine nodes)
     type(strip_t) :: from, to
     type(between_t), allocatable :: station(:), line(:), turn(:)
     real(dp), allocatable :: w(:, :, :)
@@ -92,10 +95,12 @@ contains
       to = section(fine, b)
       station = places(arc(from), arc(to))
       line = places(even(from%layers), even(to%layers))
-      associate (few => coarse%problem%bodies(b), many => fine%problem%bodies(b))
-        turn = places(even(few%sectors), even(many%sectors))
+      associate (few => coarse%problem%bodies(b), more => fine%problem%bodies(b))
+        turn = places(even(few%sectors), even(more%sectors))
         m = few%nodes_per_sector
-        allocate (w(3, many%nodes_per_sector, 0:few%sectors - 1))
+        allocate (w(3, more%nodes_per_sector, 0:few%sectors - 1))
+        !$omp parallel private(i, l, next) if(size(v) > many)
+        !$omp do schedule(static)
         do s = 0, few%sectors - 1
           do i = 1, size(station)
             do l = 1, size(line)
@@ -104,12 +109,18 @@ contains
             end do
           end do
         end do
-        do s = 0, many%sectors - 1
-          associate (t => turn(s + 1), first => fine%problem%first(b) + s*many%nodes_per_sector)
-            next = modulo(t%low, few%sectors)
-            v(:, first + 1:first + many%nodes_per_sector) = (1 - t%part)*w(:, :, t%low - 1) + t%part*w(:, :, next)
+        !$omp end do
+        !$omp do schedule(static)
+        do s = 0, more%sectors - 1
+          next = modulo(turn(s + 1)%low, few%sectors)
+          associate (t => turn(s + 1), first => fine%problem%first(b) + s*more%nodes_per_sector)
+            do i = 1, more%nodes_per_sector
+              v(:, first + i) = v(:, first + i) + ((1 - t%part)*w(:, i, t%low - 1) + t%part*w(:, i, next))
+            end do
           end associate
         end do
+        !$omp end do
+        !$omp end parallel
         deallocate (w)
       end associate
     end do
@@ -123,7 +134,7 @@ contains
       x = (1 - line%part)*u(:, first + strip_node(from, i, line%low)) + &
         line%part*u(:, first + strip_node(from, i, line%low + 1))
     end function across
-  end function prolonged
+  end subroutine prolong
 
   !> Meridian section of a body.
   pure type(strip_t) function section(drive, b) result(strip)

@@ -12,6 +12,7 @@ module hd_load_step
   use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
     stretch, torque_at
   use hd_log, only: detail
+  use hd_model, only: move_state
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
@@ -24,6 +25,7 @@ module hd_load_step
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
   use hd_timers, only: in_newton, in_output, in_setup, in_turn
+  use hd_vector, only: many
   implicit none
   private
   public :: solve_step
@@ -217,8 +219,8 @@ contains
       sliding = .false.
     else
       call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
-      run%far = .not. (solved .or. run%scene%support%friction_alone .or. proportional(run)) .and. &
-        maxval(abs(trial%u)) > options%runaway
+      run%far = .not. (solved .or. run%scene%support%friction_alone .or. proportional(run))
+      if (run%far) run%far = maxval(abs(trial%u)) > options%runaway
       if (.not. (solved .or. sliding .or. run%far .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
         call raise_friction(run%model%drive%problem, run%model%solver, options, load, deadline(run), run%state, trial, history, &
           solved, sliding, error)
@@ -249,14 +251,14 @@ contains
       end if
       if (place%share > 0) call keep_checkpoint(run, error)  ! the state of the last whole step is left
       if (allocated(error)) return
-      run%before = run%state
-      run%state = trial
+      call move_state(run%state, run%before)
+      call move_state(trial, run%state)
       run%place_before = run%place
       run%place = place
-      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
+      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, run%state)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
-      if (allocated(run%gradient)) call run%gradient%follow(place, run%before, trial)
+      if (allocated(run%gradient)) call run%gradient%follow(place, run%before, run%state)
     else if (sliding) then
       slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance it is rounding: friction holds nothing
       if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
@@ -280,11 +282,19 @@ contains
     type(state_t), intent(out) :: trial        !< guess
     logical, intent(out) :: known              !< it is a solution
     real(dp) :: ratio, part
-    trial = run%state
+    integer :: i
     part = assembly_at(run%scene, place)
     ratio = stretch(run%scene, run%place_before, run%place, place)
-    trial%u = trial%u + ratio*(run%state%u - run%before%u)
-    trial%traction = trial%traction + ratio*(run%state%traction - run%before%traction)
+    associate (now => run%state, before => run%before)
+      trial = state_t(null(), now%traction, now%slip, now%gap, now%contact, now%touch, now%past)
+      allocate (trial%u, mold=now%u)
+      !$omp parallel do schedule(static) if(size(now%u) > many)
+      do i = 1, size(now%u, 2)
+        trial%u(:, i) = now%u(:, i) + ratio*(now%u(:, i) - before%u(:, i))
+      end do
+      !$omp end parallel do
+      trial%traction = trial%traction + ratio*(now%traction - before%traction)
+    end associate
     if (run%model%drive%problem%wheel_turns .and. .not. ratio > 0) trial%traction(2:, :) = (1 - below_bound)*trial%traction(2:, :)
     if (allocated(run%coarser) .and. .not. ratio > 0) call guess_from(run%coarser, run%model%drive, run%state, &
       [assembly_at(run%scene, run%place), part], [torque_at(run%scene, run%place), step%torque], trial)

@@ -102,7 +102,7 @@ contains
     real(dp) :: given
     integer :: i, j, n
     n = size(r_u)
-    left_u = apply_stiffness(problem, du)
+    call apply_stiffness(problem, du, left_u)
     call add_nodal_forces(problem%mortar, dtraction, left_u, factor=-1._dp)
     w = relative_displacement(problem%mortar, du)
     !$omp parallel if(n > many)

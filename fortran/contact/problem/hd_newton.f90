@@ -205,8 +205,11 @@ contains
     call linearise(problem, load, previous, state, here)
     ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
     if (allocated(problem%lagrangian)) then
-      if (any(abs(state%u - guess%u) > 0)) here%r_u = internal_residual(problem, load, guess) + &
-        apply_stiffness(problem, state%u - guess%u)
+      if (any(abs(state%u - guess%u) > 0)) then
+        call internal_residual(problem, load, guess, here%r_u)
+        call apply_stiffness(problem, state%u - guess%u, du)
+        here%r_u = here%r_u + du
+      end if
     end if
     do
       call system_clock(now)
@@ -441,7 +444,7 @@ contains
     if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
     call gap_and_slip(problem, load, previous, state)
     call apply_law(problem, previous, state, here)
-    here%r_u(:, :) = internal_residual(problem, load, state)
+    call internal_residual(problem, load, state, here%r_u)
     allocate (force(3, problem%n))
     !$omp parallel do schedule(static) if(size(force) > many)
     do j = 1, problem%n

@@ -199,19 +199,19 @@ contains
   end subroutine new_state
 
   !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
-  function apply_stiffness(problem, u) result(f)
+  subroutine apply_stiffness(problem, u, f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n)
+    real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
     real(dp), allocatable :: forces(:)
     integer :: i
-    f = elastic_forces(problem, u)
+    call elastic_forces(problem, u, f)
     if (.not. allocated(problem%struts)) return
     forces = linear_forces(problem, [(closing_of(problem%struts(i), u), i=1, size(problem%struts))])
     do i = 1, size(problem%struts)
       if (problem%strut_rate(i) > 0) call push(problem%struts(i), forces(i), f)
     end do
-  end function apply_stiffness
+  end subroutine apply_stiffness
 
   !> Forces of the struts by their present tangents [N].
   function linear_forces(problem, closing) result(f)
@@ -228,10 +228,10 @@ contains
   end function linear_forces
 
   !> The same without struts.
-  function elastic_forces(problem, u) result(f)
+  subroutine elastic_forces(problem, u, f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n)
+    real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
     integer :: b, i
     if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u)
@@ -252,7 +252,7 @@ contains
         call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
       end associate
     end do
-  end function elastic_forces
+  end subroutine elastic_forces
 
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
@@ -267,18 +267,18 @@ contains
   end function largest_stiffness
 
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.
-  function internal_residual(problem, load, state) result(r)
+  subroutine internal_residual(problem, load, state, r)
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
-    real(dp) :: r(3, problem%n)
+    real(dp), intent(out) :: r(:, :)        !< (3, n) [N]
     real(dp), allocatable :: forces(:)
     integer :: i
     if (allocated(problem%lagrangian)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
       r = r + problem%spring*state%u
     else
-      r = elastic_forces(problem, state%u)
+      call elastic_forces(problem, state%u, r)
     end if
     call add(size(r), -1._dp, load%force, r)
     call add_nodal_forces(problem%mortar, state%traction, r, factor=-1._dp)
@@ -287,7 +287,7 @@ contains
     do i = 1, size(forces)
       if (abs(forces(i)) > 0) call push(problem%struts(i), forces(i), r)
     end do
-  end function internal_residual
+  end subroutine internal_residual
 
   !> Closings of the struts, less what they stand on gives way [m].
   function strut_closings(problem, load, u) result(c)

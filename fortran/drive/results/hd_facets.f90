@@ -477,7 +477,8 @@ contains
       sums%friction_torque = total(3)
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
-      r = internal_residual(problem, load, state)
+      allocate (r, mold=forces)
+      call internal_residual(problem, load, state, r)
       sums%torque = support_torques(drive, load, state, r)
       total(:2) = balance_sums(problem, forces, r, drive%b_cup)
       sums%axial_balance = total(1)

@@ -7,7 +7,7 @@ module hd_vector
   private
   public :: cross, dot, length, weighted_length, magnitude, set, add, add_columns, product_of, orthogonalise, many
 
-  integer, parameter :: many = 100000    !< numbers from which two threads are worth waking
+  integer, parameter :: many = 40000     !< numbers from which two threads are worth waking
   integer, parameter :: block = 10000    !< summed one behind the other
   integer, parameter :: short = 4096     !< the same where many vectors are summed at once: what a cache holds
 

@@ -7,7 +7,7 @@ module hd_checked_solve
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
-  use hd_vector, only: add, dot, length, magnitude, many, weighted_length
+  use hd_vector, only: add, dot, length, magnitude, many, set, weighted_length
   implicit none
   private
   public :: solve_checked, solve_refined
@@ -68,14 +68,10 @@ contains
     real(dp) :: residual
     integer :: i
     none = 0
-    against = 0
-    call add(size(force), -1._dp, force, against)  ! a wheel that turns is loaded there too
     left_c = 0
-    if (any(abs(du) > 0)) then
-      call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
-    else
-      left_u = against
-    end if
+    call set(size(force), -1._dp, force, against)  ! a wheel that turns is loaded there too
+    call set(size(force), -1._dp, force, left_u)
+    if (length(size(du), du) > 0) call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
     do i = 1, most
       call solver%solve(problem, left_u, left_c, more_u, more_c, error)
       if (allocated(error)) return

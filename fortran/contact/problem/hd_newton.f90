@@ -11,7 +11,7 @@ module hd_newton
   use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
     apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
@@ -62,7 +62,7 @@ module hd_newton
   type :: globalisation_t
     integer, allocatable :: seen(:, :)     !< contact states of the series of iterates (multipliers, iterates)
     real(dp), allocatable :: merits(:)     !< their residuals
-    type(state_t), allocatable :: saved    !< iterate to which the softened iteration returns
+    type(state_t) :: saved                 !< iterate to which the softened iteration returns, if there is one
     real(dp) :: lowest = huge(1._dp)       !< lowest residual of the series
     real(dp) :: harden = 1e-2_dp           !< residual of the hard law at which Newton's method takes over again
     real(dp) :: softness = 0               !< of the outer step [m/Pa]
@@ -251,14 +251,19 @@ contains
   end subroutine settle
 
   !> Enter the values of the fixed dofs; a wheel keeps its turn.
-  pure subroutine prescribe(problem, load, u)
+  subroutine prescribe(problem, load, u)
     type(problem_t), intent(in) :: problem   !< problem
     type(load_t), intent(in) :: load         !< load
     real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
     real(dp) :: turn
+    integer :: i
     turn = 0
     if (allocated(problem%wheel)) turn = u(2, problem%wheel(1))
-    where (problem%fixed) u = load%displacement
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      where (problem%fixed(:, i)) u(:, i) = load%displacement(:, i)
+    end do
+    !$omp end parallel do
     if (allocated(problem%wheel)) u(2, problem%wheel) = turn
   end subroutine prescribe
 
@@ -336,7 +341,7 @@ contains
       global%hard = here%merit
       if (here%merit < global%harden) then
         global%harden = tenth*global%harden
-        global%saved = state
+        call keep_state(state, global%saved)
         call forget(iteration, global)
       else
         here%law%softness = global%softness
@@ -345,7 +350,7 @@ contains
       return
     end if
     if (.not. cycles(here, state, iteration, global, period)) return
-    if (allocated(global%saved)) state = global%saved
+    if (allocated(global%saved%u)) state = global%saved
     here%anchor = state%traction
     if (global%outer == 0) global%softness = softest/here%law%scale
     here%law%softness = global%softness
@@ -369,7 +374,7 @@ contains
     if (here%merit < global%lowest) then
       global%lowest = here%merit
       global%best = iteration
-      if (global%outer == 0) global%saved = state
+      if (global%outer == 0) call keep_state(state, global%saved)
     end if
     cycles = period > 0 .or. iteration - global%best >= patience
     global%merits = [global%merits, here%merit]

@@ -12,12 +12,12 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
-  use hd_vector, only: add, many
+  use hd_vector, only: add, many, set
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
-    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, &
+    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, keep_state, pair_bodies, &
     update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
@@ -197,6 +197,20 @@ contains
     allocate (state%touch(0))
     allocate (state%past(memories, 0))
   end subroutine new_state
+
+  !> Copy of a state.
+  subroutine keep_state(state, kept)
+    type(state_t), intent(in) :: state     !< state
+    type(state_t), intent(inout) :: kept   !< gets it
+    if (.not. allocated(kept%u)) allocate (kept%u, mold=state%u)
+    call set(size(state%u), 1._dp, state%u, kept%u)
+    kept%traction = state%traction
+    kept%slip = state%slip
+    kept%gap = state%gap
+    kept%contact = state%contact
+    kept%touch = state%touch
+    kept%past = state%past
+  end subroutine keep_state
 
   !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
   subroutine apply_stiffness(problem, u, f)

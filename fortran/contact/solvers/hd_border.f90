@@ -291,13 +291,14 @@ contains
 
   !> Right-hand sides of the border for forces of the struts, of the multipliers, and some at fixed dofs, without a solve of the
   !> bodies; and the relative displacements that the struts make.
-  subroutine respond_struts(self, problem, forces, pressed, left, w, known)
+  subroutine respond_struts(self, problem, forces, pressed, left, closed, w, known)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: forces(:)        !< (struts) [N]
     real(dp), intent(in) :: pressed(:, :)    !< (3, multipliers) [N]
     real(dp), intent(in) :: left(:, :)       !< of split_forces: the bodies do not answer to it (3, n) [N]
-    real(dp), intent(inout) :: w(:, :)       !< gets the displacements (3, multipliers) [m]
+    integer, intent(in) :: closed(:)         !< multipliers that count
+    real(dp), intent(inout) :: w(:, :)       !< gets the displacements there (3, multipliers) [m]
     real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
     integer, parameter :: block = 500  !< points summed one behind the other
     integer, allocatable :: list(:), points(:), push_too(:)
@@ -307,7 +308,7 @@ contains
     points = pack([(i, i=1, size(pressed, 2))], any(abs(pressed) > 0, 1))  ! often few
     push_too = pack([(i, i=1, self%struts)], abs(forces) > 0)
     allocate (part(size(list), (size(points) + block - 1)/block))
-    !$omp parallel private(i, k) if(size(w)*max(1, size(push_too)) > many/4)
+    !$omp parallel private(i, k) if(3*(size(closed) + size(points))*size(list) > many/4)
     !$omp do schedule(static)
     do j = 1, size(part, 2)
       do i = 1, size(list)
@@ -319,11 +320,9 @@ contains
     end do
     !$omp end do
     !$omp do schedule(static)
-    do j = 1, size(w, 2), block
+    do j = 1, size(closed)
       do k = 1, size(push_too)
-        associate (i => push_too(k), last => min(j + block - 1, size(w, 2)))
-          w(:, j:last) = w(:, j:last) + forces(i)*self%side(:, j:last, i)
-        end associate
+        w(:, closed(j)) = w(:, closed(j)) + forces(push_too(k))*self%side(:, closed(j), push_too(k))
       end do
     end do
     !$omp end do

@@ -204,7 +204,7 @@ contains
       end do
       !$omp end parallel do
       call self%compliance%apply(.false., pressed, w)
-      if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
+      if (bordered) call self%border%respond(problem, forces, pressed, v, pack([(j, j=1, size(w, 2))], system%rank > 0), w, known)
     else
       call add_nodal_forces(problem%mortar, system%q, f)
       call balance(self, f)

@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define POLYNOMIAL UINT64_C(0xC96C5795D7870F42)
+
 /* table[k][c]: of the byte c with k zero bytes behind it, so that eight bytes are taken at once. */
 static uint64_t table[8][256];
 
@@ -13,7 +15,7 @@ static void fill_table(void)
 {
   for (int i = 0; i < 256; i++) {
     uint64_t c = (uint64_t)i;
-    for (int k = 0; k < 8; k++) c = (c >> 1) ^ (c & 1 ? UINT64_C(0xC96C5795D7870F42) : 0);
+    for (int k = 0; k < 8; k++) c = (c >> 1) ^ (c & 1 ? POLYNOMIAL : 0);
     table[0][i] = c; /* threads that meet here write the same */
   }
   for (int i = 0; i < 256; i++)
@@ -32,6 +34,25 @@ uint64_t hd_bytes_checksum(uint64_t before, const unsigned char *bytes, long lon
   }
   for (; n > 0; n--) c = table[0][(c ^ *bytes++) & 255] ^ (c >> 8);
   return ~c;
+}
+
+/* Product of two polynomials, the highest bit being that of x^0. */
+static uint64_t product(uint64_t a, uint64_t b)
+{
+  uint64_t p = 0;
+  for (; a; a <<= 1) {
+    if (a >> 63) p ^= b;
+    b = (b >> 1) ^ (b & 1 ? POLYNOMIAL : 0);
+  }
+  return p;
+}
+
+/* Checksum of bytes that follow those of `before`, from the checksum of these n alone. */
+uint64_t hd_joined_checksum(uint64_t before, uint64_t sum, long long n)
+{
+  for (uint64_t power = UINT64_C(1) << 55; n > 0; n >>= 1, power = product(power, power))
+    if (n & 1) before = product(power, before);
+  return before ^ sum;
 }
 
 /* Checksum of the first n bytes of a file, which go into a new file `copy` too unless that is empty. 0: done, -1: it cannot be

@@ -5,7 +5,7 @@ module hd_checksum
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: checksum, file_checksum, hexadecimal
+  public :: checksum, joined_checksum, file_checksum, hexadecimal
 
   interface
     pure integer(c_long_long) function c_checksum(before, bytes, n) bind(c, name='hd_bytes_checksum')
@@ -13,6 +13,11 @@ module hd_checksum
       integer(c_long_long), intent(in), value :: before, n
       character(kind=c_char), intent(in) :: bytes(*)
     end function c_checksum
+    !> Checksum of what follows texts whose checksum is known, from its own checksum and its length.
+    pure integer(c_long_long) function joined_checksum(before, sum, n) bind(c, name='hd_joined_checksum')
+      import :: c_long_long
+      integer(c_long_long), intent(in), value :: before, sum, n
+    end function joined_checksum
     integer(c_int) function c_file_checksum(path, copy, n, sum) bind(c, name='hd_file_checksum')
       import :: c_char, c_int, c_long_long
       character(kind=c_char), intent(in) :: path(*), copy(*)

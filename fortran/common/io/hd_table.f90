@@ -4,7 +4,7 @@ module hd_table
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
-  use hd_checksum, only: checksum
+  use hd_checksum, only: checksum, joined_checksum
   use hd_error, only: error_t, raise, code_file
   use hd_new_file, only: new_file_t
   use hd_system, only: system_text
@@ -150,7 +150,7 @@ contains
     real(dp), intent(in) :: numbers(:, :)             !< (columns, rows)
     type(error_t), allocatable, intent(out) :: error  !< disk full
     character(len=block*(self%used + longest*size(numbers, 1))), allocatable :: text(:)
-    integer(int64) :: length(batch)
+    integer(int64) :: length(batch), sum(batch)
     integer :: b, first, from, last
     allocate (text(min(batch, (size(numbers, 2) + block - 1)/block)))
     do from = 0, size(numbers, 2) - 1, block*batch
@@ -159,11 +159,12 @@ contains
         first = from + block*(b - 1) + 1
         last = min(size(numbers, 2), first + block - 1)
         length(b) = c_rows(self%line, self%used, numbers(:, first:last), size(numbers, 1), max(0, last + 1 - first), text(b))
+        sum(b) = checksum(text(b)(:length(b)))
       end do
       !$omp end parallel do
       do b = 1, size(text)
         call self%file%put(text(b)(:length(b)))
-        self%sum = checksum(text(b)(:length(b)), self%sum)
+        self%sum = joined_checksum(self%sum, sum(b), length(b))
       end do
     end do
     call self%begin_row()

@@ -23,21 +23,24 @@ module hd_fatigue
 contains
 
   !> Judge the stresses of a step; the worst step stays.
-  pure subroutine judge_fatigue(scene, body, stress, torque, fatigue)
+  subroutine judge_fatigue(scene, body, stress, torque, fatigue)
     type(scene_t), intent(in) :: scene            !< limits
     type(body_t), intent(in) :: body              !< revolved flexspline
     real(dp), intent(in) :: stress(:, :)          !< at its nodes (6, nodes) [Pa]
     real(dp), intent(in) :: torque                !< of the step [N m]
     type(fatigue_t), intent(inout) :: fatigue     !< worst step so far
-    real(dp), dimension(body%nodes_per_sector) :: mean, amplitude, safety
-    real(dp) :: s(body%nodes())
-    integer :: a, m
-    m = body%nodes_per_sector
-    s = signed_equivalent(stress)
-    do a = 1, m
-      mean(a) = (maxval(s(a::m)) + minval(s(a::m)))/2
-      amplitude(a) = (maxval(s(a::m)) - minval(s(a::m)))/2
+    real(dp), dimension(body%nodes_per_sector) :: low, high, mean, amplitude, safety
+    real(dp) :: s(body%nodes_per_sector, body%sectors)
+    integer :: i
+    s = reshape(signed_equivalent(stress), shape(s))
+    low = s(:, 1)
+    high = s(:, 1)
+    do i = 2, size(s, 2)
+      low = min(low, s(:, i))
+      high = max(high, s(:, i))
     end do
+    mean = (high + low)/2
+    amplitude = (high - low)/2
     safety = 1/max(tiny(1._dp), scene%notch_factor*amplitude/scene%fatigue_limit + max(0._dp, mean)/scene%tensile_strength)
     if (allocated(fatigue%safety)) then
       if (minval(safety) >= minval(fatigue%safety)) return

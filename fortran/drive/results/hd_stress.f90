@@ -16,6 +16,7 @@ module hd_stress
   public :: von_mises, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
+  integer, parameter :: chunk = 15          !< sectors that a thread evaluates at once, beside the one before them
   real(dp), parameter :: at_rest(3, 3) = reshape([1._dp, 0._dp, 0._dp, 0._dp, 1._dp, 0._dp, 0._dp, 0._dp, 1._dp], [3, 3])
 
   !> Stresses of the cells of a sector per displacement of their nodes, under small displacements; kept between load steps.
@@ -116,40 +117,75 @@ contains
                                                       !< (6, cells of all sectors) [Pa]
     real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
-    real(dp), allocatable :: s(:, :, :), t(:, :, :)
-    integer, allocatable :: meets(:)
+    integer :: meets(body%nodes_per_sector), a, cell, i, last(2)
     real(dp) :: square
-    integer :: cell, sector, a, list(nodes_per_element(body%kind))
     if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
     if (allocated(error)) return
-    allocate (meets(body%nodes()), source=0)
-    if (present(stress)) stress = 0
-    square = 0
-    !$omp parallel private(s, t, sector, a, list) reduction(max: square) if(body%nodes() > many_nodes)
-    allocate (s(6, points, body%sectors), t(6, size(list), body%sectors))
-    !$omp do ordered schedule(static, 1)
+    meets = 0
     do cell = 1, size(body%cells, 2)
-      call cell_stresses(body, cell, u, matrices, present(stress), s, t, lagrangian)
-      do sector = 1, merge(body%sectors, 0, present(peak))
-        peak(:, (sector - 1)*size(body%cells, 2) + cell) = s(:, maxloc(von_mises(s(:, :, sector)), 1), sector)
+      do a = 1, size(body%cells, 1)
+        associate (met => meets(modulo(body%cells(a, cell) - 1, size(meets)) + 1))
+          met = met + 1
+        end associate
       end do
-      if (present(largest)) square = max(square, largest_square(size(s)/6, s))
-      !$omp ordered
-      list = body%cells(:, cell)
-      do sector = 1, merge(body%sectors, 0, present(stress))
-        do a = 1, size(list)
-          stress(:, list(a)) = stress(:, list(a)) + t(:, a, sector)
-          meets(list(a)) = meets(list(a)) + 1
-        end do
-        list = ahead(body, list)
-      end do
-      !$omp end ordered
     end do
-    !$omp end do
-    !$omp end parallel
-    if (present(stress)) stress = stress/spread(max(1, meets), 1, 6)
+    square = 0
+    last = [size(body%cells, 2), body%sectors]
+    !$omp parallel do schedule(static, 1) reduction(max: square) if(body%nodes() > many_nodes)
+    do i = 1, merge((last(2) + chunk - 1)/chunk, last(1), present(stress))
+      if (present(stress)) then
+        call part_stress(body, [1, chunk*(i - 1) + 1], [last(1), min(last(2), chunk*i)], u, matrices, meets, present(largest), &
+          square, stress, peak, lagrangian)
+      else
+        call part_stress(body, [i, 1], [i, last(2)], u, matrices, meets, present(largest), square, peak=peak, lagrangian=lagrangian)
+      end if
+    end do
+    !$omp end parallel do
     if (present(largest)) largest = sqrt(square)
   end subroutine nodal_stress
+
+  !> The same of some cells in some sectors, for stresses at nodes of all cells there. The sector before has part in the stresses
+  !> of the first nodes: it is evaluated again here, and added last where it is the body's last one, whoever makes the others.
+  subroutine part_stress(body, from, to, u, matrices, meets, with_largest, square, stress, peak, lagrangian)
+    type(body_t), intent(in) :: body                  !< body
+    integer, intent(in) :: from(2), to(2)             !< first and last cell and sector, from 1
+    real(dp), intent(in) :: u(:, :)                   !< as of nodal_stress
+    type(stress_matrices_t), intent(in) :: matrices   !< of all cells
+    integer, intent(in) :: meets(:)                   !< cells that meet at the nodes of a sector
+    logical, intent(in) :: with_largest               !< square is wanted
+    real(dp), intent(inout) :: square                 !< grows to the largest square of von Mises' stress [Pa^2]
+    real(dp), intent(inout), optional :: stress(:, :), peak(:, :)           !< as of nodal_stress, of these sectors
+    type(total_lagrangian_t), intent(in), optional :: lagrangian            !< as of nodal_stress
+    integer :: list(nodes_per_element(body%kind)), a, cell, i, k, n, own
+    real(dp), allocatable :: s(:, :, :), t(:, :, :)
+    own = merge(1, 0, present(stress))  ! sectors before the first
+    n = to(2) - from(2) + 1 + own
+    allocate (s(6, points, n), t(6, size(list), n))
+    associate (m => body%nodes_per_sector, cells => size(body%cells, 2), first => from(2), last => to(2))
+      if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
+      do cell = from(1), to(1)
+        call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
+        do k = 1 + own, merge(n, 0, present(peak))
+          peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
+        end do
+        if (with_largest) square = max(square, largest_square((n - own)*points, s(:, :, 1 + own:n)))
+        list = body%cells(:, cell)
+        do i = 1, merge(n, 0, present(stress))
+          k = i
+          if (first == 1) k = modulo(i, n) + 1
+          do a = 1, size(list)
+            associate (node => list(a) + (first + k - 3)*m)
+              if (node <= (first - 1)*m .or. node > last*m) cycle
+              stress(:, node) = stress(:, node) + t(:, a, k)
+            end associate
+          end do
+        end do
+      end do
+      do i = (first - 1)*m + 1, merge(last*m, 0, present(stress))
+        stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
+      end do
+    end associate
+  end subroutine part_stress
 
   !> Nodes of a cell in the next sector.
   pure function ahead(body, list) result(next)
@@ -171,10 +207,11 @@ contains
     end do
   end function largest_square
 
-  !> Stresses of a cell of the first sector and of those like it in all others at once: they have the same matrices.
-  subroutine cell_stresses(body, cell, u, matrices, nodal, s, t, lagrangian)
+  !> Stresses of a cell of a sector and of those like it in the next ones at once: they have the same matrices.
+  subroutine cell_stresses(body, cell, first, u, matrices, nodal, s, t, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     integer, intent(in) :: cell                       !< cell
+    integer, intent(in) :: first                      !< sector, from 1; 0: the last one
     real(dp), intent(in) :: u(:, :)                   !< displacements of the body (3, nodes) [m]
     type(stress_matrices_t), intent(in) :: matrices   !< of all cells
     logical, intent(in) :: nodal                      !< t is wanted
@@ -183,10 +220,9 @@ contains
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< as of nodal_stress
     integer :: list(nodes_per_element(body%kind)), sector, a, n
     real(dp) :: to_nodes(size(list), points)
-    real(dp), allocatable :: v(:, :, :)
-    n = body%sectors
-    allocate (v(3, size(list), n))
-    list = body%cells(:, cell)
+    real(dp) :: v(3, size(list), size(s, 3))
+    n = size(s, 3)
+    list = cell_nodes(body, cell, first - 1)
     do sector = 1, n
       v(:, :, sector) = u(:, list)
       list = ahead(body, list)
@@ -213,14 +249,20 @@ contains
     type(body_t), intent(in) :: body                  !< body
     type(stress_matrices_t), intent(inout) :: matrices   !< gets them
     type(error_t), allocatable, intent(out) :: error  !< inverted element
+    type(error_t), allocatable :: failed
     integer :: cell
     associate (n => nodes_per_element(body%kind), cells => size(body%cells, 2))
       allocate (matrices%at_points(6*points, 3*n, cells), matrices%at_nodes(6*n, 3*n, cells))
     end associate
+    !$omp parallel do schedule(static) private(failed) if(body%nodes() > many_nodes)
     do cell = 1, size(body%cells, 2)
-      call cell_matrices(body, cell, matrices%at_points(:, :, cell), matrices%at_nodes(:, :, cell), error)
-      if (allocated(error)) return
+      call cell_matrices(body, cell, matrices%at_points(:, :, cell), matrices%at_nodes(:, :, cell), failed)
+      if (.not. allocated(failed)) cycle
+      !$omp critical (failed_cell)
+      error = failed
+      !$omp end critical (failed_cell)
     end do
+    !$omp end parallel do
   end subroutine find_matrices
 
   !> Stresses of a cell per displacement of its nodes.
@@ -292,7 +334,9 @@ contains
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
     real(dp) :: v(size(s, 2))
     integer :: i
-    v = sqrt([(square_of(s(:, i)), i=1, size(v))])
+    do i = 1, size(v)
+      v(i) = sqrt(square_of(s(:, i)))
+    end do
   end function von_mises
 
   !> Its square [Pa^2].
@@ -313,10 +357,11 @@ contains
   end subroutine find_invariants
 
   !> Principal stresses, largest first, by the angle of the deviator [Pa].
-  pure function principal_stresses(s) result(p)
+  function principal_stresses(s) result(p)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
     real(dp) :: p(3, size(s, 2)), mean, j2, j3, angle
     integer :: i
+    !$omp parallel do schedule(static) private(mean, j2, j3, angle) if(size(s, 2) > many_nodes)
     do i = 1, size(s, 2)
       call find_invariants(s(:, i), mean, j2, j3)
       p(:, i) = mean
@@ -324,16 +369,18 @@ contains
       angle = acos(max(-1._dp, min(1._dp, 1.5_dp*sqrt(3._dp)*j3/j2**1.5_dp)))/3
       p(:, i) = mean + 2*sqrt(j2/3)*[cos(angle), cos(angle - 2*pi/3), cos(angle + 2*pi/3)]
     end do
+    !$omp end parallel do
   end function principal_stresses
 
   !> Von Mises stress with the sign of the principal stress of the largest amount, which is that of the largest and the smallest
   !> together: of twice the mean less the deviator's middle root [Pa].
-  pure function signed_equivalent(s) result(v)
+  function signed_equivalent(s) result(v)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
     real(dp) :: v(size(s, 2)), mean, j2, j3, twice
     integer :: i
-    v = von_mises(s)
+    !$omp parallel do schedule(static) private(mean, j2, j3, twice) if(size(s, 2) > many_nodes)
     do i = 1, size(v)
+      v(i) = sqrt(square_of(s(:, i)))
       call find_invariants(s(:, i), mean, j2, j3)
       twice = 2*mean
       if (3*twice**2 > j2) then  ! beyond that root in any case
@@ -342,5 +389,6 @@ contains
         v(i) = -v(i)
       end if
     end do
+    !$omp end parallel do
   end function signed_equivalent
 end module hd_stress

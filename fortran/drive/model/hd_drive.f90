@@ -102,7 +102,9 @@ contains
     end if
     master%nodes = master%nodes + bodies(1)%nodes()
     bore%nodes = bore%nodes + bodies(1)%nodes()
-    drive%reference = reshape([cylindrical(bodies(1)), cylindrical(bodies(2))], [3, sum(bodies%sectors*bodies%nodes_per_sector)])
+    allocate (drive%reference(3, sum(bodies%sectors*bodies%nodes_per_sector)))
+    drive%reference(:, :bodies(1)%nodes()) = cylindrical(bodies(1))
+    drive%reference(:, bodies(1)%nodes() + 1:) = cylindrical(bodies(2))
     if (scene%formed()) then
       call new_cam(scene, scene%bore_radius, drive%cam, error)
       if (allocated(error)) return

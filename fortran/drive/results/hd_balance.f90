@@ -33,42 +33,35 @@ contains
     type(state_t), intent(in) :: state  !< converged state
     real(dp), intent(in) :: r(:, :)     !< forces that are out of balance, at fixed dofs reactions (3, n) [N]
     type(support_torques_t) :: torque
-    real(dp), allocatable :: all(:, :), force(:)
-    real(dp) :: total(3)
+    real(dp), allocatable :: strut(:, :), force(:)
+    real(dp) :: part(3), all(3)
     integer :: i
-    associate (problem => drive%problem, inner => drive%inner, hub => drive%hub, sprung => drive%sprung)
-      all = load%force
-      total = 0
-      call take(hub, drive%b_cup, merge(r(:, hub), 0._dp, problem%fixed(:, hub)))
-      call take(sprung, drive%b_cup, -problem%spring(:, sprung)*state%u(:, sprung))
-      torque%hub = -total(3)
-      torque%hub_force = -total(:2)
-      total = 0
-      call take(inner, drive%b_ring, forces_of_cam(drive, load, state, r))
-      torque%wave_generator = -total(3)
-      total = 0
-      call take(inner, drive%b_ring, spread([0, 1, 0], 2, size(inner))*(-problem%spring(:, inner)*state%u(:, inner)))
-      torque%ring_springs = -total(3)
-      all(1, inner) = all(1, inner) - problem%spring(1, inner)*load%displacement(1, inner)
+    associate (problem => drive%problem, u => state%u, inner => drive%inner, hub => drive%hub, sprung => drive%sprung)
+      part = nodes_resultant(drive, state, hub, merge(r(:, hub), 0._dp, problem%fixed(:, hub)), drive%b_cup) + &
+        nodes_resultant(drive, state, sprung, -problem%spring(:, sprung)*u(:, sprung), drive%b_cup)
+      all = part
+      torque%hub = -part(3)
+      torque%hub_force = -part(:2)
+      part = nodes_resultant(drive, state, inner, forces_of_cam(drive, load, state, r), drive%b_ring)
+      all = all + part
+      torque%wave_generator = -part(3)
+      part = nodes_resultant(drive, state, inner, spread([0, -1, 0], 2, size(inner))*problem%spring(:, inner)*u(:, inner), &
+        drive%b_ring)
+      all = all + part - nodes_resultant(drive, state, inner, spread([1, 0, 0], 2, size(inner))*problem%spring(:, inner)* &
+        load%displacement(:, inner), drive%b_ring)
+      torque%ring_springs = -part(3)
+      all = all + body_resultant(drive, state, load%force, 1) + body_resultant(drive, state, load%force, 2)
       if (allocated(problem%struts)) then
-        force = strut_forces(problem, load, state%u)
+        allocate (strut(3, problem%n), source=0._dp)
+        force = strut_forces(problem, load, u)
         do i = 1, size(force)
-          call push(problem%struts(i), -force(i), all)
+          call push(problem%struts(i), -force(i), strut)
         end do
+        all = all + body_resultant(drive, state, strut, 1) + body_resultant(drive, state, strut, 2)
       end if
-      total = body_resultant(drive, state, all, 1) + body_resultant(drive, state, all, 2)
-      torque%balance = total(3)
-      torque%lateral = total(:2)
+      torque%balance = all(3)
+      torque%lateral = all(:2)
     end associate
-  contains
-    !> Add forces on nodes of a body to all, and to their sum.
-    subroutine take(nodes, b, part)
-      integer, intent(in) :: nodes(:)      !< nodes
-      integer, intent(in) :: b             !< body
-      real(dp), intent(in) :: part(:, :)   !< forces (3, nodes) [N]
-      all(:, nodes) = all(:, nodes) + part
-      total = total + nodes_resultant(drive, state, nodes, part, b)
-    end subroutine take
   end function support_torques
 
   !> Forces of the wave generator on the nodes of the ring's inner face where no balls lie between them (3, inner) [N].

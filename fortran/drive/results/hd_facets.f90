@@ -9,7 +9,7 @@ module hd_facets
   use hd_drive, only: drive_t
   use hd_joint, only: joint_t, response_t, evaluate_joint, pressure_power
   use hd_mortar, only: facet_mean, add_nodal_forces, radial_force
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual
+  use hd_problem, only: state_t, load_t, internal_residual
   use hd_scene, only: scene_t
   use hd_torsion, only: facet_weights, printed_weights
   use hd_persson_error, only: theory_error_t
@@ -180,7 +180,7 @@ contains
     real(dp), intent(out) :: point(:, :)             !< pressure and shear (2, points) [Pa]
     type(response_t), intent(out) :: response(:)     !< of the points
     integer, allocatable :: grid(:, :), round(:)
-    real(dp), allocatable :: z(:), even(:)
+    real(dp), allocatable :: z(:), even(:), f(:)
     real(dp) :: softer(2, size(traction, 2)), power(size(traction, 2))
     integer :: i, j, k, n, m
     n = drive%axial_facets
@@ -191,7 +191,7 @@ contains
     z = [drive%face%chart(2, 1, :n), drive%face%chart(2, 4, n)]
     even = [(real(k, dp), k=1, m + 6)]  ! the angles are equal; three more points at either end close the ring
     round = [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3]
-    !$omp parallel if(m*n > long_loop)
+    !$omp parallel private(f) if(m*n > long_loop)
     !$omp do schedule(static, share)
     do j = 1, size(response)
       softer(:, j) = 1
@@ -207,7 +207,8 @@ contains
     !$omp end do
     !$omp do schedule(static)
     do i = 1, n + 1
-      call soften_round(grid(i, round))
+      f = softening(even, traction(1, grid(i, round)), power(grid(i, round)))
+      softer(2, grid(i, :)) = f(4:m + 3)
     end do
     !$omp end do
     !$omp do schedule(static, share)
@@ -218,14 +219,6 @@ contains
     end do
     !$omp end do
     !$omp end parallel
-  contains
-    !> Along a line round the axis.
-    subroutine soften_round(line)
-      integer, intent(in) :: line(:)  !< points
-      real(dp) :: f(size(line))
-      f = softening(even, traction(1, line), power(line))
-      softer(2, line(4:m + 3)) = f(4:m + 3)
-    end subroutine soften_round
   end subroutine answer
 
   !> Shear of a point for its joint. It slips where that equals mu p but for the residual, and K_T jumps to 0 there, so that
@@ -456,7 +449,7 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
-    real(dp), allocatable :: forces(:, :), r(:, :), p(:)
+    real(dp), allocatable :: forces(:, :), p(:)
     real(dp) :: total(3)
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)
@@ -477,37 +470,41 @@ contains
       sums%friction_torque = total(3)
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
+      sums%reaction_force = -radial_force(problem%mortar, state%traction, drive%b_cup == 2, m)
       allocate (r, mold=forces)
       call internal_residual(problem, load, state, r)
-      sums%torque = support_torques(drive, load, state, r)
-      total(:2) = balance_sums(problem, forces, r, drive%b_cup)
-      sums%axial_balance = total(1)
-      sums%reaction_force = sums%normal_force + (total(2) - &
-        radial_force(problem%mortar, state%traction, drive%b_cup == 2, m))
+      call balance_forces(drive, load, state, forces, r, sums)
     end associate
   end subroutine sum_up
 
-  !> Sum of the axial reactions, and of what contact and all else leave of radial forces on the free dofs of one body [N].
-  function balance_sums(problem, contact, r, b) result(s)
-    type(problem_t), intent(in) :: problem   !< problem
+  !> What the supports take, the sum of the axial reactions, and that of what contact and all else leave of radial forces on the
+  !> free dofs of the cup.
+  subroutine balance_forces(drive, load, state, contact, r, sums)
+    type(drive_t), intent(in) :: drive       !< drive
+    type(load_t), intent(in) :: load         !< load of the step
+    type(state_t), intent(in) :: state       !< converged state
     real(dp), intent(in) :: contact(:, :)    !< nodal forces of the contact (3, n) [N]
     real(dp), intent(in) :: r(:, :)          !< forces that are out of balance, at fixed dofs reactions (3, n) [N]
-    integer, intent(in) :: b                 !< body
-    real(dp) :: s(2), part(2, problem%n/block + 1)
-    integer :: i, k
-    part = 0
-    associate (first => problem%first(b), last => problem%first(b) + problem%bodies(b)%nodes(), fixed => problem%fixed)
-      !$omp parallel do schedule(static) private(i) if(size(r) > many)
-      do k = 1, size(part, 2)
-        do i = block*(k - 1) + 1, min(problem%n, block*k)
-          if (fixed(3, i)) part(1, k) = part(1, k) + r(3, i)
-          if (i > first .and. i <= last .and. .not. fixed(1, i)) part(2, k) = part(2, k) + (contact(1, i) + r(1, i))
-        end do
+    type(sums_t), intent(inout) :: sums      !< gets them
+    real(dp) :: part(2, size(r, 2)/block + 1)
+    integer :: first, last, i, k
+    sums%torque = support_torques(drive, load, state, r)
+    first = drive%problem%first(drive%b_cup) + 1
+    last = first - 1 + drive%problem%bodies(drive%b_cup)%nodes()
+    !$omp parallel do schedule(static) private(i) if(size(r) > many)
+    do k = 1, size(part, 2)
+      part(:, k) = 0
+      do i = block*(k - 1) + 1, min(size(r, 2), block*k)
+        associate (fixed => drive%problem%fixed(:, i))
+          if (fixed(3)) part(1, k) = part(1, k) + r(3, i)
+          if (i >= first .and. i <= last .and. .not. fixed(1)) part(2, k) = part(2, k) + (contact(1, i) + r(1, i))
+        end associate
       end do
-      !$omp end parallel do
-    end associate
-    s = sum(part, 2)
-  end function balance_sums
+    end do
+    !$omp end parallel do
+    sums%axial_balance = sum(part(1, :))
+    sums%reaction_force = sums%normal_force + (sum(part(2, :)) + sums%reaction_force)
+  end subroutine balance_forces
 
   !> Sums over the contact of ring and wave generator.
   subroutine sum_cam(drive, state, m, sums)

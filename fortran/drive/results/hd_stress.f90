@@ -106,7 +106,9 @@ contains
     end associate
   end subroutine body_stress
 
-  !> Stresses of a revolved body, those that are asked for.
+  !> Stresses of a revolved body, those that are asked for. For stresses at nodes a thread takes some sectors with all their cells.
+  !> The sector before has part in those of their first nodes: it is evaluated again, and added last where it is the body's last
+  !> one, whoever makes the others; else a thread takes cells with all their sectors.
   subroutine nodal_stress(body, u, matrices, error, stress, peak, largest, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
@@ -117,95 +119,53 @@ contains
                                                       !< (6, cells of all sectors) [Pa]
     real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
-    integer :: meets(body%nodes_per_sector), a, cell, i, last(2)
+    real(dp), allocatable :: s(:, :, :), t(:, :, :)
     real(dp) :: square
+    integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last, own, turn
     if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
     if (allocated(error)) return
     meets = 0
-    do cell = 1, size(body%cells, 2)
-      do a = 1, size(body%cells, 1)
-        associate (met => meets(modulo(body%cells(a, cell) - 1, size(meets)) + 1))
-          met = met + 1
-        end associate
-      end do
+    do i = 1, size(body%cells)
+      a = modulo(body%cells(modulo(i - 1, size(list)) + 1, (i - 1)/size(list) + 1) - 1, size(meets)) + 1
+      meets(a) = meets(a) + 1
     end do
     square = 0
-    last = [size(body%cells, 2), body%sectors]
-    !$omp parallel do schedule(static, 1) reduction(max: square) if(body%nodes() > many_nodes)
-    do i = 1, merge((last(2) + chunk - 1)/chunk, last(1), present(stress))
-      if (present(stress)) then
-        call part_stress(body, [1, chunk*(i - 1) + 1], [last(1), min(last(2), chunk*i)], u, matrices, meets, present(largest), &
-          square, stress, peak, lagrangian)
-      else
-        call part_stress(body, [i, 1], [i, last(2)], u, matrices, meets, present(largest), square, peak=peak, lagrangian=lagrangian)
-      end if
-    end do
-    !$omp end parallel do
+    own = merge(1, 0, present(stress))  ! sectors evaluated before the first
+    associate (m => body%nodes_per_sector, cells => size(body%cells, 2), step => merge(chunk, body%sectors, present(stress)), &
+      turns => merge(1, size(body%cells, 2), present(stress)))
+      !$omp parallel do collapse(2) schedule(static, 1) private(s, t, list, a, cell, i, k, last) reduction(max: square) &
+      !$omp if(body%nodes() > many_nodes)
+      do first = 1, body%sectors, step
+        do turn = 1, turns
+          last = min(body%sectors, first + step - 1)
+          allocate (s(6, points, last - first + 1 + own), t(6, size(list), last - first + 1 + own))
+          if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
+          do cell = turn, merge(cells, turn, present(stress))
+            call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
+            do k = 1 + own, size(s, 3)
+              if (present(largest)) square = max(square, maxval([(square_of(s(:, i, k)), i=1, points)]))
+              if (present(peak)) peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
+            end do
+            if (.not. present(stress)) cycle
+            do i = 1, size(s, 3)
+              k = i
+              if (first == 1) k = modulo(i, size(s, 3)) + 1
+              list = body%cells(:, cell) + (first + k - 3)*m
+              do a = 1, size(list)
+                if (list(a) > (first - 1)*m .and. list(a) <= last*m) stress(:, list(a)) = stress(:, list(a)) + t(:, a, k)
+              end do
+            end do
+          end do
+          do i = (first - 1)*m + 1, merge(last*m, 0, present(stress))
+            stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
+          end do
+          deallocate (s, t)
+        end do
+      end do
+      !$omp end parallel do
+    end associate
     if (present(largest)) largest = sqrt(square)
   end subroutine nodal_stress
-
-  !> The same of some cells in some sectors, for stresses at nodes of all cells there. The sector before has part in the stresses
-  !> of the first nodes: it is evaluated again here, and added last where it is the body's last one, whoever makes the others.
-  subroutine part_stress(body, from, to, u, matrices, meets, with_largest, square, stress, peak, lagrangian)
-    type(body_t), intent(in) :: body                  !< body
-    integer, intent(in) :: from(2), to(2)             !< first and last cell and sector, from 1
-    real(dp), intent(in) :: u(:, :)                   !< as of nodal_stress
-    type(stress_matrices_t), intent(in) :: matrices   !< of all cells
-    integer, intent(in) :: meets(:)                   !< cells that meet at the nodes of a sector
-    logical, intent(in) :: with_largest               !< square is wanted
-    real(dp), intent(inout) :: square                 !< grows to the largest square of von Mises' stress [Pa^2]
-    real(dp), intent(inout), optional :: stress(:, :), peak(:, :)           !< as of nodal_stress, of these sectors
-    type(total_lagrangian_t), intent(in), optional :: lagrangian            !< as of nodal_stress
-    integer :: list(nodes_per_element(body%kind)), a, cell, i, k, n, own
-    real(dp), allocatable :: s(:, :, :), t(:, :, :)
-    own = merge(1, 0, present(stress))  ! sectors before the first
-    n = to(2) - from(2) + 1 + own
-    allocate (s(6, points, n), t(6, size(list), n))
-    associate (m => body%nodes_per_sector, cells => size(body%cells, 2), first => from(2), last => to(2))
-      if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
-      do cell = from(1), to(1)
-        call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
-        do k = 1 + own, merge(n, 0, present(peak))
-          peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
-        end do
-        if (with_largest) square = max(square, largest_square((n - own)*points, s(:, :, 1 + own:n)))
-        list = body%cells(:, cell)
-        do i = 1, merge(n, 0, present(stress))
-          k = i
-          if (first == 1) k = modulo(i, n) + 1
-          do a = 1, size(list)
-            associate (node => list(a) + (first + k - 3)*m)
-              if (node <= (first - 1)*m .or. node > last*m) cycle
-              stress(:, node) = stress(:, node) + t(:, a, k)
-            end associate
-          end do
-        end do
-      end do
-      do i = (first - 1)*m + 1, merge(last*m, 0, present(stress))
-        stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
-      end do
-    end associate
-  end subroutine part_stress
-
-  !> Nodes of a cell in the next sector.
-  pure function ahead(body, list) result(next)
-    type(body_t), intent(in) :: body    !< body
-    integer, intent(in) :: list(:)      !< nodes of the cell
-    integer :: next(size(list))
-    next = list + body%nodes_per_sector
-    where (next > body%nodes()) next = next - body%nodes()
-  end function ahead
-
-  !> Largest square of von Mises' stress [Pa^2].
-  pure real(dp) function largest_square(n, s)
-    integer, intent(in) :: n          !< stresses
-    real(dp), intent(in) :: s(6, n)   !< [Pa]
-    integer :: i
-    largest_square = 0
-    do i = 1, n
-      largest_square = max(largest_square, square_of(s(:, i)))
-    end do
-  end function largest_square
 
   !> Stresses of a cell of a sector and of those like it in the next ones at once: they have the same matrices.
   subroutine cell_stresses(body, cell, first, u, matrices, nodal, s, t, lagrangian)
@@ -225,7 +185,8 @@ contains
     list = cell_nodes(body, cell, first - 1)
     do sector = 1, n
       v(:, :, sector) = u(:, list)
-      list = ahead(body, list)
+      list = list + body%nodes_per_sector
+      where (list > body%nodes()) list = list - body%nodes()
     end do
     if (present(lagrangian)) then
       to_nodes = extrapolation(size(list))

@@ -5,7 +5,7 @@ module hd_vector
   use hd_kinds, only: dp
   implicit none
   private
-  public :: cross, dot, length, weighted_length, magnitude, set, add, add_columns, product_of, orthogonalise, many
+  public :: cross, dot, largest, length, weighted_length, magnitude, set, add, add_columns, product_of, orthogonalise, many
 
   integer, parameter :: many = 40000     !< numbers from which two threads are worth waking
   integer, parameter :: block = 10000    !< summed one behind the other
@@ -35,6 +35,19 @@ contains
     !$omp end parallel do
     dot = sum(part)
   end function dot
+
+  !> Largest amount.
+  real(dp) function largest(n, a)
+    integer, intent(in) :: n            !< length
+    real(dp), intent(in) :: a(n)        !< vector
+    integer :: i
+    largest = 0
+    !$omp parallel do simd schedule(static) reduction(max: largest) if(n > many)
+    do i = 1, n
+      largest = max(largest, abs(a(i)))
+    end do
+    !$omp end parallel do simd
+  end function largest
 
   !> Sum of the products' amounts.
   real(dp) function magnitude(n, a, b)

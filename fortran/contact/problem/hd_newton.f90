@@ -18,7 +18,7 @@ module hd_newton
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
-  use hd_vector, only: add, length, many, weighted_length
+  use hd_vector, only: add, largest, length, many, weighted_length
   implicit none
   private
   public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components, prescribe
@@ -224,7 +224,7 @@ contains
       if (allocated(error)) return
       state%contact = here%contact
       sliding = here%merit <= max(options%tolerance, merge(clear, small, row%open == problem%mortar%n))
-      if (sliding) sliding = maxval(abs(state%u)) > options%runaway
+      if (sliding) sliding = largest(size(state%u), state%u) > options%runaway
       if (sliding) return
       converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0
       if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
@@ -541,13 +541,18 @@ contains
   end function leads
 
   !> Traction components that act on prescribed dofs only, or on no facet opposite.
-  pure function idle_components(problem) result(idle)
+  function idle_components(problem) result(idle)
     type(problem_t), intent(in) :: problem  !< problem
     logical :: idle(3, problem%mortar%n)
-    integer :: j
+    integer :: j, k
+    !$omp parallel do schedule(static) private(k) if(problem%mortar%n > many/8)
     do j = 1, problem%mortar%n
-      idle(:, j) = all(problem%fixed(:, problem%mortar%col(problem%mortar%ptr(j):problem%mortar%ptr(j + 1) - 1)), 2)
-      if (.not. problem%mortar%area(j) > 0) idle(:, j) = .true.
+      idle(:, j) = .true.
+      if (.not. problem%mortar%area(j) > 0) cycle
+      do k = problem%mortar%ptr(j), problem%mortar%ptr(j + 1) - 1
+        idle(:, j) = idle(:, j) .and. problem%fixed(:, problem%mortar%col(k))
+      end do
     end do
+    !$omp end parallel do
   end function idle_components
 end module hd_newton

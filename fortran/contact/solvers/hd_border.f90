@@ -21,7 +21,7 @@ module hd_border
   use hd_flank_friction, only: lean_rows
   use hd_strut, only: closing_of, push
   use hd_symmetry, only: symmetry_t
-  use hd_vector, only: many, set
+  use hd_vector, only: largest, many, set
   implicit none
   private
   public :: border_t, new_border
@@ -269,22 +269,17 @@ contains
     real(dp), intent(in) :: f(:, :)         !< nodal forces (3, n) [N]
     real(dp), intent(out) :: forces(:)      !< (struts) [N]
     real(dp), intent(out) :: left(:, :)     !< (3, n) [N]
-    real(dp) :: largest
+    real(dp) :: small
     integer :: i
     forces = matmul(self%shares, [(closing_of(problem%struts(i), f), i=1, self%struts)])
     call set(size(f), 1._dp, f, left)
     do i = 1, self%struts
       call push(problem%struts(i), -forces(i), left)
     end do
-    largest = 0
-    !$omp parallel do schedule(static) reduction(max: largest) if(size(f) > many)
-    do i = 1, size(f, 2)
-      largest = max(largest, maxval(abs(f(:, i))))
-    end do
-    !$omp end parallel do
+    small = rounding*largest(size(f), f)
     !$omp parallel do schedule(static) if(size(f) > many)
     do i = 1, size(f, 2)
-      where (abs(left(:, i)) <= rounding*largest) left(:, i) = 0
+      where (abs(left(:, i)) <= small) left(:, i) = 0
     end do
     !$omp end parallel do
   end subroutine split_forces

@@ -114,8 +114,9 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< body not held
     call self%compliance%prepare(problem, self%symmetry, error)
     if (allocated(error)) return
-    self%dw = dw
-    self%dt = dt
+    if (.not. allocated(self%dw)) allocate (self%dw, self%dt, mold=dw)
+    call set(size(dw), 1._dp, dw, self%dw)
+    call set(size(dt), 1._dp, dt, self%dt)
     if (allocated(self%factors)) deallocate (self%factors)
     if (allocated(self%pivot)) deallocate (self%pivot)
     call self%sharing%take_law(self%dw, self%dt)

@@ -433,8 +433,8 @@ contains
   !> y = (R F P + T P / a) x.
   subroutine multiply_face(self, x, y)
     class(face_system_t), intent(inout) :: self  !< system
-    real(dp), intent(in) :: x(:)                 !< unknowns [N]
-    real(dp), intent(out) :: y(:)                !< rows [m]
+    real(dp), intent(in), contiguous :: x(:)     !< unknowns [N]
+    real(dp), intent(out), contiguous :: y(:)    !< rows [m]
     real(dp) :: force(size(self%strut_forces, 1))
     integer :: j, k, l, n
     n = size(self%at)
@@ -467,8 +467,8 @@ contains
   !> Block elimination of the border, where there is one.
   subroutine approximate_face(self, x, y, error)
     class(face_system_t), intent(inout) :: self       !< system
-    real(dp), intent(in) :: x(:)                      !< rows [m]
-    real(dp), intent(out) :: y(:)                     !< unknowns [N]
+    real(dp), intent(in), contiguous :: x(:)          !< rows [m]
+    real(dp), intent(out), contiguous :: y(:)         !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
     integer :: k, n
     n = size(self%at)
@@ -482,8 +482,8 @@ contains
   !> points, and what is found there counts for these in the same way.
   subroutine approximate_points(self, x, y, error)
     class(face_system_t), intent(inout) :: self       !< system
-    real(dp), intent(in) :: x(:)                      !< rows [m]
-    real(dp), intent(out) :: y(:)                     !< unknowns [N]
+    real(dp), intent(in), contiguous :: x(:)          !< rows [m]
+    real(dp), intent(out), contiguous :: y(:)         !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
     integer :: j, l
     !$omp parallel do schedule(static) private(l) if(size(x) > many/8)

@@ -20,16 +20,16 @@ module hd_krylov
     subroutine apply_operator(self, x, y)
       import :: operator_t, dp
       class(operator_t), intent(inout) :: self  !< operator
-      real(dp), intent(in) :: x(:)              !< vector
-      real(dp), intent(out) :: y(:)             !< product
+      real(dp), intent(in), contiguous :: x(:)  !< vector
+      real(dp), intent(out), contiguous :: y(:) !< product
     end subroutine apply_operator
 
     !> y close to A^-1 x.
     subroutine precondition_operator(self, x, y, error)
       import :: operator_t, dp, error_t
       class(operator_t), intent(inout) :: self          !< operator
-      real(dp), intent(in) :: x(:)                      !< vector
-      real(dp), intent(out) :: y(:)                     !< approximation
+      real(dp), intent(in), contiguous :: x(:)          !< vector
+      real(dp), intent(out), contiguous :: y(:)         !< approximation
       type(error_t), allocatable, intent(out) :: error  !< memory
     end subroutine precondition_operator
   end interface

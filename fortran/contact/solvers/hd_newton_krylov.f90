@@ -277,8 +277,8 @@ contains
   !> y = Newton's matrix times x.
   subroutine multiply_newton(self, x, y)
     class(newton_operator_t), intent(inout) :: self  !< operator
-    real(dp), intent(in) :: x(:)                     !< correction
-    real(dp), intent(out) :: y(:)                    !< residual
+    real(dp), intent(in), contiguous :: x(:)         !< correction
+    real(dp), intent(out), contiguous :: y(:)        !< residual
     real(dp), allocatable :: u(:, :), t(:, :), f(:, :), w(:, :)
     integer :: j
     associate (p => self%problem, s => self%solver)
@@ -297,8 +297,8 @@ contains
   !> y near the correction that leaves x.
   subroutine approximate_newton(self, x, y, error)
     class(newton_operator_t), intent(inout) :: self   !< operator
-    real(dp), intent(in) :: x(:)                      !< residual
-    real(dp), intent(out) :: y(:)                     !< correction
+    real(dp), intent(in), contiguous :: x(:)          !< residual
+    real(dp), intent(out), contiguous :: y(:)         !< correction
     type(error_t), allocatable, intent(out) :: error  !< solver failure
     real(dp), allocatable :: r_u(:, :), r_c(:, :), u(:, :), t(:, :)
     integer :: j

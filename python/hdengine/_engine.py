@@ -13,15 +13,17 @@ import numpy as np
 
 
 def _load() -> Any:
-    """The extension. Its threads sleep while they wait, unless the environment says otherwise: OpenMP reads that once."""
-    passive = "OMP_WAIT_POLICY" not in os.environ and "GOMP_SPINCOUNT" not in os.environ
-    if passive:
-        os.environ["OMP_WAIT_POLICY"] = "passive"
+    """The extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise: OpenMP reads that once."""
+    waits = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "1000"}
+    sets = not waits.keys() & os.environ.keys()
+    if sets:
+        os.environ.update(waits)
     try:
         from . import _hdengine as extension  # type: ignore[attr-defined]  # compiled
     finally:
-        if passive:
-            del os.environ["OMP_WAIT_POLICY"]
+        if sets:
+            for name in waits:
+                del os.environ[name]
     extension.log_keep()
     return extension
 

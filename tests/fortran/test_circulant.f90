@@ -170,7 +170,7 @@ contains
     do k = 0, n/2
       call side%hat%set(k, some_matrix(3*m, k))
     end do
-    call plan_side(side, stride, error)
+    call plan_side(side, stride, [(j <= n/stride, j=1, n)], error)
     call fill_kernel(side, stride, error)
     expected = 0
     do j = 1, n
@@ -185,9 +185,10 @@ contains
       call check_close(maxval(abs(column(:, :, j) - side%own(:, :, j))), 0._dp, 1e-12_dp, &
         'the block of a multiplier is that of its column')
     end do
-    w = 0
-    call add_response(side, stride, [(j <= n/stride, j=1, n)], .false., f, w)
+    call add_response(side, stride, .false., .false., f, w)
     call check_close(maxval(abs(w - expected)), 0._dp, 1e-12_dp, 'columns add up to the response')
+    call add_response(side, stride, .false., .true., f, w)
+    call check_close(maxval(abs(w - 2*expected)), 0._dp, 1e-12_dp, 'which adds to what is there')
     call release_side(side)
   end subroutine one_side
 end module test_circulant

@@ -34,7 +34,7 @@ module hd_fft
     integer :: rows = 0            !< of all parts
   end type rows_plan_t
 
-  integer, parameter :: rows_of_part = 16     !< parts begin at multiples of 16 bytes, as FFTW asks
+  integer, parameter :: rows_of_part = 8      !< parts begin at multiples of 16 bytes, as FFTW asks
   integer, parameter :: long_rows = 30000     !< numbers from which two threads are worth waking
 
   !> Plans of the NUFFT stay for the next call: making them costs more than a small transform.

@@ -180,7 +180,8 @@ contains
     definite = info == 0
   end subroutine solve_definite
 
-  !> LU factors. Of a large matrix threads share blocks of columns, the same blocks for any number of them.
+  !> LU factors. Of a large matrix threads share blocks of columns, the same blocks for any number of them: while one of them
+  !> factorises a block, others bring those behind up to date.
   subroutine factorise(n, a, rows, info)
     integer, intent(in) :: n              !< order
     real(dp), intent(inout) :: a(n, n)    !< matrix, then factors
@@ -193,21 +194,28 @@ contains
       call dgetrf(n, n, a, n, rows, info)
       return
     end if
+    !$omp parallel
+    !$omp single
     do j = 1, n, block
       w = min(block, n + 1 - j)
+      !$omp task depend(inout: a(1, j)) firstprivate(j, w) private(part) priority(1)
       call dgetrf(n + 1 - j, w, a(j, j), n, rows(j), part)
       if (part > 0 .and. info == 0) info = part + j - 1
       rows(j:j + w - 1) = rows(j:j + w - 1) + j - 1
-      !$omp parallel do schedule(dynamic)
+      !$omp end task
       do c = 1, n, block
         if (c == j) cycle
+        !$omp task depend(in: a(1, j)) depend(inout: a(1, c)) firstprivate(c, j, w)
         call dlaswp(min(block, n + 1 - c), a(1, c), n, j, j + w - 1, rows, 1)
-        if (c < j) cycle
-        call dtrsm('L', 'L', 'N', 'U', w, min(block, n + 1 - c), 1._dp, a(j, j), n, a(j, c), n)
-        call dgemm('N', 'N', n + 1 - j - w, min(block, n + 1 - c), w, -1._dp, a(j + w, j), n, a(j, c), n, 1._dp, a(j + w, c), n)
+        if (c > j) then
+          call dtrsm('L', 'L', 'N', 'U', w, min(block, n + 1 - c), 1._dp, a(j, j), n, a(j, c), n)
+          call dgemm('N', 'N', n + 1 - j - w, min(block, n + 1 - c), w, -1._dp, a(j + w, j), n, a(j, c), n, 1._dp, a(j + w, c), n)
+        end if
+        !$omp end task
       end do
-      !$omp end parallel do
     end do
+    !$omp end single
+    !$omp end parallel
   end subroutine factorise
 
   !> Solve A x = b by LU, whose factors overwrite A.

@@ -9,7 +9,7 @@ module hd_sector_matrix
   private
   public :: hd_sector_product, sector_matrix_t, new_sector_matrix, add_product
 
-  integer, parameter :: long_loop = 1000000  !< blocks from which two threads are worth waking
+  integer, parameter :: long_loop = 100000  !< blocks from which two threads are worth waking
 
   !> Row a holds the blocks ptr(a):ptr(a+1)-1; the column is node col of the sector `shift` further on.
   type :: sector_matrix_t

@@ -24,6 +24,8 @@ module hd_mortar
     real(dp), allocatable :: area(:)           !< a_j, 0 where no master facet lies opposite [m^2]
     integer, allocatable :: ptr(:), col(:)     !< rows by multiplier, columns are nodes
     real(dp), allocatable :: val(:)            !< weights
+    integer, allocatable :: met(:), first(:)   !< nodes with a weight, and where each begins in
+    integer, allocatable :: by(:), entry(:)    !< multipliers and entries in the order of the nodes
     integer, allocatable :: facet(:, :)        !< multipliers at the corners of each slave facet (4, facets)
     real(dp), allocatable :: share(:, :)       !< int phi_j dA over the facet (4, facets) [m^2]
     integer :: slave_nodes = 0                 !< nodes above this number are the master's; matters for turned frames only
@@ -170,6 +172,7 @@ contains
     mortar%val = [mortar%val, spread(1._dp, 1, mortar%rigid)]
     mortar%area = [mortar%area, area]
     mortar%n = mortar%n + mortar%rigid
+    call sort_entries(mortar)
   end subroutine add_rigid
 
   !> Part of the weights that couplings of the same faces have at different nodes: 0 equal, 1 no node in common.
@@ -289,6 +292,7 @@ contains
     mortar%ptr(mortar%n + 1) = n + 1
     mortar%col = mortar%col(:n)
     mortar%val = mortar%val(:n)
+    call sort_entries(mortar)
   end subroutine compress
 
   !> Remove the entries of a row that are zero but for rounding (matching meshes couple node to node).
@@ -314,7 +318,7 @@ contains
     real(dp), intent(in) :: u(:, :)       !< displacements (3, nodes) [m]
     real(dp) :: w(3, mortar%n), sides(3, 2)
     integer :: j, k
-    !$omp parallel do schedule(static) private(sides, k) if(size(mortar%val) > many)
+    !$omp parallel do schedule(static) private(sides, k) if(size(mortar%val) > many/4)
     do j = 1, mortar%n
       w(:, j) = 0
       if (allocated(mortar%turn)) then
@@ -344,25 +348,63 @@ contains
     end do
   end function side_sums
 
-  !> Add the nodal forces of tractions given on the master [Pa]; the slave gets the opposite.
-  pure subroutine add_nodal_forces(mortar, traction, f)
+  !> Add the nodal forces of tractions given on the master [Pa], times a factor; the slave gets the opposite.
+  subroutine add_nodal_forces(mortar, traction, f, factor)
     type(mortar_t), intent(in) :: mortar     !< coupling
     real(dp), intent(in) :: traction(:, :)   !< (3, multipliers) [Pa]
     real(dp), intent(inout) :: f(:, :)       !< nodal forces (3, nodes) [N]
-    real(dp) :: sides(3, 2)
-    integer :: j, k
+    real(dp), intent(in), optional :: factor !< 1 if absent
+    real(dp) :: force(3, mortar%n, 2), times
+    integer :: i, j, k, side
+    times = 1
+    if (present(factor)) times = factor
+    !$omp parallel private(j, k, side) if(size(mortar%val) > many/4)
+    !$omp do schedule(static)
     do j = 1, mortar%n
-      sides = spread(traction(:, j), 2, 2)
-      if (allocated(mortar%turn)) then
-        sides(:, 1) = matmul(traction(:, j), mortar%turn(:, :, j))
-        sides(:, 2) = matmul(traction(:, j), mortar%carry(:, :, j))
-      end if
-      do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
-        f(:, mortar%col(k)) = f(:, mortar%col(k)) + &
-          mortar%area(j)*mortar%val(k)*sides(:, merge(2, 1, mortar%col(k) > mortar%slave_nodes))
+      force(:, j, 1) = times*mortar%area(j)*traction(:, j)
+      if (.not. allocated(mortar%turn)) cycle
+      force(:, j, 2) = matmul(force(:, j, 1), mortar%carry(:, :, j))
+      force(:, j, 1) = matmul(force(:, j, 1), mortar%turn(:, :, j))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do i = 1, size(mortar%met)
+      side = merge(2, 1, allocated(mortar%turn) .and. mortar%met(i) > mortar%slave_nodes)
+      do k = mortar%first(i), mortar%first(i + 1) - 1
+        f(:, mortar%met(i)) = f(:, mortar%met(i)) + mortar%val(mortar%entry(k))*force(:, mortar%by(k), side)
       end do
     end do
+    !$omp end do
+    !$omp end parallel
   end subroutine add_nodal_forces
+
+  !> List the entries by their node, those of one node in the order of the multipliers.
+  subroutine sort_entries(mortar)
+    type(mortar_t), intent(inout) :: mortar  !< gets met, first, by, entry
+    integer, allocatable :: last(:)
+    integer :: i, j, k, n
+    allocate (last(maxval(mortar%col)), source=0)
+    do k = 1, size(mortar%col)
+      last(mortar%col(k)) = last(mortar%col(k)) + 1
+    end do
+    mortar%met = pack([(i, i=1, size(last))], last > 0)
+    mortar%first = [(1, i=1, size(mortar%met) + 1)]
+    do i = 1, size(mortar%met)
+      n = last(mortar%met(i))
+      mortar%first(i + 1) = mortar%first(i) + n
+      last(mortar%met(i)) = mortar%first(i)
+    end do
+    mortar%by = 0*mortar%col
+    mortar%entry = 0*mortar%col
+    do j = 1, mortar%n
+      do k = mortar%ptr(j), mortar%ptr(j + 1) - 1
+        i = mortar%col(k)
+        mortar%by(last(i)) = j
+        mortar%entry(last(i)) = k
+        last(i) = last(i) + 1
+      end do
+    end do
+  end subroutine sort_entries
 
   !> Block of the coupling between a multiplier and the node of its entry k: w_j = sum of blocks times displacements.
   pure function coupling_block(mortar, j, k) result(block)

@@ -111,9 +111,9 @@ contains
     call solver%solve(problem, -by_u, r, lambda, tau, error)
     if (twice .and. .not. allocated(error)) then
       allocate (left_u, mold=by_u)
-      left_u = by_u
-      call add_nodal_forces(problem%mortar, tau, left_u)
-      left_u = apply_stiffness(problem, lambda) - left_u
+      call apply_stiffness(problem, lambda, left_u)
+      left_u = left_u - by_u
+      call add_nodal_forces(problem%mortar, tau, left_u, factor=-1._dp)
       more = relative_displacement(problem%mortar, lambda)
       do j = 1, size(r, 2)
         r(:, j) = r(:, j) + matmul(self%w(:, :, j), more(:, j)) + matmul(self%t(:, :, j), tau(:, j))

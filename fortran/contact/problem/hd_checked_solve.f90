@@ -7,7 +7,7 @@ module hd_checked_solve
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
-  use hd_vector, only: dot, length, many
+  use hd_vector, only: add, dot, length, magnitude, many, set, weighted_length
   implicit none
   private
   public :: solve_checked, solve_refined
@@ -28,11 +28,16 @@ contains
     real(dp), intent(out) :: dtraction(:, :)             !< correction (3, multipliers) [Pa]
     real(dp), intent(out) :: residual                    !< backward error
     type(error_t), allocatable, intent(out) :: error     !< solver failure
-    real(dp) :: left_u(3, size(r_u, 2)), left_c(3, size(r_c, 2)), more_u(3, size(r_u, 2)), more_c(3, size(r_c, 2)), better
+    real(dp), allocatable :: left_u(:, :), left_c(:, :), more_u(:, :), more_c(:, :)
+    real(dp) :: better
+    allocate (left_u, mold=r_u)
+    allocate (left_c, mold=r_c)
     call solver%solve(problem, r_u, r_c, du, dtraction, error)
     if (allocated(error)) return
     call find_remainder(problem, dw, dt, r_u, r_c, du, dtraction, left_u, left_c, residual)
     if (.not. residual > refine_above) return
+    allocate (more_u, mold=r_u)
+    allocate (more_c, mold=r_c)
     call solver%solve(problem, left_u, left_c, more_u, more_c, error)
     if (allocated(error)) return
     more_u = more_u + du
@@ -63,20 +68,18 @@ contains
     real(dp) :: residual
     integer :: i
     none = 0
-    against = -force  ! a wheel that turns is loaded there too
-    left_u = against
     left_c = 0
-    if (any(abs(du) > 0)) call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
+    call set(size(force), -1._dp, force, against)  ! a wheel that turns is loaded there too
+    call set(size(force), -1._dp, force, left_u)
+    if (length(size(du), du) > 0) call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
     do i = 1, most
       call solver%solve(problem, left_u, left_c, more_u, more_c, error)
       if (allocated(error)) return
-      !$omp parallel workshare if(size(du) > many)
-      du = du + more_u
-      !$omp end parallel workshare
+      call add(size(du), 1._dp, more_u, du)
       dtraction = dtraction + more_c
       call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
-      accurate = dot(size(du), abs(du), abs(left_u)) + sum(spread(problem%mortar%area, 1, 3)*abs(dtraction*left_c))/ &
-        problem%law%scale <= accuracy*abs(dot(size(du), force, du))
+      accurate = magnitude(size(du), du, left_u) + sum(problem%mortar%area*sum(abs(dtraction*left_c), 1))/problem%law%scale <= &
+        accuracy*abs(dot(size(du), force, du))
       if (accurate) return
     end do
   end subroutine solve_refined
@@ -91,36 +94,28 @@ contains
     real(dp), intent(in) :: dtraction(:, :)              !< solution (3, multipliers) [Pa]
     real(dp), intent(out) :: left_u(:, :), left_c(:, :)  !< what remains of r_u and r_c
     real(dp), intent(out) :: relative                    !< backward error
-    real(dp) :: w(3, size(r_c, 2)), f(3, size(r_u, 2)), loaded(3, size(r_u, 2)), pressed(3, size(r_c, 2))
+    real(dp) :: w(3, size(r_c, 2)), loaded(3, size(r_u, 2))
     real(dp) :: given
     integer :: i, j, n
     n = size(r_u)
-    left_u = apply_stiffness(problem, du)
+    call apply_stiffness(problem, du, left_u)
+    call add_nodal_forces(problem%mortar, dtraction, left_u, factor=-1._dp)
     w = relative_displacement(problem%mortar, du)
     !$omp parallel if(n > many)
     !$omp do schedule(static)
     do i = 1, size(r_u, 2)
-      f(:, i) = 0
-    end do
-    !$omp end do
-    !$omp single
-    call add_nodal_forces(problem%mortar, dtraction, f)
-    !$omp end single
-    !$omp do schedule(static)
-    do i = 1, size(r_u, 2)
-      left_u(:, i) = merge(0._dp, r_u(:, i) + left_u(:, i) - f(:, i), problem%fixed(:, i))
       loaded(:, i) = merge(0._dp, r_u(:, i), problem%fixed(:, i))
+      left_u(:, i) = merge(0._dp, r_u(:, i) + left_u(:, i), problem%fixed(:, i))
     end do
     !$omp end do
     !$omp do schedule(static)
     do j = 1, size(r_c, 2)
       left_c(:, j) = r_c(:, j) + matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), dtraction(:, j))
-      pressed(:, j) = problem%mortar%area(j)*r_c(:, j)
-      w(:, j) = problem%mortar%area(j)*left_c(:, j)
     end do
     !$omp end do
     !$omp end parallel
-    given = hypot(length(n, loaded), length(size(pressed), pressed))
-    relative = hypot(length(n, left_u), length(size(w), w))/max(given + largest_stiffness(problem)*length(n, du), tiny(1._dp))
+    given = hypot(length(n, loaded), weighted_length(problem%mortar%area, r_c))
+    relative = hypot(length(n, left_u), weighted_length(problem%mortar%area, left_c))/ &
+      max(given + largest_stiffness(problem)*length(n, du), tiny(1._dp))
   end subroutine find_remainder
 end module hd_checked_solve

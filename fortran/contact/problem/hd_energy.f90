@@ -15,13 +15,15 @@ contains
     type(problem_t), intent(in) :: problem  !< problem with struts
     type(load_t), intent(in) :: load        !< load
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp), allocatable :: closing(:), force(:)
+    real(dp), allocatable :: closing(:), force(:), f(:, :)
     integer :: n
     closing = strut_closings(problem, load, u)
     if (allocated(problem%lagrangian)) then
       e = strain_energy(problem, u) + sum(problem%spring*u**2)/2
     else
-      e = sum(u*elastic_forces(problem, u))/2
+      allocate (f, mold=u)
+      call elastic_forces(problem, u, f)
+      e = sum(u*f)/2
     end if
     force = forces_at(problem, load, closing)
     n = size(closing)

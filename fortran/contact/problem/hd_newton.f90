@@ -11,14 +11,14 @@ module hd_newton
   use hd_checked_solve, only: solve_checked
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, new_state, update_tangent, &
+  use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
     apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
-  use hd_vector, only: length, many
+  use hd_vector, only: add, length, many, weighted_length
   implicit none
   private
   public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components, prescribe
@@ -62,7 +62,7 @@ module hd_newton
   type :: globalisation_t
     integer, allocatable :: seen(:, :)     !< contact states of the series of iterates (multipliers, iterates)
     real(dp), allocatable :: merits(:)     !< their residuals
-    type(state_t), allocatable :: saved    !< iterate to which the softened iteration returns
+    type(state_t) :: saved                 !< iterate to which the softened iteration returns, if there is one
     real(dp) :: lowest = huge(1._dp)       !< lowest residual of the series
     real(dp) :: harden = 1e-2_dp           !< residual of the hard law at which Newton's method takes over again
     real(dp) :: softness = 0               !< of the outer step [m/Pa]
@@ -124,12 +124,14 @@ contains
     integer :: k
     allocate (history(0))
     round = options
-    if (allocated(problem%pairing)) round%tolerance = max(options%tolerance, first_tolerance)
-    paired = state%u
+    if (allocated(problem%pairing)) then
+      round%tolerance = max(options%tolerance, first_tolerance)
+      paired = state%u
+    end if
     share = 1
     stay = .false.
     do k = 1, most_pairings
-      if (.not. stay) call pair_bodies(problem, paired, again=k > 1)
+      if (allocated(paired) .and. .not. stay) call pair_bodies(problem, paired, again=k > 1)
       call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
       if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
       history = [history, more(merge(2, 1, stay):)]
@@ -194,16 +196,20 @@ contains
     sliding = .false.
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
-    guess = state
-    call update_tangent(problem, guess%u)
+    if (allocated(problem%lagrangian)) guess = state
+    call update_tangent(problem, state%u)
     call prescribe(problem, load, state%u)
-    du = state%u
-    dt = state%traction
+    allocate (du, mold=state%u)
+    allocate (dt, mold=state%traction)
     here%stiffness = largest_stiffness(problem)
     call linearise(problem, load, previous, state, here)
     ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
-    if (allocated(problem%lagrangian) .and. any(abs(state%u - guess%u) > 0)) then
-      here%r_u = internal_residual(problem, load, guess) + apply_stiffness(problem, state%u - guess%u)
+    if (allocated(problem%lagrangian)) then
+      if (any(abs(state%u - guess%u) > 0)) then
+        call internal_residual(problem, load, guess, here%r_u)
+        call apply_stiffness(problem, state%u - guess%u, du)
+        here%r_u = here%r_u + du
+      end if
     end if
     do
       call system_clock(now)
@@ -217,8 +223,8 @@ contains
       call check_stop(error)
       if (allocated(error)) return
       state%contact = here%contact
-      sliding = here%merit <= max(options%tolerance, merge(clear, small, row%open == problem%mortar%n)) .and. &
-        maxval(abs(state%u)) > options%runaway
+      sliding = here%merit <= max(options%tolerance, merge(clear, small, row%open == problem%mortar%n))
+      if (sliding) sliding = maxval(abs(state%u)) > options%runaway
       if (sliding) return
       converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0
       if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
@@ -245,14 +251,19 @@ contains
   end subroutine settle
 
   !> Enter the values of the fixed dofs; a wheel keeps its turn.
-  pure subroutine prescribe(problem, load, u)
+  subroutine prescribe(problem, load, u)
     type(problem_t), intent(in) :: problem   !< problem
     type(load_t), intent(in) :: load         !< load
     real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
     real(dp) :: turn
+    integer :: i
     turn = 0
     if (allocated(problem%wheel)) turn = u(2, problem%wheel(1))
-    where (problem%fixed) u = load%displacement
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      where (problem%fixed(:, i)) u(:, i) = load%displacement(:, i)
+    end do
+    !$omp end parallel do
     if (allocated(problem%wheel)) u(2, problem%wheel) = turn
   end subroutine prescribe
 
@@ -330,7 +341,7 @@ contains
       global%hard = here%merit
       if (here%merit < global%harden) then
         global%harden = tenth*global%harden
-        global%saved = state
+        call keep_state(state, global%saved)
         call forget(iteration, global)
       else
         here%law%softness = global%softness
@@ -339,7 +350,7 @@ contains
       return
     end if
     if (.not. cycles(here, state, iteration, global, period)) return
-    if (allocated(global%saved)) state = global%saved
+    if (allocated(global%saved%u)) state = global%saved
     here%anchor = state%traction
     if (global%outer == 0) global%softness = softest/here%law%scale
     here%law%softness = global%softness
@@ -363,7 +374,7 @@ contains
     if (here%merit < global%lowest) then
       global%lowest = here%merit
       global%best = iteration
-      if (global%outer == 0) global%saved = state
+      if (global%outer == 0) call keep_state(state, global%saved)
     end if
     cycles = period > 0 .or. iteration - global%best >= patience
     global%merits = [global%merits, here%merit]
@@ -393,13 +404,19 @@ contains
     type(state_t) :: old
     real(dp) :: merit, begun, best, best_damping
     integer :: k
+    damping = 1
+    if (.not. search) then
+      call add(size(du), 1._dp, du, state%u)
+      call add(size(dt), 1._dp, dt, state%traction)
+      call linearise(problem, load, previous, state, here)
+      return
+    end if
     old = state
     merit = here%distance
     begun = here%merit
     best = huge(best)
     best_damping = 1
-    damping = 1
-    do k = 0, merge(halvings, 0, search)
+    do k = 0, halvings
       damping = 0.5_dp**k
       state%u = old%u + damping*du
       state%traction = old%traction + damping*dt
@@ -426,33 +443,53 @@ contains
     type(state_t), intent(in) :: previous           !< beginning of the load step
     type(state_t), intent(inout) :: state           !< iterate; gets its gap and slip
     type(linearisation_t), intent(inout) :: here    !< linearisation
-    real(dp), allocatable :: force(:, :), left(:, :)
-    real(dp) :: scale, law, moved
+    real(dp), allocatable :: force(:, :)
+    real(dp) :: scale, law, moved, held, left
     integer :: j
     if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
     call gap_and_slip(problem, load, previous, state)
     call apply_law(problem, previous, state, here)
-    here%r_u = internal_residual(problem, load, state)
-    allocate (left(3, problem%n))
-    allocate (force(3, problem%n), source=0._dp)
-    call add_nodal_forces(problem%mortar, state%traction, force)
-    law = norm2(spread(problem%mortar%area, 1, 3)*here%r_c)
-    moved = length(size(state%u), state%u)
-    scale = length(size(force), force) + length(size(load%force), load%force) + law + tiny(scale)
+    call internal_residual(problem, load, state, here%r_u)
+    allocate (force(3, problem%n))
     !$omp parallel do schedule(static) if(size(force) > many)
     do j = 1, problem%n
-      force(:, j) = merge(here%r_u(:, j), 0._dp, problem%fixed(:, j))
-      left(:, j) = here%r_u(:, j) - force(:, j)
+      force(:, j) = 0
     end do
     !$omp end parallel do
-    scale = scale + length(size(force), force)
+    call add_nodal_forces(problem%mortar, state%traction, force)
+    law = weighted_length(problem%mortar%area, here%r_c)
+    moved = length(size(state%u), state%u)
+    scale = length(size(force), force) + length(size(load%force), load%force) + law + tiny(scale)
+    call part_lengths(here%r_u, problem%fixed, held, left)
+    scale = scale + held
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
     here%forceless = scale <= rounding*here%stiffness*moved
     scale = scale + unstrained*here%stiffness*moved  ! bodies moved as a whole have no forces but rounding
-    here%distance = hypot(length(size(left), left), law)
+    here%distance = hypot(left, law)
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
+
+  !> Lengths of forces at fixed and at free dofs, summed in blocks of one length.
+  subroutine part_lengths(force, fixed, held, free)
+    real(dp), intent(in) :: force(:, :)  !< (3, n) [N]
+    logical, intent(in) :: fixed(:, :)   !< (3, n)
+    real(dp), intent(out) :: held, free  !< [N]
+    integer, parameter :: block = 4000   !< nodes
+    real(dp) :: part(2, (size(force, 2) + block - 1)/block)
+    integer :: i, j
+    !$omp parallel do schedule(static) private(j) if(size(force) > many)
+    do i = 1, size(part, 2)
+      part(:, i) = 0
+      do j = block*(i - 1) + 1, min(block*i, size(force, 2))
+        part(1, i) = part(1, i) + sum(merge(force(:, j)**2, 0._dp, fixed(:, j)))
+        part(2, i) = part(2, i) + sum(merge(0._dp, force(:, j)**2, fixed(:, j)))
+      end do
+    end do
+    !$omp end parallel do
+    held = sqrt(sum(part(1, :)))
+    free = sqrt(sum(part(2, :)))
+  end subroutine part_lengths
 
   !> Room for a linearisation, and the law of its load step.
   subroutine begin_linearisation(problem, load, previous, here)
@@ -461,7 +498,7 @@ contains
     type(state_t), intent(in) :: previous           !< beginning of the load step
     type(linearisation_t), intent(inout) :: here    !< linearisation
     allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
-      here%contact(problem%mortar%n))
+      here%contact(problem%mortar%n), here%r_u(3, problem%n))
     here%idle = idle_components(problem)
     here%law = problem%law
     here%law%friction = load%friction
@@ -476,7 +513,7 @@ contains
     type(state_t), intent(in) :: state              !< iterate
     type(linearisation_t), intent(inout) :: here    !< gets r_c, dw, dt, contact
     integer :: c, i, j
-    !$omp parallel do schedule(static) private(c, i) if(9*problem%mortar%n > many)
+    !$omp parallel do schedule(static) private(c, i) if(9*problem%mortar%n > many/4)
     do j = 1, problem%mortar%n
       if (j > problem%mortar%n - problem%mortar%rigid) then
         call evaluate_law(contact_law_t(mode=frictionless, scale=here%law%scale), state%traction(:, j), &

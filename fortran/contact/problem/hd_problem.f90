@@ -12,12 +12,12 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
-  use hd_vector, only: many
+  use hd_vector, only: add, many, set
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
-    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, pair_bodies, &
+    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, keep_state, pair_bodies, &
     update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
@@ -198,20 +198,34 @@ contains
     allocate (state%past(memories, 0))
   end subroutine new_state
 
+  !> Copy of a state.
+  subroutine keep_state(state, kept)
+    type(state_t), intent(in) :: state     !< state
+    type(state_t), intent(inout) :: kept   !< gets it
+    if (.not. allocated(kept%u)) allocate (kept%u, mold=state%u)
+    call set(size(state%u), 1._dp, state%u, kept%u)
+    kept%traction = state%traction
+    kept%slip = state%slip
+    kept%gap = state%gap
+    kept%contact = state%contact
+    kept%touch = state%touch
+    kept%past = state%past
+  end subroutine keep_state
+
   !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
-  function apply_stiffness(problem, u) result(f)
+  subroutine apply_stiffness(problem, u, f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n)
+    real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
     real(dp), allocatable :: forces(:)
     integer :: i
-    f = elastic_forces(problem, u)
+    call elastic_forces(problem, u, f)
     if (.not. allocated(problem%struts)) return
     forces = linear_forces(problem, [(closing_of(problem%struts(i), u), i=1, size(problem%struts))])
     do i = 1, size(problem%struts)
       if (problem%strut_rate(i) > 0) call push(problem%struts(i), forces(i), f)
     end do
-  end function apply_stiffness
+  end subroutine apply_stiffness
 
   !> Forces of the struts by their present tangents [N].
   function linear_forces(problem, closing) result(f)
@@ -228,11 +242,11 @@ contains
   end function linear_forces
 
   !> The same without struts.
-  function elastic_forces(problem, u) result(f)
+  subroutine elastic_forces(problem, u, f)
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    real(dp) :: f(3, problem%n)
-    integer :: b
+    real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
+    integer :: b, i
     if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u)
       f = f + problem%spring*u
@@ -242,15 +256,17 @@ contains
       f = multiply(problem%stiffness, u)
       return
     end if
-    !$omp parallel workshare if(size(u) > many)
-    f = problem%spring*u
-    !$omp end parallel workshare
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      f(:, i) = problem%spring(:, i)*u(:, i)
+    end do
+    !$omp end parallel do
     do b = 1, size(problem%bodies)
       associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
         call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
       end associate
     end do
-  end function elastic_forces
+  end subroutine elastic_forces
 
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)
@@ -265,31 +281,27 @@ contains
   end function largest_stiffness
 
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.
-  function internal_residual(problem, load, state) result(r)
+  subroutine internal_residual(problem, load, state, r)
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
-    real(dp) :: r(3, problem%n), f(3, problem%n)
+    real(dp), intent(out) :: r(:, :)        !< (3, n) [N]
     real(dp), allocatable :: forces(:)
     integer :: i
-    f = load%force
-    call add_nodal_forces(problem%mortar, state%traction, f)
-    if (allocated(problem%struts)) then
-      forces = strut_forces(problem, load, state%u)
-      do i = 1, size(forces)
-        if (abs(forces(i)) > 0) call push(problem%struts(i), -forces(i), f)
-      end do
-    end if
     if (allocated(problem%lagrangian)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
-      r = r + problem%spring*state%u - f
+      r = r + problem%spring*state%u
     else
-      r = elastic_forces(problem, state%u)
-      !$omp parallel workshare if(size(f) > many)
-      r = r - f
-      !$omp end parallel workshare
+      call elastic_forces(problem, state%u, r)
     end if
-  end function internal_residual
+    call add(size(r), -1._dp, load%force, r)
+    call add_nodal_forces(problem%mortar, state%traction, r, factor=-1._dp)
+    if (.not. allocated(problem%struts)) return
+    forces = strut_forces(problem, load, state%u)
+    do i = 1, size(forces)
+      if (abs(forces(i)) > 0) call push(problem%struts(i), forces(i), r)
+    end do
+  end subroutine internal_residual
 
   !> Closings of the struts, less what they stand on gives way [m].
   function strut_closings(problem, load, u) result(c)

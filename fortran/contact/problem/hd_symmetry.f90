@@ -135,7 +135,7 @@ contains
   end function holds
 
   !> Image of every node.
-  pure function node_images(problem, mirror) result(image)
+  function node_images(problem, mirror) result(image)
     type(problem_t), intent(in) :: problem  !< problem
     integer, intent(in) :: mirror           !< operation
     integer :: image(problem%n)
@@ -143,12 +143,14 @@ contains
     do b = 1, size(problem%bodies)
       associate (body => problem%bodies(b))
         m = body%nodes_per_sector
-        do a = 1, m
-          offset = merge(1, 0, body%angle(a) > 0)
-          do s = 0, body%sectors - 1
+        !$omp parallel do schedule(static) private(a, offset) if(body%nodes() > many)
+        do s = 0, body%sectors - 1
+          do a = 1, m
+            offset = merge(1, 0, body%angle(a) > 0)
             image(problem%first(b) + s*m + a) = problem%first(b) + image_sector(body%sectors, s, offset, mirror)*m + a
           end do
         end do
+        !$omp end parallel do
       end associate
     end do
   end function node_images
@@ -173,7 +175,7 @@ contains
   end function same_shape
 
   !> A nodal field without what rounding has left of its other parts.
-  pure subroutine symmetrise(problem, symmetry, u)
+  subroutine symmetrise(problem, symmetry, u)
     type(problem_t), intent(in) :: problem    !< problem
     type(symmetry_t), intent(in) :: symmetry  !< of the field
     real(dp), intent(inout) :: u(:, :)        !< nodal field (3, n)
@@ -182,7 +184,7 @@ contains
   end subroutine symmetrise
 
   !> The first of its images stands for every node.
-  pure subroutine choose_agents(problem, symmetry, representative, turned, on_plane)
+  subroutine choose_agents(problem, symmetry, representative, turned, on_plane)
     type(problem_t), intent(in) :: problem    !< problem
     type(symmetry_t), intent(in) :: symmetry  !< in use
     integer, intent(out) :: representative(:)          !< node that stands for each node, itself for some (n)
@@ -226,12 +228,18 @@ contains
     class(sharing_t), intent(in) :: self            !< sharing
     real(dp), intent(inout) :: dw(:, :, :)          !< dR/dw (3, 3, multipliers) [Pa/m]
     real(dp), intent(inout) :: dt(:, :, :)          !< dR/dt (3, 3, multipliers)
-    integer :: j
+    integer :: i, j, k
     if (.not. allocated(self%representative)) return
-    do j = 1, size(self%representative)  ! an representative is not behind its images
-      dw(:, :, j) = dw(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
-      dt(:, :, j) = dt(:, :, self%representative(j))*spread(self%sign(:, j), 1, 3)*spread(self%sign(:, j), 2, 3)
+    !$omp parallel do schedule(static) private(i, k) if(9*size(self%representative) > many)
+    do j = 1, size(self%representative)
+      i = self%representative(j)  ! stays as it is
+      if (i == j) cycle
+      do k = 1, 3
+        dw(:, k, j) = dw(:, k, i)*self%sign(:, j)*self%sign(k, j)
+        dt(:, k, j) = dt(:, k, i)*self%sign(:, j)*self%sign(k, j)
+      end do
     end do
+    !$omp end parallel do
   end subroutine take_law
 
   !> A field equals its image.

@@ -104,7 +104,8 @@ contains
           real(rows(i)%open, dp), real(rows(i)%stick, dp), real(rows(i)%slip, dp)]
       end do
       u(:, :, s) = state%u
-      reaction(:, :, s) = merge(internal_residual(problem, load, state), 0._dp, problem%fixed)
+      call internal_residual(problem, load, state, reaction(:, :, s))
+      where (.not. problem%fixed) reaction(:, :, s) = 0
       traction(:, problem%mortar%node, s) = state%traction
       slip(:, problem%mortar%node, s) = state%slip
       opening(problem%mortar%node, s) = state%gap

@@ -21,7 +21,7 @@ module hd_border
   use hd_flank_friction, only: lean_rows
   use hd_strut, only: closing_of, push
   use hd_symmetry, only: symmetry_t
-  use hd_vector, only: many
+  use hd_vector, only: many, set
   implicit none
   private
   public :: border_t, new_border
@@ -175,22 +175,26 @@ contains
     end select
   end function motion_of_node
 
-  !> Work of nodal forces on the unit of a motion [N m].
-  pure real(dp) function work_of_motion(self, problem, mode, f) result(work)
+  !> Work of nodal forces on the unit of a motion [N m], summed in blocks of one length.
+  real(dp) function work_of_motion(self, problem, mode, f) result(work)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     integer, intent(in) :: mode              !< motion
     real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
-    real(dp) :: u(2)
-    integer :: i
-    work = 0
-    associate (first => problem%first(self%body(mode)))
-      do i = first + 1, first + problem%bodies(self%body(mode))%nodes()
-        u = self%motion(mode, self%scale, i, first + 1)
-        work = work + u(1)*f(1, i)
-        work = work + u(2)*f(2, i)
+    integer, parameter :: block = 4000       !< nodes
+    real(dp) :: part(size(f, 2)/block + 1)
+    integer :: i, k
+    associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
+      part = 0
+      !$omp parallel do schedule(static) private(i) if(3*nodes > many)
+      do k = 1, nodes/block + 1
+        do i = first + block*(k - 1) + 1, first + min(block*k, nodes)
+          part(k) = part(k) + dot_product(self%motion(mode, self%scale, i, first + 1), f(:2, i))
+        end do
       end do
+      !$omp end parallel do
     end associate
+    work = sum(part)
   end function work_of_motion
 
   !> Struts that push at the present iterate.
@@ -245,9 +249,11 @@ contains
     real(dp) :: left(3, problem%n)
     integer :: i, n
     n = size(self%active)
-    !$omp parallel workshare if(size(v) > many)
-    left = f - problem%spring*v
-    !$omp end parallel workshare
+    !$omp parallel do schedule(static) if(size(v) > many)
+    do i = 1, problem%n
+      left(:, i) = f(:, i) - problem%spring(:, i)*v(:, i)
+    end do
+    !$omp end parallel do
     do i = 1, n
       b(i) = merge(0._dp, -closing_of(problem%struts(self%active(i)), v), self%blind(i))
     end do
@@ -257,50 +263,71 @@ contains
   end function known_side
 
   !> Forces of the struts, and what is left, of nodal forces.
-  pure subroutine split_forces(self, problem, f, forces, left)
+  subroutine split_forces(self, problem, f, forces, left)
     class(border_t), intent(in) :: self     !< border
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: f(:, :)         !< nodal forces (3, n) [N]
     real(dp), intent(out) :: forces(:)      !< (struts) [N]
     real(dp), intent(out) :: left(:, :)     !< (3, n) [N]
+    real(dp) :: largest
     integer :: i
     forces = matmul(self%shares, [(closing_of(problem%struts(i), f), i=1, self%struts)])
-    left = f
+    call set(size(f), 1._dp, f, left)
     do i = 1, self%struts
       call push(problem%struts(i), -forces(i), left)
     end do
-    where (abs(left) <= rounding*maxval(abs(f))) left = 0
+    largest = 0
+    !$omp parallel do schedule(static) reduction(max: largest) if(size(f) > many)
+    do i = 1, size(f, 2)
+      largest = max(largest, maxval(abs(f(:, i))))
+    end do
+    !$omp end parallel do
+    !$omp parallel do schedule(static) if(size(f) > many)
+    do i = 1, size(f, 2)
+      where (abs(left(:, i)) <= rounding*largest) left(:, i) = 0
+    end do
+    !$omp end parallel do
   end subroutine split_forces
 
   !> Right-hand sides of the border for forces of the struts, of the multipliers, and some at fixed dofs, without a solve of the
   !> bodies; and the relative displacements that the struts make.
-  subroutine respond_struts(self, problem, forces, pressed, left, w, known)
+  subroutine respond_struts(self, problem, forces, pressed, left, closed, w, known)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: forces(:)        !< (struts) [N]
     real(dp), intent(in) :: pressed(:, :)    !< (3, multipliers) [N]
     real(dp), intent(in) :: left(:, :)       !< of split_forces: the bodies do not answer to it (3, n) [N]
-    real(dp), intent(inout) :: w(:, :)       !< gets the displacements (3, multipliers) [m]
+    integer, intent(in) :: closed(:)         !< multipliers that count
+    real(dp), intent(inout) :: w(:, :)       !< gets the displacements there (3, multipliers) [m]
     real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
-    integer, allocatable :: list(:), points(:)
-    integer :: i, j
+    integer, parameter :: block = 500  !< points summed one behind the other
+    integer, allocatable :: list(:), points(:), push_too(:)
+    real(dp), allocatable :: part(:, :)
+    integer :: i, j, k
     list = self%columns()
     points = pack([(i, i=1, size(pressed, 2))], any(abs(pressed) > 0, 1))  ! often few
-    allocate (known(size(list)))
-    !$omp parallel if(3*size(points)*size(list) > many)
+    push_too = pack([(i, i=1, self%struts)], abs(forces) > 0)
+    allocate (part(size(list), (size(points) + block - 1)/block))
+    !$omp parallel private(i, k) if(3*(size(closed) + size(points))*size(list) > many/4)
     !$omp do schedule(static)
-    do i = 1, size(list)
-      known(i) = -dot_product(self%own(:, list(i)), forces) - sum(self%side(:, points, list(i))*pressed(:, points))
+    do j = 1, size(part, 2)
+      do i = 1, size(list)
+        part(i, j) = 0
+        do k = block*(j - 1) + 1, min(block*j, size(points))
+          part(i, j) = part(i, j) + sum(self%side(:, points(k), list(i))*pressed(:, points(k)))
+        end do
+      end do
     end do
     !$omp end do
     !$omp do schedule(static)
-    do j = 1, size(w, 2)
-      do i = 1, self%struts
-        if (abs(forces(i)) > 0) w(:, j) = w(:, j) + forces(i)*self%side(:, j, i)
+    do j = 1, size(closed)
+      do k = 1, size(push_too)
+        w(:, closed(j)) = w(:, closed(j)) + forces(push_too(k))*self%side(:, closed(j), push_too(k))
       end do
     end do
     !$omp end do
     !$omp end parallel
+    known = [(-dot_product(self%own(:, list(i)), forces) - sum(part(i, :)), i=1, size(list))]
     where (self%blind) known(:size(self%blind)) = 0
     do i = 1, self%modes
       associate (entry => known(size(self%active) + i))
@@ -320,14 +347,18 @@ contains
     do i = 1, size(self%active)
       call push(problem%struts(self%active(i)), x(i), f)
     end do
-    !$omp parallel workshare if(size(u) > many)
-    u = 0
-    !$omp end parallel workshare
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      u(:, i) = 0
+    end do
+    !$omp end parallel do
     do i = 1, self%modes
       call add_rigid_motion(self, problem, i, self%scale*x(size(self%active) + i), u)
     end do
-    !$omp parallel workshare if(size(u) > many)
-    f = f - problem%spring*u
-    !$omp end parallel workshare
+    !$omp parallel do schedule(static) if(size(u) > many)
+    do i = 1, problem%n
+      f(:, i) = f(:, i) - problem%spring(:, i)*u(:, i)
+    end do
+    !$omp end parallel do
   end subroutine add_solution
 end module hd_border

@@ -187,7 +187,7 @@ contains
     self%products = sum([((real(self%sides(b)%ptr(size(self%row) + 1) - 1, dp)/size(self%row))**2, b=self%part(1), self%part(2))])
     self%apply_flops = 0
     do b = self%part(1), self%part(2)
-      call plan_side(self%sides(b), stride, error)
+      call plan_side(self%sides(b), stride, self%sector < self%sides(1)%sectors/stride, error)
       if (allocated(error)) return
       self%apply_flops = self%apply_flops + 8*real(self%sides(b)%hat%n, dp)**2*size(self%sides(b)%wave, 2) + &
         10*size(self%sides(b)%field)*log(real(size(self%sides(b)%field, 2), dp))
@@ -282,9 +282,8 @@ contains
     real(dp), intent(in) :: f(:, :)              !< forces (3, multipliers) [N]
     real(dp), intent(out) :: w(:, :)             !< relative displacements (3, multipliers) [m]
     integer :: p
-    w = 0
     do p = self%part(1), self%part(2)
-      call add_response(self%sides(p), self%stride, self%sector < self%sides(1)%sectors/self%stride, single, f, w)
+      call add_response(self%sides(p), self%stride, single, p > self%part(1), f, w)
     end do
   end subroutine apply_circulant
 
@@ -299,7 +298,7 @@ contains
     if (allocated(error)) return
     associate (ring => self%ring)
       n = size(ring%field, 2)
-      !$omp parallel do schedule(static) if(size(w) > many)
+      !$omp parallel do schedule(static) if(size(w) > many/4)
       do j = 1, size(w, 2)
         if (self%sector(j) < n) ring%field(3*self%row(j) - 2:3*self%row(j), self%sector(j) + 1) = real(w(:, j), sp)
       end do
@@ -307,7 +306,7 @@ contains
       call execute_rows_single(ring%forward, n, ring%field, ring%wave, .true.)
       call ring%hat%multiply_single(self%stride, ring%wave)
       call execute_rows_single(ring%backward, n, ring%field, ring%wave, .false.)
-      !$omp parallel do schedule(static) if(size(w) > many)
+      !$omp parallel do schedule(static) if(size(w) > many/4)
       do j = 1, size(w, 2)
         f(:, j) = ring%field(3*self%row(j) - 2:3*self%row(j), modulo(self%sector(j), n) + 1)/real(n, sp)
       end do
@@ -328,48 +327,68 @@ contains
   subroutine invert_mean(self, error)
     type(circulant_t), intent(inout) :: self          !< gets inverse and its workspace
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: m(:, :), mean(:, :), more(:)
-    real(dp) :: weight
-    integer :: d, j, k, l, p, n, alias
-    logical :: turned
+    type(error_t), allocatable :: trouble
+    real(dp), allocatable :: mean(:, :), more(:)
+    integer :: j, k, n, last
     n = self%sides(1)%sectors
     call new_harmonic_matrix([(0._dp, j=1, self%rows)], n/2, self%ring%hat, short_drop=rough)
-    allocate (mean(3*self%rows, 3*self%rows))
-    do k = n/2 - modulo(n/2, self%stride), 0, -self%stride  ! the shortest wave first
-      mean = 0
-      do p = self%part(1), self%part(2)
-        associate (part => self%sides(p))
-          alias = modulo(k, part%sectors)
-          turned = 2*alias > part%sectors
-          if (turned) alias = part%sectors - alias
-          allocate (m(part%hat%n, 3*self%rows), source=0._dp)
-          do j = 1, size(self%row)
-            do l = part%ptr(j), part%ptr(j + 1) - 1
-              weight = part%val(l)*cos(k*(2*pi*self%sector(j)/n - 2*pi*part%sector(l)/part%sectors - part%angle(part%row(l))))
-              do d = 1, 3
-                if (turned .and. d == 2) weight = -weight
-                m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) = m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) + weight
-                if (turned .and. d == 2) weight = -weight
-              end do
-            end do
-          end do
-          call add_congruent(part%hat%full(alias), m, 1/(real(n, dp)*part%sectors), mean)
-          deallocate (m)
-        end associate
-      end do
-      if (.not. allocated(more)) more = [(softer*mean(j, j), j=1, size(mean, 1))]
+    last = n/2 - modulo(n/2, self%stride)
+    mean = mean_of(self, last)  ! of the shortest wave
+    more = [(softer*mean(j, j), j=1, size(mean, 1))]
+    !$omp parallel do schedule(dynamic) private(mean, j, trouble)
+    do k = 0, last, self%stride
+      mean = mean_of(self, k)
       do j = 1, size(mean, 1)
         mean(j, j) = mean(j, j) + more(j)
         if (.not. mean(j, j) > 0) mean(j, j) = 1       ! prescribed dofs of points that meet the wave generator: never asked for
       end do
-      call invert_symmetric(mean, error)
-      if (allocated(error)) return
-      call self%ring%hat%set(k, mean)
+      call invert_symmetric(mean, trouble)
+      if (.not. allocated(trouble)) then
+        call self%ring%hat%set(k, mean)
+      else
+        !$omp critical (mean_failed)
+        call move_alloc(trouble, error)
+        !$omp end critical (mean_failed)
+      end if
     end do
+    !$omp end parallel do
+    if (allocated(error)) return
     allocate (self%ring%field(3*self%rows, n/self%stride), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
     call plan_rows_single(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
     self%inverted = .not. allocated(error)
   end subroutine invert_mean
+
+  !> One harmonic of that mean.
+  pure function mean_of(self, k) result(mean)
+    type(circulant_t), intent(in) :: self  !< prepared
+    integer, intent(in) :: k               !< harmonic
+    real(dp), allocatable :: mean(:, :), m(:, :)
+    real(dp) :: weight
+    integer :: d, j, l, p, n, alias
+    logical :: turned
+    n = self%sides(1)%sectors
+    allocate (mean(3*self%rows, 3*self%rows), source=0._dp)
+    do p = self%part(1), self%part(2)
+      associate (part => self%sides(p))
+        alias = modulo(k, part%sectors)
+        turned = 2*alias > part%sectors
+        if (turned) alias = part%sectors - alias
+        allocate (m(part%hat%n, 3*self%rows), source=0._dp)
+        do j = 1, size(self%row)
+          do l = part%ptr(j), part%ptr(j + 1) - 1
+            weight = part%val(l)*cos(k*(2*pi*self%sector(j)/n - 2*pi*part%sector(l)/part%sectors - part%angle(part%row(l))))
+            do d = 1, 3
+              if (turned .and. d == 2) weight = -weight
+              m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) = m(3*part%row(l) - 3 + d, 3*self%row(j) - 3 + d) + weight
+              if (turned .and. d == 2) weight = -weight
+            end do
+          end do
+        end do
+        call add_congruent(part%hat%full(alias), m, 1/(real(n, dp)*part%sectors), mean)
+        deallocate (m)
+      end associate
+    end do
+  end function mean_of
 
   !> Add N^T F N times a factor; N has few entries in a column: a full product takes 6 % of a fine run.
   pure subroutine add_congruent(f, n, factor, a)

@@ -22,6 +22,8 @@ module hd_circulant_side
     integer, allocatable :: nodes(:)                !< face nodes of the first sector
     integer, allocatable :: ptr(:), row(:), sector(:)  !< weights by multiplier: face node, sector from 0
     real(dp), allocatable :: val(:)
+    integer, allocatable :: fill(:), from(:), into(:)  !< the same by sector of one repetition: multiplier, face node
+    real(dp), allocatable :: share(:)
     real(dp), allocatable :: angle(:)               !< their angles [rad]
     type(harmonic_matrix_t) :: hat                  !< compliance by harmonic 0:n/2 [m/N]
     real(dp), allocatable :: kernel(:, :, :)        !< the same by difference of sectors (3 nodes, 3 nodes, n/stride)
@@ -69,9 +71,10 @@ contains
   end subroutine collect_side
 
   !> Workspace and plans, and the compliance of each multiplier by itself.
-  subroutine plan_side(side, stride, error)
-    type(circulant_side_t), intent(inout) :: side               !< face
+  subroutine plan_side(side, stride, first, error)
+    type(circulant_side_t), intent(inout) :: side     !< face
     integer, intent(in) :: stride                     !< 1 or 2
+    logical, intent(in) :: first(:)                   !< multipliers of the first repetition (multipliers)
     type(error_t), allocatable, intent(out) :: error  !< memory
     real(dp), allocatable :: near(:, :, :)            ! between sectors of one multiplier (3 nodes, 3 nodes, -reach:reach)
     integer :: d, j, m, n, reach
@@ -92,8 +95,39 @@ contains
     do j = 1, size(side%ptr) - 1
       side%own(:, :, j) = side_block(side, near, reach, j)
     end do
+    call sort_weights(side, n, first)
     call plan_rows(n, m, side%field, side%wave, side%forward, side%backward, error)
   end subroutine plan_side
+
+  !> Weights by the sector of their node, those of one node in the order of the multipliers.
+  pure subroutine sort_weights(side, n, first)
+    type(circulant_side_t), intent(inout) :: side  !< gets fill, from, into, share
+    integer, intent(in) :: n                       !< sectors of one repetition
+    logical, intent(in) :: first(:)                !< multipliers of the first repetition (multipliers)
+    integer :: last(0:n), j, k, s
+    last = 0
+    do j = 1, size(first)
+      if (.not. first(j)) cycle
+      do k = side%ptr(j), side%ptr(j + 1) - 1
+        s = modulo(side%sector(k), n) + 1
+        last(s) = last(s) + 1
+      end do
+    end do
+    side%fill = [1, (1 + sum(last(:s)), s=1, n)]
+    last(1:) = side%fill(:n)
+    if (allocated(side%from)) deallocate (side%from, side%into, side%share)
+    allocate (side%from(side%fill(n + 1) - 1), side%into(side%fill(n + 1) - 1), side%share(side%fill(n + 1) - 1))
+    do j = 1, size(first)
+      if (.not. first(j)) cycle
+      do k = side%ptr(j), side%ptr(j + 1) - 1
+        s = modulo(side%sector(k), n) + 1
+        side%from(last(s)) = j
+        side%into(last(s)) = side%row(k)
+        side%share(last(s)) = side%val(k)
+        last(s) = last(s) + 1
+      end do
+    end do
+  end subroutine sort_weights
 
   !> Difference of sectors the short way round.
   elemental integer function short_way(difference, sectors)
@@ -128,33 +162,33 @@ contains
     end do
   end subroutine fill_kernel
 
-  !> Add W C W^T f.
-  subroutine add_response(side, stride, first, single, f, w)
+  !> W C W^T f, or add it.
+  subroutine add_response(side, stride, single, adds, f, w)
     type(circulant_side_t), intent(inout) :: side    !< planned
     integer, intent(in) :: stride          !< 1 or 2
-    logical, intent(in) :: first(:)        !< multipliers of the first repetition (multipliers)
     logical, intent(in) :: single          !< single precision is enough
+    logical, intent(in) :: adds            !< w has something already
     real(dp), intent(in) :: f(:, :)        !< forces (3, multipliers) [N]
     real(dp), intent(inout) :: w(:, :)     !< relative displacements (3, multipliers) [m]
     real(dp) :: sums(3)
     integer :: c, j, k, n, s
     n = size(side%field, 2)
-    !$omp parallel workshare if(size(side%field) > many)
-    side%field = 0
-    !$omp end parallel workshare
-    do j = 1, size(f, 2)
-      if (.not. (first(j) .and. any(abs(f(:, j)) > 0))) cycle
-      do k = side%ptr(j), side%ptr(j + 1) - 1
-        s = modulo(side%sector(k), n) + 1
+    !$omp parallel do schedule(static) private(c, k) if(size(side%field) > many/4)
+    do s = 1, n
+      side%field(:, s) = 0
+      do k = side%fill(s), side%fill(s + 1) - 1
         do c = 1, 3
-          side%field(3*side%row(k) - 3 + c, s) = side%field(3*side%row(k) - 3 + c, s) + side%val(k)*f(c, j)
+          associate (at => 3*side%into(k) - 3 + c)
+            side%field(at, s) = side%field(at, s) + side%share(k)*f(c, side%from(k))
+          end associate
         end do
       end do
     end do
+    !$omp end parallel do
     call execute_rows(side%forward, n, side%field, side%wave, .true.)
     call side%hat%multiply(stride, side%wave, single)
     call execute_rows(side%backward, n, side%field, side%wave, .false.)
-    !$omp parallel do schedule(static) private(sums, c, k, s) if(size(side%field) > many)
+    !$omp parallel do schedule(static) private(sums, c, k, s) if(size(side%field) > many/4)
     do j = 1, size(f, 2)
       sums = 0
       do k = side%ptr(j), side%ptr(j + 1) - 1
@@ -163,7 +197,11 @@ contains
           sums(c) = sums(c) + side%val(k)*side%field(3*side%row(k) - 3 + c, s)
         end do
       end do
-      w(:, j) = w(:, j) + sums/n
+      if (adds) then
+        w(:, j) = w(:, j) + sums/n
+      else
+        w(:, j) = sums/n
+      end if
     end do
     !$omp end parallel do
   end subroutine add_response

@@ -16,7 +16,7 @@ module hd_condensed
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
   use hd_text, only: to_text
-  use hd_vector, only: length, many
+  use hd_vector, only: add, length, many, set, weighted_length
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -132,16 +132,16 @@ contains
     real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
     type(face_system_t) :: system
-    real(dp), allocatable :: f(:, :), w(:, :), motion(:, :)
+    real(dp), allocatable :: f(:, :), left(:, :), w(:, :), motion(:, :)
     integer, allocatable :: list(:), mirrored(:)
     logical :: bordered
     integer :: j
     bordered = .false.
     if (allocated(self%border)) bordered = size(self%border%columns()) > 0
-    f = r_c
-    if (allocated(self%sharing%representative)) f = f(:, self%sharing%representative)*self%sharing%sign
-    if (self%symmetry%mirror > 0) call hold_on_plane(self, f)
-    call new_face_system(self%dw, self%dt, f, max(problem%mortar%area, tiny(1._dp)), system)
+    left = r_c
+    if (allocated(self%sharing%representative)) left = left(:, self%sharing%representative)*self%sharing%sign
+    if (self%symmetry%mirror > 0) call hold_on_plane(self, left)
+    call new_face_system(self%dw, self%dt, left, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
     dtraction = system%q
     call find_known(self, problem, r_u, r_c, bordered, system, w, error)
@@ -152,7 +152,8 @@ contains
     if (self%symmetry%mirror > 0) mirrored = images(self, list, self%symmetry%mirror)
     call solve_face(self, system, list, mirrored, w, dtraction, error)
     if (allocated(error)) return
-    f = negative(r_u)
+    allocate (f, mold=r_u)
+    call set(size(r_u), -1._dp, r_u, f)
     call add_nodal_forces(problem%mortar, dtraction, f)
     if (bordered) then
       allocate (motion, mold=f)
@@ -160,11 +161,7 @@ contains
     end if
     call balance(self, f)
     call self%compliance%solve(problem, f, du, error)
-    if (bordered) then
-      !$omp parallel workshare if(size(du) > many)
-      du = du + motion
-      !$omp end parallel workshare
-    end if
+    if (bordered) call add(size(du), 1._dp, motion, du)
     call balance(self, du)
   end subroutine solve_condensed
 
@@ -182,25 +179,32 @@ contains
     real(dp), allocatable :: f(:, :), v(:, :), known(:), pressed(:, :), forces(:)
     real(dp) :: scale
     logical :: easy
-    allocate (pressed, source=spread(problem%mortar%area, 1, 3)*system%q)
-    allocate (w, mold=pressed)
-    scale = norm2(spread(problem%mortar%area, 1, 3)*r_c)
-    f = negative(r_u)
+    integer :: j
+    allocate (w, mold=r_c)
+    allocate (f, mold=r_u)
+    allocate (v, mold=r_u)
+    scale = weighted_length(problem%mortar%area, r_c)
+    call set(size(r_u), -1._dp, r_u, f)
     call balance(self, f)
-    allocate (v, mold=f)
     easy = .true.
     if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
     if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
-      scale = max(scale, length(size(f), f - v))
+      scale = max(scale, distance(f, v))
     else if (easy) then
-      v = f
+      call set(size(f), 1._dp, f, v)
     end if
-    if (easy) easy = length(size(v), free_part(v, problem%fixed)) <= balanced*scale
+    if (easy) easy = distance(v, fixed=problem%fixed) <= balanced*scale
     if (easy) then
+      allocate (pressed, mold=r_c)
+      !$omp parallel do schedule(static) if(size(pressed) > many/4)
+      do j = 1, problem%mortar%n
+        pressed(:, j) = problem%mortar%area(j)*system%q(:, j)
+      end do
+      !$omp end parallel do
       call self%compliance%apply(.false., pressed, w)
-      if (bordered) call self%border%respond(problem, forces, pressed, v, w, known)
+      if (bordered) call self%border%respond(problem, forces, pressed, v, pack([(j, j=1, size(w, 2))], system%rank > 0), w, known)
     else
       call add_nodal_forces(problem%mortar, system%q, f)
       call balance(self, f)
@@ -219,8 +223,8 @@ contains
     type(problem_t), intent(in) :: problem            !< problem
     real(dp), intent(in) :: known(:)                  !< right-hand sides [m]
     type(face_system_t), intent(inout) :: system      !< gets more, side, corner, known
-    system%side = self%border%side(:, :, self%border%columns())
-    system%more = size(system%side, 3)
+    system%column = self%border%columns()
+    system%more = size(system%column)
     system%struts = size(self%border%active)
     system%blind = self%border%blind
     system%corner = self%border%matrix(problem)
@@ -228,7 +232,7 @@ contains
     if (self%symmetry%half_turn) system%fold = 2
     if (problem%wheel_turns .or. .not. allocated(problem%wheel)) return
     associate (last => system%more)  ! the turn of the wheel, which is held
-      system%side(:, :, last) = 0
+      system%column(last) = 0
       system%corner(last, :) = 0
       system%corner(:, last) = 0
       system%corner(last, last) = self%border%scale
@@ -257,32 +261,25 @@ contains
     !$omp end parallel
   end subroutine balance
 
-  !> Nodal vectors without what is at fixed dofs (3, n).
-  function free_part(v, fixed) result(f)
-    real(dp), intent(in) :: v(:, :)     !< vectors
-    logical, intent(in) :: fixed(:, :)  !< dofs
-    real(dp), allocatable :: f(:, :)
+  !> Length of nodal vectors but for what is at fixed dofs, or of a difference of two.
+  real(dp) function distance(a, b, fixed)
+    real(dp), intent(in) :: a(:, :)               !< vectors (3, n)
+    real(dp), intent(in), optional :: b(:, :)     !< others (3, n)
+    logical, intent(in), optional :: fixed(:, :)  !< dofs (3, n)
+    real(dp), allocatable :: left(:, :)
     integer :: i
-    allocate (f, mold=v)
-    !$omp parallel do schedule(static) if(size(v) > many)
-    do i = 1, size(v, 2)
-      f(:, i) = merge(0._dp, v(:, i), fixed(:, i))
+    allocate (left, mold=a)
+    !$omp parallel do schedule(static) if(size(a) > many)
+    do i = 1, size(a, 2)
+      if (present(b)) then
+        left(:, i) = a(:, i) - b(:, i)
+      else
+        left(:, i) = merge(0._dp, a(:, i), fixed(:, i))
+      end if
     end do
     !$omp end parallel do
-  end function free_part
-
-  !> The opposite of nodal vectors (3, n).
-  function negative(r) result(f)
-    real(dp), intent(in) :: r(:, :)  !< vectors
-    real(dp), allocatable :: f(:, :)
-    integer :: i
-    allocate (f, mold=r)
-    !$omp parallel do schedule(static) if(size(r) > many)
-    do i = 1, size(r, 2)
-      f(:, i) = -r(:, i)
-    end do
-    !$omp end parallel do
-  end function negative
+    distance = length(size(left), left)
+  end function distance
 
   !> Points on the mirror plane get no circumferential shear, for the same reason.
   subroutine hold_on_plane(self, r_c)
@@ -308,7 +305,6 @@ contains
     real(dp), intent(in) :: w(:, :)                   !< relative displacements without these tractions [m]
     real(dp), intent(inout) :: dtraction(:, :)        !< gets the closed points [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
-    type(face_system_t) :: reduced
     real(dp) :: n, residual
     integer, allocatable :: part(:)
     integer :: steps
@@ -318,18 +314,18 @@ contains
     krylov = self%sides*self%steps*2*self%compliance%apply_flops/apply_rate < &
       2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
     if (krylov) then
-      reduced = system
-      call reduced%solve_krylov(list, w, self%accuracy, most_steps, dtraction, steps, residual, error)
+      call system%solve_krylov(list, w, self%border, self%accuracy, most_steps, dtraction, steps, residual, error)
       if (allocated(error)) return
-      if (allocated(reduced%x)) system%x = reduced%x
       self%steps = steps
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
       call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
       krylov = residual <= max(useful, self%accuracy) .or. n > largest_dense
+      if (.not. krylov) call system%renew()
     end if
     if (.not. krylov) then
-      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, dtraction, self%flops, self%factors, self%pivot, error)
+      call system%solve_direct(part, pack(mirrored, list <= mirrored), w, self%border, dtraction, self%flops, self%factors, &
+        self%pivot, error)
       if (allocated(error)) return
     end if
     if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), dtraction)

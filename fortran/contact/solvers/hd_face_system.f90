@@ -8,19 +8,22 @@
 !> three times the steps, and without their hold the right-hand side is not one of forces in balance.
 module hd_face_system
   use hd_kinds, only: dp
+  use hd_border, only: border_t
   use hd_circulant, only: circulant_t
   use hd_error, only: error_t
   use hd_krylov, only: operator_t, solve_gmres
   use hd_lapack, only: solve_dense
   use hd_symmetry, only: symmetry_t, mirror_sign
   use hd_system, only: stop_requested, check_stop
-  use hd_vector, only: cross, many
+  use hd_vector, only: add_columns, cross, dot, many, product_of
   implicit none
   private
   public :: face_system_t, new_face_system
 
   !> length of a row of the law, relative, that rounding leaves of one without displacements
   real(dp), parameter :: unseen = 1e-11_dp
+  integer, parameter :: few = 2000               !< points, whose law takes some time, that one thread does as fast as two
+  integer, parameter :: small_matrix = 200       !< order of a matrix that one thread forms as fast as two
   real(dp), parameter :: single_above = 1e-6_dp  !< residual to which GMRES gets along with F in single precision
 
   type, extends(operator_t) :: face_system_t
@@ -42,20 +45,21 @@ module hd_face_system
     integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
     integer, allocatable :: start(:)             !< unknowns before each of them, and their number
     integer, allocatable :: at(:)                !< multiplier of each unknown
-    integer, allocatable :: first(:)             !< first unknown of that multiplier
+    integer, allocatable :: span(:, :)           !< first and last unknown of each multiplier (2, multipliers)
     real(dp), allocatable :: rows(:, :), columns(:, :), law(:, :)  !< R, P, T P / area of each unknown (3, unknowns)
     integer :: more = 0                          !< unknowns of the border
     integer :: struts = 0                        !< of these the first are struts, which GMRES eliminates
     logical, allocatable :: blind(:)             !< struts whose equation has no S^T f (struts)
     real(dp) :: fold = 1                         !< points that each of the list stands for in sums over the face
-    real(dp), allocatable :: side(:, :, :)       !< S (3, multipliers, more) [m/N]
+    integer, allocatable :: column(:)            !< columns of the border's `side` that are S, 0: one of zeros (more)
     real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
     real(dp), allocatable :: known(:)            !< e (more) [m]
     real(dp), allocatable :: x(:)                !< the solution's x (more) [N]
     real(dp), allocatable :: right(:, :), below(:, :)   !< R S and S^T P (unknowns, more)
-    real(dp), allocatable :: strut_right(:, :)   !< R S of struts that are eliminated (unknowns, struts)
+    real(dp), allocatable :: strut_right(:, :)   !< R S of struts that are eliminated (struts, unknowns)
     real(dp), allocatable :: strut_forces(:, :)  !< their forces for each unknown, and last for none (struts, unknowns + rest + 1)
     logical :: single = .false.                  !< GMRES gets along with F in single precision
+    real(dp), allocatable :: whole(:, :)         !< D with the struts that are eliminated (more, more) [m/N]
     real(dp), allocatable :: answer(:, :)        !< preconditioned R S (unknowns, more)
     real(dp), allocatable :: factor(:, :)        !< inverse of D less what that leaves (more, more)
   contains
@@ -63,6 +67,7 @@ module hd_face_system
     procedure :: approximate => approximate_face
     procedure :: solve_direct
     procedure :: solve_krylov
+    procedure :: renew
   end type face_system_t
 
 contains
@@ -79,7 +84,7 @@ contains
     allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m), system%q(3, m), system%s(3, m))
     allocate (system%rank(m), system%f(3, m), system%w(3, m))
     system%area = area
-    !$omp parallel do schedule(static) private(k) if(9*m > many)
+    !$omp parallel do schedule(static) private(k) if(m > few)
     do j = 1, m
       system%r(:, :, j) = dw(:, :, j)
       system%t(:, :, j) = dt(:, :, j)
@@ -136,18 +141,20 @@ contains
   end subroutine split_tractions
 
   !> Right-hand side for relative displacements w that are known.
-  pure function right_side(self, w) result(b)
+  function right_side(self, w) result(b)
     class(face_system_t), intent(in) :: self  !< system
     real(dp), intent(in) :: w(:, :)           !< (3, multipliers) [m]
     real(dp) :: b(self%start(size(self%start)) + self%more)
     integer :: i, j, k
     if (self%more > 0) b(self%start(size(self%start)) + 1:) = self%known
+    !$omp parallel do schedule(static) private(j, k) if(size(self%list) > few)
     do i = 1, size(self%list)
       j = self%list(i)
       do k = 1, self%rank(j)
         b(self%start(i) + k) = self%s(k, j) - dot_product(self%r(k, :, j), w(:, j)) - dot_product(self%t(k, :, j), self%q(:, j))
       end do
     end do
+    !$omp end parallel do
   end function right_side
 
   !> Tractions of the solution at the multipliers of the list.
@@ -156,11 +163,13 @@ contains
     real(dp), intent(in) :: y(:)                    !< unknowns [N]
     real(dp), intent(inout) :: traction(:, :)       !< gets them (3, multipliers) [Pa]
     integer :: i, j, k
+    !$omp parallel do schedule(static) private(j, k) if(size(self%list) > few)
     do i = 1, size(self%list)
       j = self%list(i)
       k = self%rank(j)
       traction(:, j) = self%q(:, j) + matmul(self%p(:, :k, j), y(self%start(i) + 1:self%start(i) + k))/self%area(j)
     end do
+    !$omp end parallel do
     self%x = y(self%start(size(self%start)) + 1:)
   end subroutine enter
 
@@ -178,11 +187,12 @@ contains
   end subroutine number
 
   !> Dense LU. Images behind a mirror plane are folded in.
-  subroutine solve_direct(self, list, mirrored, w, traction, flops, factors, pivot, error)
+  subroutine solve_direct(self, list, mirrored, w, border, traction, flops, factors, pivot, error)
     class(face_system_t), intent(inout) :: self       !< system
     integer, intent(in) :: list(:)                    !< multipliers to solve for
     integer, intent(in) :: mirrored(:)                !< image of each, itself where there is none
     real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    type(border_t), allocatable, intent(in) :: border !< what stands beside, with S; unallocated: nothing
     real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
     real(dp), intent(out) :: flops                    !< operations
     real(dp), allocatable, intent(inout) :: factors(:, :)   !< of the same matrix; unallocated: gets them
@@ -193,7 +203,7 @@ contains
     call number(self, list)
     n = self%start(size(self%start))
     flops = 2*real(n, dp)**3/3
-    if (.not. allocated(factors)) call form_matrix(self, mirrored, factors, error)
+    if (.not. allocated(factors)) call form_matrix(self, mirrored, border, factors, error)
     if (allocated(error)) return
     allocate (b(n + self%more, 1))
     b(:, 1) = right_side(self, w)
@@ -202,9 +212,10 @@ contains
   end subroutine solve_direct
 
   !> Dense matrix of a list.
-  subroutine form_matrix(self, mirrored, a, error)
+  subroutine form_matrix(self, mirrored, border, a, error)
     class(face_system_t), intent(inout) :: self       !< numbered
     integer, intent(in) :: mirrored(:)                !< as of solve_direct
+    type(border_t), allocatable, intent(in) :: border !< what stands beside, with S; unallocated: nothing
     real(dp), allocatable, intent(out) :: a(:, :)     !< matrix
     type(error_t), allocatable, intent(out) :: error  !< memory, a stop asked for
     real(dp), allocatable :: column(:, :, :)
@@ -215,7 +226,7 @@ contains
     n = self%start(size(self%start))
     allocate (a(n + self%more, n + self%more))
     associate (list => self%list)
-      !$omp parallel private(column, rp, c, d, j, k) if(n > 1500)
+      !$omp parallel private(column, rp, c, d, j, k) if(n > small_matrix)
       allocate (column(3, 3, size(list)))
       !$omp do schedule(static)
       do i = 1, size(list)
@@ -240,7 +251,7 @@ contains
       call check_stop(error)
       if (allocated(error)) return
       if (self%more > 0) then
-        call pack_rows(self)
+        call pack_rows(self, border)
         a(:n, n + 1:) = self%right
         a(n + 1:, :n) = transpose(self%below)
         do i = 1, size(list)
@@ -270,10 +281,11 @@ contains
   end subroutine fill_column
 
   !> GMRES with F applied by its own means.
-  subroutine solve_krylov(self, list, w, tolerance, most, traction, steps, residual, error)
+  subroutine solve_krylov(self, list, w, border, tolerance, most, traction, steps, residual, error)
     class(face_system_t), intent(inout) :: self       !< system
     integer, intent(in) :: list(:)                    !< multipliers to solve for
     real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    type(border_t), allocatable, intent(in) :: border !< what stands beside, with S; unallocated: nothing
     real(dp), intent(in) :: tolerance                 !< relative residual
     integer, intent(in) :: most                       !< steps at most
     real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
@@ -282,12 +294,12 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< memory
     real(dp), allocatable :: b(:), y(:)
     call number(self, list)
-    call pack_rows(self)
+    call pack_rows(self, border)
     call weigh(self)
     if (self%struts > 0) then  ! elsewhere it is no gain: CD-14-100 from rest takes 32 Newton iterations, 21 without
       call self%compliance%surround(closed_of(self), self%fringe, self%from, self%fade)
     else
-      allocate (self%fringe(0), self%from(0), self%fade(0))
+      allocate (self%fringe(0), self%from(0), self%fade(0), self%strut_forces(0, size(self%at)), self%strut_right(0, size(self%at)))
     end if
     self%single = tolerance >= single_above
     b = right_side(self, w)
@@ -295,11 +307,20 @@ contains
     if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
     if (allocated(error)) return
     allocate (y(size(b)))
-    call solve_gmres(self, b, tolerance, most, y, steps, residual, error, flexible=.true.)  ! a preconditioner that rounds
+    call solve_gmres(self, b, tolerance, most, y, steps, residual, error)  ! a preconditioner that rounds
     if (allocated(error)) return
     call enter(self, y, traction)
     if (self%struts > 0) self%x = [matmul(self%strut_forces, [-y, 1._dp]), self%x]
   end subroutine solve_krylov
+
+  !> As before GMRES.
+  subroutine renew(self)
+    class(face_system_t), intent(inout) :: self  !< system
+    if (allocated(self%whole)) call move_alloc(self%whole, self%corner)
+    if (allocated(self%corner)) self%more = size(self%corner, 1)
+    deallocate (self%start, self%at, self%span, self%rows, self%columns, self%law, self%share, self%diagonal, self%fringe, &
+      self%from, self%fade, self%right, self%below, self%strut_right, self%strut_forces)
+  end subroutine renew
 
   !> Points that are solved for.
   pure function closed_of(self) result(closed)
@@ -319,6 +340,7 @@ contains
     n = size(self%at)
     m = self%struts
     own = self%corner(:m, :m)
+    self%whole = self%corner
     cross = self%corner(m + 1:, :m)
     allocate (self%strut_forces(m, size(b) - m + 1))
     self%strut_forces(:, :n) = transpose(self%below(:, :m))
@@ -327,10 +349,10 @@ contains
     call solve_dense(own, self%strut_forces, error)
     if (allocated(error)) return
     associate (forces => self%strut_forces, last => size(b) - m + 1)
-      self%strut_right = self%right(:, :m)
-      b = [b(:n) - matmul(self%strut_right, forces(:, last)), b(n + m + 1:) - matmul(cross, forces(:, last))]
+      self%strut_right = transpose(self%right(:, :m))
+      b = [b(:n) - matmul(forces(:, last), self%strut_right), b(n + m + 1:) - matmul(cross, forces(:, last))]
       self%corner = self%corner(m + 1:, m + 1:) - matmul(cross, forces(:, n + 1:last - 1))
-      self%right = self%right(:, m + 1:) - matmul(self%strut_right, forces(:, n + 1:last - 1))
+      self%right = self%right(:, m + 1:) - matmul(self%right(:, :m), forces(:, n + 1:last - 1))
       self%below = self%below(:, m + 1:) - transpose(matmul(cross, forces(:, :n)))
     end associate
     self%more = self%more - m
@@ -343,6 +365,7 @@ contains
     real(dp) :: block(3, 3), f, d
     integer :: i, j, k
     allocate (self%share(self%start(size(self%start))), self%diagonal(self%start(size(self%start))))
+    !$omp parallel do schedule(static) private(block, f, d, j, k) if(size(self%list) > few)
     do i = 1, size(self%list)
       j = self%list(i)
       block = self%compliance%own(j)
@@ -353,34 +376,38 @@ contains
         self%diagonal(self%start(i) + k) = (1 - (f/(f + d))**2)/(f + d)
       end do
     end do
+    !$omp end parallel do
   end subroutine weigh
 
   !> Rows and columns of the unknowns one behind the other, for fast products.
-  subroutine pack_rows(self)
-    class(face_system_t), intent(inout) :: self  !< gets at, first, rows, columns, law
+  subroutine pack_rows(self, border)
+    class(face_system_t), intent(inout) :: self  !< gets at, span, rows, columns, law
+    type(border_t), allocatable, intent(in) :: border  !< with S
+    real(dp) :: side(3)
     integer :: i, j, k, l, n
     n = self%start(size(self%start))
-    allocate (self%at(n), self%first(n), self%rows(3, n), self%columns(3, n))
-    allocate (self%law(3, n), source=0._dp)
+    allocate (self%at(n), self%rows(3, n), self%columns(3, n), self%law(3, n), self%span(2, size(self%rank)))
+    allocate (self%right(n, self%more), self%below(n, self%more))
+    self%span(1, :) = 1
+    self%span(2, :) = 0
+    !$omp parallel do schedule(static) private(j, k, l, side) if(size(self%list) > few)
     do i = 1, size(self%list)
       j = self%list(i)
-      do k = 1, self%rank(j)
-        l = self%start(i) + k
+      self%span(:, j) = self%start(i:i + 1) + [1, 0]
+      do l = self%span(1, j), self%span(2, j)
         self%at(l) = j
-        self%first(l) = self%start(i) + 1
-        self%rows(:, l) = self%r(k, :, j)
-        self%columns(:, l) = self%p(:, k, j)
-        self%law(:self%rank(j), l) = self%d(k, :self%rank(j), j)
+        self%rows(:, l) = self%r(l - self%start(i), :, j)
+        self%columns(:, l) = self%p(:, l - self%start(i), j)
+        self%law(:, l) = self%d(l - self%start(i), :, j)
+        do k = 1, self%more
+          side = 0
+          if (self%column(k) > 0) side = border%side(:, j, self%column(k))
+          self%right(l, k) = sum(self%rows(:, l)*side)
+          self%below(l, k) = self%fold*sum(self%columns(:, l)*side)
+        end do
       end do
     end do
-    if (self%more == 0) return
-    allocate (self%right(n, self%more), self%below(n, self%more))
-    do k = 1, self%more
-      do l = 1, n
-        self%right(l, k) = sum(self%rows(:, l)*self%side(:, self%at(l), k))
-        self%below(l, k) = self%fold*sum(self%columns(:, l)*self%side(:, self%at(l), k))
-      end do
-    end do
+    !$omp end parallel do
     do k = 1, self%struts
       if (self%blind(k)) self%below(:, k) = 0
     end do
@@ -408,29 +435,33 @@ contains
     class(face_system_t), intent(inout) :: self  !< system
     real(dp), intent(in) :: x(:)                 !< unknowns [N]
     real(dp), intent(out) :: y(:)                !< rows [m]
-    integer :: i, k, l, n
+    real(dp) :: force(size(self%strut_forces, 1))
+    integer :: j, k, l, n
     n = size(self%at)
-    self%f = 0
-    !$omp parallel do schedule(static) private(l) if(n > many/4)
-    do i = 1, size(self%list)
-      do l = self%start(i) + 1, self%start(i + 1)
-        self%f(:, self%list(i)) = self%f(:, self%list(i)) + self%columns(:, l)*x(l)
+    !$omp parallel do schedule(static) private(l) if(n > many/8)
+    do j = 1, size(self%f, 2)
+      self%f(:, j) = 0
+      do l = self%span(1, j), self%span(2, j)
+        self%f(:, j) = self%f(:, j) + self%columns(:, l)*x(l)
       end do
     end do
     !$omp end parallel do
     call self%compliance%apply(self%single, self%f, self%w)
-    !$omp parallel do schedule(static) private(k) if(n > many/4)
+    force = product_of(self%strut_forces(:, :n), x(:n))
+    !$omp parallel do schedule(static) private(j, k) if(n > many/8)
     do l = 1, n
-      y(l) = sum(self%rows(:, l)*self%w(:, self%at(l)))
-      do k = self%first(l), min(self%first(l) + 2, n)
-        y(l) = y(l) + self%law(k - self%first(l) + 1, l)*x(k)
+      j = self%at(l)
+      y(l) = sum(self%rows(:, l)*self%w(:, j)) - dot_product(self%strut_right(:, l), force)
+      do k = self%span(1, j), self%span(2, j)
+        y(l) = y(l) + self%law(k - self%span(1, j) + 1, l)*x(k)
       end do
     end do
     !$omp end parallel do
-    if (allocated(self%strut_forces)) y(:n) = y(:n) - matmul(self%strut_right, matmul(self%strut_forces(:, :n), x(:n)))
     if (self%more == 0) return
-    y(:n) = y(:n) + matmul(self%right, x(n + 1:))
-    y(n + 1:) = matmul(x(:n), self%below) + matmul(self%corner, x(n + 1:))
+    call add_columns(self%right, x(n + 1:), y(:n))
+    do k = 1, self%more
+      y(n + k) = dot(n, x, self%below(:, k)) + dot_product(self%corner(k, :), x(n + 1:))
+    end do
   end subroutine multiply_face
 
   !> Block elimination of the border, where there is one.
@@ -439,12 +470,12 @@ contains
     real(dp), intent(in) :: x(:)                      !< rows [m]
     real(dp), intent(out) :: y(:)                     !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    integer :: n
+    integer :: k, n
     n = size(self%at)
     call approximate_points(self, x(:n), y(:n), error)
     if (self%more == 0 .or. allocated(error)) return
-    y(n + 1:) = matmul(self%factor, x(n + 1:) - matmul(y(:n), self%below))
-    y(:n) = y(:n) - matmul(self%answer, y(n + 1:))
+    y(n + 1:) = matmul(self%factor, x(n + 1:) - [(dot(n, y, self%below(:, k)), k=1, self%more)])
+    call add_columns(self%answer, -y(n + 1:), y(:n))
   end subroutine approximate_face
 
   !> Inverse of F between the rows, blended with the inverse diagonal where the law dominates. Values fade out beyond the closed
@@ -454,12 +485,12 @@ contains
     real(dp), intent(in) :: x(:)                      !< rows [m]
     real(dp), intent(out) :: y(:)                     !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    integer :: i, l
-    self%w = 0
-    !$omp parallel do schedule(static) private(l) if(size(x) > many/4)
-    do i = 1, size(self%list)
-      do l = self%start(i) + 1, self%start(i + 1)
-        self%w(:, self%list(i)) = self%w(:, self%list(i)) + self%rows(:, l)*(self%share(l)*x(l))
+    integer :: j, l
+    !$omp parallel do schedule(static) private(l) if(size(x) > many/8)
+    do j = 1, size(self%w, 2)
+      self%w(:, j) = 0
+      do l = self%span(1, j), self%span(2, j)
+        self%w(:, j) = self%w(:, j) + self%rows(:, l)*(self%share(l)*x(l))
       end do
     end do
     !$omp end parallel do
@@ -471,7 +502,7 @@ contains
     do l = size(self%fringe), 1, -1
       self%f(:, self%from(l)) = self%f(:, self%from(l)) + self%fade(l)*self%f(:, self%fringe(l))
     end do
-    !$omp parallel do schedule(static) if(size(x) > many/4)
+    !$omp parallel do schedule(static) if(size(x) > many/8)
     do l = 1, size(x)
       y(l) = self%share(l)*sum(self%rows(:, l)*self%f(:, self%at(l))) + self%diagonal(l)*x(l)
     end do

@@ -12,7 +12,7 @@ module hd_harmonic_matrix
   public :: hd_symmetric_product, hd_symmetric_product_single, harmonic_matrix_t, new_harmonic_matrix
 
   integer, parameter :: block = 8            !< order of the blocks on the diagonal
-  integer, parameter :: long_loop = 200000   !< entries from which two threads are worth waking
+  integer, parameter :: long_loop = 50000    !< entries from which two threads are worth waking
   !> Harmonics below it keep double precision: bodies bend so softly there that the rounding of a product in single precision
   !> exceeds what sums of all harmonics leave of it.
   integer, parameter :: soft_harmonics = 16

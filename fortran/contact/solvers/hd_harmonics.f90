@@ -16,7 +16,7 @@ module hd_harmonics
   private
   public :: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
 
-  integer, parameter :: long_loop = 100000  !< dofs from which two threads are worth waking
+  integer, parameter :: long_loop = 20000   !< dofs from which two threads are worth waking
 
   type :: band_t
     real(dp), allocatable :: a(:, :)              !< factor (kd + 1, dofs)

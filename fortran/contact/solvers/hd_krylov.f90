@@ -4,7 +4,7 @@ module hd_krylov
   use hd_kinds, only: dp
   use hd_error, only: error_t
   use hd_system, only: check_stop
-  use hd_vector, only: dot, many
+  use hd_vector, only: add_columns, length, orthogonalise
   implicit none
   private
   public :: operator_t, solve_gmres
@@ -36,9 +36,9 @@ module hd_krylov
 
 contains
 
-  !> Solve A x = b from x = 0 without restart. A preconditioner that is not the same linear map every time needs `flexible`
-  !> (Saad 1993): its results are kept, twice the memory.
-  subroutine solve_gmres(op, b, tolerance, most, x, steps, residual, error, flexible)
+  !> Solve A x = b from x = 0 without restart. The preconditioner need not be the same linear map every time: its results are kept
+  !> (Saad 1993).
+  subroutine solve_gmres(op, b, tolerance, most, x, steps, residual, error)
     class(operator_t), intent(inout) :: op            !< operator
     real(dp), intent(in) :: b(:)                      !< right-hand side
     real(dp), intent(in) :: tolerance                 !< of the residual, relative to b
@@ -47,39 +47,24 @@ contains
     integer, intent(out) :: steps                     !< steps taken
     real(dp), intent(out) :: residual                 !< reached, relative
     type(error_t), allocatable, intent(out) :: error  !< memory, a stop asked for
-    logical, intent(in), optional :: flexible         !< keep what the preconditioner made
-    real(dp), allocatable :: v(:, :), z(:), kept(:, :)
+    real(dp), allocatable :: v(:, :), kept(:, :)
     real(dp) :: h(most + 1, most), g(most + 1), cosine(most), sine(most), norm, t
     integer :: i, j
-    allocate (v(size(b), most + 1), z(size(b)), kept(size(b), 0))
-    if (present(flexible)) then
-      if (flexible) then
-        deallocate (kept)
-        allocate (kept(size(b), most))
-      end if
-    end if
+    allocate (v(size(b), most + 1), kept(size(b), most))
     x = 0
     steps = 0
     residual = 0
-    norm = norm2(b)
+    norm = length(size(b), b)
     if (.not. norm > 0) return
     v(:, 1) = b/norm
     g = 0
     g(1) = norm
     do j = 1, most
       call check_stop(error)
-      if (.not. allocated(error)) call op%approximate(v(:, j), z, error)
+      if (.not. allocated(error)) call op%approximate(v(:, j), kept(:, j), error)
       if (allocated(error)) return
-      if (size(kept, 2) > 0) kept(:, j) = z
-      call op%multiply(z, v(:, j + 1))
-      do i = 1, j
-        h(i, j) = dot(size(b), v(:, i), v(:, j + 1))
-        !$omp parallel workshare if(size(b) > many)
-        v(:, j + 1) = v(:, j + 1) - h(i, j)*v(:, i)
-        !$omp end parallel workshare
-      end do
-      h(j + 1, j) = norm2(v(:, j + 1))
-      if (h(j + 1, j) > 0) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
+      call op%multiply(kept(:, j), v(:, j + 1))
+      call orthogonalise(v(:, :j), v(:, j + 1), h(:j, j), h(j + 1, j))
       do i = 1, j - 1
         t = cosine(i)*h(i, j) + sine(i)*h(i + 1, j)
         h(i + 1, j) = -sine(i)*h(i, j) + cosine(i)*h(i + 1, j)
@@ -98,11 +83,6 @@ contains
     do i = steps, 1, -1
       g(i) = (g(i) - dot_product(h(i, i + 1:steps), g(i + 1:steps)))/h(i, i)
     end do
-    if (size(kept, 2) > 0) then
-      x = matmul(kept(:, :steps), g(:steps))
-    else
-      z = matmul(v(:, :steps), g(:steps))
-      call op%approximate(z, x, error)
-    end if
+    call add_columns(kept(:, :steps), g(:steps), x)
   end subroutine solve_gmres
 end module hd_krylov

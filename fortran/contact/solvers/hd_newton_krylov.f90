@@ -241,7 +241,7 @@ contains
     left = b
     residual = 1
     do k = 1, most_starts
-      call solve_gmres(op, left, self%accuracy/residual, most_steps, dx, steps, share, error, flexible=.true.)
+      call solve_gmres(op, left, self%accuracy/residual, most_steps, dx, steps, share, error)
       if (allocated(error)) return
       x = x + dx
       residual = share*residual
@@ -284,9 +284,8 @@ contains
     associate (p => self%problem, s => self%solver)
       allocate (u(3, p%n), t(3, p%mortar%n), f(3, p%n))
       call unpack_correction(x, u, t)
-      f = 0
-      call add_nodal_forces(p%mortar, t, f)
-      f = apply_stiffness(p, u) - f
+      call apply_stiffness(p, u, f)
+      call add_nodal_forces(p%mortar, t, f, factor=-1._dp)
       w = relative_displacement(p%mortar, u)
       do j = 1, p%mortar%n
         w(:, j) = matmul(s%dw(:, :, j), w(:, j)) + matmul(s%dt(:, :, j), t(:, j))

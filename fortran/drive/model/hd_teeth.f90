@@ -72,7 +72,8 @@ contains
       if (i <= n) teeth%compliance(:, i) = closings(teeth, teeth%response(i)%u)
     end do
     teeth%free = closings(teeth, teeth%response(n + 1)%u)
-    r = internal_residual(drive%problem, load, teeth%response(n + 1))
+    allocate (r, mold=load%force)
+    call internal_residual(drive%problem, load, teeth%response(n + 1), r)
     teeth%hub_rate = sum(r(2, drive%hub)*load%displacement(2, drive%hub))
   end subroutine new_teeth
 

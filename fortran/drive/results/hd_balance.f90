@@ -91,8 +91,9 @@ contains
     type(drive_t), intent(in) :: drive   !< whole drive
     type(load_t), intent(in) :: load     !< load of the step
     type(state_t), intent(in) :: state   !< converged state
-    real(dp) :: m, force(3, size(drive%inner)), total(3)
-    force = forces_of_cam(drive, load, state, internal_residual(drive%problem, load, state))
+    real(dp) :: m, force(3, size(drive%inner)), total(3), r(3, drive%problem%n)
+    call internal_residual(drive%problem, load, state, r)
+    force = forces_of_cam(drive, load, state, r)
     total = nodes_resultant(drive, state, drive%inner, force, drive%b_ring)
     m = sum(force(1, :)*drive%slope) - total(3)
   end function moment_on_cam

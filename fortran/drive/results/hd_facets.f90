@@ -471,7 +471,9 @@ contains
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
       sums%sticking = count(state%contact(:m) == stick_state)
       sums%reaction_force = -radial_force(problem%mortar, state%traction, drive%b_cup == 2, m)
-      call balance_forces(drive, load, state, forces, internal_residual(problem, load, state), sums)
+      allocate (r, mold=forces)
+      call internal_residual(problem, load, state, r)
+      call balance_forces(drive, load, state, forces, r, sums)
     end associate
   end subroutine sum_up
 

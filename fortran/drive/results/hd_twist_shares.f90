@@ -35,7 +35,7 @@ contains
     real(dp), allocatable :: closing(:), push(:)
     integer :: b, j
     associate (problem => drive%problem, n => drive%balls)
-      force = elastic_forces(problem, bonded%du)
+      call elastic_forces(problem, bonded%du, force)
       do b = 1, 2
         associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
           shares(merge(1, 2, b == drive%b_cup)) = sum(force(:, low:high)*bonded%du(:, low:high))

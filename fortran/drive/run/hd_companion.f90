@@ -260,7 +260,7 @@ contains
       do j = 1, size(slip, 2)
         r_c(:, j) = left(:, j) + matmul(dw(:, 2:, j), slip(:, j))
       end do
-      r_u = internal_residual(problem, load, next)
+      call internal_residual(problem, load, next, r_u)
       if (.not. (problem%wheel_turns .and. allocated(problem%struts))) return
       pull = pull_of(problem, drive%problem%strut_rate, load, next%u)
       do j = 1, size(pull)

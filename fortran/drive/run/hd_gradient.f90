@@ -406,9 +406,9 @@ contains
       if (allocated(error)) return
       next = s
       call linear_equations(problem, load, before, next, left_c, dw, dt)
-      left_u = internal_residual(problem, load, s)
+      allocate (left_u, by_u, mold=s%u)
+      call internal_residual(problem, load, s, left_u)
       call update_struts(problem, load, s%u)
-      allocate (by_u, mold=left_u)
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
       call solver%update(problem, adjoint%w, adjoint%t, error)
@@ -644,9 +644,10 @@ contains
     real(dp), intent(in) :: sense           !< of the torque
     type(answer_t), intent(in) :: answer    !< of the run
     real(dp), allocatable :: left(:, :)
-    left = 0*answer%du
-    call add_nodal_forces(drive%problem%mortar, answer%traction, left)
-    left = apply_stiffness(drive%problem, answer%du) - left - (sense*drive%torque + drive%squeeze)
+    allocate (left, mold=answer%du)
+    call apply_stiffness(drive%problem, answer%du, left)
+    call add_nodal_forces(drive%problem%mortar, answer%traction, left, factor=-1._dp)
+    left = left - (sense*drive%torque + drive%squeeze)
   end function remaining_forces
 
   !> What it leaves in the law of its joint (3, points).

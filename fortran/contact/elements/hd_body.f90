@@ -9,7 +9,7 @@ module hd_body
   use hd_hexahedron, only: element_stiffness, elasticity_matrix, nodes_per_element
   implicit none
   private
-  public :: body_t, sector_stiffness, cell_nodes, cartesian, axial_moment, resultant, frame
+  public :: body_t, sector_stiffness, cell_nodes, cartesian, axial_moment, frame
 
   !> Node numbers inside a cell run from 1 to 2 nodes_per_sector: the second half belongs to the next sector.
   type :: body_t
@@ -98,28 +98,10 @@ contains
     type(body_t), intent(in) :: body             !< body
     real(dp), intent(in) :: f(:, :)              !< nodal forces (3, nodes) [N]
     real(dp), intent(in), optional :: u(:, :)    !< displacements, if the deformed body counts (3, nodes) [m]
-    real(dp) :: r(3)
-    r = resultant(body, 0, f, u)
-    m = r(3)
+    real(dp) :: v(3, size(f, 2)), x(3, size(f, 2))
+    v = cartesian(body, f)
+    x = body%x
+    if (present(u)) x = x + cartesian(body, u)
+    m = sum(x(1, :)*v(2, :) - x(2, :)*v(1, :))
   end function axial_moment
-
-  !> Sums along x and y [N] and moment about the z axis [N m] of the forces on nodes that follow each other.
-  pure function resultant(body, before, f, u) result(r)
-    type(body_t), intent(in) :: body             !< body
-    integer, intent(in) :: before                !< nodes before them
-    real(dp), intent(in) :: f(:, :)              !< forces (3, these nodes) [N]
-    real(dp), intent(in), optional :: u(:, :)    !< displacements, if the deformed body counts (3, these nodes) [m]
-    real(dp) :: r(3), v(2), x(2), c, s
-    integer :: i
-    r = 0
-    do i = 1, size(f, 2)
-      if (.not. (abs(f(1, i)) > 0 .or. abs(f(2, i)) > 0)) cycle
-      c = cos(body%angle(before + i))
-      s = sin(body%angle(before + i))
-      v = [c*f(1, i) - s*f(2, i), s*f(1, i) + c*f(2, i)]
-      x = body%x(:2, before + i)
-      if (present(u)) x = x + [c*u(1, i) - s*u(2, i), s*u(1, i) + c*u(2, i)]
-      r = r + [v(1), v(2), x(1)*v(2) - x(2)*v(1)]
-    end do
-  end function resultant
 end module hd_body

@@ -45,15 +45,16 @@ contains
     real(dp) :: w(3, size(points))
     real(dp), dimension(size(points)) :: drive, new
     real(dp) :: missed
-    logical :: accurate, last, negligible
+    logical :: accurate, last, negligible, idle(3, size(points))
     integer :: before, i, j, k, newtons, turned
+    idle = idle_components(problem)
     newtons = solver%inner   ! its inner steps are counted for Newton's method alone
     du = 0
     traction = 0
     last = all(points%state /= rate_stick .and. points%state /= rate_slip)
     do k = 1, most
       solver%accuracy = merge(accuracy, coarse, last .and. k == 1)
-      call rate_matrices(problem, friction, points, dw, dt)
+      call rate_matrices(problem, idle, friction, points, dw, dt)
       call solver%update(problem, dw, dt, error)
       if (.not. allocated(error)) call solve_refined(problem, solver, dw, dt, force, of_work, merge(refinements, 1, last), du, &
         traction, accurate, error)
@@ -90,14 +91,13 @@ contains
   end subroutine respond_by_rates
 
   !> Rows of the points in their states.
-  subroutine rate_matrices(problem, friction, points, dw, dt)
+  subroutine rate_matrices(problem, idle, friction, points, dw, dt)
     type(problem_t), intent(in) :: problem                  !< problem
+    logical, intent(in) :: idle(:, :)                       !< its idle components (3, points)
     real(dp), intent(in) :: friction                        !< mu
     type(rate_point_t), intent(in) :: points(:)             !< points
     real(dp), intent(out) :: dw(:, :, :), dt(:, :, :)       !< rows (3, 3, points)
-    logical :: idle(3, size(points))
     integer :: c, i, j
-    idle = idle_components(problem)
     !$omp parallel do schedule(static) private(c, i) if(size(points) > long_loop)
     do j = 1, size(points)
       call rate_rows(points(j), friction, problem%law%scale, dw(:, :, j), dt(:, :, j))

@@ -2,7 +2,7 @@
 !> Where the torque leaves the scene: moments about the axis of the forces of each support, and the balance of all forces.
 module hd_balance
   use hd_kinds, only: dp
-  use hd_body, only: resultant
+  use hd_body, only: frame
   use hd_drive, only: drive_t
   use hd_mortar, only: add_nodal_forces
   use hd_problem, only: state_t, load_t, internal_residual, strut_forces
@@ -98,55 +98,43 @@ contains
     m = sum(force(1, :)*drive%slope) - total(3)
   end function moment_on_cam
 
-  !> Resultant of forces on nodes of one body, as of `resultant`.
+  !> Sums along x and y [N] and moment about the axis [N m] of forces on nodes of one body.
   pure function nodes_resultant(drive, state, nodes, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
     type(state_t), intent(in) :: state     !< with large displacements the deformed bodies count
     integer, intent(in) :: nodes(:)        !< nodes
     real(dp), intent(in) :: force(:, :)    !< (3, nodes) [N]
     integer, intent(in) :: b               !< body
-    real(dp) :: r(3)
+    real(dp) :: r(3), f(3), x(3), turn(3, 3)
     integer :: i
     r = 0
-    do i = 1, size(nodes)
-      r = r + part_resultant(drive, state, nodes(i), force(:, i:i), b)
-    end do
+    associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
+      do i = 1, size(nodes)
+        if (.not. any(abs(force(:, i)) > 0)) cycle
+        turn = frame(body%angle(nodes(i) - first))
+        f = matmul(turn, force(:, i))
+        x = body%x(:, nodes(i) - first)
+        if (allocated(drive%problem%lagrangian)) x = x + matmul(turn, state%u(:, nodes(i)))
+        r = r + [f(:2), x(1)*f(2) - x(2)*f(1)]
+      end do
+    end associate
   end function nodes_resultant
 
-  !> The same of nodes that follow each other from one on.
-  pure function part_resultant(drive, state, from, force, b) result(r)
-    type(drive_t), intent(in) :: drive     !< drive
-    type(state_t), intent(in) :: state     !< state
-    integer, intent(in) :: from            !< first of them
-    real(dp), intent(in) :: force(:, :)    !< (3, these nodes) [N]
-    integer, intent(in) :: b               !< body
-    real(dp) :: r(3)
-    associate (body => drive%problem%bodies(b), first => drive%problem%first(b), to => from - 1 + size(force, 2))
-      if (allocated(drive%problem%lagrangian)) then
-        r = resultant(body, from - 1 - first, force, state%u(:, from:to))
-      else
-        r = resultant(body, from - 1 - first, force)
-      end if
-    end associate
-  end function part_resultant
-
-  !> Resultant of the nodal forces on one body, summed in blocks of one length whatever the number of threads.
+  !> The same of the forces on all of them (3, n), summed in blocks of one length whatever the number of threads.
   function body_resultant(drive, state, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
     type(state_t), intent(in) :: state     !< state
     real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
     integer, intent(in) :: b               !< body
     real(dp) :: r(3), part(3, drive%problem%bodies(b)%nodes()/block + 1)
-    integer :: k
-    associate (first => drive%problem%first(b), last => drive%problem%first(b) + drive%problem%bodies(b)%nodes())
-      !$omp parallel do schedule(static) if(size(force) > many)
-      do k = 1, size(part, 2)
-        associate (from => first + block*(k - 1) + 1, to => min(last, first + block*k))
-          part(:, k) = part_resultant(drive, state, from, force(:, from:to), b)
-        end associate
-      end do
-      !$omp end parallel do
-    end associate
+    integer :: i, k, from, to
+    !$omp parallel do schedule(static) private(i, from, to) if(size(force) > many)
+    do k = 1, size(part, 2)
+      from = drive%problem%first(b) + block*(k - 1) + 1
+      to = min(drive%problem%first(b) + drive%problem%bodies(b)%nodes(), from + block - 1)
+      part(:, k) = nodes_resultant(drive, state, [(i, i=from, to)], force(:, from:to), b)
+    end do
+    !$omp end parallel do
     r = sum(part, 2)
   end function body_resultant
 

@@ -21,7 +21,7 @@ module hd_gradient
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_newton, only: linear_equations, prescribe
+  use hd_newton, only: idle_components, linear_equations, prescribe
   use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, strut_closings, &
     strut_forces, update_struts
   use hd_rate, only: rate_matrices
@@ -584,7 +584,8 @@ contains
           answer, error)
         if (allocated(error)) return
         flexibility = flexibility + k*answer%flexibility
-        call rate_matrices(problem, merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, dw, dt)
+        call rate_matrices(problem, idle_components(problem), merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, &
+          dw, dt)
         call adjoint%take(problem%law%scale, dw, dt)
         call begin_many(solver, 1, problem, load, top, error)
         if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
@@ -672,7 +673,7 @@ contains
       points%grows = answer%points%grows
       points%at_bound = answer%points%at_bound
     end if
-    call rate_matrices(drive%problem, merge(capped%mu, 0._dp, loose), points, dw, dt)
+    call rate_matrices(drive%problem, idle_components(drive%problem), merge(capped%mu, 0._dp, loose), points, dw, dt)
     w = relative_displacement(drive%problem%mortar, answer%du)
     do j = 1, size(points)
       left(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))

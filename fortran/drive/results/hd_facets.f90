@@ -449,7 +449,7 @@ contains
     type(state_t), intent(in) :: state      !< converged state
     type(facets_t), intent(in) :: facets    !< its facets
     type(sums_t), intent(out) :: sums       !< sums
-    real(dp), allocatable :: forces(:, :), p(:)
+    real(dp), allocatable :: forces(:, :), r(:, :), p(:)
     real(dp) :: total(3)
     associate (problem => drive%problem, m => drive%problem%mortar%n - drive%problem%mortar%rigid, a => drive%problem%mortar%area)
       p = state%traction(1, :)

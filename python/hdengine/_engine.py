@@ -13,7 +13,7 @@ import numpy as np
 
 
 def _load() -> Any:
-    """The extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise: OpenMP reads that once."""
+    """The extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise."""
     waits = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "1000"}
     sets = not waits.keys() & os.environ.keys()
     if sets:

@@ -199,7 +199,8 @@ void hd_set_libraries(void)
     for (size_t i = 0; i < size && count < 4095; i += strlen(text + i) + 1) words[count++] = text + i;
     words[count] = NULL;
     path[n] = 0;
-    if (size < sizeof text && count > 0 && count < 4095 && (!spins || (setenv("OMP_WAIT_POLICY", "passive", 1) == 0 && setenv("GOMP_SPINCOUNT", SPINS, 1) == 0)) &&
+    if (size < sizeof text && count > 0 && count < 4095 &&
+        (!spins || (setenv("OMP_WAIT_POLICY", "passive", 1) == 0 && setenv("GOMP_SPINCOUNT", SPINS, 1) == 0)) &&
         (!kernels || setenv("OPENBLAS_CORETYPE", kernels, 1) == 0)) execv(path, words);
   }
   if (file) fclose(file);

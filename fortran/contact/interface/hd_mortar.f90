@@ -356,6 +356,7 @@ contains
     real(dp), intent(in), optional :: factor !< 1 if absent
     real(dp) :: force(3, mortar%n, 2), times
     integer :: i, j, k, side
+    if (mortar%n == 0) return
     times = 1
     if (present(factor)) times = factor
     !$omp parallel private(j, k, side) if(size(mortar%val) > many/4)

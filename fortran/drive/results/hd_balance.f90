@@ -7,12 +7,11 @@ module hd_balance
   use hd_mortar, only: add_nodal_forces
   use hd_problem, only: state_t, load_t, internal_residual, strut_forces
   use hd_strut, only: push
-  use hd_vector, only: many
   implicit none
   private
   public :: support_torques_t, moment_on_cam, support_torques, body_resultant, contact_torque
 
-  integer, parameter :: block = 8000     !< nodes whose forces are summed one behind the other
+  integer, parameter :: block = 4000   !< nodes whose forces are summed one behind the other
 
   !> What each support takes of the torque, positive in the sense of a torque on the rim; their sum is that torque.
   type :: support_torques_t
@@ -98,44 +97,44 @@ contains
     m = sum(force(1, :)*drive%slope) - total(3)
   end function moment_on_cam
 
-  !> Sums along x and y [N] and moment about the axis [N m] of forces on nodes of one body.
-  pure function nodes_resultant(drive, state, nodes, force, b) result(r)
+  !> Sums along x and y [N] and moment about the axis [N m] of forces on nodes of one body, added up in blocks of one length
+  !> whatever the number of threads.
+  function nodes_resultant(drive, state, nodes, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
     type(state_t), intent(in) :: state     !< with large displacements the deformed bodies count
     integer, intent(in) :: nodes(:)        !< nodes
     real(dp), intent(in) :: force(:, :)    !< (3, nodes) [N]
     integer, intent(in) :: b               !< body
-    real(dp) :: r(3), f(3), x(3), turn(3, 3)
-    integer :: i
-    r = 0
-    associate (body => drive%problem%bodies(b), first => drive%problem%first(b))
-      do i = 1, size(nodes)
+    real(dp) :: r(3), part(3, size(nodes)/block + 1), f(3), x(3), turn(3, 3)
+    integer :: i, k, n
+    !$omp parallel do schedule(static) private(i, n, f, x, turn) if(size(nodes) > block)
+    do k = 1, size(part, 2)
+      part(:, k) = 0
+      do i = block*(k - 1) + 1, min(size(nodes), block*k)
         if (.not. any(abs(force(:, i)) > 0)) cycle
-        turn = frame(body%angle(nodes(i) - first))
+        n = nodes(i) - drive%problem%first(b)
+        turn = frame(drive%problem%bodies(b)%angle(n))
         f = matmul(turn, force(:, i))
-        x = body%x(:, nodes(i) - first)
+        x = drive%problem%bodies(b)%x(:, n)
         if (allocated(drive%problem%lagrangian)) x = x + matmul(turn, state%u(:, nodes(i)))
-        r = r + [f(:2), x(1)*f(2) - x(2)*f(1)]
+        part(:, k) = part(:, k) + [f(:2), x(1)*f(2) - x(2)*f(1)]
       end do
-    end associate
+    end do
+    !$omp end parallel do
+    r = sum(part, 2)
   end function nodes_resultant
 
-  !> The same of the forces on all of them (3, n), summed in blocks of one length whatever the number of threads.
+  !> The same of the forces on all nodes (3, n).
   function body_resultant(drive, state, force, b) result(r)
     type(drive_t), intent(in) :: drive     !< drive
     type(state_t), intent(in) :: state     !< state
     real(dp), intent(in) :: force(:, :)    !< (3, n) [N]
     integer, intent(in) :: b               !< body
-    real(dp) :: r(3), part(3, drive%problem%bodies(b)%nodes()/block + 1)
-    integer :: i, k, from, to
-    !$omp parallel do schedule(static) private(i, from, to) if(size(force) > many)
-    do k = 1, size(part, 2)
-      from = drive%problem%first(b) + block*(k - 1) + 1
-      to = min(drive%problem%first(b) + drive%problem%bodies(b)%nodes(), from + block - 1)
-      part(:, k) = nodes_resultant(drive, state, [(i, i=from, to)], force(:, from:to), b)
-    end do
-    !$omp end parallel do
-    r = sum(part, 2)
+    real(dp) :: r(3)
+    integer :: i
+    associate (from => drive%problem%first(b) + 1, to => drive%problem%first(b) + drive%problem%bodies(b)%nodes())
+      r = nodes_resultant(drive, state, [(i, i=from, to)], force(:, from:to), b)
+    end associate
   end function body_resultant
 
   !> Torque that contact passes on, from the forces on the ring, which stays where it is even while the flexspline slides [N m].

@@ -45,6 +45,8 @@ contains
     integer :: level
     call set_log_level(quiet, level)
     allocate (coarse)
+    coarse%joint = run%joint
+    coarse%lent_joint = .true.
     call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
     coarse%clock = run%clock
     coarse%keeps_all = .true.

@@ -53,6 +53,7 @@ module hd_run
     type(scene_t) :: scene
     type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
     type(joint_t) :: joint
+    logical :: lent_joint = .false.         !< it is that of the run whose first guesses this one makes
     type(state_t) :: before, state          !< last two converged states
     type(state_t) :: top                    !< that of the reference step of a loop
     type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
@@ -147,7 +148,7 @@ contains
     run%record%started = timestamp()
     run%record%input = input
     call implausible(scene, run%record%warnings)
-    call scene_joint(scene, run%joint, error)
+    if (.not. run%lent_joint) call scene_joint(scene, run%joint, error)
     if (.not. allocated(error) .and. scene%support%contact) call check_stiffness(run%joint, error)
   end subroutine prepare
 

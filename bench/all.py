@@ -43,6 +43,7 @@ BENCHES = (
     Bench("peer_hub.py", "the press-fit scene beside CalculiX", 6),
     Bench("peer_drive.py", "a small whole drive beside CalculiX", 5),
     Bench("solver_choice.py", "matrix solvers: time and memory beside their predictions", 3, quick=("--quick",)),
+    Bench("threads.py", "wall clock over the number of threads, beside an engine named", 6, quick=()),
     Bench("gradient.py", "parts of a loop's time, and what a gradient costs", 1, quick=()),
     Bench("readings.py", "K_TS in every reading, over mesh, friction, joint, steps", 6),
     Bench("random_runs.py", "random scenes and drives: converged or refused", 40, quick=("scenes", "--count", "60")),

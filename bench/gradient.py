@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the time of a loop goes and what two threads gain, beside an earlier engine, and what a gradient costs beside the run that it is of.
+"""Where the time of a loop goes, beside an earlier engine, and what a gradient costs beside the run that it is of.
 
 Usage: bench/gradient.py [EARLIER_HDENGINE_X]; writes bench/results/gradient.json. Runs take turns, one thread. A part is its share of the clock
-times the processor time; without an earlier engine the record keeps what it has of it. Needs two free cores.
+times the processor time; without an earlier engine the record keeps what it has of it.
 """
 import json
 import sys
@@ -13,15 +13,12 @@ from pathlib import Path
 from common import DATA, ROOT, measured, program, read_record, write_record
 
 SCENES = {"CD-14-100": DATA / "cd14.nml", "pressed drive": ROOT / "tests/cases/pressed_drive.nml", "drive14": DATA / "drive14.nml"}
-TURNS = 3
-LARGE = {"drive14, 28 000 dof": (DATA / "drive14.nml",), "drive14, 158 000 dof": (DATA / "drive14.nml", "mesh.divisions=188", "mesh.band_facets=26"),
-         "CD-14-100, 1.07 million dof": (DATA / "cd14.nml", "mesh.divisions=344", "mesh.band_facets=60", "mesh.through_wall=4", "mesh.through_ring=4")}
 
 
 def run(engine, scene, *words):
     """Processor time and summary of the fastest of some runs."""
     found = []
-    for _ in range(TURNS):
+    for _ in range(3):
         with tempfile.TemporaryDirectory() as folder:
             done = measured([engine, scene, *words, "--out", f"{folder}/r", "-q"])
             if done.code != 0:
@@ -31,30 +28,12 @@ def run(engine, scene, *words):
 
 
 def parts(engine):
-    """Processor time of drive14 by part; what is neither of three is one part here, for those of an earlier engine overlap."""
+    """Processor time of drive14 by part; what is neither of three is one part here."""
     cpu, summary = run(engine, SCENES["drive14"])
     times = summary["timers_s"]
-    if "fields" not in times:
-        del times["output"]
-    else:
-        times = {part: times[part] for part in ("setup", "newton", "stiffness", "total")}
+    times = {part: times[part] for part in ("setup", "newton", "stiffness", "total")}
     times["fields, stress, output"] = 2 * times["total"] - sum(times.values())
     return {part: float(f"{cpu * seconds / times['total']:.3g}") for part, seconds in times.items() if seconds > 1e-3}
-
-
-def gain(engine, scene):
-    """Of two threads: wall clock of one over that of two, the faster of two runs each."""
-    def seconds(count):
-        with tempfile.TemporaryDirectory() as folder:
-            return min(measured([engine, *LARGE[scene], "--out", f"{folder}/r", "-q", "--force"], threads=count).wall_s for _ in range(2))
-    return float(f"{seconds(1) / seconds(2):.3g}")
-
-
-def threads(earlier):
-    """Gain of two threads by scene."""
-    old = {row["scene"]: row["before"] for row in read_record("gradient").get("threads", [])}
-    return [{"scene": scene, "before": gain(earlier, scene) if earlier else old[scene], "now": gain(program("hdengine.x"), scene)}
-            for scene in LARGE]
 
 
 def cost(scene):
@@ -69,8 +48,7 @@ def cost(scene):
 def main(words):
     """Measure."""
     before = parts(words[0]) if words else read_record("gradient")["before"]
-    write_record("gradient", {"before": before, "now": parts(program("hdengine.x")), "threads": threads(words[0] if words else None),
-                              "cost": [cost(scene) for scene in SCENES]}, threads=1)
+    write_record("gradient", {"before": before, "now": parts(program("hdengine.x")), "cost": [cost(scene) for scene in SCENES]}, threads=1)
 
 
 if __name__ == "__main__":

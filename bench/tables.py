@@ -461,8 +461,17 @@ def loop_time():
 
 
 def thread_gain():
-    """Gain of two threads by scene, before and now."""
-    return ("scene", "before", "now"), [(r["scene"], digits(r["before"], 3), digits(r["now"], 3)) for r in read_record("gradient")["threads"]]
+    """Wall clock of one thread and of all, memory, the gain of threads, and that of all of them before."""
+    rows = read_record("threads")["rows"]
+    of = {(r["engine"], r["scene"], r["threads"]): r for r in rows}
+    one, *more = sorted({r["threads"] for r in rows})
+
+    def gain(engine, scene, n):
+        return digits(of[engine, scene, one]["wall_s"] / of[engine, scene, n]["wall_s"]) if (engine, scene, one) in of else "-"
+    return ("scene", "1000 dof", "1 thread / s", f"{more[-1]} / s", "MB", *map(str, more), f"{more[-1]}, before"), [
+        (scene, digits(of["now", scene, more[-1]]["dof"] / 1000), digits(of["now", scene, one]["wall_s"]) if ("now", scene, one) in of else "-",
+         digits(of["now", scene, more[-1]]["wall_s"]), of["now", scene, more[-1]]["memory_mb"], *(gain("now", scene, n) for n in more),
+         gain("before", scene, more[-1])) for scene in dict.fromkeys(r["scene"] for r in rows)]
 
 
 def gradient_cost():
@@ -500,7 +509,7 @@ TABLES = {  # marker: page from docs on, records, builder
     "promised-results": ("evidence/planner", ["promised_scenes"], promised_results),
     "figures": ("evidence/speed_accuracy", ["pareto"], figures),
     "loop-time": ("evidence/speed_accuracy", ["gradient"], loop_time),
-    "thread-gain": ("evidence/speed_accuracy", ["gradient"], thread_gain),
+    "thread-gain": ("evidence/speed_accuracy", ["threads"], thread_gain),
     "gradient-cost": ("evidence/speed_accuracy", ["gradient"], gradient_cost),
     "maps": ("evidence/stability", ["stability"], maps),
     "random": ("evidence/stability", ["random_runs"], random_runs),

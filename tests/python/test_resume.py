@@ -80,7 +80,7 @@ TINY = {"mesh.divisions": 20, "mesh.band_facets": 4, "load.torque_steps": 2, "ou
 
 @pytest.mark.parametrize(("scene", "keys"), [
     ("cd14", {"mesh.divisions": 48, "mesh.band_facets": 8, "solver.start": "coarser"}),
-    ("cd14", {"load.support": "bearing", "load.torque": 2.0, "solver.max_iterations": 6, "solver.start": "rest"}),
+    ("cd14", {"load.support": "bearing", "load.torque": 10.0, "solver.max_iterations": 7, "solver.start": "rest"}),
     ("../tests/cases/pressed_drive", {"mesh.divisions": 24, "bearing.balls": 12, "load.tooth_pairs": 12, "loop.torques": "6,0", "load.tooth_friction": 0.1,
                  "turning.positions": 1}),
     ("cd14", {"output.vtu": "last"}),

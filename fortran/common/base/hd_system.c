@@ -181,8 +181,8 @@ static const char *better_kernels(void)
 }
 
 /* Threads of OpenMP that wait spin for long, and take the processor from others; here they sleep after SPINS turns, some 50 us. One
-   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). This and the kernels of OpenBLAS are read from
-   the environment only as a library is loaded, so the program begins again. */
+   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). This and the kernels of OpenBLAS are read
+   from the environment only as a library is loaded, so the program begins again. */
 #define SPINS "1000"
 void hd_set_libraries(void)
 {

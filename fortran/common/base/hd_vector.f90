@@ -5,7 +5,8 @@ module hd_vector
   use hd_kinds, only: dp
   implicit none
   private
-  public :: cross, dot, largest, length, weighted_length, magnitude, set, add, add_columns, product_of, orthogonalise, many
+  public :: cross, dot, largest, length, part_lengths, weighted_length, magnitude, set, add, add_columns, product_of, &
+    orthogonalise, many
 
   integer, parameter :: many = 40000     !< numbers from which two threads are worth waking
   integer, parameter :: block = 10000    !< summed one behind the other
@@ -83,6 +84,26 @@ contains
     !$omp end parallel do
     length = sqrt(sum(part))
   end function length
+
+  !> Euclidean norms of the parts where a mask is true and where it is not.
+  subroutine part_lengths(a, mask, inside, outside)
+    real(dp), intent(in) :: a(:, :)            !< vectors (3, n)
+    logical, intent(in) :: mask(:, :)          !< (3, n)
+    real(dp), intent(out) :: inside, outside
+    real(dp) :: part(2, (size(a, 2) + short - 1)/short)
+    integer :: i, j
+    !$omp parallel do schedule(static) private(j) if(size(a) > many)
+    do i = 1, size(part, 2)
+      part(:, i) = 0
+      do j = short*(i - 1) + 1, min(short*i, size(a, 2))
+        part(1, i) = part(1, i) + sum(merge(a(:, j)**2, 0._dp, mask(:, j)))
+        part(2, i) = part(2, i) + sum(merge(0._dp, a(:, j)**2, mask(:, j)))
+      end do
+    end do
+    !$omp end parallel do
+    inside = sqrt(sum(part(1, :)))
+    outside = sqrt(sum(part(2, :)))
+  end subroutine part_lengths
 
   !> Euclidean norm of vectors times their weights.
   real(dp) function weighted_length(weight, a)

@@ -354,12 +354,12 @@ contains
     real(dp), intent(in) :: traction(:, :)   !< (3, multipliers) [Pa]
     real(dp), intent(inout) :: f(:, :)       !< nodal forces (3, nodes) [N]
     real(dp), intent(in), optional :: factor !< 1 if absent
-    real(dp) :: force(3, mortar%n, 2), times
+    real(dp) :: force(3, mortar%n, 2), times, total(3)
     integer :: i, j, k, side
     if (mortar%n == 0) return
     times = 1
     if (present(factor)) times = factor
-    !$omp parallel private(j, k, side) if(size(mortar%val) > many/4)
+    !$omp parallel private(j, k, side, total) if(size(mortar%val) > many/4)
     !$omp do schedule(static)
     do j = 1, mortar%n
       force(:, j, 1) = times*mortar%area(j)*traction(:, j)
@@ -371,9 +371,11 @@ contains
     !$omp do schedule(static)
     do i = 1, size(mortar%met)
       side = merge(2, 1, allocated(mortar%turn) .and. mortar%met(i) > mortar%slave_nodes)
+      total = 0
       do k = mortar%first(i), mortar%first(i + 1) - 1
-        f(:, mortar%met(i)) = f(:, mortar%met(i)) + mortar%val(mortar%entry(k))*force(:, mortar%by(k), side)
+        total = total + mortar%val(mortar%entry(k))*force(:, mortar%by(k), side)
       end do
+      f(:, mortar%met(i)) = f(:, mortar%met(i)) + total
     end do
     !$omp end do
     !$omp end parallel

@@ -18,7 +18,7 @@ module hd_newton
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
-  use hd_vector, only: add, largest, length, many, weighted_length
+  use hd_vector, only: add, largest, length, many, part_lengths, weighted_length
   implicit none
   private
   public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components, prescribe
@@ -469,27 +469,6 @@ contains
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
-
-  !> Lengths of forces at fixed and at free dofs, summed in blocks of one length.
-  subroutine part_lengths(force, fixed, held, free)
-    real(dp), intent(in) :: force(:, :)  !< (3, n) [N]
-    logical, intent(in) :: fixed(:, :)   !< (3, n)
-    real(dp), intent(out) :: held, free  !< [N]
-    integer, parameter :: block = 4000   !< nodes
-    real(dp) :: part(2, (size(force, 2) + block - 1)/block)
-    integer :: i, j
-    !$omp parallel do schedule(static) private(j) if(size(force) > many)
-    do i = 1, size(part, 2)
-      part(:, i) = 0
-      do j = block*(i - 1) + 1, min(block*i, size(force, 2))
-        part(1, i) = part(1, i) + sum(merge(force(:, j)**2, 0._dp, fixed(:, j)))
-        part(2, i) = part(2, i) + sum(merge(0._dp, force(:, j)**2, fixed(:, j)))
-      end do
-    end do
-    !$omp end parallel do
-    held = sqrt(sum(part(1, :)))
-    free = sqrt(sum(part(2, :)))
-  end subroutine part_lengths
 
   !> Room for a linearisation, and the law of its load step.
   subroutine begin_linearisation(problem, load, previous, here)

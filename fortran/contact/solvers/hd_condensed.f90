@@ -16,7 +16,7 @@ module hd_condensed
   use hd_problem, only: problem_t, load_t, state_t
   use hd_symmetry, only: sharing_t, use_symmetry, share_law, symmetry_name, image_sector, node_images, mirror_sign
   use hd_text, only: to_text
-  use hd_vector, only: add, length, many, set, weighted_length
+  use hd_vector, only: add, length, many, part_lengths, set, weighted_length
   implicit none
   private
   public :: condensed_t, new_condensed, first_guess
@@ -177,8 +177,8 @@ contains
     type(face_system_t), intent(inout) :: system      !< gets the border
     real(dp), allocatable, intent(out) :: w(:, :)     !< (3, multipliers) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: f(:, :), v(:, :), known(:), pressed(:, :), forces(:)
-    real(dp) :: scale
+    real(dp), allocatable :: f(:, :), v(:, :), known(:), pressed(:, :), forces(:), pushed(:, :)
+    real(dp) :: scale, held, left
     logical :: easy
     integer :: j
     allocate (w, mold=r_c)
@@ -192,11 +192,16 @@ contains
     if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
-      scale = max(scale, distance(f, v))
+      pushed = f
+      call add(size(f), -1._dp, v, pushed)
+      scale = max(scale, length(size(f), pushed))
     else if (easy) then
       call set(size(f), 1._dp, f, v)
     end if
-    if (easy) easy = distance(v, fixed=problem%fixed) <= balanced*scale
+    if (easy) then
+      call part_lengths(v, problem%fixed, held, left)
+      easy = left <= balanced*scale
+    end if
     if (easy) then
       allocate (pressed, mold=r_c)
       !$omp parallel do schedule(static) if(size(pressed) > many/4)
@@ -261,26 +266,6 @@ contains
     !$omp end do
     !$omp end parallel
   end subroutine balance
-
-  !> Length of nodal vectors but for what is at fixed dofs, or of a difference of two.
-  real(dp) function distance(a, b, fixed)
-    real(dp), intent(in) :: a(:, :)               !< vectors (3, n)
-    real(dp), intent(in), optional :: b(:, :)     !< others (3, n)
-    logical, intent(in), optional :: fixed(:, :)  !< dofs (3, n)
-    real(dp), allocatable :: left(:, :)
-    integer :: i
-    allocate (left, mold=a)
-    !$omp parallel do schedule(static) if(size(a) > many)
-    do i = 1, size(a, 2)
-      if (present(b)) then
-        left(:, i) = a(:, i) - b(:, i)
-      else
-        left(:, i) = merge(0._dp, a(:, i), fixed(:, i))
-      end if
-    end do
-    !$omp end parallel do
-    distance = length(size(left), left)
-  end function distance
 
   !> Points on the mirror plane get no circumferential shear, for the same reason.
   subroutine hold_on_plane(self, r_c)

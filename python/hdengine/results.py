@@ -553,6 +553,9 @@ class Result:
     def gradient(self) -> dict[str, dict[str, float]]:
         """Derivatives of the results by every number of the drive that is in use.
 
+        The results are K1 to K3, hysteresis, lost motion, largest forces of balls and teeth, least safety of the cup, K_TS by
+        Eq. 45 and tangent, normal force, largest stress and line load of the edge; without a loop the last five and the rotation.
+
         They are those of a run with `run.gradient`; another run is solved once more with it, from its echo.nml. Each is found by
         adjoint differentiation back along the load steps, contact states kept: where a change turns one it holds on one side.
 

@@ -25,12 +25,14 @@ def central(scene, keys, key, value, share, folder):
 
 @pytest.mark.parametrize(("scene", "keys", "names", "moved"), [
     ("tests/cases/pressed_drive.nml", DRIVE, ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "ball_force_max_n", "tooth_force_max_n",
-                                              "k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n"),
-     ("contact.friction", "material.flexspline_e", "wave_generator.interference", "load.pressure_angle_deg", "bearing.ball_diameter", "geometry.hub_radius")),
-    ("data/cd14.nml", HUB, ("k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n", "rotation_rad"),
-     ("contact.friction", "material.ring_e", "wave_generator.w", "load.torque", "geometry.wall_thickness"))])
+                                              "k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n", "edge_line_load_n_per_m", "goodman_safety_min"),
+     ("contact.friction", "material.flexspline_e", "wave_generator.interference", "load.pressure_angle_deg", "bearing.ball_diameter", "geometry.hub_radius",
+      "fatigue.fatigue_limit")),
+    ("data/cd14.nml", HUB, ("k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n", "edge_line_load_n_per_m", "rotation_rad"),
+     ("contact.friction", "material.ring_e", "wave_generator.w", "load.torque", "geometry.wall_thickness", "geometry.band_length"))])
 def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, moved):
-    """Derivatives agree with central differences of whole runs to 1e-5 of a result over its key, by friction, stiffness, shape and load alike."""
+    """Derivatives agree with central differences of whole runs to 1e-5 of a result over its key, by friction, stiffness, shape and load alike; to
+    2e-5 by the band's length, along which the one-sided difference of the residuals bends most."""
     found = hdengine.run(ROOT / scene, tmp_path / "run", run__gradient=True, **keywords(keys))
     gradient, results = found.gradient(), found.summary["results"]
     for key in moved:
@@ -38,7 +40,8 @@ def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, m
         other = central(ROOT / scene, keys, key, value, 3e-5, tmp_path)
         for name in names:
             scale = abs(value / results[name])
-            assert abs(gradient[name][key] - other[name]) * scale < 1e-5 * max(1, abs(other[name]) * scale), (key, name)
+            most = 2e-5 if key == "geometry.band_length" else 1e-5
+            assert abs(gradient[name][key] - other[name]) * scale < most * max(1, abs(other[name]) * scale), (key, name)
 
 
 @pytest.mark.parametrize(("scene", "steps"), [("drive14.nml", 4), ("drive17.nml", 10)])

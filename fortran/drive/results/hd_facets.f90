@@ -19,7 +19,7 @@ module hd_facets
   implicit none
   private
   public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness, &
-    stiffness_slopes
+    stiffness_slopes, edge_loads
 
   !> Facets are numbered axially first, then round the axis.
   type :: facets_t
@@ -254,34 +254,32 @@ contains
     peak = maxval(sum(reshape(slope, grid), 1)/sum(reshape(part, grid), 1))
   end subroutine middle_pressure
 
-  !> Largest force per length round the axis that the ring's first or last tenth carries. The peak pressure at the ring's edge grows
-  !> with a finer mesh, as that of a punch; its integral converges.
-  pure real(dp) function edge_load(drive, p) result(most)
+  !> Force per length round the axis that the ring's first and last tenth carry, at every column of facets' first angle. The peak
+  !> pressure at the ring's edge grows with a finer mesh, as that of a punch; its integral converges.
+  pure function edge_loads(drive, p) result(line)
     type(drive_t), intent(in) :: drive   !< drive
     real(dp), intent(in) :: p(:)         !< pressures of the multipliers [Pa]
-    real(dp) :: line(2), z(4), from(2), to(2), ends(2), low, high, slope
+    real(dp) :: line(2, size(drive%face%nodes, 2)/drive%axial_facets)  !< (ends, columns) [N/m]
+    real(dp) :: z(4), from(2), to(2), ends(2), low, high, slope
     integer :: f, e, i, n
     n = drive%axial_facets
     ends = [minval(drive%face%chart(2, :, :)), maxval(drive%face%chart(2, :, :))]
     from = [ends(1), ends(2) - edge_part*(ends(2) - ends(1))]
     to = [ends(1) + edge_part*(ends(2) - ends(1)), ends(2)]
-    most = 0
-    do i = 0, size(drive%face%nodes, 2)/n - 1
-      line = 0
-      do f = n*i + 1, n*i + n
-        z = drive%face%chart(2, :, f)
-        associate (q => p(drive%problem%mortar%facet(:, f)))
-          slope = (q(4) - q(1))/(z(4) - z(1))
-          do e = 1, 2
-            low = max(z(1), from(e))
-            high = min(z(4), to(e))
-            if (high > low) line(e) = line(e) + (high - low)*(q(1) + slope*(0.5_dp*(low + high) - z(1)))
-          end do
-        end associate
-      end do
-      most = max(most, maxval(line))
+    line = 0
+    do f = 1, size(drive%face%nodes, 2)
+      i = (f - 1)/n + 1
+      z = drive%face%chart(2, :, f)
+      associate (q => p(drive%problem%mortar%facet(:, f)))
+        slope = (q(4) - q(1))/(z(4) - z(1))
+        do e = 1, 2
+          low = max(z(1), from(e))
+          high = min(z(4), to(e))
+          if (high > low) line(e, i) = line(e, i) + (high - low)*(q(1) + slope*(0.5_dp*(low + high) - z(1)))
+        end do
+      end associate
     end do
-  end function edge_load
+  end function edge_loads
 
   !> int p |cos theta| dA within 45 degrees of the long axis, the pressure linear round the axis along every facet [N].
   pure real(dp) function lobe_force(drive, p) result(force)
@@ -459,7 +457,7 @@ contains
       sums%normal_force = sum(a*p)
       sums%facet_force = sum(facets%area*facets%traction(1, :))
       sums%lobe_force_x = lobe_force(drive, p)
-      sums%edge_line_load = edge_load(drive, p)
+      sums%edge_line_load = max(0._dp, maxval(edge_loads(drive, p)))
       sums%friction = load%friction
       sums%contact_area = sum(a(:m), mask=state%contact(:m) /= open_state)
       sums%pressure_max = maxval(p)

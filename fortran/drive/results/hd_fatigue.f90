@@ -10,7 +10,7 @@ module hd_fatigue
   use hd_table, only: table_t
   implicit none
   private
-  public :: fatigue_t, judge_fatigue, write_fatigue
+  public :: fatigue_t, judge_fatigue, safety_of, write_fatigue
 
   !> Nodes of the meridian at the load step with the least safety.
   type :: fatigue_t
@@ -18,6 +18,7 @@ module hd_fatigue
     real(dp), allocatable :: mean(:)            !< of the signed von Mises stress [Pa]
     real(dp), allocatable :: amplitude(:)       !< [Pa]
     real(dp), allocatable :: safety(:)          !< Goodman's
+    integer :: least(2) = 0                     !< nodes of the body between whose stresses, low and high, it is least
   end type fatigue_t
 
 contains
@@ -41,7 +42,7 @@ contains
     end do
     mean = (high + low)/2
     amplitude = (high - low)/2
-    safety = 1/max(tiny(1._dp), scene%notch_factor*amplitude/scene%fatigue_limit + max(0._dp, mean)/scene%tensile_strength)
+    safety = safety_of(scene, low, high)
     if (allocated(fatigue%safety)) then
       if (minval(safety) >= minval(fatigue%safety)) return
     end if
@@ -49,7 +50,17 @@ contains
     fatigue%mean = mean
     fatigue%amplitude = amplitude
     fatigue%safety = safety
+    i = minloc(safety, 1)
+    fatigue%least = i + body%nodes_per_sector*([minloc(s(i, :), 1), maxloc(s(i, :), 1)] - 1)
   end subroutine judge_fatigue
+
+  !> Safety of a point between two signed stresses.
+  elemental real(dp) function safety_of(scene, low, high) result(safety)
+    type(scene_t), intent(in) :: scene      !< limits
+    real(dp), intent(in) :: low, high       !< [Pa]
+    safety = 1/max(tiny(1._dp), scene%notch_factor*(high - low)/(2*scene%fatigue_limit) + &
+      max(0._dp, (high + low)/2)/scene%tensile_strength)
+  end function safety_of
 
   !> The meridian's table.
   subroutine write_fatigue(folder, body, fatigue, error)

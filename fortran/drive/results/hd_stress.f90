@@ -12,7 +12,7 @@ module hd_stress
   use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
   private
-  public :: stress_matrices_t, body_stress, nodal_stress, spot_t, worst_spot, spot_stress
+  public :: stress_matrices_t, body_stress, nodal_stress, spot_t, worst_spot, spot_stress, node_stress
   public :: von_mises, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
@@ -85,6 +85,39 @@ contains
       slope(:, list) = slope(:, list) + reshape(matmul(d, at_points(last - 5:last, :)), [3, size(list)])
     end associate
   end subroutine spot_stress
+
+  !> Signed von Mises stress of a node under small displacements, and its derivatives.
+  subroutine node_stress(problem, b, node, u, value, error, slope)
+    type(problem_t), intent(in) :: problem             !< bodies
+    integer, intent(in) :: b, node                     !< body, and which of its nodes
+    real(dp), intent(in) :: u(:, :)                    !< displacements (3, n) [m]
+    real(dp), intent(out) :: value                     !< [Pa]
+    type(error_t), allocatable, intent(out) :: error   !< inverted element
+    real(dp), intent(inout), optional :: slope(:, :)   !< gets them added (3, n) [Pa/m]
+    real(dp), allocatable :: at_points(:, :), at_nodes(:, :), by_u(:, :, :)
+    integer, allocatable :: list(:, :), meets(:)
+    real(dp) :: s(6, 1)
+    integer :: cell, i, k, n
+    associate (body => problem%bodies(b), m => problem%bodies(b)%nodes_per_sector)
+      n = size(body%cells, 1)
+      meets = pack([(i, i=1, size(body%cells))], modulo([body%cells] - node, m) == 0)
+      allocate (at_points(6*points, 3*n), at_nodes(6*n, 3*n), by_u(6, 3*n, size(meets)), list(n, size(meets)))
+      do i = 1, size(meets)
+        cell = (meets(i) - 1)/n + 1
+        k = meets(i) - n*(cell - 1)  ! the node is this one of the cell, in the sector that brings it there
+        list(:, i) = cell_nodes(body, cell, (node - 1)/m - (body%cells(k, cell) - 1)/m) + problem%first(b)
+        call cell_matrices(body, cell, at_points, at_nodes, error)
+        if (allocated(error)) return
+        by_u(:, :, i) = at_nodes(6*k - 5:6*k, :)/size(meets)
+      end do
+    end associate
+    s(:, 1) = matmul(reshape(by_u, [6, 3*size(list)]), reshape(u(:, [list]), [3*size(list)]))
+    value = sum(signed_equivalent(s))
+    do i = 1, merge(size(meets), 0, present(slope))
+      slope(:, list(:, i)) = slope(:, list(:, i)) + &
+        reshape(matmul([3*s(:3, 1) - sum(s(:3, 1)), 6*s(4:, 1)]/(2*value), by_u(:, :, i)), [3, n])
+    end do
+  end subroutine node_stress
 
   !> Stresses of a body of a problem, those that are asked for.
   subroutine body_stress(problem, b, u, matrices, error, stress, peak, largest)

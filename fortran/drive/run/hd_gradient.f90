@@ -14,7 +14,8 @@ module hd_gradient
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t
-  use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes
+  use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes, edge_loads
+  use hd_fatigue, only: fatigue_t, safety_of
   use hd_joint, only: joint_t, at_friction
   use hd_lapack, only: dgemm
   use hd_linear_solver, only: linear_solver_t
@@ -27,7 +28,7 @@ module hd_gradient
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
   use hd_scene, only: scene_t
-  use hd_stress, only: spot_t, worst_spot, spot_stress
+  use hd_stress, only: spot_t, worst_spot, spot_stress, node_stress
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
@@ -36,14 +37,15 @@ module hd_gradient
   private
   public :: gradient_t
 
-  real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction is changed, for the derivatives of its law
+  real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction or stress is changed, for derivatives
   real(dp), parameter :: largest_misfit = 5e-3_dp  !< of a result to all forces, over the parts that they have in it
 
-  !> Results of a loop: readings, then largest forces; and of all runs, the last one of those without a loop.
+  !> Results of a loop: readings, largest forces, and safety; and of all runs, the last one of those without a loop.
   character(len=*), parameter :: of_loop = 'k1_nm_per_rad,k2_nm_per_rad,k3_nm_per_rad,hysteresis_rad,lost_motion_rad,'// &
-    'ball_force_max_n,tooth_force_max_n,'
-  character(len=*), parameter :: of_all = 'k_ts_nm_per_rad,k_ts_bonded_nm_per_rad,normal_force_n,von_mises_max_pa'
-  integer, parameter :: readings = 5, forces = 2
+    'ball_force_max_n,tooth_force_max_n,goodman_safety_min,'
+  character(len=*), parameter :: of_all = 'k_ts_nm_per_rad,k_ts_bonded_nm_per_rad,normal_force_n,von_mises_max_pa,'// &
+    'edge_line_load_n_per_m'
+  integer, parameter :: readings = 5, forces = 2, looped = readings + forces + 1
   integer, parameter :: few = 16                   !< stations that have room at first
 
   !> A converged state of the run.
@@ -68,7 +70,10 @@ module hd_gradient
     integer :: top = 0, worst = 0, assembled = 0     !< stations: of the reference step, of the largest stress, before the torque
     integer :: ball_at = 0, tooth_at = 0             !< of the largest forces
     integer :: ball = 0, tooth = 0                   !< their struts
+    integer :: tired_at = 0, tired(2) = 0            !< of the least safety, and the nodes of the cup it is of
+    real(dp) :: safety = huge(1._dp)                 !< least so far
     type(spot_t) :: spot                             !< where the stress is largest
+    integer :: edge(2) = 0                           !< where an end of the band carries most: end, column of facets
     integer :: keys = 0
     type(companion_t), allocatable :: of(:)          !< of the keys, and room
     type(result_t), allocatable :: result(:)
@@ -120,15 +125,21 @@ contains
   end subroutine hand_over
 
   !> Book a finished load step.
-  pure subroutine book(self, loaded, reference, worst)
+  pure subroutine book(self, loaded, reference, worst, fatigue)
     class(gradient_t), intent(inout) :: self   !< stations
     logical, intent(in) :: loaded              !< by the torque
     logical, intent(in) :: reference           !< the run's results are those of this step, so far
     logical, intent(in) :: worst               !< its von Mises stress is the largest so far
+    type(fatigue_t), intent(in) :: fatigue     !< of the cup so far
     self%station(self%n)%booked = .true.
     if (reference) self%top = self%n
     if (worst) self%worst = self%n
     if (.not. loaded) self%assembled = self%n
+    if (.not. allocated(fatigue%safety)) return
+    if (.not. minval(fatigue%safety) < self%safety) return
+    self%safety = minval(fatigue%safety)
+    self%tired_at = self%n
+    self%tired = fatigue%least
   end subroutine book
 
   !> Derivatives of the results.
@@ -152,6 +163,7 @@ contains
     if (.not. scene%support%loop) found%results = [found%results, split('rotation_rad')]
     allocate (self%result(size(found%results)), self%value(self%keys, size(found%results)))
     if (scene%support%loop) call find_forces(self, scene, drive)
+    self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
     value = results_of(self, scene, joint, drive, drive)
     do i = 1, self%keys
       associate (c => self%of(i))
@@ -172,20 +184,21 @@ contains
     if (allocated(error)) return
     found%keys = self%of(:self%keys)%key
     found%value = self%value/spread(self%of(:self%keys)%change, 2, size(found%results))
-    value(merge(readings + forces, 0, scene%support%loop) + 2) = tangent
+    value(merge(looped, 0, scene%support%loop) + 2) = tangent
     call check_scale(self, scene, value, found, lost)
   end subroutine differentiate
 
-  !> Stiffnesses, forces and stresses are in proportion to all forces and stiffnesses of a scene together, angles do not change
-  !> with them (Euler): derivatives that do not say so were lost where a change of state nearly turns a matrix singular. Not all
-  !> forces are keys of a joint by a table and of given torques, which count as one.
+  !> Stiffnesses, forces and stresses are in proportion to all forces and stiffnesses of a scene together, angles and safety do not
+  !> change with them (Euler): derivatives that do not say so were lost where a change of state nearly turns a matrix singular. Not
+  !> all forces are keys of a joint by a table and of given torques, which count as one.
   subroutine check_scale(self, scene, value, found, lost)
     class(gradient_t), intent(in) :: self             !< companions
     type(scene_t), intent(in) :: scene                !< of the run
     real(dp), intent(in) :: value(:)                  !< the results
     type(derivatives_t), intent(inout) :: found       !< NaN where they do not hold
     character(len=:), allocatable, intent(out) :: lost  !< names of these
-    character(len=*), parameter :: angles(3) = [character(len=15) :: 'hysteresis_rad', 'lost_motion_rad', 'rotation_rad']
+    character(len=*), parameter :: constant(4) = [character(len=18) :: 'hysteresis_rad', 'lost_motion_rad', 'rotation_rad', &
+      'goodman_safety_min']
     real(dp), parameter :: no_angle = 1e-9_dp  !< one that rounding may be of the size of [rad]
     real(dp) :: part(self%keys), degree
     integer :: j
@@ -193,7 +206,7 @@ contains
     if (scene%joint_model == 'table' .or. any(abs(scene%torques) > 0)) return
     do j = 1, size(value)
       part = self%of(:self%keys)%force*found%value(:, j)
-      degree = merge(0._dp, 1._dp, any(found%results(j)%s == angles))
+      degree = merge(0._dp, 1._dp, any(found%results(j)%s == constant))
       if (.not. abs(sum(part) - degree*value(j)) > largest_misfit*max(sum(abs(part)), abs(value(j)), no_angle)) cycle
       if (len(lost) > 0) lost = lost//', '
       lost = lost//found%results(j)%s
@@ -253,8 +266,8 @@ contains
     type(loop_t) :: loop
     type(readings_t) :: says
     type(error_t), allocatable :: error  ! none: the mesh is checked
-    real(dp), allocatable :: u(:, :), force(:)
-    real(dp) :: stress, most(2)
+    real(dp), allocatable :: u(:, :), force(:), line(:, :)
+    real(dp) :: stress, most(2), ends(2)
     integer :: i
     associate (top => self%station(self%top), worst => self%station(self%worst))
       call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
@@ -282,10 +295,18 @@ contains
           most(2) = force(self%tooth)
         end if
         says = read_loop(loop, scene)
-        value = [says%k, says%hysteresis, says%lost_motion, most]
+        call drive_load(drive, assembly_at(scene, self%station(self%tired_at)%place), 0._dp, 0._dp, load)
+        u = self%station(self%tired_at)%state%u
+        call prescribe(drive%problem, load, u)
+        do i = 1, 2
+          call node_stress(drive%problem, drive%b_cup, self%tired(i), u, ends(i), error)
+        end do
+        value = [says%k, says%hysteresis, says%lost_motion, most, safety_of(scene, ends(1), ends(2))]
       end if
+      line = edge_loads(drive, top%state%traction(1, :))
       associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
-        value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), stress]
+        value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), stress, &
+          line(self%edge(1), self%edge(2))]
       end associate
       if (.not. scene%support%loop) value = [value, sum(drive%gauge*(top%state%u - self%station(self%assembled)%state%u))]
     end associate
@@ -298,8 +319,9 @@ contains
     type(joint_t), intent(in) :: joint                !< its joint
     type(drive_t), intent(inout) :: drive             !< its drive
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    integer :: i, m, n
-    real(dp) :: stress
+    real(dp), allocatable :: line(:, :), by_u(:, :, :)
+    real(dp) :: stress, ends(2), step
+    integer :: f, i, m, n
     n = size(self%result)
     allocate (self%by_turn(self%n, n), source=0._dp)
     do i = 1, n
@@ -312,7 +334,17 @@ contains
       call by_readings(self, scene, drive)
       call by_force(self, scene, drive, self%ball_at, self%ball, self%result(readings + 1))
       call by_force(self, scene, drive, self%tooth_at, self%tooth, self%result(readings + forces))
-      n = readings + forces
+      self%result(looped)%station = self%tired_at
+      allocate (by_u(3, drive%problem%n, 2), source=0._dp)
+      do i = 1, 2
+        call node_stress(drive%problem, drive%b_cup, self%tired(i), self%station(self%tired_at)%state%u, ends(i), &
+          error, by_u(:, :, i))
+      end do
+      step = of_state*(ends(2) - ends(1))
+      self%result(looped)%by_u = ((safety_of(scene, ends(1) + step, ends(2)) - safety_of(scene, ends(1) - step, ends(2)))* &
+        by_u(:, :, 1) + (safety_of(scene, ends(1), ends(2) + step) - safety_of(scene, ends(1), ends(2) - step))* &
+        by_u(:, :, 2))/(2*step)
+      n = looped
     else
       self%by_turn(self%top, n) = 1
       if (self%assembled > 0) self%by_turn(self%assembled, n) = self%by_turn(self%assembled, n) - 1
@@ -325,6 +357,15 @@ contains
     self%result(n + 3)%by_t(1, :m) = drive%problem%mortar%area(:m)
     self%result(n + 4)%station = self%worst
     call spot_stress(drive%problem, self%spot, self%station(self%worst)%state%u, stress, error, self%result(n + 4)%by_u)
+    self%result(n + 5)%station = self%top
+    associate (at => drive%problem%mortar%facet, columns => drive%axial_facets)
+      do f = columns*(self%edge(2) - 1) + 1, columns*self%edge(2)
+        do i = 1, 4, 3  ! the load is linear in the pressures
+          line = edge_loads(drive, [(merge(1._dp, 0._dp, m == at(i, f)), m=1, drive%problem%mortar%n)])
+          self%result(n + 5)%by_t(1, at(i, f)) = line(self%edge(1), self%edge(2))
+        end do
+      end do
+    end associate
   end subroutine begin_results
 
   !> Derivatives of the readings of a loop by its angles.
@@ -571,7 +612,7 @@ contains
     real(dp) :: flexibility, part, sense
     integer :: c, i, k
     associate (top => self%station(self%top)%state, problem => drive%problem, &
-      n => merge(readings + forces, 0, scene%support%loop) + 2)
+      n => merge(looped, 0, scene%support%loop) + 2)
       sense = sign(1._dp, torque_at(scene, self%station(self%top)%place))
       allocate (lambda(3, problem%n), rho(3, problem%mortar%n), none(3, problem%mortar%n))
       none = 0

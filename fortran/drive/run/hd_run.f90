@@ -258,7 +258,7 @@ contains
     if (.not. allocated(run%gradient) .or. allocated(error)) return
     call run%gradient%book(run%step%loaded, .not. run%scene%support%loop .or. &
       (run%reference%known .and. run%reference%step%number == run%step%number), &
-      max(run%strength%flexspline, run%strength%ring) > stress)
+      max(run%strength%flexspline, run%strength%ring) > stress, run%loop%fatigue)
     call run%record%timers%book(in_gradient)
   end subroutine accept
 

@@ -462,7 +462,7 @@ def loop_time():
 
 def thread_gain():
     """Wall clock of one thread and of all, memory, the gain of threads, and that of all of them before."""
-    rows = read_record("threads")["rows"]
+    rows = read_record("threads")
     of = {(r["engine"], r["scene"], r["threads"]): r for r in rows}
     one, *more = sorted({r["threads"] for r in rows})
 

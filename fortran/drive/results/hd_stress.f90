@@ -7,7 +7,7 @@ module hd_stress
   use hd_body, only: body_t, cell_nodes, frame
   use hd_error, only: error_t
   use hd_hexahedron, only: element_points, elasticity_matrix, natural_coordinates, nodes_per_element, points, strain_matrix
-  use hd_lapack, only: dgemm
+  use hd_lapack, only: blas_threads, dgemm
   use hd_problem, only: problem_t
   use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
@@ -155,6 +155,7 @@ contains
     real(dp), allocatable :: s(:, :, :), t(:, :, :)
     real(dp) :: square
     integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last, own, turn
+    integer :: threads
     if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
     if (allocated(error)) return
     meets = 0
@@ -164,6 +165,7 @@ contains
     end do
     square = 0
     own = merge(1, 0, present(stress))  ! sectors evaluated before the first
+    threads = blas_threads(1)           ! in each of ours
     associate (m => body%nodes_per_sector, cells => size(body%cells, 2), step => merge(chunk, body%sectors, present(stress)), &
       turns => merge(1, size(body%cells, 2), present(stress)))
       !$omp parallel do collapse(2) schedule(static, 1) private(s, t, list, a, cell, i, k, last) reduction(max: square) &
@@ -197,6 +199,7 @@ contains
       end do
       !$omp end parallel do
     end associate
+    threads = blas_threads(threads)
     if (present(largest)) largest = sqrt(square)
   end subroutine nodal_stress
 

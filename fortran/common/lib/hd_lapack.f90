@@ -99,7 +99,7 @@ module hd_lapack
   end interface
 
   integer, parameter :: large = 500   !< order from which threads share a factorisation
-  integer, parameter :: block = 32    !< columns that one of them takes
+  integer, parameter :: block = 64    !< columns that one of them takes
 
 contains
 

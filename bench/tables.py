@@ -461,17 +461,16 @@ def loop_time():
 
 
 def thread_gain():
-    """Wall clock of one thread and of all, memory, the gain of threads, and that of all of them before."""
+    """Wall clock of one thread, the gain of more, and that of all of them before."""
     rows = read_record("threads")
-    of = {(r["engine"], r["scene"], r["threads"]): r for r in rows}
+    seconds = {(r["engine"], r["scene"], r["threads"]): r["wall_s"] for r in rows}
     one, *more = sorted({r["threads"] for r in rows})
 
     def gain(engine, scene, n):
-        return digits(of[engine, scene, one]["wall_s"] / of[engine, scene, n]["wall_s"]) if (engine, scene, one) in of else "-"
-    return ("scene", "1000 dof", "1 thread / s", f"{more[-1]} / s", "MB", *map(str, more), f"{more[-1]}, before"), [
-        (scene, digits(of["now", scene, more[-1]]["dof"] / 1000), digits(of["now", scene, one]["wall_s"]) if ("now", scene, one) in of else "-",
-         digits(of["now", scene, more[-1]]["wall_s"]), of["now", scene, more[-1]]["memory_mb"], *(gain("now", scene, n) for n in more),
-         gain("before", scene, more[-1])) for scene in dict.fromkeys(r["scene"] for r in rows)]
+        return digits(seconds[engine, scene, one] / seconds[engine, scene, n])
+    return ("scene", "1 thread / s", *map(str, more), f"{more[-1]}, before"), [
+        (scene, digits(t), *(gain("now", scene, n) for n in more), gain("before", scene, more[-1]))
+        for (engine, scene, n), t in seconds.items() if (engine, n) == ("now", one)]
 
 
 def gradient_cost():
@@ -481,12 +480,12 @@ def gradient_cost():
 
 def records():
     """Every record and the engines that made its parts."""
-    rows = []
+    found = []
     for path in sorted(RESULTS.glob("*.json*")):
         whole = json.loads(path.read_text() if path.suffix == ".json" else path.read_text().splitlines()[-1])
         commits = dict.fromkeys(c[:8] for c in whole.get("commits", {"": whole["provenance"]["commit"]}).values() if c)
-        rows.append((f"`{path.name}`", ", ".join(commits)))
-    return ("record", "commit of the engine"), rows
+        found.append(f"`{path.name}` {' '.join(commits)}")
+    return "; ".join(found) + "."
 
 
 TABLES = {  # marker: page from docs on, records, builder

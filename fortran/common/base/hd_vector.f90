@@ -5,7 +5,7 @@ module hd_vector
   use hd_kinds, only: dp
   implicit none
   private
-  public :: cross, dot, largest, length, part_lengths, weighted_length, magnitude, set, add, add_columns, product_of, &
+  public :: cross, dot, largest, length, part_lengths, weighted_length, set, add, add_columns, product_of, &
     orthogonalise, many
 
   integer, parameter :: many = 40000     !< numbers from which two threads are worth waking
@@ -21,16 +21,24 @@ contains
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
 
-  !> Scalar product.
-  real(dp) function dot(n, a, b)
-    integer, intent(in) :: n            !< length
-    real(dp), intent(in) :: a(n), b(n)  !< factors
+  !> Scalar product, or the sum of the products' amounts.
+  real(dp) function dot(n, a, b, amounts)
+    integer, intent(in) :: n                  !< length
+    real(dp), intent(in) :: a(n), b(n)        !< factors
+    logical, intent(in), optional :: amounts  !< their sum
     real(dp) :: part((n + block - 1)/block)
+    logical :: positive
     integer :: i
+    positive = .false.
+    if (present(amounts)) positive = amounts
     !$omp parallel do schedule(static) if(n > many)
     do i = 1, size(part)
       associate (low => block*(i - 1) + 1, high => min(n, block*i))
-        part(i) = dot_product(a(low:high), b(low:high))
+        if (positive) then
+          part(i) = sum(abs(a(low:high)*b(low:high)))
+        else
+          part(i) = dot_product(a(low:high), b(low:high))
+        end if
       end associate
     end do
     !$omp end parallel do
@@ -49,22 +57,6 @@ contains
     end do
     !$omp end parallel do simd
   end function largest
-
-  !> Sum of the products' amounts.
-  real(dp) function magnitude(n, a, b)
-    integer, intent(in) :: n            !< length
-    real(dp), intent(in) :: a(n), b(n)  !< factors
-    real(dp) :: part((n + block - 1)/block)
-    integer :: i
-    !$omp parallel do schedule(static) if(n > many)
-    do i = 1, size(part)
-      associate (low => block*(i - 1) + 1, high => min(n, block*i))
-        part(i) = sum(abs(a(low:high)*b(low:high)))
-      end associate
-    end do
-    !$omp end parallel do
-    magnitude = sum(part)
-  end function magnitude
 
   !> Euclidean norm of numbers whose squares are none too large or small.
   real(dp) function length(n, a)

@@ -7,7 +7,7 @@ module hd_checked_solve
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness, largest_stiffness
-  use hd_vector, only: add, dot, length, magnitude, many, set, weighted_length
+  use hd_vector, only: add, dot, length, many, set, weighted_length
   implicit none
   private
   public :: solve_checked, solve_refined
@@ -78,8 +78,8 @@ contains
       call add(size(du), 1._dp, more_u, du)
       dtraction = dtraction + more_c
       call find_remainder(problem, dw, dt, against, none, du, dtraction, left_u, left_c, residual)
-      accurate = magnitude(size(du), du, left_u) + sum(problem%mortar%area*sum(abs(dtraction*left_c), 1))/problem%law%scale <= &
-        accuracy*abs(dot(size(du), force, du))
+      accurate = dot(size(du), du, left_u, amounts=.true.) + &
+        sum(problem%mortar%area*sum(abs(dtraction*left_c), 1))/problem%law%scale <= accuracy*abs(dot(size(du), force, du))
       if (accurate) return
     end do
   end subroutine solve_refined

@@ -17,8 +17,8 @@ module hd_problem
   implicit none
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
-    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, keep_state, pair_bodies, &
-    update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
+    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, keep_state, move_state, &
+    pair_bodies, update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -211,6 +211,18 @@ contains
     kept%touch = state%touch
     kept%past = state%past
   end subroutine keep_state
+
+  !> Let a state become another's without a copy.
+  pure subroutine move_state(from, to)
+    type(state_t), intent(inout) :: from, to   !< empty afterwards; gets it
+    call move_alloc(from%u, to%u)
+    call move_alloc(from%traction, to%traction)
+    call move_alloc(from%slip, to%slip)
+    call move_alloc(from%gap, to%gap)
+    call move_alloc(from%contact, to%contact)
+    call move_alloc(from%touch, to%touch)
+    call move_alloc(from%past, to%past)
+  end subroutine move_state
 
   !> K u: forces of bodies, springs and struts under small displacements [N]; with large displacements those of the present tangent.
   subroutine apply_stiffness(problem, u, f)

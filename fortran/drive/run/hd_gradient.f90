@@ -23,7 +23,7 @@ module hd_gradient
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton, only: idle_components, linear_equations, prescribe
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, strut_closings, &
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, move_state, strut_closings, &
     strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
@@ -104,25 +104,13 @@ contains
       do i = 0, self%n
         more(i)%place = self%station(i)%place
         more(i)%booked = self%station(i)%booked
-        call hand_over(self%station(i)%state, more(i)%state)
+        call move_state(self%station(i)%state, more(i)%state)
       end do
       call move_alloc(more, self%station)
     end if
     self%n = self%n + 1
     self%station(self%n) = station_t(place, state)
   end subroutine follow
-
-  !> Move a state.
-  pure subroutine hand_over(from, to)
-    type(state_t), intent(inout) :: from, to  !< states
-    call move_alloc(from%u, to%u)
-    call move_alloc(from%traction, to%traction)
-    call move_alloc(from%slip, to%slip)
-    call move_alloc(from%gap, to%gap)
-    call move_alloc(from%contact, to%contact)
-    call move_alloc(from%touch, to%touch)
-    call move_alloc(from%past, to%past)
-  end subroutine hand_over
 
   !> Book a finished load step.
   pure subroutine book(self, loaded, reference, worst, fatigue)

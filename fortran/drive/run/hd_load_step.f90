@@ -12,11 +12,10 @@ module hd_load_step
   use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
     stretch, torque_at
   use hd_log, only: detail
-  use hd_model, only: move_state
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
-  use hd_problem, only: state_t, load_t, pair_bodies
+  use hd_problem, only: state_t, load_t, move_state, pair_bodies
   use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
   use hd_scene, only: scene_t
   use hd_strut_step, only: remember

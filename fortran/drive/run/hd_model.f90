@@ -9,12 +9,12 @@ module hd_model
   use hd_kinds, only: dp
   use hd_parameter_row, only: stage_model, stage_assembly
   use hd_parameters, only: parameter_table_t, new_table, value_text
-  use hd_problem, only: use_lagrangian, state_t
+  use hd_problem, only: use_lagrangian, move_state, state_t
   use hd_scene, only: scene_t
   use hd_solver_choice, only: choose_solver, forgets_struts, renew_solver
   implicit none
   private
-  public :: model_t, fit_model, hand_on, give_back, move_state
+  public :: model_t, fit_model, hand_on, give_back
 
   !> Converged states of an assembly, for later runs that differ in their torque only; of a planned run also those under torque.
   type :: assembly_t
@@ -101,18 +101,6 @@ contains
     call move_alloc(longer, self%state)
     self%place = reshape([self%place, fraction, torque], [2, n + 1])
   end subroutine add_state
-
-  !> Let a state become another's without a copy.
-  pure subroutine move_state(from, to)
-    type(state_t), intent(inout) :: from, to   !< empty afterwards; gets it
-    call move_alloc(from%u, to%u)
-    call move_alloc(from%traction, to%traction)
-    call move_alloc(from%slip, to%slip)
-    call move_alloc(from%gap, to%gap)
-    call move_alloc(from%contact, to%contact)
-    call move_alloc(from%touch, to%touch)
-    call move_alloc(from%past, to%past)
-  end subroutine move_state
 
   !> Replace a first guess by the state that was found at the same place before.
   subroutine recall(self, fraction, torque, state, found)

@@ -167,8 +167,10 @@ contains
         end if
         if (allocated(error)) return
         fits = same_mesh(other%drive, drive)
-        if (fits) call compare_drives(scene, drive, other, law)
-        if (fits) return
+        if (.not. fits) cycle
+        other%whole = other%whole .and. .not. same_bodies(other%drive, drive)
+        call compare_drives(scene, drive, other, law)
+        return
       end associate
     end do
   end subroutine change_key
@@ -224,6 +226,19 @@ contains
     same = a%problem%n == b%problem%n .and. a%problem%mortar%n == b%problem%mortar%n
     if (same) same = maxval(abs(a%reference([1, 3], :) - b%reference([1, 3], :))) < small*b%radius
   end function same_mesh
+
+  !> Two drives of one mesh have the same bodies, springs and nodal loads: they may differ in struts, cam and law.
+  pure logical function same_bodies(a, b) result(same)
+    type(drive_t), intent(in) :: a, b  !< drives
+    integer :: i
+    same = .not. any(abs(a%problem%spring - b%problem%spring) > 0 .or. abs(a%torque - b%torque) > 0 .or. &
+      abs(a%squeeze - b%squeeze) > 0 .or. abs(a%gauge - b%gauge) > 0)
+    do i = 1, size(a%problem%bodies)
+      associate (p => a%problem%bodies(i), q => b%problem%bodies(i))
+        same = same .and. .not. (any(abs(p%x - q%x) > 0) .or. abs(p%young - q%young) > 0 .or. abs(p%poisson - q%poisson) > 0)
+      end associate
+    end do
+  end function same_bodies
 
   !> Change of a key of a size.
   pure real(dp) function change_of(p, size) result(change)

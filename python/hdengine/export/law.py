@@ -67,7 +67,7 @@ def _first_rise(torque, angle, legs):
 
 @checked(run=RUN)
 def joint_law(run: RunLike) -> JointLaw:
-    """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the largest rise from no torque mirrored.
+    """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the largest rise mirrored.
 
     Parameters
     ----------
@@ -109,8 +109,9 @@ def joint_law(run: RunLike) -> JointLaw:
     two_sided = np.flatnonzero(np.isfinite(centre))
     centre = np.interp(abs(grid), grid[two_sided], centre[two_sided])
     falling, rising = falling - centre, rising - centre
-    falling, rising = (np.where(np.isfinite(falling + rising), own, -other[::-1]) for own, other in ((falling, rising), (rising, falling)))
-    reached = np.isfinite(falling + rising)   # on either side of 0
+    both = np.isfinite(falling + rising)
+    falling, rising = np.where(both, falling, -rising[::-1]), np.where(both, rising, -falling[::-1])
+    reached = both | both[::-1]
     grid, falling, rising = grid[reached], falling[reached], rising[reached]
     middle = (falling + rising) / 2
     if np.any(np.diff(middle) <= 0):

@@ -146,6 +146,8 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
         what = "a study: read it by hdengine.StudyResult" if (Path(folder) / "study.json").is_file() else \
             "no finished run: summary.json is missing"
         raise FileError(f"'{folder}' holds {what}")
+    if "scene" in needed and read_json(path).get("kind") == "surface":
+        raise FileError(f"'{folder}' holds a run of surfaces; valid: one of a scene, as data/cd14.nml")
     return read_json(path, *needed)
 
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals that ask for an orderly stop only set a flag; the load-step loop reads it. */
+#include <dirent.h>
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <signal.h>
 #include <limits.h>
 #include <stdio.h>
@@ -140,6 +142,19 @@ void hd_system_text(int number, char *text, int size)
 }
 
 int hd_remove(const char *path) { return unlink(path); }
+
+/* Remove what an earlier run left in a folder, the summary first: a table of that run is none of the next one. */
+void hd_remove_results(const char *folder)
+{
+  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv", "teeth.csv", "fatigue.csv",
+    "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu", "contact_*[0-9].vtu"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    DIR *d = opendir(folder);
+    for (struct dirent *entry; d && (entry = readdir(d));)
+      if (fnmatch(names[i], entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
+    if (d) closedir(d);
+  }
+}
 
 int hd_remove_directory(const char *path) { return rmdir(path); }
 

@@ -199,9 +199,21 @@ static const char *better_kernels(void)
    that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). This and the kernels of OpenBLAS are read
    from the environment only as a library is loaded, so the program begins again. */
 #define SPINS "1000"
+enum { most_threads = 1024, least_stack = 1 << 20 };
+void omp_set_num_threads(int n) __attribute__((weak));
+int omp_get_max_threads(void) __attribute__((weak));
 void hd_set_libraries(void)
 {
-  char path[PATH_MAX], *words[4096];
+  struct rlimit stack; /* of this process, which may grow, and of the threads of the next one */
+  if (omp_get_max_threads && omp_get_max_threads() > most_threads) omp_set_num_threads(most_threads);
+  if (getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur < least_stack) {
+    stack.rlim_cur = stack.rlim_max < 8 * least_stack ? stack.rlim_max : 8 * least_stack;
+    if (stack.rlim_cur < least_stack || setrlimit(RLIMIT_STACK, &stack) != 0) {
+      fprintf(stderr, "error: the stack may take %lld kB (ulimit -s); valid: 1024 or more\n", (long long)stack.rlim_cur / 1024);
+      _exit(6);
+    }
+  }
+  static char path[PATH_MAX], *words[4096];
   const char *kernels = getenv("OPENBLAS_CORETYPE") ? NULL : better_kernels();
   int spins = !getenv("OMP_WAIT_POLICY") && !getenv("GOMP_SPINCOUNT");
   if (!spins && !kernels) return;
@@ -223,7 +235,6 @@ void hd_set_libraries(void)
 
 void hd_renew_lines(void);
 void hd_renew_planner(void) __attribute__((weak));
-void omp_set_num_threads(int n) __attribute__((weak));
 
 /* In a forked child: the threads that OpenMP believes in are the parent's; a team of one waits for none of them. */
 void hd_renew_after_fork(void)

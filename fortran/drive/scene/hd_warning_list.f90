@@ -52,7 +52,7 @@ module hd_warning_list
     warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
     warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth'), &
     warning_t('no gradient: ', 'the run was resumed, or a change of state spoilt it. Compare two runs'), &
-    warning_t('no load step stands at no torque', 'hysteresis leaves out the play. Add 0 to loop.torques')]
+    warning_t('the torque changes its sense between', 'hysteresis leaves out the play. Add 0 to loop.torques')]
 
 contains
 

@@ -37,13 +37,13 @@ def _table(path):
     if isinstance(path, list):
         head = path[:20]
     else:
-        with open(path, encoding="utf-8") as file:
+        with open(path, encoding="utf-8-sig") as file:   # a mark at the begin is no letter of the first name
             head = [line for line, _ in zip(file, range(20))]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
         raise ValueError("neither numbers nor words")
     kinds: dict = {name: f"U{WORD}" if first[name].kind == "U" else float for name in first.names}
-    table = np.loadtxt(path, delimiter=",", dtype=[*kinds.items()], skiprows=1, encoding="utf-8", ndmin=1)
+    table = np.loadtxt(path, delimiter=",", dtype=[*kinds.items()], skiprows=1, encoding="utf-8-sig", ndmin=1)
     for name in first.names:
         column = table[name]
         if first[name].kind == "U":
@@ -58,7 +58,7 @@ def _table(path):
 
 def _table_with_gaps(path):
     """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
-    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
+    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8-sig"}
     table = np.atleast_1d(np.genfromtxt(path, dtype=None, **options))
     names = table.dtype.names or ()
     if not any(table.dtype[name].kind == "i" for name in names):

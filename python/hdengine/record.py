@@ -98,7 +98,7 @@ class Record:
         self.up, self.down = (self._branch(sense) for sense in (1, -1))
         for sense, part in ((1, self.up), (-1, self.down)):
             if not sense * (self.angle_rad[part][-1] - self.angle_rad[part][0]) > 0:
-                raise InputError(f"the angle does not {'rise' if sense > 0 else 'fall'} with the torque: turn the sign of one of them, "
+                raise InputError(f"the angle does not {'rise' if sense > 0 else 'fall'} with the torque: turn the sign of one, "
                                  "or look whether the columns are what their names say")
         self._fits = {sense: Spline(self.torque_nm[part], self.angle_rad[part], pieces, 0.0)
                       for sense, part in ((1, self.up), (-1, self.down))}

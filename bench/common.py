@@ -239,7 +239,7 @@ def solve(scene, *assignments, out=None, limit=None, threads=1):
     with tempfile.TemporaryDirectory() as folder:
         out = Path(out or Path(folder) / "run.out")
         path = Path(scene) if Path(scene).exists() else DATA / scene
-        done = measured([program("hdengine.x"), path, "output.vtu=none", *assignments, "--out", out, "--force", "-q"], limit=limit, threads=threads)
+        done = measured([program("hdengine.x"), path, "output.vtu=none", "run.band=.false.", *assignments, "--out", out, "--force", "-q"], limit=limit, threads=threads)
         file = out / "summary.json"
         return json.loads(file.read_text()) if file.exists() else None, done
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the time of a loop goes, beside an earlier engine, and what a gradient costs beside the run that it is of.
+"""Where the time of a loop goes, beside an earlier engine, and what gradient and band cost beside the run that they are of.
 
 Usage: bench/gradient.py [EARLIER_HDENGINE_X]; writes bench/results/gradient.json. Runs take turns, one thread. A part is its share of the clock
 times the processor time; without an earlier engine the record keeps what it has of it.
@@ -20,7 +20,7 @@ def run(engine, scene, *words):
     found = []
     for _ in range(3):
         with tempfile.TemporaryDirectory() as folder:
-            done = measured([engine, scene, *words, "--out", f"{folder}/r", "-q"])
+            done = measured([engine, scene, "run.band=.false.", *words, "--out", f"{folder}/r", "-q"])
             if done.code != 0:
                 raise SystemExit(done.text)
             found.append((done.cpu_s, json.loads(Path(folder, "r/summary.json").read_text())))
@@ -37,12 +37,14 @@ def parts(engine):
 
 
 def cost(scene):
-    """Keys of a gradient, those among them that have a part, and its processor time over that of the run."""
+    """Keys of a gradient, those among them that have a part, its processor time over that of the run, and that of the band of a drive."""
     engine = program("hdengine.x")
     (plain, _), (asked, summary) = run(engine, SCENES[scene]), run(engine, SCENES[scene], "run.gradient=.true.")
     columns = [*summary["gradient"].values()]
+    banded, with_band = run(engine, SCENES[scene], "run.band=auto")
     return {"scene": scene, "keys": len(columns[0]), "with_part": sum(any(column[key] for column in columns) for key in columns[0]),
-            "run_s": float(f"{plain:.3g}"), "gradient_over_run": float(f"{asked / plain - 1:.3g}")}
+            "run_s": float(f"{plain:.3g}"), "gradient_over_run": float(f"{asked / plain - 1:.3g}"),
+            "band_over_run": float(f"{banded / plain - 1:.3g}") if "band_shares" in with_band["results"] else None}
 
 
 def main(words):

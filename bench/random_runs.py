@@ -196,7 +196,7 @@ def solve(data, keys, limit, threads="1"):
         out = Path(folder) / "run.out"
         start = time.monotonic()
         done = subprocess.Popen([program("hdengine.x"), DATA / data, *(f"{k}={v}" for k, v in keys.items()), "output.vtu=none",
-                                 f"solver.time_limit_s={limit}", "--out", out, "-q"], stderr=subprocess.PIPE, text=True,
+                                 "run.band=.false.", f"solver.time_limit_s={limit}", "--out", out, "-q"], stderr=subprocess.PIPE, text=True,
                                 env=os.environ | ONE_THREAD | {"OMP_NUM_THREADS": threads})
         with done.stderr:
             message = done.stderr.read().strip()

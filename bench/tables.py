@@ -474,8 +474,9 @@ def thread_gain():
 
 
 def gradient_cost():
-    """Cost of a gradient by scene, in runs."""
-    return ("scene", "keys", "cost / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"])) for r in read_record("gradient")["cost"]]
+    """Cost of a gradient and of a band by scene, in runs."""
+    return ("scene", "keys", "gradient / runs", "band / runs"), [(r["scene"], r["keys"], digits(r["gradient_over_run"]), digits(r["band_over_run"])
+                                                                  if r["band_over_run"] else "") for r in read_record("gradient")["cost"]]
 
 
 def records():

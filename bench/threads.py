@@ -27,7 +27,7 @@ def run(engine, which, scene, threads):
     """One run: its seconds by the wall clock and of the processor, and its memory."""
     with tempfile.TemporaryDirectory() as folder:
         start = time.time()
-        command, count = [engine, *SCENES[scene].split(), "output.vtu=none", "--out", f"{folder}/r", "-q"], str(threads)
+        command, count = [engine, *SCENES[scene].split(), "output.vtu=none", "run.band=.false.", "--out", f"{folder}/r", "-q"], str(threads)
         process = subprocess.Popen(command, cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": count, "OPENBLAS_NUM_THREADS": count})
         (_, status, usage), wall = os.wait4(process.pid, 0), time.time() - start
         if status:

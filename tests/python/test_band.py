@@ -80,7 +80,7 @@ def test_gaps_of_the_teeth_move_together(exe, banded, tmp_path):
 
 def test_band_leaves_the_run_as_it_is(exe, folder, banded, tmp_path):
     """Files, tables and results are those of a run without a band."""
-    alone = solve(exe, tmp_path / "b")
+    alone = solve(exe, tmp_path / "b", "run.band=.false.")
     assert {p.name for p in folder.iterdir()} == {p.name for p in (tmp_path / "b").iterdir()}
     for name in ("loop.csv", "balls.csv", "teeth.csv", "fatigue.csv", "contact.csv"):
         assert (folder / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
@@ -106,9 +106,28 @@ def test_stopped_band_is_found_by_a_resumed_run(exe, banded, tmp_path):
     assert "nothing to do" in call(*keys, "--resume").stdout
 
 
+def test_quick_band_is_that_of_all_runs(exe, banded, tmp_path):
+    """By default small tolerances count by derivatives: the ends of K1 to K3, hysteresis and lost motion are those of runs, to a tenth of the band."""
+    quick = solve(exe, tmp_path / "quick")
+    for key in KEYS[:5]:
+        low, high = (np.log(banded[key + end] / banded[key]) for end in ("_low", "_high"))
+        found = [np.log(quick[key + end] / quick[key]) for end in ("_low", "_high")]
+        assert found == pytest.approx([low, high], abs=0.1 * (high - low)), key
+    assert not any(f"{key}_low" in quick for key in KEYS[5:]) and set(quick["band_shares"]) == set(banded["band_shares"])
+
+
+@pytest.mark.parametrize("key", ["load.tooth_friction=0.05", "loop.history=turned", "solver.time_limit_s=1e3"])
+def test_quick_band_is_left_out_in_silence(exe, tmp_path, key):
+    """A loop without derivatives has no band unless it is asked for, and no word of it; a time limit that is not met takes none away."""
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, key, "load.torque_steps=2", "--out", tmp_path / "f")
+    assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
+    results = json.loads((tmp_path / "f/summary.json").read_text())["results"]
+    assert ("k2_nm_per_rad_low" in results) == ("time_limit" in key)
+
+
 def test_time_limit_ends_the_band(exe, tmp_path):
     """A limit that passes while the band is found stops the run; its load steps are kept."""
-    solve(exe, tmp_path / "d")
+    solve(exe, tmp_path / "d", "run.band=.false.")
     seconds = json.loads((tmp_path / "d/summary.json").read_text())["timers_s"]["total"]
     done = call(exe, ROOT / "data/drive14.nml", *MESH, "run.band=.true.", f"solver.time_limit_s={3 * seconds}", "--out", tmp_path / "e")
     assert done.returncode == 7 and "stopped at a limit before the band was found" in done.stderr
@@ -116,7 +135,7 @@ def test_time_limit_ends_the_band(exe, tmp_path):
 
 @pytest.mark.parametrize("value", ["yes", "1", "true", "T", ".truely."])
 def test_bad_values_are_refused(exe, tmp_path, value):
-    """The key takes .true. and .false. alone, with the support of a drive."""
+    """The key takes auto, .true. and .false. alone."""
     done = call(exe, ROOT / "data/drive14.nml", f"run.band={value}", "--out", tmp_path / "f")
     assert done.returncode != 0 and "'band' has no choice" in done.stderr and not (tmp_path / "f").exists()
 

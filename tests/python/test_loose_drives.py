@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT / "bench"))
 import random_runs  # noqa: E402
 import table_faults  # noqa: E402
 
-SMALL = ["mesh.divisions=32", "mesh.band_facets=5", "load.torque_steps=6", "output.vtu=none"]
+SMALL = ["mesh.divisions=32", "mesh.band_facets=5", "load.torque_steps=6", "output.vtu=none", "run.band=.false."]
 
 
 def loop(exe, folder, *keys):

@@ -208,7 +208,7 @@ def processor_time(*command):
 def main_scene(exe, tmp_path_factory):
     """Folder of the main scene's run, as it left it, and the processor time of the run."""
     out = tmp_path_factory.mktemp("main") / "r"
-    return out, processor_time(exe, ROOT / "data/drive14.nml", "--out", out)
+    return out, processor_time(exe, ROOT / "data/drive14.nml", "run.band=.false.", "--out", out)
 
 
 def test_a_report_takes_a_fifth_of_its_run(main_scene):

@@ -128,7 +128,8 @@ contains
     real(dp), intent(in) :: h, p           !< hardness and nominal pressure [Pa]
     real(dp), intent(out) :: share(2)      !< between the boundaries, at the upper one
     real(dp), intent(out) :: share_by_p(2) !< with V_p [1/Pa]
-    real(dp) :: s, density(2), wave, term, term_by_p
+    real(dp) :: s, density(2), wave, term, term_by_p, fall, ratio
+    complex(dp) :: turn, turned  ! cos + i sin of one wave's phase, and of n
     integer :: n
     if (v < narrow*h**2) then
       s = sqrt(2*max(v, tiny(v)))
@@ -140,13 +141,17 @@ contains
     end if
     share = [0._dp, p/h]
     share_by_p = [0._dp, 1/h]
+    turn = cmplx(cos(pi*p/h), sin(pi*p/h), dp)
+    turned = 1
+    ratio = exp(-(pi/h)**2*v/2)  ! of falls, exp(-(n pi/h)^2 v/2), from 0 to 1; then it falls by its square
+    fall = 1
     do n = 1, terms
+      fall = fall*ratio**(2*n - 1)
+      if (fall < rounding) exit
+      turned = turned*turn
       wave = n*pi/h
-      associate (fall => exp(-wave**2*v/2))
-        if (fall < rounding) exit
-        term = 2/(n*pi)*sin(wave*p)*fall
-        term_by_p = 2/h*cos(wave*p)*fall - term*wave**2*v_by_p/2
-      end associate
+      term = 2/(n*pi)*turned%im*fall
+      term_by_p = 2/h*turned%re*fall - term*wave**2*v_by_p/2
       if (mod(n, 2) == 1) then
         share = share + [2*term, -term]
         share_by_p = share_by_p + [2*term_by_p, -term_by_p]

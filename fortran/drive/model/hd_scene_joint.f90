@@ -27,11 +27,14 @@ module hd_scene_joint
 
 contains
 
-  !> Joint model of a scene, its shear capped by contact.friction.
-  subroutine scene_joint(scene, joint, error)
+  !> Joint model of a scene, its shear capped by contact.friction. The law of another scene's joint is taken over where it is the
+  !> same.
+  subroutine scene_joint(scene, joint, error, other, known)
     type(scene_t), intent(in) :: scene                !< scene
     type(joint_t), intent(out) :: joint               !< joint
     type(error_t), allocatable, intent(out) :: error  !< parameters out of range
+    type(scene_t), intent(in), optional :: other      !< scene whose joint is known
+    type(joint_t), intent(in), optional :: known      !< its joint
     type(asperity_t) :: asperity
     real(dp) :: hardness, s_min
     hardness = merge(scene%hardness, tabor*scene%yield_strength, scene%hardness > 0)
@@ -44,7 +47,13 @@ contains
     if (allocated(error)) return
     select case (scene%joint_model)
     case ('spectrum')
-      call from_spectrum(scene, joint, error)
+      if (present(other)) then
+        if (same_spectrum(scene, other)) then
+          if (allocated(known%elastic)) joint%elastic = known%elastic
+          if (allocated(known%theory)) joint%theory = known%theory
+        end if
+      end if
+      if (.not. allocated(joint%elastic)) call from_spectrum(scene, joint, error)
     case ('boundary_elements', 'table')
       call from_table(scene, joint, error)
     case ('auto')
@@ -52,6 +61,21 @@ contains
         'spectrum, boundary_elements')
     end select
   end subroutine scene_joint
+
+  !> Two scenes have the same law by their spectrum; none that a file gives, which may have changed.
+  pure logical function same_spectrum(a, b) result(same)
+    type(scene_t), intent(in) :: a, b  !< scenes
+    same = a%joint_model == b%joint_model .and. len_trim(a%joint_spectrum) == 0 .and. len_trim(b%joint_spectrum) == 0 .and. &
+      .not. any(abs(numbers(a) - numbers(b)) > 0)
+  contains
+    !> What the law is made of.
+    pure function numbers(s)
+      type(scene_t), intent(in) :: s  !< scene
+      real(dp) :: numbers(11)
+      numbers = [s%fractal_dimension, s%roughness, s%sample_length, s%shortest_wavelength, s%zero_pressure, s%flexspline_e, &
+        s%flexspline_nu, s%ring_e, s%ring_nu, s%hardness, s%yield_strength]
+    end function numbers
+  end function same_spectrum
 
   !> Elastic law from the spectrum of the equivalent surface, between pressures that no scene leaves.
   subroutine from_spectrum(scene, joint, error)

@@ -44,11 +44,18 @@ contains
       do i = 1, size(ends)
         times = min(i, 2)
         share = (ends(i) - z(size(z)))/scene%band_length
-        call append_intervals(z, ends(i), max(times, nint(times*share*facets)), row_length(scene, z(size(z))), &
+        call append_intervals(z, ends(i), max(times, rows_in(times*share*facets)), row_length(scene, z(size(z))), &
           row_length(scene, ends(i)))
       end do
     end associate
   end subroutine append_band
+
+  !> Whole rows on a stretch. Halves, which round sizes meet, go up: neither rounding nor a small change of a key decides.
+  elemental integer function rows_in(lengths)
+    real(dp), intent(in) :: lengths  !< of the stretch over that of a row
+    real(dp), parameter :: nudge = 1e-4_dp
+    rows_in = max(1, nint(lengths + nudge))
+  end function rows_in
 
   !> Where the wall begins or ends to thin: of the simple cup its rim's end and the taper's, else the points of its straight bore.
   pure function thinning(scene) result(ends)
@@ -111,20 +118,20 @@ contains
     h = scene%band_length/scene%band_facets
     corner = scene%cup_length - scene%bottom_thickness
     z = [0._dp]
-    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)), 0._dp, scene%edge_length)
+    if (scene%band_start > 0) call append_intervals(z, scene%band_start, rows_in(scene%band_start/h), 0._dp, scene%edge_length)
     first = size(z)
     call append_band(scene, scene%band_facets, z)
     last = size(z)
     wall_start = z(last)
     if (scene%rim_length > wall_start .and. scene%rim_length < corner) then
-      call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - wall_start)/h)), &
+      call append_intervals(z, scene%rim_length, rows_in((scene%rim_length - wall_start)/h), &
         row_length(scene, wall_start), row_length(scene, scene%rim_length))
       wall_start = scene%rim_length
     end if
-    wall = merge(scene%wall_elements, max(1, nint((corner - wall_start)/h)), scene%wall_elements > 0)
+    wall = merge(scene%wall_elements, rows_in((corner - wall_start)/h), scene%wall_elements > 0)
     call append_intervals(z, corner, wall, row_length(scene, wall_start), 0._dp)
     r = [scene%bore_radius]
-    bottom = merge(scene%bottom_elements, max(1, nint((scene%bore_radius - scene%hub_radius)/h)), scene%bottom_elements > 0)
+    bottom = merge(scene%bottom_elements, rows_in((scene%bore_radius - scene%hub_radius)/h), scene%bottom_elements > 0)
     call append_intervals(r, scene%hub_radius, bottom, 0._dp, 0._dp)
     wall = size(z)
     allocate (strip%inner(2, wall + bottom), strip%outer(2, wall + bottom))
@@ -153,11 +160,11 @@ contains
     call meridian_of(scene, meridian, fault)
     h = scene%band_length/scene%band_facets
     z = [0._dp]
-    if (scene%band_start > 0) call append_intervals(z, scene%band_start, max(1, nint(scene%band_start/h)), 0._dp, scene%edge_length)
+    if (scene%band_start > 0) call append_intervals(z, scene%band_start, rows_in(scene%band_start/h), 0._dp, scene%edge_length)
     first = size(z)
     call append_band(scene, scene%band_facets, z)
     last = size(z)
-    if (scene%rim_length > z(last)) call append_intervals(z, scene%rim_length, max(1, nint((scene%rim_length - z(last))/h)), &
+    if (scene%rim_length > z(last)) call append_intervals(z, scene%rim_length, rows_in((scene%rim_length - z(last))/h), &
       row_length(scene, z(last)), row_length(scene, scene%rim_length))
     allocate (strip%inner(2, 0), strip%outer(2, 0))
     do i = 1, size(z)
@@ -211,7 +218,7 @@ contains
         end if
       end associate
     end do
-    n = max(1, nint((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0)))
+    n = rows_in((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0))
     n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/arc_cells) - whole))
   end function cells_of
 

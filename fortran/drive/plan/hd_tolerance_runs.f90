@@ -1,6 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Runs that a band rests on (hd_tolerance_band): the drive on a coarse mesh, as it is and with one input at an end of its
 !> tolerance. Relative changes hold for the run itself. Nothing is written.
+!>
+!> Where `run.band` is 'auto', an input whose tolerance is small beside its value has no runs of its own: the derivatives along the
+!> drive as it is say what it changes. They hold for the readings of the loop, not for K_TS, which jumps with the contact states.
 module hd_tolerance_runs
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
@@ -15,9 +18,10 @@ module hd_tolerance_runs
   use hd_model, only: model_t, give_back
   use hd_parameter_row, only: stage_model
   use hd_parameters, only: parameter_t, parameter_table_t, new_table, value_count, value_text
-  use hd_run, only: run_t, new_run, close_run, leave_model
+  use hd_run, only: run_t, new_run, close_run, differentiate_run, leave_model
   use hd_scene, only: scene_t, most_gaps
   use hd_section, only: band_rows
+  use hd_summary, only: derivatives_t
   use hd_system, only: stop_requested
   use hd_text, only: string_t, push, to_text
   use hd_tolerance_band, only: tolerance_band_t, banded, banded_values, banded_words
@@ -26,7 +30,20 @@ module hd_tolerance_runs
   private
   public :: find_band
 
-  integer, parameter :: divisions = 48, facets = 7, steps = 6  !< of the mesh, and of each leg of the loop, at most
+  integer, parameter :: divisions = 36, facets = 6, steps = 6  !< of the mesh, and of each leg of the loop, at most
+  real(dp), parameter :: enough = 1e-4_dp  !< of the residuals: K1 to 3e-4, where a tolerance makes a tenth
+  integer, parameter :: readings = 5       !< of the results that have a band: those of the loop, which come first
+  !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
+  !> its clearance, by 0.8 of it, they say 8 %; runs 9 and -17 %.
+  real(dp), parameter :: small = 0.6_dp
+
+  !> A key that has a tolerance, and a part in the drive.
+  type :: input_t
+    integer :: row = 0                     !< of the table
+    type(string_t) :: key                  !< group.key
+    integer :: ends = 0                    !< runs: one or two ends, none where derivatives do
+    real(dp), allocatable :: change(:)     !< to its ends, in its unit, if they are small beside its value, else none
+  end type input_t
 
 contains
 
@@ -35,38 +52,77 @@ contains
     type(run_t), intent(inout) :: run                 !< at its end; its record gets the band
     type(error_t), allocatable, intent(out) :: error  !< a signal, the time limit
     type(model_t), allocatable :: model
+    type(derivatives_t) :: by
     type(scene_t) :: coarse
     real(dp) :: base(banded), begun
-    integer, allocatable :: rows(:), ends(:)
+    type(input_t), allocatable :: inputs(:)
+    character(len=:), allocatable :: trouble
     integer :: i
     coarse = coarsened(run%scene)
-    call find_inputs(coarse, rows, ends)
+    call find_inputs(coarse, inputs)
     begun = wall_seconds()
-    call try(coarse, run%clock, model, base, error)
+    call try(coarse, run%clock, model, base, error, inputs, by)
     if (allocated(error)) then
-      if (error%code /= code_stopped) then
-        call push(run%record%warnings, 'there is no band, for the drive on a coarse mesh '// &
-          'ended early: '//error%message//'. Raise mesh.divisions or mend that')
+      trouble = 'there is no band, for the drive on a coarse mesh ended early: '//error%message
+      if (run%scene%with_band == 'auto' .and. .not. stop_requested()) then
+        call say('band      '//trouble)
+        deallocate (error)
+      else if (error%code /= code_stopped) then
+        call push(run%record%warnings, trouble//'. Raise mesh.divisions or mend that')
         deallocate (error)
       end if
     else
-      call say('band      '//to_text(sum(ends))//' runs on '//to_text(coarse%divisions)//' x '//to_text(band_rows(coarse))// &
-        ' facets, one input at an end of its tolerance in each: about '//to_text(ceiling(sum(ends)*(wall_seconds() - begun)))//' s')
-      do i = 1, size(rows)
-        call move_input(rows(i), coarse, base, model, run, error)
+      do i = 1, size(inputs)
+        call enter_slopes(inputs(i), base, by, run%record%band)
+      end do
+      associate (ends => inputs%ends)
+      call say('band      '//to_text(count(ends == 0))//' inputs by derivatives, '//to_text(sum(ends))//' runs with one at an '// &
+        'end of its tolerance, on '//to_text(coarse%divisions)//' x '//to_text(band_rows(coarse))//' facets: about '// &
+        to_text(ceiling(sum(ends)*(wall_seconds() - begun)))//' s')
+      do i = 1, size(inputs)
+        if (ends(i) == 0) cycle
+        call move_input(inputs(i)%row, coarse, base, model, run, error)
         if (allocated(error)) exit
-        if (i < size(rows)) call say('          '//to_text(sum(ends(:i)))//' of '//to_text(sum(ends))//' runs, about '// &
+        if (sum(ends(i + 1:)) > 0) call say('          '//to_text(sum(ends(:i)))//' of '//to_text(sum(ends))//' runs, about '// &
           to_text(ceiling((wall_seconds() - begun)/(1 + sum(ends(:i)))*sum(ends(i + 1:))))//' s left')
       end do
+      end associate
     end if
     call give_back(model)
     if (.not. allocated(error)) return
+    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
+    if (run%scene%with_band == 'auto' .and. .not. stop_requested()) then
+      call say('band      there is none: the time limit has passed')
+      deallocate (error)
+      return
+    end if
     call raise(error, code_stopped, trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
       ' before the band was found; all load steps are kept, --resume finds it')
     run%record%interrupted = stop_requested()
     run%failure = error
-    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
   end subroutine find_band
+
+  !> Enter an input by derivatives, where they hold; it then has no runs.
+  subroutine enter_slopes(input, base, by, band)
+    type(input_t), intent(inout) :: input          !< an input
+    real(dp), intent(in) :: base(banded)           !< results of the drive as it is
+    type(derivatives_t), intent(in) :: by          !< of the readings, by some keys or none
+    type(tolerance_band_t), intent(inout) :: band  !< gets the input
+    real(dp) :: moved(banded, 2)
+    integer :: i, k
+    k = 0
+    if (allocated(by%keys)) k = findloc([(by%keys(i)%s == input%key%s, i=1, size(by%keys))], .true., 1)
+    if (k == 0) return
+    associate (slope => by%value(k, :readings), value => base(:readings), change => input%change)
+      if (size(change) == 0 .or. any(value > 0 .and. .not. slope == slope)) return
+      moved = 0
+      do i = 1, size(change)
+        where (value > 0) moved(:readings, i) = value*exp(slope*change(i)/value)
+      end do
+      call band%add(input%key%s, base, moved(:, :size(change)))
+    end associate
+    input%ends = 0
+  end subroutine enter_slopes
 
   !> Solve the drive with an input at its ends; a run that does not converge is left out.
   subroutine move_input(row, scene, base, model, run, error)
@@ -79,9 +135,10 @@ contains
     type(scene_t) :: at(2)
     type(string_t), allocatable :: faults(:)
     character(len=:), allocatable :: key, left_out
+    real(dp), allocatable :: change(:)
     real(dp) :: value(banded), found(banded, 2)
     integer :: i, k, ends, n
-    call move_to_ends(row, scene, key, at, ends)
+    call move_to_ends(row, scene, key, at, ends, change)
     n = 0
     do i = 1, ends
       allocate (faults(0))
@@ -112,24 +169,42 @@ contains
     if (n > 0) call run%record%band%add(key, base, found(:, :n))
   end subroutine move_input
 
-  !> Results of a scene.
-  subroutine try(scene, clock, model, value, error)
+  !> Results of a scene; no K_TS with run.band = 'auto'.
+  subroutine try(scene, clock, model, value, error, inputs, by)
     type(scene_t), intent(in) :: scene                     !< scene
     real(dp), intent(in) :: clock                          !< when the run began that its time limit is for [s]
     type(model_t), allocatable, intent(inout) :: model     !< of the run before, then of this one
     real(dp), intent(out) :: value(banded)                 !< as banded_values
     type(error_t), allocatable, intent(out) :: error       !< whatever ended it early
+    type(input_t), intent(in), optional :: inputs(:)       !< inputs
+    type(derivatives_t), intent(out), optional :: by       !< by those that change little, with run.band = 'auto'
     type(error_t), allocatable :: trouble
     type(run_t), allocatable :: run
-    integer :: level
+    type(string_t), allocatable :: keys(:)
+    character(len=:), allocatable :: lost
+    integer :: i, level
     value = 0
     call set_log_level(quiet, level)
     allocate (run)
     call move_alloc(model, run%model)
     call new_run(scene, '', '', .false., run, error)
     run%clock = clock
+    run%asks_tangent = scene%with_band /= 'auto'
+    if (present(by) .and. .not. run%asks_tangent) allocate (run%gradient)
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
-    if (.not. allocated(error)) value = banded_values(read_loop(run%loop, run%scene), run%reference%sums)
+    if (.not. allocated(error)) then
+      value = banded_values(read_loop(run%loop, run%scene), run%reference%sums)
+      if (.not. run%asks_tangent) value(readings + 1:) = 0
+      if (allocated(run%gradient)) then
+        allocate (keys(0))
+        do i = 1, size(inputs)
+          if (size(inputs(i)%change) > 0) call push(keys, inputs(i)%key%s)
+        end do
+        call differentiate_run(run, by, lost, trouble, keys)
+        if (allocated(trouble)) by = derivatives_t()
+      end if
+    end if
+    if (allocated(run%gradient)) deallocate (run%gradient)
     call close_run(run, trouble)
     call leave_model(run, model)
     call set_log_level(level)
@@ -144,6 +219,7 @@ contains
     s%divisions = min(s%divisions, divisions)
     if (.not. s%groove_depth > 0) s%band_facets = min(s%band_facets, facets)  ! a groove is wider than a cell of the ring
     s%torque_steps = min(s%torque_steps, steps)
+    if (s%with_band == 'auto') s%tolerance = max(s%tolerance, enough)
     s%edge_length = 0
     s%ring_divisions = 0
     s%ring_facets = 0
@@ -153,26 +229,24 @@ contains
   end function coarsened
 
   !> Inputs that have a tolerance and a part in the drive; those that leave mesh and factors as they are come first.
-  subroutine find_inputs(scene, rows, ends)
-    type(scene_t), intent(in) :: scene               !< scene on its mesh
-    integer, allocatable, intent(out) :: rows(:)     !< of the table
-    integer, allocatable, intent(out) :: ends(:)     !< runs of each
+  subroutine find_inputs(scene, inputs)
+    type(scene_t), intent(in) :: scene                       !< scene on its mesh
+    type(input_t), allocatable, intent(out) :: inputs(:)     !< inputs
     type(scene_t), target :: copy
     type(scene_t) :: at(2)
     type(parameter_table_t) :: table
-    character(len=:), allocatable :: key
-    integer :: pass, i, n
+    type(input_t) :: input
+    integer :: pass, i
     copy = scene
     call new_table(copy, table)
-    allocate (rows(0), ends(0))
+    allocate (inputs(0))
     do pass = 1, 2
       do i = 1, size(table%rows)
         if ((table%rows(i)%stage(.false., .false.) == stage_model) .neqv. pass == 2) cycle
         if (.not. takes_part(table%rows(i), scene)) cycle
-        call move_to_ends(i, scene, key, at, n)
-        if (n == 0) cycle
-        rows = [rows, i]
-        ends = [ends, n]
+        input%row = i
+        call move_to_ends(i, scene, input%key%s, at, input%ends, input%change)
+        if (input%ends > 0) inputs = [inputs, input]
       end do
     end do
   end subroutine find_inputs
@@ -189,17 +263,21 @@ contains
   end function takes_part
 
   !> The scene with a key at either end of its tolerance; an end that changes nothing is left out.
-  subroutine move_to_ends(row, scene, key, at, n)
+  subroutine move_to_ends(row, scene, key, at, n, change)
     integer, intent(in) :: row                              !< of the table
     type(scene_t), intent(in) :: scene                      !< scene
     character(len=:), allocatable, intent(out) :: key       !< group.key of the row
     type(scene_t), intent(out) :: at(2)                     !< the key at its ends
     integer, intent(out) :: n                               !< how many there are
+    real(dp), allocatable, intent(out) :: change(:)         !< of a number at them, if all are small beside it, else none
     type(scene_t), target :: moved
     type(parameter_table_t) :: table
     character(len=:), allocatable :: before
+    real(dp) :: x
     integer :: side
     n = 0
+    x = 0
+    change = [real(dp) ::]
     do side = -1, 1, 2
       moved = scene
       call new_table(moved, table)
@@ -208,14 +286,17 @@ contains
         if (key == 'load.tooth_gaps') call list_gaps(moved)
         before = value_text(p)
         if (key == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
+        if (associated(p%real)) x = p%real
         call move(p, side, scene%bore_radius)
         if (value_text(p) /= before) then
           n = n + 1
           at(n) = moved
+          if (associated(p%real)) change = [change, p%real - x]
         end if
         if (associated(p%text)) exit  ! there is one other bound
       end associate
     end do
+    if (any(abs(change) > small*abs(x))) change = [real(dp) ::]
   end subroutine move_to_ends
 
   !> Clearances of all pairs as lists of both flanks.

@@ -139,9 +139,9 @@ contains
     end associate
   end subroutine body_stress
 
-  !> Stresses of a revolved body, those that are asked for. For stresses at nodes a thread takes some sectors with all their cells.
-  !> The sector before has part in those of their first nodes: it is evaluated again, and added last where it is the body's last
-  !> one, whoever makes the others; else a thread takes cells with all their sectors.
+  !> Stresses of a revolved body, those that are asked for. A thread takes some sectors with all their cells. The sector before has
+  !> part in stresses at their first nodes: it is then evaluated again, and added last where it is the body's last one, whoever makes
+  !> the others.
   subroutine nodal_stress(body, u, matrices, error, stress, peak, largest, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
@@ -154,7 +154,7 @@ contains
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
     real(dp), allocatable :: s(:, :, :), t(:, :, :)
     real(dp) :: square
-    integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last, own, turn
+    integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last, own
     integer :: threads
     if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
     if (allocated(error)) return
@@ -166,36 +166,35 @@ contains
     square = 0
     own = merge(1, 0, present(stress))  ! sectors evaluated before the first
     threads = blas_threads(1)           ! in each of ours
-    associate (m => body%nodes_per_sector, cells => size(body%cells, 2), step => merge(chunk, body%sectors, present(stress)), &
-      turns => merge(1, size(body%cells, 2), present(stress)))
-      !$omp parallel do collapse(2) schedule(static, 1) private(s, t, list, a, cell, i, k, last) reduction(max: square) &
+    associate (m => body%nodes_per_sector, cells => size(body%cells, 2))
+      !$omp parallel do schedule(static, 1) private(s, t, list, a, cell, i, k, last) reduction(max: square) &
       !$omp if(body%nodes() > many_nodes)
-      do first = 1, body%sectors, step
-        do turn = 1, turns
-          last = min(body%sectors, first + step - 1)
-          allocate (s(6, points, last - first + 1 + own), t(6, size(list), last - first + 1 + own))
-          if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
-          do cell = turn, merge(cells, turn, present(stress))
-            call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
-            do k = 1 + own, size(s, 3)
-              if (present(largest)) square = max(square, maxval([(square_of(s(:, i, k)), i=1, points)]))
-              if (present(peak)) peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
-            end do
-            if (.not. present(stress)) cycle
-            do i = 1, size(s, 3)
-              k = i
-              if (first == 1) k = modulo(i, size(s, 3)) + 1
-              list = body%cells(:, cell) + (first + k - 3)*m
-              do a = 1, size(list)
-                if (list(a) > (first - 1)*m .and. list(a) <= last*m) stress(:, list(a)) = stress(:, list(a)) + t(:, a, k)
-              end do
+      do first = 1, body%sectors, chunk
+        last = min(body%sectors, first + chunk - 1)
+        allocate (s(6, points, last - first + 1 + own), t(6, size(list), last - first + 1 + own))
+        if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
+        do cell = 1, cells
+          call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
+          do k = 1 + own, size(s, 3)
+            if (present(largest)) square = max(square, maxval([(square_of(s(:, i, k)), i=1, points)]))
+            if (present(peak)) peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
+          end do
+          if (.not. present(stress)) cycle
+          do i = 1, size(s, 3)
+            k = i
+            if (first == 1) k = modulo(i, size(s, 3)) + 1
+            list = body%cells(:, cell) + (first + k - 3)*m
+            do a = 1, size(list)
+              if (list(a) > (first - 1)*m .and. list(a) <= last*m) stress(:, list(a)) = stress(:, list(a)) + t(:, a, k)
             end do
           end do
-          do i = (first - 1)*m + 1, merge(last*m, 0, present(stress))
+        end do
+        if (present(stress)) then
+          do i = (first - 1)*m + 1, last*m
             stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
           end do
-          deallocate (s, t)
-        end do
+        end if
+        deallocate (s, t)
       end do
       !$omp end parallel do
     end associate

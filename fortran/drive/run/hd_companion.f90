@@ -47,26 +47,33 @@ module hd_companion
 
 contains
 
-  !> The drives of all real keys.
-  subroutine find_companions(scene, drive, joint, of, keys, error)
+  !> The drives of all real keys, or of some.
+  subroutine find_companions(scene, drive, joint, of, keys, error, only)
     type(scene_t), intent(in) :: scene                !< of the run
     type(drive_t), intent(in) :: drive                !< its drive
     type(joint_t), intent(in) :: joint                !< its joint
     type(companion_t), allocatable, intent(out) :: of(:)  !< of the keys, and room
     integer, intent(out) :: keys                      !< how many
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
+    type(string_t), intent(in), optional :: only(:)   !< keys that are wanted; those that hold forces come with them
     type(scene_t), target :: copy
     type(parameter_table_t) :: table
     integer, allocatable :: rows(:)
-    logical :: fits
-    integer :: i
+    logical :: felt, fits, wanted
+    integer :: i, j
     copy = scene
     call new_table(copy, table)
     rows = pack([(i, i=1, size(table%rows))], [(is_real(table%rows(i), scene), i=1, size(table%rows))])
     allocate (of(size(rows)))
+    felt = .not. (present(only) .and. scene%hard())
     keys = 0
     do i = 1, size(rows)
-      call change_key(scene, rows(i), drive, joint, of(keys + 1), fits, error)
+      associate (p => table%rows(rows(i)))
+        wanted = .true.
+        if (present(only)) wanted = any(p%unit == of_force) .or. any([(p%group//'.'//p%key == only(j)%s, j=1, size(only))])
+      end associate
+      if (.not. wanted) cycle
+      call change_key(scene, rows(i), felt, drive, joint, of(keys + 1), fits, error)
       if (allocated(error)) return
       if (fits) keys = keys + 1
     end do
@@ -92,9 +99,10 @@ contains
 
   !> The drive with a key changed, upwards if that is valid and can be meshed. What is read at the torque of a step is read on the
   !> side that a larger torque of the steps leaves it on: downwards.
-  subroutine change_key(scene, row, drive, joint, other, fits, error)
+  subroutine change_key(scene, row, felt, drive, joint, other, fits, error)
     type(scene_t), intent(in) :: scene                !< of the run
     integer, intent(in) :: row                        !< of the table
+    logical, intent(in) :: felt                       !< the joint counts
     type(drive_t), intent(in) :: drive                !< of the run
     type(joint_t), intent(in) :: joint                !< of the run
     type(companion_t), intent(out) :: other           !< companion
@@ -141,8 +149,8 @@ contains
         if (.not. fits) cycle
         other%scene = moved
         other%joint = joint
-        law = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
-        if (law) call scene_joint(moved, other%joint, error)
+        law = felt .and. any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
+        if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
         other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
         if (other%whole) then

@@ -32,7 +32,7 @@ module hd_gradient
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
-  use hd_text, only: split
+  use hd_text, only: string_t, split
   implicit none
   private
   public :: gradient_t
@@ -130,8 +130,8 @@ contains
     self%tired = fatigue%least
   end subroutine book
 
-  !> Derivatives of the results.
-  subroutine differentiate(self, solver, scene, joint, drive, tangent, found, lost, error)
+  !> Derivatives of the results, or of the readings of a loop alone.
+  subroutine differentiate(self, solver, scene, joint, drive, tangent, found, lost, error, only)
     class(gradient_t), intent(inout) :: self          !< stations of the whole run
     class(linear_solver_t), intent(inout) :: solver   !< of the run
     type(scene_t), intent(in) :: scene                !< of the run
@@ -141,29 +141,39 @@ contains
     type(derivatives_t), intent(out) :: found         !< derivatives; NaN: no such result, or lost
     character(len=:), allocatable, intent(out) :: lost  !< results whose derivatives do not hold
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint, linear solver
+    type(string_t), intent(in), optional :: only(:)   !< keys that the readings are wanted by; all that hold forces come with them
     real(dp), allocatable :: value(:)
     integer :: i, images
-    call find_companions(scene, drive, joint, self%of, self%keys, error)
-    if (.not. allocated(error)) call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
+    call find_companions(scene, drive, joint, self%of, self%keys, error, only)
     if (allocated(error)) return
     found%results = split(of_all)
     if (scene%support%loop) found%results = split(of_loop//of_all)
     if (.not. scene%support%loop) found%results = [found%results, split('rotation_rad')]
-    allocate (self%result(size(found%results)), self%value(self%keys, size(found%results)))
-    if (scene%support%loop) call find_forces(self, scene, drive)
-    self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
-    value = results_of(self, scene, joint, drive, drive)
-    do i = 1, self%keys
-      associate (c => self%of(i))
-        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
-        if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
-        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
-      end associate
-    end do
+    if (present(only)) found%results = found%results(:readings)
+    allocate (self%result(size(found%results)))
+    allocate (self%value(self%keys, size(found%results)), self%by_turn(self%n, size(found%results)), source=0._dp)
     images = solver%most_images
     solver%most_images = 1
-    call begin_results(self, scene, joint, drive, error)
-    if (tangent == tangent .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
+    do i = 1, size(self%result)
+      associate (r => self%result(i), points => drive%problem%mortar%n)
+        allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
+          source=0._dp)
+      end associate
+    end do
+    if (scene%support%loop) call by_readings(self, scene, drive)
+    if (present(only)) then
+      value = readings_of(self, scene, drive)
+      do i = 1, self%keys
+        associate (c => self%of(i))
+          if (c%whole) self%value(i, :) = readings_of(self, c%scene, c%drive) - value
+          if (.not. c%whole) self%value(i, :) = readings_of(self, c%scene, drive) - value
+        end associate
+      end do
+    else
+      call begin_results(self, scene, joint, drive, value, error)
+      if (tangent == tangent .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
+      if (.not. allocated(error)) value(merge(looped, 0, scene%support%loop) + 2) = tangent
+    end if
     do i = self%n, 1, -1
       if (.not. allocated(error)) call go_back(self, solver, scene, drive, i, error)
     end do
@@ -172,7 +182,6 @@ contains
     if (allocated(error)) return
     found%keys = self%of(:self%keys)%key
     found%value = self%value/spread(self%of(:self%keys)%change, 2, size(found%results))
-    value(merge(looped, 0, scene%support%loop) + 2) = tangent
     call check_scale(self, scene, value, found, lost)
   end subroutine differentiate
 
@@ -251,8 +260,6 @@ contains
     type(facets_t) :: facets
     type(sums_t) :: sums
     type(load_t) :: load
-    type(loop_t) :: loop
-    type(readings_t) :: says
     type(error_t), allocatable :: error  ! none: the mesh is checked
     real(dp), allocatable :: u(:, :), force(:), line(:, :)
     real(dp) :: stress, most(2), ends(2)
@@ -266,13 +273,6 @@ contains
       call spot_stress(drive%problem, self%spot, u, stress, error)
       allocate (value(0))
       if (scene%support%loop) then
-        loop%torque = [0._dp]
-        loop%angle = [0._dp]
-        do i = self%assembled + 1, self%n
-          if (.not. self%station(i)%booked) cycle
-          loop%torque = [loop%torque, torque_at(scene, self%station(i)%place)]
-          loop%angle = [loop%angle, sum(drive%gauge*self%station(i)%state%u)]
-        end do
         most = 0
         if (self%ball_at > 0) then
           force = forces_in(self, scene, own, self%ball_at)
@@ -282,14 +282,13 @@ contains
           force = forces_in(self, scene, own, self%tooth_at)
           most(2) = force(self%tooth)
         end if
-        says = read_loop(loop, scene)
         call drive_load(drive, assembly_at(scene, self%station(self%tired_at)%place), 0._dp, 0._dp, load)
         u = self%station(self%tired_at)%state%u
         call prescribe(drive%problem, load, u)
         do i = 1, 2
           call node_stress(drive%problem, drive%b_cup, self%tired(i), u, ends(i), error)
         end do
-        value = [says%k, says%hysteresis, says%lost_motion, most, safety_of(scene, ends(1), ends(2))]
+        value = [readings_of(self, scene, drive), most, safety_of(scene, ends(1), ends(2))]
       end if
       line = edge_loads(drive, top%state%traction(1, :))
       associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
@@ -300,26 +299,57 @@ contains
     end associate
   end function results_of
 
-  !> Derivatives of the results by the states that they are read from.
-  subroutine begin_results(self, scene, joint, drive, error)
+  !> Readings of that loop.
+  function readings_of(self, scene, drive) result(value)
+    type(gradient_t), intent(in) :: self     !< stations
+    type(scene_t), intent(in) :: scene       !< of the drive
+    type(drive_t), intent(in) :: drive       !< the drive
+    real(dp) :: value(readings)
+    type(readings_t) :: says
+    says = read_loop(loop_of(self, scene, drive), scene)
+    value = [says%k, says%hysteresis, says%lost_motion]
+  end function readings_of
+
+  !> The loop that a drive would have in the states of the run.
+  function loop_of(self, scene, drive) result(loop)
+    type(gradient_t), intent(in) :: self     !< stations
+    type(scene_t), intent(in) :: scene       !< of the drive
+    type(drive_t), intent(in) :: drive       !< the drive
+    type(loop_t) :: loop
+    integer :: i
+    loop%torque = [0._dp]
+    loop%angle = [0._dp]
+    do i = self%assembled + 1, self%n
+      if (.not. self%station(i)%booked) cycle
+      loop%torque = [loop%torque, torque_at(scene, self%station(i)%place)]
+      loop%angle = [loop%angle, sum(drive%gauge*self%station(i)%state%u)]
+    end do
+  end function loop_of
+
+  !> The results, what a key changes of them in the states of the run, and their derivatives by the states that they are read from.
+  subroutine begin_results(self, scene, joint, drive, value, error)
     type(gradient_t), intent(inout) :: self           !< gets them
     type(scene_t), intent(in) :: scene                !< of the run
     type(joint_t), intent(in) :: joint                !< its joint
     type(drive_t), intent(inout) :: drive             !< its drive
+    real(dp), allocatable, intent(out) :: value(:)    !< results; of the tangent 0
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     real(dp), allocatable :: line(:, :), by_u(:, :, :)
     real(dp) :: stress, ends(2), step
     integer :: f, i, m, n
-    n = size(self%result)
-    allocate (self%by_turn(self%n, n), source=0._dp)
-    do i = 1, n
-      associate (r => self%result(i), points => drive%problem%mortar%n)
-        allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
-          source=0._dp)
+    call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
+    if (allocated(error)) return
+    if (scene%support%loop) call find_forces(self, scene, drive)
+    self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
+    value = results_of(self, scene, joint, drive, drive)
+    do i = 1, self%keys
+      associate (c => self%of(i))
+        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
+        if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
+        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
       end associate
     end do
     if (scene%support%loop) then
-      call by_readings(self, scene, drive)
       call by_force(self, scene, drive, self%ball_at, self%ball, self%result(readings + 1))
       call by_force(self, scene, drive, self%tooth_at, self%tooth, self%result(readings + forces))
       self%result(looped)%station = self%tired_at
@@ -334,6 +364,7 @@ contains
         by_u(:, :, 2))/(2*step)
       n = looped
     else
+      n = size(self%result)
       self%by_turn(self%top, n) = 1
       if (self%assembled > 0) self%by_turn(self%assembled, n) = self%by_turn(self%assembled, n) - 1
       n = 0
@@ -367,13 +398,8 @@ contains
     integer, allocatable :: at(:)
     real(dp) :: step
     integer :: i
-    loop%torque = [0._dp]
-    loop%angle = [0._dp]
+    loop = loop_of(self, scene, drive)
     at = pack([(i, i=1, self%n)], self%station(1:self%n)%booked .and. [(i > self%assembled, i=1, self%n)])
-    do i = 1, size(at)
-      loop%torque = [loop%torque, torque_at(scene, self%station(at(i))%place)]
-      loop%angle = [loop%angle, sum(drive%gauge*self%station(at(i))%state%u)]
-    end do
     step = small*maxval(abs(loop%angle))
     do i = 1, size(at)
       moved = loop
@@ -526,11 +552,13 @@ contains
       pushed = 0
       if (allocated(problem%struts)) force = strut_forces(problem, load, s%u)
       if (problem%wheel_turns) force = force + pull_of(problem, [problem%strut_rate], load, s%u)
+      !$omp parallel do schedule(dynamic)
       do j = 1, size(whole)
         call change_residuals(self%of(whole(j)), drive, place, before, s, r_u(:, :, j), r_c(:, :, whole(j)))
         r_u(:, :, j) = r_u(:, :, j) - left_u
         r_c(:, :, whole(j)) = r_c(:, :, whole(j)) - left_c
       end do
+      !$omp end parallel do
       do k = 1, self%keys
         associate (c => self%of(k))
           if (c%idle .or. c%whole) cycle

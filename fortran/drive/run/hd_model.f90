@@ -5,6 +5,7 @@ module hd_model
   use hd_cost, only: forecast_t
   use hd_drive, only: drive_t, new_drive, renew_drive
   use hd_error, only: error_t
+  use hd_joint, only: joint_t
   use hd_linear_solver, only: linear_solver_t
   use hd_kinds, only: dp
   use hd_parameter_row, only: stage_model, stage_assembly
@@ -27,6 +28,7 @@ module hd_model
 
   type :: model_t
     type(scene_t) :: scene                              !< that it was fitted to last
+    type(joint_t) :: joint                              !< of that scene
     logical :: kept = .false.                           !< mesh and factors are those of an earlier run
     type(drive_t) :: drive                              !< its problem and loads
     class(linear_solver_t), allocatable :: solver       !< its linear solver

@@ -31,7 +31,7 @@ module hd_run
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_stress, only: stress_matrices_t
   use hd_strength, only: book_stress, strength_text, strength_warnings
-  use hd_summary, only: record_t, write_summary
+  use hd_summary, only: derivatives_t, record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
   use hd_text, only: string_t, percent, push, rounded, to_text
   use hd_theory_error, only: theory_on, move_tangent
@@ -42,7 +42,7 @@ module hd_run
   use hd_warning_list, only: numbered
   implicit none
   private
-  public :: run_t, new_run, restore_run, fit_run, accept, keep_checkpoint, kept_text, place_step, &
+  public :: run_t, new_run, restore_run, differentiate_run, fit_run, accept, keep_checkpoint, kept_text, place_step, &
     close_run, leave_model
 
   real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
@@ -148,7 +148,11 @@ contains
     run%record%started = timestamp()
     run%record%input = input
     call implausible(scene, run%record%warnings)
-    if (.not. run%lent_joint) call scene_joint(scene, run%joint, error)
+    if (allocated(run%model)) then
+      call scene_joint(scene, run%joint, error, run%model%scene, run%model%joint)
+    else if (.not. run%lent_joint) then
+      call scene_joint(scene, run%joint, error)
+    end if
     if (.not. allocated(error) .and. scene%support%contact) call check_stiffness(run%joint, error)
   end subroutine prepare
 
@@ -175,6 +179,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
     call fit_model(run%scene, run%model, error)
     if (allocated(error)) return
+    run%model%joint = run%joint
     associate (law => run%model%drive%problem%law)
       if (allocated(law%joint)) deallocate (law%joint)
       if (run%scene%hard()) return
@@ -267,13 +272,8 @@ contains
     type(run_t), intent(inout) :: run  !< its record gets them
     type(error_t), allocatable :: error
     character(len=:), allocatable :: lost
-    integer :: threads
     if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
-    threads = 0
-    if (run%model%solver%own_threads) threads = blas_threads(1)
-    call run%gradient%differentiate(run%model%solver, run%scene, run%joint, run%model%drive, &
-      run%sums%k_tangent, run%record%gradient, lost, error)
-    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    call differentiate_run(run, run%record%gradient, lost, error)
     if (allocated(error)) then
       call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
     else if (len(lost) > 0) then
@@ -282,6 +282,21 @@ contains
     end if
     call run%record%timers%book(in_gradient)
   end subroutine find_gradient
+
+  !> Derivatives of its results, or of the readings of its loop alone.
+  subroutine differentiate_run(run, found, lost, error, only)
+    type(run_t), intent(inout) :: run                 !< run that is over, with a gradient
+    type(derivatives_t), intent(out) :: found         !< as of its gradient
+    character(len=:), allocatable, intent(out) :: lost  !< likewise
+    type(error_t), allocatable, intent(out) :: error  !< likewise
+    type(string_t), intent(in), optional :: only(:)   !< likewise
+    integer :: threads
+    threads = 0
+    if (run%model%solver%own_threads) threads = blas_threads(1)
+    call run%gradient%differentiate(run%model%solver, run%scene, run%joint, run%model%drive, run%sums%k_tangent, found, lost, &
+      error, only)
+    if (run%model%solver%own_threads) threads = blas_threads(threads)
+  end subroutine differentiate_run
 
   !> Write the checkpoint of the last whole load step, if it has none: seldom enough to cost little, before its state is left, and
   !> where the run ends.
@@ -548,7 +563,7 @@ contains
     real(dp), allocatable :: part(:)
     integer :: i
     associate (s => run%sums, band => run%record%band)
-      quote = 'variants beside each other; K1 to K3 with their band, which run.band = .true. finds'
+      quote = 'variants beside each other; K1 to K3 with their band, which run.band finds'
       if (allocated(band%input)) then
         call say('drive     '//loop_text(run%loop, run%scene, band%bounds()))
         call band%ranked(keys, part)

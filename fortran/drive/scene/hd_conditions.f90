@@ -103,12 +103,12 @@ contains
       'solver.kinematics', s%kinematics, "'linear', or solver.method auto or newton with a load.support other than teeth")
     call ask(faults, .not. s%support%against_teeth .or. s%may_factorise(), 'solver.factors', s%factors, &
       "'auto' or 'exact' with load.support = 'teeth'")
-    call ask(faults, s%with_band == '.false.' .or. s%support%loop, 'run.band', s%with_band, &
-      "'.false.', but with load.support = 'drive'")
-    call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. (s%with_band == '.false.' .and. .not. &
-      s%planned_tolerance > 0), 'load.tangent_steps', s%tangent_steps, "'needed' or 'all' with run.band or run.tolerance")
-    call ask(faults, s%with_gradient == '.false.' .or. .not. (s%large() .or. s%support%against_teeth .or. s%turned() &
-      .or. s%planned_tolerance > 0 .or. s%tooth_friction > 0), 'run.gradient', s%with_gradient, &
+    call ask(faults, s%with_band /= '.true.' .or. s%support%loop, 'run.band', s%with_band, &
+      "'auto' or '.false.', but with load.support = 'drive'")
+    call ask(faults, s%tangent_steps == 'needed' .or. s%tangent_steps == 'all' .or. .not. (s%with_band == '.true.' .or. &
+      s%planned_tolerance > 0), 'load.tangent_steps', s%tangent_steps, "'needed' or 'all' with run.band = .true. or run.tolerance")
+    call ask(faults, s%with_gradient == '.false.' .or. (s%differentiable() .and. .not. (s%large() .or. &
+      s%planned_tolerance > 0)), 'run.gradient', s%with_gradient, &
       "'.false.' with solver.kinematics = 'nonlinear', load.support = 'teeth', load.tooth_friction, loop.history = 'turned' "// &
       "or run.tolerance")
     call need(faults, s%turning_positions == 0 .or. s%support%struts, 'turning.positions', real(s%turning_positions, dp), &

@@ -47,12 +47,12 @@ contains
       'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
     call add_choice(t, 'run', 'wanted', 'control', s%wanted, '', &
       "results that run.tolerance is for, parted by blanks, such as 'k2 k3'; empty: those that it names, and the pressure field")
-    call add_choice(t, 'run', 'band', 'output', s%with_band, '.false. .true.', &
-      "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; it costs some thirty runs on a "// &
-      'coarse mesh, more than the run itself')
+    call add_choice(t, 'run', 'band', 'output', s%with_band, 'auto .false. .true.', &
+      "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; auto: small tolerances by "// &
+      'derivatives, others by runs on a coarse mesh, no band of K_TS, none where run.gradient has none; .true.: all by runs')
     call add_choice(t, 'run', 'gradient', 'control', s%with_gradient, '.false. .true.', &
-      'derivatives of the results by every number of the drive that is in use, by direct differentiation along the load steps, '// &
-      'under small displacements')
+      'derivatives of the results by every number of the drive that is in use, by adjoint differentiation along the load '// &
+      'steps, under small displacements')
     call add_real(t, 'geometry', 'bore_radius', 'model', s%bore_radius, 'm', 0._dp, big, &
       'contact radius: bore of the flexspline, outside of the ring')
     call add_real(t, 'geometry', 'wall_thickness', 'model', s%wall_thickness, 'm', 0._dp, big, &

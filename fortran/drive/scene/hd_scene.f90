@@ -22,7 +22,7 @@ module hd_scene
     character(len=title_length) :: title = ''
     real(dp) :: planned_tolerance = 0
     character(len=path_length) :: wanted = ''
-    character(len=name_length) :: with_band = '.false.', with_gradient = '.false.'
+    character(len=name_length) :: with_band = 'auto', with_gradient = '.false.'
     ! geometry
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp
     real(dp) :: rim_length = 9e-3_dp, rim_taper = 1e-3_dp, cup_length = 20e-3_dp, bottom_thickness = 0.5e-3_dp
@@ -105,6 +105,8 @@ module hd_scene
     procedure :: ring_lifts
     procedure :: ring_follows
     procedure :: turned
+    procedure :: differentiable
+    procedure :: wants_band
     procedure :: quadratic
     procedure :: kinematics_open
     procedure :: may_condense
@@ -171,6 +173,18 @@ contains
     class(scene_t), intent(in) :: self  !< scene
     turned = self%history == 'turned'
   end function turned
+
+  !> The load steps have derivatives by the keys, under small displacements.
+  pure logical function differentiable(self)
+    class(scene_t), intent(in) :: self  !< scene
+    differentiable = .not. (self%support%against_teeth .or. self%turned() .or. self%tooth_friction > 0)
+  end function differentiable
+
+  !> A band is to be found: it was asked for, or left open for a loop that has derivatives.
+  pure logical function wants_band(self)
+    class(scene_t), intent(in) :: self  !< scene
+    wants_band = self%with_band == '.true.' .or. (self%with_band == 'auto' .and. self%support%loop .and. self%differentiable())
+  end function wants_band
 
   !> Cells have nodes on their edges, too.
   pure logical function quadratic(self)

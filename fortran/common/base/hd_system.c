@@ -143,11 +143,13 @@ void hd_system_text(int number, char *text, int size)
 
 int hd_remove(const char *path) { return unlink(path); }
 
-/* Remove what an earlier run, told by its echo.nml, left in a folder: a table of that run is none of the next one. The summary goes first, and always. */
+/* Remove what an earlier run, told by its echo.nml, left in a folder: a table of that run is none of the next one. The summary goes
+   first, and always. */
 void hd_remove_results(const char *folder)
 {
-  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv", "teeth.csv", "fatigue.csv",
-    "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu", "contact_*[0-9].vtu"};
+  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv",
+    "teeth.csv", "fatigue.csv", "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu",
+    "contact_*[0-9].vtu"};
   for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
     DIR *d = opendir(folder);
     struct stat echo;

@@ -71,15 +71,15 @@ def sizes():
 
 
 def bands():
-    """95 % band of K1 to K3 [kN m/rad] of every drive that the catalogue has, and the inputs that make most of it."""
+    """95 % band of K1 to K3 [kN m/rad] of every drive that the catalogue has, the inputs that make most of it, and its ends by runs alone."""
     rows = []
     for name in CATALOGUE:
         with tempfile.TemporaryDirectory() as folder:
-            summary, _ = solve(f"drive{name}.nml", "run.band=.true.", out=f"{folder}/r")
-            r = summary["results"]
+            r, by_runs = (solve(f"drive{name}.nml", f"run.band={band}", out=f"{folder}/r")[0]["results"] for band in ("auto", ".true."))
             shares = sorted(r["band_shares"].items(), key=lambda item: -item[1])[:3]
             rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]], "shares": {k: short(v) for k, v in shares},
-                         **{end: [short(r[f"k{i}_nm_per_rad_{end}"] / 1e3) for i in (1, 2, 3)] for end in ("low", "high")}})
+                         **{end + kind: [short(of[f"k{i}_nm_per_rad_{end}"] / 1e3) for i in (1, 2, 3)]
+                            for end in ("low", "high") for kind, of in (("", r), ("_by_runs", by_runs))}})
     return rows
 
 

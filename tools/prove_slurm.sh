@@ -71,7 +71,7 @@ load.torque = [$(seq -s , 0.01 0.01 20)]
 STUDY
 lines() { cat shards.out/part-*.jsonl 2>/dev/null | wc -l; }
 began=$(date +%s)
-shards=$(submit --array=1-8 --cpus-per-task=16 hpc/study_array.slurm "$work/shards.toml" --out shards.out --jobs 1)
+shards=$(submit --array=1-8 --cpus-per-task=32 hpc/study_array.slurm "$work/shards.toml" --out shards.out --jobs 1)
 until [ "$(lines)" -gt 300 ]; do sleep 0.1; done
 die n1
 die n2

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Run a command beside a real Slurm that lives as long as the command: [NODES=N] tools/slurm_node.sh FOLDER COMMAND [ARGUMENT ...]
 # As root, after  apt-get install slurm-wlm munge.  FOLDER takes state and logs. Each node, n1 to nN, is a slurmd of this machine that
-# claims 16 cores, so that jobs for larger machines begin. Key, socket and ports are its own: another Slurm of the machine is not touched.
+# claims 32 cores, so that jobs for larger machines run side by side. Key, socket and ports are its own: another Slurm of the machine is not
+# touched.
 set -euo pipefail
 work=$1
 shift
@@ -32,11 +33,12 @@ SlurmdParameters=config_overrides
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
+SchedulerParameters=batch_sched_delay=0
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 ReturnToService=2
 KillWait=20
-NodeName=n[1-$nodes] NodeHostname=$node Port=[$((port + 1))-$((port + nodes))] CPUs=16 RealMemory=8192 State=UNKNOWN
+NodeName=n[1-$nodes] NodeHostname=$node Port=[$((port + 1))-$((port + nodes))] CPUs=32 RealMemory=16384 State=UNKNOWN
 PartitionName=all Nodes=n[1-$nodes] Default=YES MaxTime=INFINITE State=UP
 CONF
 export SLURM_CONF=$work/slurm.conf

@@ -13,7 +13,8 @@ import pytest
 import hdengine_x
 
 os.environ["PATH"] += f"{os.pathsep}{Path(sys.executable).parent}"  # hdengine.x becomes `hdengine` for a study
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the scenes are small: more threads only wait for each other
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # the scenes are small: more threads only wait for each other; tests of threads say how many
 
 for _name in (signal.SIGINT, signal.SIGHUP):  # a shell ignores them for what it starts in the background, and so would the runs of the tests
     if signal.getsignal(_name) == signal.SIG_IGN:

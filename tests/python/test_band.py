@@ -116,6 +116,30 @@ def test_quick_band_is_that_of_all_runs(exe, banded, tmp_path):
     assert not any(f"{key}_low" in quick for key in KEYS[5:]) and set(quick["band_shares"]) == set(banded["band_shares"])
 
 
+def test_drives_drawn_by_the_tolerances_lie_in_the_band(exe, tmp_path):
+    """Of 25 drives whose inputs are drawn, nine in ten have their K1 to K3 in the band; and they fill half of it at least."""
+    small = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=4", "output.vtu=none", "load.tangent_steps=none", "output.contact=last"]
+    widths = {"wave_generator.clearance": 7.11e-6, "load.pressure_angle_deg": 3, "contact.friction": 0.05, "load.tooth_stiffness": 3.75e7,
+              "geometry.rim_thickness": 4.27e-5, "geometry.ring_thickness": 1e-4, "geometry.cup_length": 2e-3, "geometry.band_length": 6e-4,
+              "geometry.bottom_thickness": 1e-4, "geometry.hub_radius": 5.6e-4}
+    scene = hdengine.read_scene(ROOT / "data/drive14.nml")
+    draw = np.random.default_rng(57).standard_normal((25, len(widths) + 2)) / 1.96
+    found = []
+    for row in draw:
+        keys = [f"{key}={max(1e-9, scene[key] + width * z)}" for (key, width), z in zip(widths.items(), row)]
+        keys += [f"load.{key}=" + ",".join(str(max(0, g + 1e-6 * row[-1])) for g in scene[f"load.{key}"]) for key in ("tooth_gaps", "tooth_gaps_back")]
+        keys += ["load.spline=rigid"] if row[-2] > 0.5 else []
+        done = call(exe, ROOT / "data/drive14.nml", *small, *keys, "run.band=.false.", "--out", tmp_path / "s", "--force", "-q")
+        assert done.returncode == 0, done.stderr
+        results = json.loads((tmp_path / "s/summary.json").read_text())["results"]
+        found.append([results[key] for key in KEYS[:3]])
+    call(exe, ROOT / "data/drive14.nml", *small, "--out", tmp_path / "b", "-q")
+    results = json.loads((tmp_path / "b/summary.json").read_text())["results"]
+    low, high = (np.array([results[key + end] for key in KEYS[:3]]) for end in ("_low", "_high"))
+    assert np.all(np.mean((low < found) & (found < high), axis=0) >= 0.9)
+    assert np.all(np.ptp(np.log(found), axis=0) > 0.5 * np.log(high / low))
+
+
 @pytest.mark.parametrize("key", ["load.tooth_friction=0.05", "loop.history=turned", "solver.time_limit_s=1e3"])
 def test_quick_band_is_left_out_in_silence(exe, tmp_path, key):
     """A loop without derivatives has no band unless it is asked for, and no word of it; a time limit that is not met takes none away."""

@@ -31,6 +31,7 @@ module hd_tolerance_runs
   public :: find_band
 
   integer, parameter :: divisions = 36, facets = 6, steps = 6  !< of the mesh, and of each leg of the loop, at most
+  integer, parameter :: most_runs = 10     !< of a band that was not asked for; five or seven where all derivatives hold
   real(dp), parameter :: enough = 1e-4_dp  !< of the residuals: K1 to 3e-4, where a tolerance makes a tenth
   integer, parameter :: readings = 5       !< of the results that have a band: those of the loop, which come first
   !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
@@ -54,53 +55,74 @@ contains
     type(model_t), allocatable :: model
     type(derivatives_t) :: by
     type(scene_t) :: coarse
-    real(dp) :: base(banded), begun
     type(input_t), allocatable :: inputs(:)
-    character(len=:), allocatable :: trouble
+    character(len=:), allocatable :: reason
+    real(dp) :: base(banded), seconds
+    logical :: quick
     integer :: i
+    quick = run%scene%with_band == 'auto'
+    reason = ''
     coarse = coarsened(run%scene)
     call find_inputs(coarse, inputs)
-    begun = wall_seconds()
-    call try(coarse, run%clock, model, base, error, inputs, by)
+    call try(coarse, run%clock, model, base, seconds, error, inputs, by)
     if (allocated(error)) then
-      trouble = 'there is no band, for the drive on a coarse mesh ended early: '//error%message
-      if (run%scene%with_band == 'auto' .and. .not. stop_requested()) then
-        call say('band      '//trouble)
-        deallocate (error)
-      else if (error%code /= code_stopped) then
-        call push(run%record%warnings, trouble//'. Raise mesh.divisions or mend that')
-        deallocate (error)
-      end if
+      reason = 'the drive on a coarse mesh ended early: '//error%message
     else
       do i = 1, size(inputs)
         call enter_slopes(inputs(i), base, by, run%record%band)
       end do
-      associate (ends => inputs%ends)
+      if (quick .and. sum(inputs%ends) > most_runs) then
+        reason = 'derivatives are lost at a change of state; run.band = .true. finds it by runs'
+      else
+        call run_ends(inputs, coarse, base, seconds, model, run, error)
+        if (allocated(error)) reason = 'the time limit has passed'
+      end if
+    end if
+    call give_back(model)
+    if (len(reason) == 0) return
+    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
+    if (allocated(error)) then
+      if (stop_requested() .or. (error%code == code_stopped .and. .not. quick)) then
+        call raise(error, code_stopped, trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
+          ' before the band was found; all load steps are kept, --resume finds it')
+        run%record%interrupted = stop_requested()
+        run%failure = error
+        return
+      end if
+      deallocate (error)
+    end if
+    if (quick) then
+      call say('band      none, for '//reason)
+    else
+      call push(run%record%warnings, 'there is no band, for '//reason//'. Raise mesh.divisions or mend that')
+    end if
+  end subroutine find_band
+
+  !> Solve the drive with every input that needs it at its ends.
+  subroutine run_ends(inputs, coarse, base, seconds, model, run, error)
+    type(input_t), intent(in) :: inputs(:)                 !< inputs
+    type(scene_t), intent(in) :: coarse                    !< without a change
+    real(dp), intent(in) :: base(banded)                   !< its results
+    real(dp), intent(in) :: seconds                        !< that it took [s]
+    type(model_t), allocatable, intent(inout) :: model     !< of the run before
+    type(run_t), intent(inout) :: run                      !< gets the band, and warnings
+    type(error_t), allocatable, intent(out) :: error       !< stopped
+    real(dp) :: begun
+    integer :: i
+    begun = wall_seconds()
+    associate (ends => inputs%ends)
       call say('band      '//to_text(count(ends == 0))//' inputs by derivatives, '//to_text(sum(ends))//' runs with one at an '// &
         'end of its tolerance, on '//to_text(coarse%divisions)//' x '//to_text(band_rows(coarse))//' facets: about '// &
-        to_text(ceiling(sum(ends)*(wall_seconds() - begun)))//' s')
+        to_text(ceiling(sum(ends)*seconds))//' s')
       do i = 1, size(inputs)
         if (ends(i) == 0) cycle
         call move_input(inputs(i)%row, coarse, base, model, run, error)
-        if (allocated(error)) exit
+        if (allocated(error)) return
         if (sum(ends(i + 1:)) > 0) call say('          '//to_text(sum(ends(:i)))//' of '//to_text(sum(ends))//' runs, about '// &
-          to_text(ceiling((wall_seconds() - begun)/(1 + sum(ends(:i)))*sum(ends(i + 1:))))//' s left')
+          to_text(ceiling((wall_seconds() - begun)/sum(ends(:i))*sum(ends(i + 1:))))//' s left')
       end do
-      end associate
-    end if
-    call give_back(model)
-    if (.not. allocated(error)) return
-    if (allocated(run%record%band%input)) run%record%band = tolerance_band_t()
-    if (run%scene%with_band == 'auto' .and. .not. stop_requested()) then
-      call say('band      there is none: the time limit has passed')
-      deallocate (error)
-      return
-    end if
-    call raise(error, code_stopped, trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
-      ' before the band was found; all load steps are kept, --resume finds it')
-    run%record%interrupted = stop_requested()
-    run%failure = error
-  end subroutine find_band
+    end associate
+  end subroutine run_ends
 
   !> Enter an input by derivatives, where they hold; it then has no runs.
   subroutine enter_slopes(input, base, by, band)
@@ -136,7 +158,7 @@ contains
     type(string_t), allocatable :: faults(:)
     character(len=:), allocatable :: key, left_out
     real(dp), allocatable :: change(:)
-    real(dp) :: value(banded), found(banded, 2)
+    real(dp) :: value(banded), found(banded, 2), seconds
     integer :: i, k, ends, n
     call move_to_ends(row, scene, key, at, ends, change)
     n = 0
@@ -147,7 +169,7 @@ contains
       if (size(faults) > 0) left_out = faults(1)%s
       deallocate (faults)
       if (len(left_out) == 0) then
-        call try(at(i), run%clock, model, value, error)
+        call try(at(i), run%clock, model, value, seconds, error)
         if (allocated(error)) then
           if (error%code == code_stopped) return
           left_out = error%message
@@ -170,11 +192,12 @@ contains
   end subroutine move_input
 
   !> Results of a scene; no K_TS with run.band = 'auto'.
-  subroutine try(scene, clock, model, value, error, inputs, by)
+  subroutine try(scene, clock, model, value, seconds, error, inputs, by)
     type(scene_t), intent(in) :: scene                     !< scene
     real(dp), intent(in) :: clock                          !< when the run began that its time limit is for [s]
     type(model_t), allocatable, intent(inout) :: model     !< of the run before, then of this one
     real(dp), intent(out) :: value(banded)                 !< as banded_values
+    real(dp), intent(out) :: seconds                       !< that the run took, wall clock, without derivatives
     type(error_t), allocatable, intent(out) :: error       !< whatever ended it early
     type(input_t), intent(in), optional :: inputs(:)       !< inputs
     type(derivatives_t), intent(out), optional :: by       !< by those that change little, with run.band = 'auto'
@@ -184,6 +207,7 @@ contains
     character(len=:), allocatable :: lost
     integer :: i, level
     value = 0
+    seconds = wall_seconds()
     call set_log_level(quiet, level)
     allocate (run)
     call move_alloc(model, run%model)
@@ -192,6 +216,7 @@ contains
     run%asks_tangent = scene%with_band /= 'auto'
     if (present(by) .and. .not. run%asks_tangent) allocate (run%gradient)
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
+    seconds = wall_seconds() - seconds
     if (.not. allocated(error)) then
       value = banded_values(read_loop(run%loop, run%scene), run%reference%sums)
       if (.not. run%asks_tangent) value(readings + 1:) = 0

@@ -324,7 +324,7 @@ def _glance(scene):
 def _input_band(results, keys):
     """What the tolerances of the inputs leave open."""
     if "band_shares" not in results:
-        return "The error of the inputs is not known: run again with <code>run.band = .true.</code>"
+        return "The error of the inputs is not known: <code>run.band</code> finds it"
     ends = ", ".join(f"{name} from {_engineering(results[key + '_low'])} to {_engineering(results[key + '_high'])}"
                      for name, key in keys.items() if key + "_low" in results)
     most = ", ".join(f"{html.escape(key)} {100 * share:.2g} %" for key, share in list(results["band_shares"].items())[:3])

@@ -224,25 +224,29 @@ def forget() -> None:
 
 
 def _assignments(keys):
-    """Lines 'group.key=value' from keyword parameters."""
-    for name, value in keys.items():
-        if isinstance(value, dict):
-            yield from (f"{name}.{key}={_text(v)}" for key, v in value.items())
-        else:
-            yield f"{name.replace('__', '.', 1)}={_text(value)}"
+    """Lines 'group.key=value' from keyword parameters, each key once."""
+    lines: dict[str, str] = {}
+    for group, value in keys.items():
+        parts = {f"{group}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {group.replace("__", ".", 1): value}
+        for key, v in parts.items():
+            name = key.strip().lower()
+            if name in lines:
+                raise _engine.InputError(f"'{name}' is given twice: write it once, as load__torque=3 or load={{'torque': 3}}")
+            lines[name] = f"{key}={_text(v)}"
+    return [*lines.values()]
 
 
 def _text(value):
     """A value as the namelist has it."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, range)):
         return ",".join(_text(v) for v in value)
     if isinstance(value, (bool, np.bool_)):
         return f".{str(bool(value)).lower()}."
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    if isinstance(value, (str, int, np.integer, np.str_)):
+    if isinstance(value, (str, int, np.integer, Path)):
         text = str(value)
         if not {"\n", "\r", "\0"} & set(text):
             return text

@@ -96,6 +96,10 @@ class Record:
         self._drawn: dict[tuple, list] = {}
         self.branches = self._split()
         self.up, self.down = (self._branch(sense) for sense in (1, -1))
+        for sense, part in ((1, self.up), (-1, self.down)):
+            if not sense * (self.angle_rad[part][-1] - self.angle_rad[part][0]) > 0:
+                raise InputError(f"the angle does not {'rise' if sense > 0 else 'fall'} with the torque: turn the sign of one, "
+                                 "or look whether the columns are what their names say")
         self._fits = {sense: Spline(self.torque_nm[part], self.angle_rad[part], pieces, 0.0)
                       for sense, part in ((1, self.up), (-1, self.down))}
 
@@ -109,6 +113,10 @@ class Record:
             head = Path(path).read_text(errors="replace").lstrip().split("\n", 1)[0].strip()
             raise InputError(f"'{path}' begins with '{head[:80]}'; needed: a line of names, torque_nm and angle_rad or angle_arcsec"
                              ", with commas between them")
+        if not len(table):
+            raise InputError(f"'{path}' holds no reading below its line of names")
+        if {"angle_rad", "angle_arcsec"} <= set(names):
+            raise InputError(f"'{path}' has both angle_rad and angle_arcsec: leave out one")
         for name in {"torque_nm", "angle_rad", "angle_arcsec"} & set(names):
             if table[name].dtype.kind not in "fi":
                 wrong = next(i for i, v in enumerate(table[name]) if not _is_number(v))

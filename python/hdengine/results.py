@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import functools
 import html
 import io
+import itertools
 import mmap
 import tempfile
 import warnings
@@ -32,18 +34,21 @@ KEPT = 8    # steps of contact.csv that a result holds besides the whole
 WORD = 24   # characters beyond which a table is left to the slow reader
 
 
-def _table(path):
+def _lines(source):
+    """Lines of a file, without a mark at its begin, or those of a list; numpy asks for the working folder, which may be gone."""
+    return contextlib.nullcontext(source) if isinstance(source, list) else open(source, encoding="utf-8-sig")
+
+
+def _table(source):
     """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    if isinstance(path, list):
-        head = path[:20]
-    else:
-        with open(path, encoding="utf-8") as file:
-            head = [line for line, _ in zip(file, range(20))]
+    with _lines(source) as lines:
+        head = [*itertools.islice(lines, 20)]
     first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
     if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
         raise ValueError("neither numbers nor words")
     kinds: dict = {name: f"U{WORD}" if first[name].kind == "U" else float for name in first.names}
-    table = np.loadtxt(path, delimiter=",", dtype=[*kinds.items()], skiprows=1, encoding="utf-8", ndmin=1)
+    with _lines(source) as lines:
+        table = np.loadtxt(lines, delimiter=",", dtype=[*kinds.items()], skiprows=1, ndmin=1)
     for name in first.names:
         column = table[name]
         if first[name].kind == "U":
@@ -56,15 +61,17 @@ def _table(path):
     return table.astype([*kinds.items()])
 
 
-def _table_with_gaps(path):
+def _table_with_gaps(source):
     """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
     options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
-    table = np.atleast_1d(np.genfromtxt(path, dtype=None, **options))
+    with _lines(source) as lines:
+        table = np.atleast_1d(np.genfromtxt(lines, dtype=None, **options))
     names = table.dtype.names or ()
     if not any(table.dtype[name].kind == "i" for name in names):
         return table
     floats = [(name, float if table.dtype[name].kind == "i" else table.dtype[name]) for name in names]
-    wide = np.atleast_1d(np.genfromtxt(path, dtype=floats, **options))
+    with _lines(source) as lines:
+        wide = np.atleast_1d(np.genfromtxt(lines, dtype=floats, **options))
     return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
 
 
@@ -146,6 +153,8 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
         what = "a study: read it by hdengine.StudyResult" if (Path(folder) / "study.json").is_file() else \
             "no finished run: summary.json is missing"
         raise FileError(f"'{folder}' holds {what}")
+    if "scene" in needed and read_json(path).get("kind") == "surface":
+        raise FileError(f"'{folder}' holds a run of surfaces; valid: one of a scene, as data/cd14.nml")
     return read_json(path, *needed)
 
 

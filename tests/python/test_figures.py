@@ -41,12 +41,13 @@ def test_the_session_stays_as_it_was(tmp_path):
 
 
 def test_a_run_stopped_in_the_assembly_is_drawn(tmp_path):
-    """A run that ended before the torque has figures of its contact, and none of the torque."""
+    """A run that ended before the torque has figures of its contact, and none of the torque; so has a drive without torque steps."""
     small = {"mesh.divisions": 16, "mesh.band_facets": 3}
     with hdengine.Run(ROOT / "data/cd14.nml", tmp_path / "a", **small) as run:
         next(iter(run))
     names = {p.name for p in plot_run(hdengine.load(tmp_path / "a"))}
     assert "pressure_band.png" in names and "torsion.png" not in names
+    assert "loads.png" in {p.name for p in plot_run(hdengine.run(ROOT / "data/drive14.nml", tmp_path / "b", load__torque_steps=0, **small))}
 
 
 def test_the_band_of_eq_45_is_one_per_cent(small_run):

@@ -315,3 +315,21 @@ def test_lines_fit_a_terminal(exe, tmp_path):
     def words(text):
         return [w for w in text.split() if not re.search(r"\d", w)]
     assert words("\n".join(lines)) == words(whole)
+
+
+@pytest.mark.parametrize("limit, threads, code", [("-S -s 128", "1", 0), ("-s 128", "1", 6), ("-S -s 8192", "100000", 0)])
+def test_small_stacks_and_many_threads(exe, tmp_path, limit, threads, code):
+    """A small stack grows where its hard limit lets it, else it is named with code 6; more threads than a machine has are none. All ended in a
+    segmentation fault."""
+    keys = "mesh.divisions=16 mesh.band_facets=2 load.torque_steps=0 load.assembly_steps=1"
+    done = subprocess.run(["bash", "-c", f"ulimit {limit} && exec '{exe}' '{ROOT}/data/cd14.nml' {keys} --out '{tmp_path}/r' -q"], text=True,
+                          capture_output=True, env=os.environ | {"OMP_NUM_THREADS": threads}, timeout=120)
+    assert done.returncode == code and ("ulimit -s" in done.stderr) == (code == 6)
+
+
+def test_a_working_folder_that_is_gone(small_run, tmp_path):
+    """Runs are read by their whole path where the working folder was removed meanwhile: numpy asked for it and the file was called absent."""
+    (tmp_path / "gone").mkdir()
+    code = f"import os; os.rmdir(os.getcwd()); import hdengine; print(len(hdengine.load({str(small_run)!r}).steps))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path / "gone", capture_output=True, text=True)
+    assert done.stdout.strip() == "3", done.stderr

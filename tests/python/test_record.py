@@ -99,3 +99,16 @@ def test_command(tmp_path, capsys):
     assert found["status"] == "complete" and {p.name for p in (tmp_path / "r").iterdir()} == {"record.json", *found["files"]}
     assert main(words) == 3 and "--force" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0
+
+
+def test_tables_that_say_something_else_are_refused(tmp_path):
+    """A table without rows, with the angle twice, or whose angle stays or falls as the torque rises is refused with the reason; a byte order mark
+    before the first name is none of it."""
+    turn = np.concatenate([np.linspace(0, 5, 20), np.linspace(5, -5, 40), np.linspace(-5, 5, 40)])
+    for name, head, angles, says in (("empty", "torque_nm,angle_rad", [], "no reading"), ("twice", "torque_nm,angle_rad,angle_arcsec", [turn, turn], "both"),
+                                     ("stays", "torque_nm,angle_rad", [0 * turn], "does not rise"), ("falls", "torque_nm,angle_rad", [-turn], "does not rise")):
+        np.savetxt(tmp_path / name, np.c_[(turn, *angles)] if angles else np.empty((0, 2)), delimiter=",", header=head, comments="")
+        with pytest.raises(hdengine.InputError, match=says):
+            Record.read(tmp_path / name)
+    np.savetxt(tmp_path / "mark", np.c_[turn, turn / 5e3], delimiter=",", header="\ufefftorque_nm,angle_rad", comments="", encoding="utf-8")
+    assert Record.read(tmp_path / "mark").torque_nm.max() == 5

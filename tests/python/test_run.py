@@ -78,6 +78,26 @@ def test_earlier_results_are_kept(exe, small_run):
     assert (small_run / "summary.json").read_text() == before
 
 
+def test_nothing_of_an_earlier_run_stays(exe, tmp_path):
+    """A press fit in the folder of a turning drive, by --force, leaves no table or grid of it, and none of a plan: what is read belongs together.
+    Other files stay. A surface from files is not read as the generated one before."""
+    keys = ["mesh.divisions=16", "mesh.band_facets=2", "load.torque_steps=1", "load.assembly_steps=1"]
+    assert call(exe, CD14, *keys, "--out", tmp_path / "new", "-q").returncode == 0
+    for first in (["drive14.nml", "turning.positions=2", "output.vtu=all"], ["cd14.nml", "run.tolerance=0.5"]):
+        assert call(exe, ROOT / "data" / first[0], *keys, *first[1:], "--out", tmp_path / "r", "--force", "-q").returncode == 0
+        (tmp_path / "r/notes.csv").write_text("mine")
+        assert call(exe, CD14, *keys, "--out", tmp_path / "r", "--force", "-q").returncode == 0
+        assert {f.name for f in (tmp_path / "r").iterdir()} == {"notes.csv"} | {f.name for f in (tmp_path / "new").iterdir()}
+    assert hdengine.load(tmp_path / "r").turning is None
+    (tmp_path / "s.nml").write_text("&surface nx = 32 ny = 32 /\n")
+    assert call(exe, tmp_path / "s.nml", "--out", tmp_path / "s", "-q").returncode == 0
+    with pytest.raises(hdengine.FileError, match="a run of surfaces"):
+        hdengine.load(tmp_path / "s")
+    np.save(tmp_path / "m.npy", np.random.default_rng(1).normal(size=(40, 40)))
+    found = hdengine.run_surface(tmp_path / "s.nml", tmp_path / "s", True, fit={"first_file": str(tmp_path / "m.npy"), "dx": 1e-6, "model": "none"})
+    assert [s.heights.shape for s in found.specimens] == [(40, 40)]
+
+
 def test_golden(small_run):
     """The small scene gives the stored results within the stored tolerances (relative; they change only with a reason)."""
     golden = json.loads((ROOT / "tests/cases/cd14_small.json").read_text())

@@ -54,6 +54,23 @@ def test_torques_are_drawn_at_their_last_step(tmp_path):
     assert axis.lines[0].get_ydata()[-1] == pytest.approx(1e-6 * result.select(torque_nm=4.0)[0]["k_ts_nm_per_rad"])
 
 
+def test_points_with_units_and_words_are_drawn(tmp_path):
+    """Values with units are the numbers of the table, words stand along the axis in their order, a column that is not there is named, and a
+    range is a list; a key under two names is refused."""
+    found = small(grid={"wave_generator.w": ["0.19 mm", "200 um"]}).run(tmp_path / "u", show=False)
+    assert [p["wave_generator.w"] for p in small(grid={"wave_generator.w": ["0.19 mm", 2e-4]}).points] == [0.19e-3, 2e-4]
+    assert set(found.column("wave_generator.w")) == {0.19e-3, 0.20e-3}
+    words = small(grid={"load.support": ["hub", "bearing"], "load.torque": range(1, 2)}).run(tmp_path / "w", show=False)
+    axis = new_axes()[1]
+    draw(axis, words, "load.support", "normal_force_n", None)
+    assert [t.get_text() for t in axis.get_xticklabels()] == ["hub", "bearing"] and [*axis.lines[0].get_xdata()] == [0, 1]
+    with pytest.raises(hdengine.InputError, match="no column 'k2_nm_per_rad'"):
+        draw(axis, words, "load.support", "k2_nm_per_rad", None)
+    for keys in ({"load.torque": 1, "load__torque": 2}, {"load": {"torque": 1}, "LOAD.torque": 2}):
+        with pytest.raises(hdengine.InputError, match="'load.torque' is given twice"):
+            hdengine.read_scene(**keys)
+
+
 def test_table_holds_the_runs(tmp_path):
     """The table's numbers are those of single runs, each row carries its keys."""
     result = small().run(tmp_path / "a", show=False)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals that ask for an orderly stop only set a flag; the load-step loop reads it. */
+#include <dirent.h>
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <signal.h>
 #include <limits.h>
 #include <stdio.h>
@@ -141,6 +143,22 @@ void hd_system_text(int number, char *text, int size)
 
 int hd_remove(const char *path) { return unlink(path); }
 
+/* Remove what an earlier run, told by its echo.nml, left in a folder: a table of that run is none of the next one. The summary goes
+   first, and always. */
+void hd_remove_results(const char *folder)
+{
+  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv",
+    "teeth.csv", "fatigue.csv", "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu",
+    "contact_*[0-9].vtu"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    DIR *d = opendir(folder);
+    struct stat echo;
+    for (struct dirent *entry; d && (i == 0 || fstatat(dirfd(d), "echo.nml", &echo, 0) == 0) && (entry = readdir(d));)
+      if (fnmatch(names[i], entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
+    if (d) closedir(d);
+  }
+}
+
 int hd_remove_directory(const char *path) { return rmdir(path); }
 
 /* 0 absent, 1 file, 2 directory, 3 anything else. */
@@ -184,9 +202,21 @@ static const char *better_kernels(void)
    that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). This and the kernels of OpenBLAS are read
    from the environment only as a library is loaded, so the program begins again. */
 #define SPINS "1000"
+enum { most_threads = 1024, least_stack = 1 << 20 };
+void omp_set_num_threads(int n) __attribute__((weak));
+int omp_get_max_threads(void) __attribute__((weak));
 void hd_set_libraries(void)
 {
-  char path[PATH_MAX], *words[4096];
+  struct rlimit stack; /* of this process, which may grow, and of the threads of the next one */
+  if (omp_get_max_threads && omp_get_max_threads() > most_threads) omp_set_num_threads(most_threads);
+  if (getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur < least_stack) {
+    stack.rlim_cur = stack.rlim_max < 8 * least_stack ? stack.rlim_max : 8 * least_stack;
+    if (stack.rlim_cur < least_stack || setrlimit(RLIMIT_STACK, &stack) != 0) {
+      fprintf(stderr, "error: the stack may take %lld kB (ulimit -s); valid: 1024 or more\n", (long long)stack.rlim_cur / 1024);
+      _exit(6);
+    }
+  }
+  static char path[PATH_MAX], *words[4096];
   const char *kernels = getenv("OPENBLAS_CORETYPE") ? NULL : better_kernels();
   int spins = !getenv("OMP_WAIT_POLICY") && !getenv("GOMP_SPINCOUNT");
   if (!spins && !kernels) return;
@@ -208,7 +238,6 @@ void hd_set_libraries(void)
 
 void hd_renew_lines(void);
 void hd_renew_planner(void) __attribute__((weak));
-void omp_set_num_threads(int n) __attribute__((weak));
 
 /* In a forked child: the threads that OpenMP believes in are the parent's; a team of one waits for none of them. */
 void hd_renew_after_fork(void)

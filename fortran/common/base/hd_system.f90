@@ -9,7 +9,7 @@ module hd_system
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
-    remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
+    remove_results, remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -77,6 +77,10 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
     end function c_remove
+    subroutine c_remove_results(path) bind(c, name='hd_remove_results')
+      import :: c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end subroutine c_remove_results
     integer(c_int) function c_rmdir(path) bind(c, name='hd_remove_directory')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -165,6 +169,12 @@ contains
     integer(c_int) :: status
     status = c_remove(trim(path)//c_null_char)
   end subroutine remove_file
+
+  !> Remove the summary, tables and grids that an earlier run left in a folder.
+  subroutine remove_results(folder)
+    character(len=*), intent(in) :: folder  !< folder
+    call c_remove_results(trim(folder)//c_null_char)
+  end subroutine remove_results
 
   !> Remove a folder if it is empty.
   subroutine remove_directory(path)

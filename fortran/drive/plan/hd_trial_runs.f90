@@ -20,7 +20,7 @@ module hd_trial_runs
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
-  use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, stop_requested
+  use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, remove_results, stop_requested
   use hd_text, only: string_t, push, rounded, split, to_number, to_text
   implicit none
   private
@@ -75,6 +75,7 @@ contains
         'begin anew with --force')
     else
       call make_directory(folder, error)
+      call remove_results(folder)
       call remove_file(folder//'/plan.csv')
       if (.not. allocated(error)) call write_echo(folder//'/plan.nml', scene, error)
     end if

@@ -17,7 +17,7 @@ module hd_loop
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, readings_t, book, read_loop, loop_text, write_loop, bottom_turn, store_loop, recall_loop
+  public :: loop_t, readings_t, book, read_loop, first_sense, no_torque, loop_text, write_loop, bottom_turn, store_loop, recall_loop
 
   !> A ball that comes or goes between two steps.
   type :: jump_t
@@ -231,35 +231,47 @@ contains
   end function bottom_turn
 
   !> What a catalogue reads: chords of a rise, the last one through no torque or the first one, width at no torque and lost motion,
-  !> both after the first rise where the loop closes.
+  !> both of the last branches after the first rise where the loop closes.
   pure type(readings_t) function read_loop(loop, scene) result(r)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
+    real(dp), allocatable :: torque(:), angle(:)
+    logical, allocatable :: last_of_equals(:)
     real(dp) :: place(4), turn(4), sense
     integer :: i, first, last, top
     if (.not. allocated(loop%torque)) return
-    if (size(loop%torque) < 2) return
-    sense = sign(1._dp, loop%torque(2))
-    call find_rise(sense*loop%torque, .false., first, last)
+    last_of_equals = [abs(loop%torque(2:) - loop%torque(:size(loop%torque) - 1)) > 0, .true.]
+    torque = pack(loop%torque, last_of_equals)
+    angle = pack(loop%angle, last_of_equals)
+    if (size(torque) < 2) return
+    sense = first_sense(torque)
+    call find_rise(sense*torque, .false., first, last)
     top = last
-    if (scene%history == 'loop') call find_rise(sense*loop%torque, .true., first, last)
-    place = [0._dp, scene%torque_1, scene%torque_2, sense*loop%torque(last)]
+    if (scene%history == 'loop') call find_rise(sense*torque, .true., first, last)
+    place = [0._dp, scene%torque_1, scene%torque_2, sense*torque(last)]
     do i = 1, 4
-      turn(i) = sense*between(sense*loop%torque(first:last), loop%angle(first:last), min(place(i), place(4)))
+      turn(i) = sense*between(sense*torque(first:last), angle(first:last), min(place(i), place(4)))
     end do
     do i = 1, 3
       if (place(i + 1) > place(i) .and. place(4) > place(i) .and. turn(i + 1) > turn(i)) then
         r%k(i) = (min(place(i + 1), place(4)) - place(i))/(turn(i + 1) - turn(i))
       end if
     end do
-    r%has_hysteresis = passes(loop, top, 0._dp)
-    if (r%has_hysteresis) r%hysteresis = abs(branch(loop, top, 0._dp, -1) - branch(loop, top, 0._dp, 1))
+    r%has_hysteresis = passes(torque, top, 0._dp)
+    if (r%has_hysteresis) r%hysteresis = abs(branch(torque, angle, top, 0._dp, -1) - branch(torque, angle, top, 0._dp, 1))
     associate (small => lost_at*scene%rated_torque)
-      if (.not. (passes(loop, top, small) .and. passes(loop, top, -small))) top = 1  ! the loop does not close
-      r%has_lost_motion = passes(loop, top, small) .and. passes(loop, top, -small)
-      if (r%has_lost_motion) r%lost_motion = middle(loop, top, small) - middle(loop, top, -small)
+      if (.not. (passes(torque, top, small) .and. passes(torque, top, -small))) top = 1  ! the loop does not close
+      r%has_lost_motion = passes(torque, top, small) .and. passes(torque, top, -small)
+      if (r%has_lost_motion) r%lost_motion = sum([(branch(torque, angle, top, small, i) - branch(torque, angle, top, -small, i), &
+        i=-1, 1, 2)])/2
     end associate
   end function read_loop
+
+  !> Sense of the first torque that is not 0.
+  pure real(dp) function first_sense(torque) result(sense)
+    real(dp), intent(in) :: torque(:)  !< [N m]
+    sense = sign(1._dp, torque(max(1, findloc(abs(torque) > 0, .true., 1))))
+  end function first_sense
 
   !> The first rise of the torque from 0, or the last one that passes it from below; where there is none the first.
   pure subroutine find_rise(torque, again, first, last)
@@ -287,14 +299,27 @@ contains
   end subroutine find_rise
 
   !> The torque passes a value falling and rising.
-  pure logical function passes(loop, from, torque)
-    type(loop_t), intent(in) :: loop    !< booked steps
-    integer, intent(in) :: from         !< first step that counts
-    real(dp), intent(in) :: torque      !< [N m]
-    associate (a => loop%torque(from:size(loop%torque) - 1), b => loop%torque(from + 1:))
-      passes = any(b < a .and. a >= torque .and. b <= torque) .and. any(b > a .and. a <= torque .and. b >= torque)
-    end associate
+  pure logical function passes(torque, from, at)
+    real(dp), intent(in) :: torque(:)  !< of the steps, no two neighbours alike [N m]
+    integer, intent(in) :: from        !< first step that counts
+    real(dp), intent(in) :: at         !< [N m]
+    passes = min(last_pass(torque, from, at, -1), last_pass(torque, from, at, 1)) > 0
   end function passes
+
+  !> Part of the way in which the torque passes a value in one sense for the last time, or ends there; 0 where it turns back before.
+  pure integer function last_pass(torque, from, at, sense) result(i)
+    real(dp), intent(in) :: torque(:)      !< of the steps, no two neighbours alike [N m]
+    integer, intent(in) :: from            !< first step that counts
+    real(dp), intent(in) :: at             !< [N m]
+    integer, intent(in) :: sense           !< 1 rising, -1 falling
+    do i = size(torque) - 1, from, -1
+      if (sense*(torque(i + 1) - at) < 0 .or. sense*(at - torque(i)) < 0 .or. sense*(torque(i + 1) - torque(i)) <= 0) cycle
+      if (i > from .and. .not. abs(torque(i) - at) > 0) cycle  ! counted with the part before
+      if (abs(torque(i + 1) - at) > 0 .or. i + 2 > size(torque)) return
+      if (sense*(torque(i + 2) - at) > 0) return
+    end do
+    i = 0
+  end function last_pass
 
   !> The readings in a line of the log: those that the torques reach, with their bands where those are known.
   function loop_text(loop, scene, band) result(text)
@@ -326,37 +351,18 @@ contains
     v = y(i) + (y(i + 1) - y(i))*(at - x(i))/(x(i + 1) - x(i))
   end function between
 
-  !> Mean angle at which the torque passes a value in one sense, from a step on [rad]; 0 if it never does.
-  pure real(dp) function branch(loop, from, torque, sense) result(v)
-    type(loop_t), intent(in) :: loop       !< booked steps
-    integer, intent(in) :: from            !< first step that counts
-    real(dp), intent(in) :: torque         !< [N m]
-    integer, intent(in) :: sense           !< 1 rising, -1 falling
-    integer :: i, n
+  !> Angle at which the torque passes a value in one sense for the last time [rad].
+  pure real(dp) function branch(torque, angle, from, at, sense)
+    real(dp), intent(in) :: torque(:), angle(:)  !< of the steps [N m], [rad]
+    integer, intent(in) :: from                  !< first step that counts
+    real(dp), intent(in) :: at                   !< that it passes [N m]
+    integer, intent(in) :: sense                 !< 1 rising, -1 falling
     real(dp) :: share
-    v = 0
-    n = 0
-    do i = from, size(loop%torque) - 1
-      associate (a => loop%torque(i), b => loop%torque(i + 1))
-        if (.not. sense*(b - a) > 0 .or. (torque - a)*(torque - b) > 0) cycle
-        if (.not. abs(torque - a) > 0 .and. i > from) then
-          if (sense*(a - loop%torque(i - 1)) > 0) cycle  ! counted with the part before
-        end if
-        share = (torque - a)/(b - a)
-        v = v + (1 - share)*loop%angle(i) + share*loop%angle(i + 1)
-        n = n + 1
-      end associate
-    end do
-    if (n > 0) v = v/n
+    integer :: i
+    i = last_pass(torque, from, at, sense)
+    share = (at - torque(i))/(torque(i + 1) - torque(i))
+    branch = (1 - share)*angle(i) + share*angle(i + 1)
   end function branch
-
-  !> Middle of the branches at a torque [rad].
-  pure real(dp) function middle(loop, from, torque) result(v)
-    type(loop_t), intent(in) :: loop    !< booked steps
-    integer, intent(in) :: from         !< first step that counts
-    real(dp), intent(in) :: torque      !< [N m]
-    v = (branch(loop, from, torque, 1) + branch(loop, from, torque, -1))/2
-  end function middle
 
   !> Rows of a booked step in loop.csv, balls.csv and teeth.csv.
   subroutine write_loop(output, step, scene, drive, loop, k_ts, shares, error)

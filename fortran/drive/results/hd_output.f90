@@ -13,7 +13,7 @@ module hd_output
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
   use hd_stress, only: body_stress, stress_matrices_t, principal_stresses, von_mises
-  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file
+  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file, remove_results
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_text, only: to_text
@@ -71,7 +71,11 @@ contains
     allocate (output%grids(0), output%times(0))
     call make_directory(folder, error)
     if (allocated(error)) return
-    call remove_file(folder//'/summary.json')
+    call remove_results(folder)
+    if (.not. scene%planned_tolerance > 0) then
+      call remove_file(folder//'/plan.csv')
+      call remove_file(folder//'/plan.nml')
+    end if
     call write_echo(folder//'/echo.nml', scene, error)
     if (allocated(error)) return
     call output%contact%open(folder//'/contact.csv', place//',facet,i_theta,i_z,'//facet_names, error)

@@ -3,6 +3,7 @@
 !> stands on it is a count of steps and a share of the next one.
 module hd_load_path
   use hd_kinds, only: dp
+  use hd_loop, only: first_sense
   use hd_scene, only: scene_t
   implicit none
   private
@@ -159,7 +160,7 @@ contains
     peak = n > 0
     if (.not. peak) return
     torque = [(torque_at(scene, place_t(scene%assembly_steps + i, 0)), i=1, size(torque))]
-    torque = sign(1._dp, torque(1))*torque
+    torque = first_sense(torque)*torque
     peak = torque(n) > 0 .and. torque(n) >= less*maxval(torque(:n))
     if (place < path_end(scene)) peak = peak .and. torque(n + 1) < less*torque(n)
   end function at_peak

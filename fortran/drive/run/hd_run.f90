@@ -18,7 +18,7 @@ module hd_run
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque, at_peak
   use hd_log, only: say, detail
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, read_loop, book, write_loop, bottom_turn
+  use hd_loop, only: loop_text, loop_t, read_loop, first_sense, book, write_loop, bottom_turn
   use hd_loop_warnings, only: drive_warnings
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
@@ -424,7 +424,7 @@ contains
     type(run_t), intent(inout) :: run  !< after a load step
     real(dp) :: sense
     if (.not. run%step%loaded) return
-    sense = sign(1._dp, run%loop%torque(2))
+    sense = first_sense(run%loop%torque)
     if (.not. sense*run%step%torque > 0) return
     if (run%reference%known .and. sense*run%step%torque < at_largest*sense*run%reference%step%torque) return
     run%reference = reference_t(.true., run%step, run%sums, run%certain)

@@ -14,7 +14,7 @@ module hd_surface_run
   use hd_npy, only: write_npy
   use hd_surface_scene, only: surface_t, surface_scene_t
   use hd_structure_function, only: structure_line
-  use hd_system, only: make_directory, remove_file, path_kind, path_absent, path_directory
+  use hd_system, only: make_directory, remove_results, path_kind, path_absent, path_directory
   use hd_table, only: table_t
   use hd_text, only: to_text
   use hd_version, only: version
@@ -195,7 +195,7 @@ contains
     end if
     if (.not. allocated(error)) call make_directory(folder, error)
     if (allocated(error)) return
-    call remove_file(folder//'/summary.json')
+    call remove_results(folder)
     call write_text(folder//'/echo.nml', echo, error)
   end subroutine open_folder
 

@@ -15,7 +15,8 @@ FAR = 10.0  # rad: no joint of a drive twists so far
 def head_of(law: JointLaw) -> list[str]:
     """What every format says before its numbers: title, readings, what the law is."""
     readings = ", ".join(f"{name} = {value:.6g}" for name, value in law.readings.items())
-    return [f"{law.title}: torque over the twist of the output, middle of the loop, by hdengine",
+    curve = "middle of the loop" if (law.falling_rad != law.rising_rad).any() else "first rise, for want of a loop"
+    return [f"{law.title}: torque over the twist of the output, {curve}, by hdengine",
             readings, f"friction beside it, half of the loop's width: {law.friction_nm:.4g} N m"]
 
 

@@ -50,15 +50,24 @@ class JointLaw:
         return np.gradient(self.torque_nm, self.angle_rad)
 
 
-def _angle_of(torque, angle, at):
-    """Angle at torques on a branch, which may fall."""
+def _angle_of(branch, at):
+    """Angle at torques on a branch, which may fall; NaN where it does not reach."""
+    torque, angle = branch
     order = np.argsort(torque, kind="stable")
-    return np.interp(at, torque[order], angle[order])
+    near = np.clip(at, torque[order[0]], torque[order[-1]])
+    return np.where(abs(near - at) <= ROUNDING * abs(at).max(), np.interp(near, torque[order], angle[order]), np.nan)
+
+
+def _first_rise(torque, angle, legs):
+    """The largest rise from no torque, of equals the first, as a positive one from no angle."""
+    top = abs(torque).max()
+    a, b = max((leg for leg in legs if abs(torque[leg[0]]) <= ROUNDING * top), key=lambda leg: abs(torque[leg[1]]))
+    return abs(torque[a:b + 1]), np.sign(torque[b]) * (angle[a:b + 1] - angle[a])
 
 
 @checked(run=RUN)
 def joint_law(run: RunLike) -> JointLaw:
-    """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the first rise mirrored.
+    """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the largest rise mirrored.
 
     Parameters
     ----------
@@ -82,29 +91,34 @@ def joint_law(run: RunLike) -> JointLaw:
     top = abs(torque).max(initial=0.0)
     if not top > 0:
         raise InputError(f"'{run.folder}' has no torque: set load.torque and load.torque_steps")
+    moved = np.r_[np.diff(torque) != 0, True]   # of equal torques the last
+    torque, angle = torque[moved], angle[moved]
     turns = [0, *(np.flatnonzero(np.diff(np.sign(np.diff(torque))) != 0) + 1), len(torque) - 1]
+    legs = [*zip(turns, turns[1:])]
     through = {}  # the last branch through 0 of either sense, ends well away from it
-    for a, b in zip(turns, turns[1:]):
+    for a, b in legs:
         if min(torque[a], torque[b]) < -PAST * top and max(torque[a], torque[b]) > PAST * top:
             through[np.sign(torque[b] - torque[a])] = (torque[a:b + 1], angle[a:b + 1])
     positive = np.unique(np.round(abs(torque[abs(torque) > ROUNDING * top]) / top, 9)) * top
+    grid = np.r_[-positive[::-1], 0.0, positive]
     if len(through) == 2:
-        positive = positive[positive <= min(max(t.max(), -t.min()) for t, _ in through.values()) * (1 + ROUNDING)]
-        grid = np.r_[-positive[::-1], 0.0, positive]
-        falling, rising = (_angle_of(*through[sense], grid) for sense in (-1.0, 1.0))
+        falling, rising = (_angle_of(through[sense], grid) for sense in (-1.0, 1.0))
     else:
-        grid = np.r_[-positive[::-1], 0.0, positive]
-        first = slice(0, turns[1] + 1)
-        mirrored = np.sign(grid) * np.sign(torque[turns[1]]) * _angle_of(abs(torque[first]), angle[first], abs(grid))
-        falling = rising = mirrored
+        falling = rising = np.sign(grid) * _angle_of(_first_rise(torque, angle, legs), abs(grid))
+    centre = (falling + rising + (falling + rising)[::-1]) / 4   # a joint is centred: what the loop is off 0 by goes
+    two_sided = np.flatnonzero(np.isfinite(centre))
+    centre = np.interp(abs(grid), grid[two_sided], centre[two_sided])
+    falling, rising = falling - centre, rising - centre
+    both = np.isfinite(falling + rising)
+    falling, rising = np.where(both, falling, -rising[::-1]), np.where(both, rising, -falling[::-1])
+    reached = both | both[::-1]
+    grid, falling, rising = grid[reached], falling[reached], rising[reached]
     middle = (falling + rising) / 2
-    shift = (middle[::-1] + middle) / 2  # a joint is centred: what the loop is off 0 by goes
-    middle = middle - shift
     if np.any(np.diff(middle) <= 0):
         at = grid[1:][np.diff(middle) <= 0][0]
         raise InputError(f"'{run.folder}': the angle does not rise with the torque at {at:.4g} N m, so it is no joint's law; raise "
                          "load.torque_steps or look at loop.png")
     names = [*(f"k{i}_nm_per_rad" for i in (1, 2, 3)), "hysteresis_rad", "lost_motion_rad"]
     results = run.summary["results"]
-    return JointLaw(grid, middle, falling - shift, rising - shift,
+    return JointLaw(grid, middle, falling, rising,
                     {n: results[n] for n in names if results.get(n) is not None}, run.summary["title"] or run.folder.name)

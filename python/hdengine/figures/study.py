@@ -11,6 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
+from .._engine import InputError
 from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
@@ -50,6 +51,9 @@ def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chose
         Values of the keys of this panel.
     """
     figure, chosen = result.summary["figure"], chosen or {}
+    for name in (x, y):
+        if not any(name in r for r in result.rows):
+            raise InputError(f"figure: the study has no column '{name}'; valid: those of {result.folder / 'study.csv'}")
     rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r and all(r.get(k) == v for k, v in chosen.items())]
     if "torque_nm" not in (x, lines):  # the last load step stands for the point, so it must be the one asked for
         failed = {r["point"] for r in result.failures}
@@ -64,12 +68,17 @@ def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chose
     colours = sorted({r.get(lines) for r in rows}, key=_order)
     styles = sorted({tuple(r.get(n) for n in others) for r in rows}, key=lambda v: [_order(w) for w in v])
     ramp = _shades(colours)
+    places = {}   # of words along x, in the order of the study
+    if any(isinstance(r[x], str) for r in rows):
+        places = {word: i for i, word in enumerate(dict.fromkeys(r[x] for r in rows))}
+        factor_x = 1
+        axis.set_xticks([*places.values()], [*map(str, places)])
     for (i, colour), (j, style) in itertools.product(enumerate(colours), enumerate(styles)):
         line = [r for r in rows if r.get(lines) == colour and tuple(r.get(n) for n in others) == style]
         if "torque_nm" not in (x, lines):
             line = list({r["point"]: r for r in line}.values())
-        line.sort(key=lambda r: r[x])
-        a = np.array([[r[x] * factor_x, r[y] * factor_y] for r in line], float)
+        line.sort(key=lambda r: places.get(r[x], r[x]))
+        a = np.array([[places.get(r[x], r[x]) * factor_x, r[y] * factor_y] for r in line], float)
         if not len(a):
             continue
         if figure.get("relative"):

@@ -74,10 +74,11 @@ class Study:
         fields(self, scene=a_path, grid=mapping, together=mapping, fixed=mapping, rows=text, title=text, figure=mapping)
         for name, keys in (("grid", self.grid), ("together", self.together)):
             for key, values in keys.items():
-                if isinstance(values, np.ndarray):
-                    keys[key] = values = values.tolist()
-                if not isinstance(values, (list, tuple, range)):
+                if isinstance(values, (np.ndarray, range)):
+                    keys[key] = values = list(values.tolist() if isinstance(values, np.ndarray) else values)
+                if not isinstance(values, (list, tuple)):
                     raise InputError(f"'{key}' in {name} = {values!r}: must be a list of values")
+                keys[key] = [self._in_si(key, v) for v in values]
         if self.rows not in ROWS:
             raise InputError(f"study.rows has no choice '{self.rows}'; valid: {', '.join(ROWS)}")
         lengths = {key: len(v) for key, v in self.together.items()}
@@ -89,6 +90,16 @@ class Study:
                     raise InputError(f"'{key}' in [{name}] has no value")
                 if key in self.fixed or (name == "grid" and key in self.together):
                     raise InputError(f"'{key}' stands in two groups of the study")
+
+    def _in_si(self, key, value):
+        """A number with its unit as the number that the engine takes it for; all else as it is."""
+        if not isinstance(value, str) or not any(c.isdigit() for c in value):
+            return value
+        try:
+            found = read_scene(self.scene, **{**self.fixed, key: value})[key.replace("__", ".", 1).strip().lower()]
+        except HdengineError:   # it is reported for its point
+            return value
+        return found if isinstance(found, (int, float)) else value
 
     @classmethod
     @checked(path=a_path)

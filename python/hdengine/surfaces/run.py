@@ -77,8 +77,9 @@ class SurfaceResult:
         self.summary = read_summary(folder, "fits", "spacing_m")
         fits, spacing = self.summary["fits"], tuple(self.summary["spacing_m"])
         specimens = []
-        for file, name in (("heights.npy", "generated"), ("first.npy", "first"), ("second.npy", "second")):
-            if (self.folder / file).is_file():
+        names = {"generated": "heights.npy"} if "generator" in self.summary else {"first": "first.npy", "second": "second.npy"}
+        for name, file in names.items():   # the folder may hold those of an earlier run besides
+            if (self.folder / file).is_file() and (name in fits or not fits):
                 z = np.load(self.folder / file)
                 specimens.append(Specimen(z if len(z) > 1 else z[0], spacing, Path(fits.get(name, {}).get("file", name)).stem))
         self.specimens = tuple(specimens)

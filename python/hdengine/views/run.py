@@ -157,8 +157,10 @@ def forces_of(result: RunLike, table: np.ndarray) -> list:
     """(torque [N m], angles [rad], forces [N]) of balls or pairs of teeth (the larger flank): assembled, at the reference step."""
     assembled = table["step"][table["phase"] == "assembly"]
     found = []
-    for number in (*assembled[-1:].tolist(), result.steps["step"][reference_step(result)]):
+    for number in dict.fromkeys((*assembled[-1:].tolist(), int(result.steps["step"][reference_step(result)]))):
         rows = table[table["step"] == number]
+        if not len(rows):   # teeth without torque
+            continue
         place, of = np.unique(np.round(rows["theta_rad"] % (2 * np.pi), 9), return_inverse=True)
         force = np.zeros(len(place))
         np.maximum.at(force, of, rows["force_n"])

@@ -17,7 +17,7 @@ module hd_loop
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, readings_t, book, read_loop, first_sense, no_torque, loop_text, write_loop, bottom_turn, store_loop, recall_loop
+  public :: loop_t, readings_t, book, read_loop, first_sense, lost_at, loop_text, write_loop, bottom_turn, store_loop, recall_loop
 
   !> A ball that comes or goes between two steps.
   type :: jump_t

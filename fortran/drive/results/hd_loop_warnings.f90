@@ -2,7 +2,7 @@
 !> What the user of a whole drive is warned of when its loop has ended.
 module hd_loop_warnings
   use hd_kinds, only: dp
-  use hd_loop, only: loop_t, no_torque
+  use hd_loop, only: loop_t
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
@@ -50,11 +50,6 @@ contains
     if (any(between_steps(loop, scene))) call push(lines, 'the first rise has no load step up to '// &
       to_text(scene%torque_1)//' N m or none from there to '//to_text(scene%torque_2)//' N m: K1 and K2 are chords of longer '// &
       'steps. Raise load.torque_steps')
-    associate (before => loop%torque(:size(loop%torque) - 1), after => loop%torque(2:))
-      if (any(before*after < -no_torque*maxval(abs(loop%torque))**2)) call push(lines, &
-        'the torque changes its sense between two load steps: hysteresis leaves out the play of the teeth, and work takes it '// &
-        'for stiffness. Add 0 to loop.torques')
-    end associate
     if (allocated(loop%fatigue%safety)) then
       if (minval(loop%fatigue%safety) < 1) call push(lines, "the cup's least safety by Goodman is "// &
         rounded(minval(loop%fatigue%safety))//', below 1: fatigue.csv holds the place. A sharp step of the wall lowers it on '// &

@@ -139,9 +139,9 @@ contains
     end associate
   end subroutine body_stress
 
-  !> Stresses of a revolved body, those that are asked for. A thread takes some sectors with all their cells. The sector before has
-  !> part in stresses at their first nodes: it is then evaluated again, and added last where it is the body's last one, whoever makes
-  !> the others.
+  !> Stresses of a revolved body, those that are asked for. A thread takes some sectors with all their cells. The sector before
+  !> has part in stresses at their first nodes: it is then evaluated again, and added last where it is the body's last one, whoever
+  !> makes the others.
   subroutine nodal_stress(body, u, matrices, error, stress, peak, largest, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]

@@ -3,7 +3,7 @@
 !> stands on it is a count of steps and a share of the next one.
 module hd_load_path
   use hd_kinds, only: dp
-  use hd_loop, only: first_sense
+  use hd_loop, only: first_sense, lost_at
   use hd_scene, only: scene_t
   implicit none
   private
@@ -40,7 +40,7 @@ contains
   !> End of the way.
   pure type(place_t) function path_end(scene)
     type(scene_t), intent(in) :: scene  !< scene
-    path_end = place_t(scene%assembly_steps + torque_load_steps(scene), 0)
+    path_end = place_t(scene%assembly_steps + size(torques_of(scene)) - 1, 0)
   end function path_end
 
   !> End of the load step that is begun at a place.
@@ -80,38 +80,20 @@ contains
     under_torque = assembled(scene) < place
   end function under_torque
 
-  !> Length of the way so far: 0 to 1 assembly, 1 to 2 torque.
-  pure real(dp) function length(scene, place)
-    type(scene_t), intent(in) :: scene  !< scene
-    type(place_t), intent(in) :: place  !< place
-    integer :: n, k
-    real(dp) :: low, high
-    n = scene%assembly_steps
-    k = place%step
-    low = 0
-    if (k >= n) then
-      low = 1
-      k = k - n
-      n = max(1, torque_load_steps(scene))
-    end if
-    high = low + real(k + 1, dp)/n
-    low = low + real(k, dp)/n
-    length = low + place%share*(high - low)
-  end function length
-
   !> Fraction of the assembly at a place, 0 to 1.
   pure real(dp) function assembly_at(scene, place) result(fraction)
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< place
-    fraction = min(length(scene, place), 1._dp)
+    fraction = 1
+    if (place%step < scene%assembly_steps) fraction = (place%step + place%share)/scene%assembly_steps
   end function assembly_at
 
   !> Share of the assembly or of the torque's load steps at a place, 0 to 1.
   pure real(dp) function load_factor_at(scene, place) result(factor)
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< place
-    factor = length(scene, place)
-    if (under_torque(scene, place)) factor = factor - 1
+    factor = assembly_at(scene, place)
+    if (under_torque(scene, place)) factor = (place%step - scene%assembly_steps + place%share)/(size(torques_of(scene)) - 1)
   end function load_factor_at
 
   !> Torques at which the ramps end; the first begins at 0 [N m].
@@ -125,28 +107,43 @@ contains
       0._dp, scene%torque]
   end function ends_of
 
-  !> Load steps of the torque.
-  pure integer function torque_load_steps(scene) result(n)
+  !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read for
+  !> hysteresis and lost motion, after its first ramp: at no torque, and at a share of the rated one either way [N m].
+  pure function torques_of(scene) result(torque)
     type(scene_t), intent(in) :: scene  !< scene
-    n = scene%torque_steps*size(ends_of(scene))
-  end function torque_load_steps
+    real(dp), allocatable :: torque(:), ends(:), ramp(:)
+    real(dp) :: near, sense, stop_at
+    integer :: i, j, k
+    torque = [0._dp]
+    if (scene%torque_steps == 0) return
+    ends = [0._dp, ends_of(scene)]
+    do i = 1, size(ends) - 1
+      associate (from => ends(i), to => ends(i + 1), n => scene%torque_steps)
+        ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
+        near = rounding*abs(to - from)
+        sense = sign(1._dp, to - from)
+        do j = -1, merge(1, -2, i > 1 .and. near > 0)
+          stop_at = j*lost_at*scene%rated_torque
+          k = count(sense*(ramp - stop_at) < 0)  ! ends of steps before it
+          if (k > 0 .and. k < size(ramp) .and. minval(abs(ramp - stop_at)) > near) ramp = [ramp(:k), stop_at, ramp(k + 1:)]
+        end do
+        torque = [torque, ramp(2:)]
+      end associate
+    end do
+  end function torques_of
 
   !> Torque at a place [N m].
   pure real(dp) function torque_at(scene, place) result(torque)
     type(scene_t), intent(in) :: scene      !< scene
     type(place_t), intent(in) :: place      !< place
     real(dp), allocatable :: ends(:)
-    real(dp) :: way
-    integer :: leg
+    integer :: k
     torque = 0
     if (.not. under_torque(scene, place)) return
-    ends = [0._dp, ends_of(scene)]
-    way = load_factor_at(scene, place)*(size(ends) - 1)
-    leg = min(floor(way + rounding), size(ends) - 2)
-    way = way - leg
-    torque = (1 - way)*ends(leg + 1) + way*ends(leg + 2)
-    if (abs(way) < rounding) torque = ends(leg + 1)
-    if (abs(way - 1) < rounding) torque = ends(leg + 2)
+    ends = torques_of(scene)
+    k = place%step - scene%assembly_steps + 1
+    torque = ends(k)
+    if (place%share > 0) torque = (1 - place%share)*ends(k) + place%share*ends(k + 1)
   end function torque_at
 
   !> The torque at the end of a load step, in the sense of its first rise, is the largest so far, and falls or ends there.
@@ -154,15 +151,15 @@ contains
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< end of a load step
     real(dp), parameter :: less = 1 - rounding
-    real(dp) :: torque(max(0, place%step + 1 - scene%assembly_steps))
-    integer :: i, n
+    real(dp), allocatable :: torque(:)
+    integer :: n
     n = place%step - scene%assembly_steps
     peak = n > 0
     if (.not. peak) return
-    torque = [(torque_at(scene, place_t(scene%assembly_steps + i, 0)), i=1, size(torque))]
-    torque = first_sense(torque)*torque
+    torque = torques_of(scene)
+    torque = first_sense(torque)*torque(2:)
     peak = torque(n) > 0 .and. torque(n) >= less*maxval(torque(:n))
-    if (place < path_end(scene)) peak = peak .and. torque(n + 1) < less*torque(n)
+    if (n < size(torque)) peak = peak .and. torque(n + 1) < less*torque(n)
   end function at_peak
 
   !> Length of the next part of the way over that of the last one, by which the last change of a state goes on; 0 where that is no
@@ -174,10 +171,10 @@ contains
     if (.not. last < now) return
     if (last < assembled(scene)) then
       if (under_torque(scene, next)) return
-    else
-      if (.not. (torque_at(scene, now) - torque_at(scene, last))*(torque_at(scene, next) - torque_at(scene, now)) > 0) return
+      ratio = (assembly_at(scene, next) - assembly_at(scene, now))/(assembly_at(scene, now) - assembly_at(scene, last))
+    else if (abs(torque_at(scene, now) - torque_at(scene, last)) > 0) then
+      ratio = max(0._dp, (torque_at(scene, next) - torque_at(scene, now))/(torque_at(scene, now) - torque_at(scene, last)))
     end if
-    ratio = (length(scene, next) - length(scene, now))/(length(scene, now) - length(scene, last))
   end function stretch
 
   !> Largest amount of the torque [N m].

@@ -51,8 +51,7 @@ module hd_warning_list
     warning_t('what large displacements would change', 'they do not converge. Results are of small displacements'), &
     warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
     warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth'), &
-    warning_t('no gradient: ', 'the run was resumed, or a change of state spoilt it. Compare two runs'), &
-    warning_t('the torque changes its sense between', 'hysteresis leaves out the play. Add 0 to loop.torques')]
+    warning_t('no gradient: ', 'the run was resumed, or a change of state spoilt it. Compare two runs')]
 
 contains
 

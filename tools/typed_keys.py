@@ -22,11 +22,11 @@ from typing import TypedDict
 '''
 
 
-def kind(value):
-    """Type of a key by its default."""
+def kind(value, explained):
+    """Type of a key by its default and the text that explains it."""
     if isinstance(value, list):
         return "Sequence[float] | float"
-    if value in (".false.", ".true."):
+    if ".true." in explained.partition("valid: ")[2]:
         return "bool | str"
     return {int: "int", float: "float", str: "str"}[type(value)]
 
@@ -36,8 +36,9 @@ def text():
     groups = {}
     for key, value in hdengine.read_scene().items():
         group, name = key.split(".", 1)
-        unit = re.match(r"&\S+ \S+ = .*? \[(.+)\]\n", _engine.call_text("explain_text", key))
-        groups.setdefault(group, []).append((name, kind(value), f"  # {unit[1]}" if unit else ""))
+        explained = _engine.call_text("explain_text", key)
+        unit = re.match(r"&\S+ \S+ = .*? \[(.+)\]\n", explained)
+        groups.setdefault(group, []).append((name, kind(value, explained), f"  # {unit[1]}" if unit else ""))
     classes = {group: "".join(part.title() for part in group.split("_")) + "Keys" for group in groups}
     out = HEAD
     for group, keys in groups.items():

@@ -150,7 +150,7 @@ contains
           if (present(b)) b(i) = 0
         end if
         k = findloc(list, law%partner(companion), 1)
-        a(i, k) = a(i, k) - law%lean(companion)/rate(list(i))
+        if (k > 0) a(i, k) = a(i, k) - law%lean(companion)/rate(list(i))  ! else its partner's force does not change
       end associate
     end do
   end subroutine lean_rows

@@ -11,7 +11,7 @@ module hd_loop_warnings
 
   real(dp), parameter :: much_on_cam = 2      !< times the torque over the ratio above which it is warned of
   real(dp), parameter :: usual_play = 2.9089e-4_dp  !< an arc minute: catalogues' bound of lost motion [rad]
-  real(dp), parameter :: large_jump = 0.5_dp  !< share of the largest force of a ball above which it is warned of
+  real(dp), parameter :: large_jump = 0.2_dp  !< share of the largest force of a ball above which it is warned of
 
 contains
 

@@ -122,7 +122,8 @@ contains
         other%key%s = p%group//'.'//p%key
         side = try
         if (any(other%key%s == [character(len=17) :: 'loop.torque_1', 'loop.torque_2', 'loop.rated_torque'])) side = -try
-        other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. p%key /= 'torques') .or. &
+        other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. .not. any(p%key == [ &
+          character(len=12) :: 'torques', 'rated_torque'])) .or. &
           (scene%hard() .and. (p%group == 'joint' .or. index(p%key, 'yield') > 0))
         if (associated(p%real)) then
           if (any(p%unit == of_force)) other%force = p%real
@@ -189,7 +190,8 @@ contains
       felt(1, mortar%node(mortar%n - mortar%rigid + 1:)) = .true.
     end associate
     other%whole = other%whole .or. any(felt .and. abs(other%drive%assembly - drive%assembly) > 0) .or. &
-      abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0)
+      abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0) .or. &
+      (scene%support%loop .and. abs(other%scene%rated_torque - scene%rated_torque) > 0)
     other%law = abs(other%drive%interference - drive%interference) > 0 .or. abs(other%scene%friction - scene%friction) > 0 .or. &
       abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard())
     if (allocated(drive%problem%struts)) then

@@ -10,7 +10,7 @@ module hd_load_path
   public :: place_t, operator(<), assembled, path_end, step_end, ahead, place_at, begins, under_torque, assembly_at, torque_at, &
     at_peak, load_factor_at, stretch, largest_torque
 
-  real(dp), parameter :: rounding = 1e-9_dp    !< of a place on the way, in legs
+  real(dp), parameter :: close_by = 1e-4_dp    !< share of a ramp within which a step that is there will do
   real(dp), parameter :: whole = 1 - 1e-12_dp  !< share of a load step that is taken for all of it: shares are cut to 2^-max_cuts
 
   !> A place on the way.
@@ -120,7 +120,7 @@ contains
     do i = 1, size(ends) - 1
       associate (from => ends(i), to => ends(i + 1), n => scene%torque_steps)
         ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
-        near = rounding*abs(to - from)
+        near = close_by*abs(to - from)
         sense = sign(1._dp, to - from)
         do j = -1, merge(1, -2, i > 1 .and. near > 0)
           stop_at = j*lost_at*scene%rated_torque
@@ -150,7 +150,7 @@ contains
   pure logical function at_peak(scene, place) result(peak)
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< end of a load step
-    real(dp), parameter :: less = 1 - rounding
+    real(dp), parameter :: less = 1 - 1e-9_dp
     real(dp), allocatable :: torque(:)
     integer :: n
     n = place%step - scene%assembly_steps

@@ -32,6 +32,8 @@ for kind in sanitize trap; do
   run data/cd14.nml $small solver.kinematics=nonlinear solver.factors=harmonic mesh.ring_divisions=20
   run data/cd14.nml $small load.support=teeth contact.mode=bonded contact.slave=cup
   run tests/cases/pressed_drive.nml $small output.vtu=all load.tooth_friction=0.1 turning.positions=2 bearing.cage_angle_deg=3
+  run tests/cases/pressed_drive.nml $small load.tooth_friction=0.1 load.spline=free loop.torques=8,-3 load.torque_steps=3 solver.tolerance=1e-11 \
+    wave_generator.eccentricity=5e-6 bearing.balls=11 load.tooth_pairs=12 mesh.divisions=24 mesh.band_facets=4
   run data/drive14_hat.nml $small solver.kinematics=nonlinear loop.torques=5
   run data/drive14_hat.nml $small cup.sections_fillet=0 loop.torques=5
   run data/drive14.nml $small run.gradient=.true. loop.torques=5

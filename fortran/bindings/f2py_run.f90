@@ -38,27 +38,32 @@ subroutine run_open(path, assignments, folder, force, resume, implausible, handl
   call tell(error, status, message)
 end subroutine run_open
 
-!> Counts of a run: facets, facets along the axis, displacement dofs.
-subroutine run_sizes(handle, facets, axial, dof, status, message)
+!> Counts of a run: facets, facets along the axis, displacement dofs, load steps.
+subroutine run_sizes(handle, facets, axial, dof, steps, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
+  use hd_load_path, only: path_end, place_t
   use hd_registry, only: find_run
   use hd_run, only: run_t
   use hd_status, only: tell
   implicit none
   integer(c_int), intent(in) :: handle
-  integer(c_int), intent(out) :: facets, axial, dof, status
+  integer(c_int), intent(out) :: facets, axial, dof, steps, status
   character(len=8192), intent(out) :: message
   type(error_t), allocatable :: error
   type(run_t), pointer :: run
+  type(place_t) :: last
   facets = 0
   axial = 0
   dof = 0
+  steps = 0
   call find_run(handle, run, error)
   if (.not. allocated(error)) then
     facets = size(run%model%drive%face%nodes, 2)
     axial = run%model%drive%axial_facets
     dof = 3*run%model%drive%problem%n
+    last = path_end(run%scene)
+    steps = last%step
   end if
   call tell(error, status, message)
 end subroutine run_sizes

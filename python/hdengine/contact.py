@@ -7,7 +7,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -109,7 +109,7 @@ class Run:
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume),
                                      int(allow_implausible))
         self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
-        self.facets, self.axial_facets, self.dof = (int(n) for n in _engine.call("run_sizes", self._handle))
+        self.facets, self.axial_facets, self.dof, self.load_steps = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 
     def _open(self) -> int:
@@ -277,33 +277,35 @@ class _ToBar(logging.Handler):
         self.bar = bar
 
     def emit(self, record):
-        line = " ".join(record.getMessage().split())
-        self.bar.set_postfix_str(line[:90])
-        if line[:1].isdigit():
+        words = record.getMessage().split()
+        self.bar.set_postfix_str(" ".join(words)[:90])
+        if len(words) > 1 and words[0].isdigit() and words[1] in ("assembly", "torque"):
             self.bar.update()
 
 
 @contextlib.contextmanager
-def follow(show: bool | None = None, steps: int = 0) -> Iterator[None]:
-    """A bar over the load steps of runs, with the last line of the log beside it.
+def follow(show: bool | None = None) -> Iterator[Callable[[int], None]]:
+    """A bar over the load steps of runs, with the last line of the log beside it; yields what tells it how many there are.
 
     Parameters
     ----------
     show : bool, optional
         Default: in notebooks.
-    steps : int
-        How many load steps there will be; 0: not known.
     """
-    shown = bar(desc="load steps", unit="", total=steps or None) if (in_notebook() if show is None else show) else None
+    shown = bar(desc="load steps", unit="") if (in_notebook() if show is None else show) else None
     if shown is None:
-        yield
+        yield lambda steps: None
         return
+
+    def expect(steps):
+        shown.total = steps
+        shown.refresh()
     logger, handler = logging.getLogger("hdengine"), _ToBar(shown)
     level = logger.level
     logger.addHandler(handler)
     logger.setLevel(min(logger.getEffectiveLevel(), logging.INFO))
     try:
-        yield
+        yield expect
     finally:
         logger.removeHandler(handler)
         logger.setLevel(level)
@@ -357,21 +359,11 @@ def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = Fal
     >>> result.complete, result.k_ts > 1e5
     (True, True)
     """
-    with follow(show, steps=_count_steps(path, keys)), Run(path, out, force, resume, allow_implausible, **cast(Any, keys)) as r:
+    with follow(show) as expect, Run(path, out, force, resume, allow_implausible, **cast(Any, keys)) as r:
+        expect(r.load_steps)
         for _ in r:
             pass
     return Result(out)
-
-
-def _count_steps(path, keys):
-    """Load steps of a scene as it is given, for the bar; 0 where a plan chooses them."""
-    scene = read_scene(path, **keys)
-    if scene["run.tolerance"] > 0:
-        return 0
-    legs = scene["loop.torques"]
-    legs = 5 if scene["load.support"] == "drive" and not np.any(legs) else len(np.atleast_1d(legs)) if \
-        scene["load.support"] == "drive" else 1
-    return scene["load.assembly_steps"] + legs * scene["load.torque_steps"]
 
 
 @dataclass(frozen=True)

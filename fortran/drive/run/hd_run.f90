@@ -320,10 +320,12 @@ contains
     select case (run%scene%tangent_steps)
     case ('none')
       wants = .false.
-    case ('last')
-      wants = wants .and. .not. run%place < path_end(run%scene)
-    case ('needed')
-      if (run%scene%support%loop) wants = wants .and. at_peak(run%scene, run%place)
+    case ('last', 'needed')
+      if (run%scene%support%loop) then
+        wants = wants .and. at_peak(run%scene, run%place)
+      else if (run%scene%tangent_steps == 'last') then
+        wants = wants .and. .not. run%place < path_end(run%scene)
+      end if
     end select
   end function wants_tangent
 

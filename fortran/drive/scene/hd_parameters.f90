@@ -208,10 +208,11 @@ contains
     call add_real(t, 'load', 'support_stiffness', 'model', s%support_stiffness, 'N/m', 0._dp, big, &
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
     call add_integer(t, 'load', 'assembly_steps', 'assembly', s%assembly_steps, 1, 100000, 'load steps of the assembly')
-    call add_integer(t, 'load', 'torque_steps', 'load', s%torque_steps, 0, 100000, 'load steps of the torque')
+    call add_integer(t, 'load', 'torque_steps', 'load', s%torque_steps, 0, 100000, &
+      'load steps of the torque, of each ramp of a loop, which also stops where it is read: at no torque and 4 % of the rated one')
     call add_choice(t, 'load', 'tangent_steps', 'load', s%tangent_steps, 'needed all last none', &
       'load steps that get a tangent K_TS. needed: those that a result needs, in a loop the one that its results are of, else '// &
-      'all from the end of the assembly on; all: these all; last: the last one alone, without a secant')
+      'all from the end of the assembly on; all: these all; last: the last one alone, without a secant, in a loop as needed')
     call add_drive_keys(s, t)
   end subroutine add_load_keys
 

@@ -88,7 +88,7 @@ def slopes():
     rows = []
     for label, keys in (("bonded", BONDED), *((f"{c:g}", fit(c)) for c in FITS[:5])):
         row, (loop, steps) = run("20", {**keys, "load.torque": 50, "load.torque_steps": 20, "load.tangent_steps": "all"})
-        torque, angle = (np.array(loop[k][-21:]) for k in ("torque_nm", "angle_rad"))
+        torque, angle = (np.array(loop[k])[[-22, *range(-20, 0)]] for k in ("torque_nm", "angle_rad"))  # no stop at 4 % of the rated torque
         k_ts = np.array(steps["k_ts_bonded_nm_per_rad"][-20:])
         rows.append({"fit": label, "torque_nm": [short(t) for t in torque], "slope": [short(s) for s in np.diff(torque) / np.diff(angle) / 1e3],
                      "k_ts_bonded": [short(k / 1e3) if np.isfinite(k) else None for k in k_ts]})

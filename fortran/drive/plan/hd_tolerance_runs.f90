@@ -24,7 +24,7 @@ module hd_tolerance_runs
   use hd_summary, only: derivatives_t
   use hd_system, only: stop_requested
   use hd_text, only: string_t, push, to_text
-  use hd_tolerance_band, only: tolerance_band_t, banded, banded_values, banded_words
+  use hd_tolerance_band, only: tolerance_band_t, banded, banded_values, banded_words, readings
   use hd_tooth_flanks, only: tooth_gaps
   implicit none
   private
@@ -33,7 +33,6 @@ module hd_tolerance_runs
   integer, parameter :: divisions = 36, facets = 6, steps = 6  !< of the mesh, and of each leg of the loop, at most
   integer, parameter :: most_runs = 10     !< of a band that was not asked for; five or seven where all derivatives hold
   real(dp), parameter :: enough = 1e-6_dp  !< of the residuals; at 1e-4 fewer iterations a step, but more cut steps
-  integer, parameter :: readings = 5       !< of the results that have a band: those of the loop, which come first
   !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
   !> its clearance, by 0.8 of it, they say 8 %; runs 9 and -17 %.
   real(dp), parameter :: small = 0.6_dp

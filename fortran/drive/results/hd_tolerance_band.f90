@@ -10,9 +10,10 @@ module hd_tolerance_band
   use hd_text, only: string_t, percent, push, rounded
   implicit none
   private
-  public :: tolerance_band_t, banded, banded_keys, banded_words, banded_values
+  public :: tolerance_band_t, banded, readings, banded_keys, banded_words, banded_values
 
-  integer, parameter :: banded = 7  !< results that have a band
+  integer, parameter :: banded = 7  !< results that have a band,
+  integer, parameter :: readings = 5  !< of which the first are readings of the loop
   character(len=23), parameter :: banded_keys(banded) = [character(len=23) :: 'k1_nm_per_rad', 'k2_nm_per_rad', 'k3_nm_per_rad', &
     'hysteresis_rad', 'lost_motion_rad', 'k_ts_bonded_nm_per_rad', 'k_ts_contact_nm_per_rad']
   character(len=12), parameter :: banded_words(banded) = [character(len=12) :: 'K1', 'K2', 'K3', 'hysteresis', 'lost motion', &

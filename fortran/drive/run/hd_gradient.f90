@@ -33,6 +33,7 @@ module hd_gradient
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
   use hd_text, only: string_t, split
+  use hd_tolerance_band, only: readings
   implicit none
   private
   public :: gradient_t
@@ -45,7 +46,7 @@ module hd_gradient
     'ball_force_max_n,tooth_force_max_n,goodman_safety_min,'
   character(len=*), parameter :: of_all = 'k_ts_nm_per_rad,k_ts_bonded_nm_per_rad,normal_force_n,von_mises_max_pa,'// &
     'edge_line_load_n_per_m'
-  integer, parameter :: readings = 5, forces = 2, looped = readings + forces + 1
+  integer, parameter :: forces = 2, looped = readings + forces + 1
   integer, parameter :: few = 16                   !< stations that have room at first
 
   !> A converged state of the run.

@@ -26,6 +26,7 @@ from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
 from .joint import Joint, JointWarning
+from .views.labels import LOOP
 
 __all__ = ["Result", "load"]
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
@@ -400,6 +401,8 @@ class Result:
             if i in self._held:
                 place = self.scene["output.positions"], self.scene["geometry.band_length"]
                 row |= long_axis(self.contact_at(i), self.shape, *place)
+            if i == len(self.steps) - 1:
+                row |= {name: value for name in LOOP if (value := self.summary["results"].get(name)) is not None}
             found.append(row)
         return found
 

@@ -45,6 +45,7 @@ DRIVE = {
     "material.flexspline_e": (205e9, 213e9, "2 %"),
     "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
 }
+SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
 
 
 class ContactField:
@@ -410,7 +411,7 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     -------
     dict
         What sensitivity.json holds. Figures: tornado_joint.png, but of a table; of the drive tornado_drive.png (Eq. 45) and
-        tornado_tangent.png.
+        tornado_tangent.png, of a whole drive tornado_k2.png.
     """
     from .figures.sensitivity import plot_tornado
     from .results import Result
@@ -434,12 +435,13 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key in DRIVE}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
         found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
-        middle, tangents = drive_tornado(study, ranges, "k_ts_bonded_nm_per_rad")
-        if middle > 0:
-            figures["tornado_tangent.png"] = plot_tornado(middle, tangents, ranges, "Tangent, contact solved anew")
-            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_bonded_nm_per_rad"), ranges), middle)
-            found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
-                                "shares_of_variance": shares}
+        for name, (column, words) in SOLVED.items():
+            middle, ends = drive_tornado(study, ranges, column)
+            if not middle > 0:
+                continue
+            figures[f"tornado_{name}.png"] = plot_tornado(middle, ends, ranges, f"{words}, contact solved anew", words)
+            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, column), ranges), middle)
+            found[name] = {"base_nm_per_rad": middle, "drive": ends, "bands_95_nm_per_rad": bands_of, "shares_of_variance": shares}
     groups = [name for name, (_, of_drive) in GROUPS.items() if curves or not of_drive]
     indexed = sobol > 0 and not table and find_spec("SALib") is not None
     progress = Progress(10 * (len(groups) + indexed), show=show)

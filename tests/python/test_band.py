@@ -12,6 +12,7 @@ import pytest
 import hdengine
 from conftest import ROOT, call
 from hdengine.report import write_report
+from hdengine.views.labels import LOOP
 
 MESH = ["mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=3", "output.vtu=none"]  # coarse runs keep it
 KEYS = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad",
@@ -43,6 +44,22 @@ def test_band_holds_its_value(banded):
         assert 0 < banded[key + "_low"] < banded[key] < banded[key + "_high"], key
     shares = list(banded["band_shares"].values())
     assert sum(shares) == pytest.approx(1, abs=1e-12) and shares == sorted(shares, reverse=True) and min(shares) >= 0
+
+
+def of_its_loop(row):
+    """What a row holds of results of the loop."""
+    return {name: row[name] for name in LOOP if name in row}
+
+
+def test_a_study_has_the_results_of_the_loop(folder, banded, tmp_path):
+    """The last row of a point holds K1 to K3, hysteresis, lost motion and their bands, energies and forces as the summary of that run, and as the
+    rows of its result; safety of the cup is not computed without a folder."""
+    keys = {k: int(v) if v.isdigit() else v for k, v in (word.split("=") for word in (*MESH, "run.band=.true."))}
+    found = hdengine.Study(ROOT / "data/drive14.nml", fixed=keys).run(tmp_path / "s", show=False).rows
+    of_loop = of_its_loop(banded)
+    del of_loop["goodman_safety_min"]
+    assert set(KEYS[:5]) | {key + end for key in KEYS for end in ("_low", "_high")} < set(of_loop) and not of_its_loop(found[0])
+    assert of_its_loop(found[-1]) == of_loop and of_its_loop(hdengine.load(folder).rows()[-1]).items() >= of_loop.items()
 
 
 def variance(change):

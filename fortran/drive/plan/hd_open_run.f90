@@ -121,13 +121,14 @@ contains
     is_complete = index(text, '"status": "complete"') > 0
   end function is_complete
 
-  !> Solve load steps up to a place; at the end of the last one the band is found, where the scene wants it and a summary holds it.
+  !> Solve load steps up to a place; at the end of the last one the band is found: for a summary, else if it was asked for.
   subroutine advance_run(run, to, error)
     type(run_t), intent(inout) :: run                 !< run
     type(place_t), intent(in) :: to                   !< end of a load step
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
     call march(run, to, error)
-    if (allocated(error) .or. .not. (run%scene%wants_band() .and. run%writes) .or. allocated(run%record%band%input)) return
+    if (allocated(error) .or. allocated(run%record%band%input)) return
+    if (.not. (run%scene%wants_band() .and. (run%writes .or. run%scene%with_band == '.true.'))) return
     if (.not. run%place < path_end(run%scene)) call find_band(run, error)
     call run%record%timers%book(in_band)
   end subroutine advance_run

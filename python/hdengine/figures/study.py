@@ -16,21 +16,27 @@ from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
 from ..paper.comparison import BORE, STATED, of_size
-from ..views.labels import LABELS, label
+from ..views.labels import LABELS, LOOP, label
 from .style import new_axes, styled
 
 __all__: list[str] = []
 
 
 def axes_of(result: StudyLike) -> tuple:
-    """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""
+    """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque.
+
+    Of a whole drive, K1 to K3 and hysteresis; a point has one of each, so the torque draws no lines of them.
+    """
     figure, swept = result.summary["figure"], list(result.summary["swept"])
     varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
     numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
     x = figure.get("x") or (numeric or ["torque_nm"])[0]
-    steps = [] if "load.torque" in varied else ["torque_nm"]  # a point that has its own torque is drawn at that alone
+    of_loop = [name for name in LOOP[:4] if x != "torque_nm" and any(name in r for r in result.rows)]
+    ys = figure.get("y") or of_loop or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"]
+    # a point that has its own torque is drawn at that alone
+    steps = [] if "load.torque" in varied or set(ys) <= set(LOOP) else ["torque_nm"]
     lines = figure.get("lines") or next((name for name in [*varied, *steps] if name != x), None)
-    return x, figure.get("y") or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"], lines
+    return x, ys, lines
 
 
 STYLES = ("-", "--", ":", "-.")
@@ -83,6 +89,10 @@ def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chose
             continue
         if figure.get("relative"):
             a[:, 1] = 100 * (a[:, 1] / a[0, 1] - 1)
+        elif any(y + "_low" in r for r in line):
+            ends = factor_y * np.array([[r.get(y + end, r[y]) for r in line] for end in ("_low", "_high")], float)
+            axis.errorbar(a[:, 0], a[:, 1], abs(ends - a[:, 1]), fmt="none", ecolor=ramp[i], capsize=3)
+            label_y = f"{label(y)[0]}, 95 % band"
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
     low, high = axis.get_ylim()

@@ -50,7 +50,7 @@ def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "", of: str
     axis.axvspan(-1, 1, color="0.5", alpha=0.15, lw=0)
     axis.axvline(0, color="k", lw=0.8)
     axis.margins(x=0.15)
-    axis.set_xlabel(f"change of {of} / % of {base:.4g} N m/rad\nblue: low end, orange: high end of the range;\n"
+    axis.set_xlabel(f"change of {of} / % of {base:.4g} N m/rad\nblue: low end, red: high end of the range;\n"
                     "grey: below 1 %, where points change between stick and slip", fontsize=11)
     axis.set_title(title, fontsize=12)
     return figure

@@ -143,20 +143,13 @@ void hd_system_text(int number, char *text, int size)
 
 int hd_remove(const char *path) { return unlink(path); }
 
-/* Remove what an earlier run, told by its echo.nml, left in a folder: a table of that run is none of the next one. The summary goes
-   first, and always. */
-void hd_remove_results(const char *folder)
+/* Remove the files of a folder whose names match a pattern. */
+void hd_remove_matching(const char *folder, const char *pattern)
 {
-  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv",
-    "teeth.csv", "fatigue.csv", "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu",
-    "contact_*[0-9].vtu"};
-  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-    DIR *d = opendir(folder);
-    struct stat echo;
-    for (struct dirent *entry; d && (i == 0 || fstatat(dirfd(d), "echo.nml", &echo, 0) == 0) && (entry = readdir(d));)
-      if (fnmatch(names[i], entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
-    if (d) closedir(d);
-  }
+  DIR *d = opendir(folder);
+  for (struct dirent *entry; d && (entry = readdir(d));)
+    if (fnmatch(pattern, entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
+  if (d) closedir(d);
 }
 
 int hd_remove_directory(const char *path) { return rmdir(path); }

@@ -11,9 +11,9 @@ module hd_open_run
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_model, only: give_back
-  use hd_output, only: check_folder
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
+  use hd_results_folder, only: check_folder
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t

@@ -27,8 +27,7 @@ module hd_system
     integer(c_int) function unwatch_signals() bind(c, name='hd_unwatch_signals')
       import :: c_int
     end function unwatch_signals
-    !> From the program's start on threads of OpenMP that wait sleep, and OpenBLAS takes kernels with AVX2 if there is any;
-    !> an environment that says otherwise is left alone.
+    !> From the program's start on threads of OpenMP that wait sleep; an environment that says otherwise is left alone.
     subroutine set_libraries() bind(c, name='hd_set_libraries')
     end subroutine set_libraries
     subroutine keep_memory() bind(c, name='hd_keep_memory')

@@ -7,8 +7,8 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, sgemm, blas_threads, blas_kernels, multiply_dense, multiply_transposed, solve_dense, invert_symmetric
-  public :: multiply_symmetric, inverse_factor, solve_definite
+  public :: dgemm, sgemm, blas_threads, blas_kernels, choose_kernels, multiply_dense, multiply_transposed, solve_dense
+  public :: invert_symmetric, multiply_symmetric, inverse_factor, solve_definite
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -16,6 +16,9 @@ module hd_lapack
       import :: c_int
       integer(c_int), value :: n
     end function c_threads
+    !> Let an OpenBLAS older than the processor take kernels with AVX2, unless the environment names some.
+    subroutine choose_kernels() bind(c, name='hd_choose_kernels')
+    end subroutine choose_kernels
     subroutine c_kernels(text, size) bind(c, name='hd_blas_kernels')
       import :: c_char, c_int
       character(kind=c_char), intent(out) :: text(*)

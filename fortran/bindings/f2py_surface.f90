@@ -43,7 +43,7 @@ subroutine surface_method(p, ridges, seed, grid, nx, ny, tolerance, bytes, wante
   status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t
   use hd_error, only: error_t
-  use hd_heights, only: method_t, choose_method
+  use hd_heights, only: method_t
   use hd_status, only: tell
   use hd_surface_entry, only: read_entry
   use hd_waves, only: spectrum_t, grid_t

@@ -193,8 +193,7 @@ def row_edges(area: np.ndarray, shape: tuple[int, int], band_length: float) -> n
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoint,
-                    sheared: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoint) -> tuple[np.ndarray, np.ndarray]:
     """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
 
     Parameters
@@ -202,15 +201,13 @@ def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoin
     facets : mapping of ndarray (...)
         Columns of contact.csv.
     joint : Joint
-    sheared : bool
-        False: as if there were no shear.
 
     Returns
     -------
     k_n, k_t : ndarray (...)
     """
     pressure, shear = (np.stack([facets[f"{name}_{i}_pa"] for i in (1, 2, 3, 4)], -1) for name in ("pressure", "shear"))
-    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear * sheared, facets["area_m2"][..., None]))
+    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear, facets["area_m2"][..., None]))
 
 
 def long_axis(facets: Mapping[str, np.ndarray], shape: tuple[int, int], positions: Sequence[float], band_length: float) -> dict:

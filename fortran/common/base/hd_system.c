@@ -176,8 +176,8 @@ void hd_become(char *const words[])
 }
 
 /* Threads of OpenMP that wait spin for long, and take the processor from others; here they sleep after SPINS turns, some 50 us. One
-   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). The environment is read only as the library is
-   loaded, so the program begins again. */
+   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). The environment is read only as the
+   library is loaded, so the program begins again. */
 #define SPINS "1000"
 enum { most_threads = 1024, least_stack = 1 << 20 };
 void omp_set_num_threads(int n) __attribute__((weak));

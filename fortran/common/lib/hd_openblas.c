@@ -43,8 +43,8 @@ static const char *better_kernels(void)
   return NULL;
 }
 
-/* Let OpenBLAS, loaded but at rest, choose its kernels anew if there are better ones, unless the environment names some. It reads the
-   environment as it is loaded, in Python also with a numpy that shares it: both come before us. */
+/* Let OpenBLAS, loaded but at rest, choose its kernels anew if there are better ones, unless the environment names some. It reads
+   the environment as it is loaded, in Python also with a numpy that shares it: both come before us. */
 void hd_choose_kernels(void)
 {
   const char *better = getenv("OPENBLAS_CORETYPE") ? NULL : better_kernels();

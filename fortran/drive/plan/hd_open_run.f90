@@ -17,7 +17,7 @@ module hd_open_run
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
-  use hd_system, only: path_kind, path_absent, path_file
+  use hd_system, only: path_kind, path_absent
   use hd_text, only: percent, rounded, to_text
   use hd_timers, only: in_band
   use hd_tolerance_runs, only: find_band

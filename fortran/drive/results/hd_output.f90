@@ -5,7 +5,7 @@ module hd_output
   use hd_kinds, only: dp
   use hd_body, only: cartesian, cell_nodes
   use hd_drive, only: drive_t
-  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_error, only: error_t
   use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows
   use hd_hexahedron, only: hex20r
   use hd_input, only: write_echo
@@ -18,7 +18,6 @@ module hd_output
   use hd_system, only: remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
-  use hd_text, only: to_text
   use hd_twist_shares, only: part_names
   use hd_vtu, only: vtu_field_t, write_vtu, write_pvd
   implicit none

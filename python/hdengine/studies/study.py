@@ -397,9 +397,8 @@ class StudyResult:
         frame = self.frame().query("status == 'done'").drop(columns=["reason", "code", "status"], errors="ignore")
         frame["torque_nm"] = frame["torque_nm"].round(9)
         rows = self.summary["identity"]["rows"]
-        of_loop = frame.columns.intersection(LOOP)
-        if len(of_loop):
-            frame, rows = frame.dropna(subset=of_loop, how="all"), "last"
+        if len(frame.columns.intersection(LOOP)):
+            frame, rows = frame[~frame["point"].isin([r["point"] for r in self.failures])].groupby("point").tail(1), "last"
         if rows == "all":
             frame = frame[(frame["in_torque"] == 1) | (frame["load_factor"] == 1)]
         grid = np.prod([frame[k].nunique() for k in varied], dtype=int) == self.summary["points"]

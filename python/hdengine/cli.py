@@ -290,7 +290,7 @@ def make_parser() -> argparse.ArgumentParser:
     plot.add_argument("folder", help="folder of a run or a study")
     plot.add_argument("--debug", action="store_true", help="also what is read to mend a run: iterations, pressures of every torque")
     report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
-    report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
+    report.add_argument("folder", help="folder of a run or a study")
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
     report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")

@@ -209,23 +209,16 @@ def plot_series(result: StudyLike) -> Figure:
 
 
 @styled
-def draw_catalogue(axis: Axes, result: StudyLike, name: str, colour: str) -> list:
-    """K_FTS over the size, one line per clearance of the outermost teeth; returns the values [N m/rad], a list per line."""
-    found = []
-    clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
+def plot_catalogue(result: StudyLike) -> Figure:
+    """K_FTS of several sizes, a line per clearance of the outermost teeth, beside the catalogue; a matplotlib figure."""
+    figure, axis = new_axes(figsize=(9, 5))
+    clearances, sizes = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows}), sorted(UNITS)
     for clearance, style in zip(clearances, ("o-", "s--", "^:", "v-.")):
         rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", 0.0) == clearance),
                       key=lambda r: r["geometry.bore_radius"])
-        found.append([r["k_fe_secant_nm_per_rad"] for r in rows])
         text = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "closed at the start"
-        axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], found[-1], colour + style, label=f"{name}, {text}")
-    return found
-
-
-@styled
-def draw_units(axis: Axes) -> None:
-    """K1, K2, K3 of the catalogue over the size, with axes and legend."""
-    sizes = sorted(UNITS)
+        axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], [r["k_fe_secant_nm_per_rad"] for r in rows],
+                    "C0" + style, label=f"$K_{{FTS}}$, {text}")
     for i in (1, 2, 3):
         axis.loglog(sizes, [getattr(UNITS[s], f"k{i}_nm_per_rad") for s in sizes], f"C{i}^-", label=f"catalogue K{i}")
     axis.set_xticks(sizes, [str(s) for s in sizes])
@@ -233,14 +226,6 @@ def draw_units(axis: Axes) -> None:
     axis.set_xlabel("size")
     axis.set_ylabel("torsional stiffness / (N m/rad)")
     axis.legend(fontsize=11)
-
-
-@styled
-def plot_catalogue(result: StudyLike) -> Figure:
-    """K_FTS of several sizes beside K1, K2, K3 of the catalogue; a matplotlib figure."""
-    figure, axis = new_axes(figsize=(9, 5))
-    draw_catalogue(axis, result, "$K_{FTS}$", "C0")
-    draw_units(axis)
     axis.set_title(result.summary["title"], fontsize=13)
     return figure
 

@@ -19,9 +19,7 @@ TORQUES_NM = (1.0, 3.0, 5.0)
 STATED: dict[str, Any] = {
     "k_ts_5_nm": 1820.44, "pressure_long_1_mpa": 96.35, "eccentricity_percent": (-9.40, -6.61, -5.02),
     "w_best_m": 0.21e-3, "w_percent": (12.65, 8.76, 7.12), "k_ts_best_w": (1009.11, 1552.69, 1940.49),
-    "k_wts_theory": 2524.92, "k_wts_test": 2723.75, "k_wts_difference_percent": 7.30, "k_wts_highest": 5294.0,
-    "torque_error_nm": 0.05, "angle_error_arcsec": 2.0, "torque_step_nm": 0.01,
-    "facets": 1290, "mesh_mm": 0.001, "fractal_dimension": 2.5304, "roughness_m": 2.4248e-7,
+    "k_wts_theory": 2524.92, "k_wts_test": 2723.75, "k_wts_highest": 5294.0,
 }
 BORE, NEAR = 17.5e-3, 0.3e-3   # of size 14, and a tenth of the way to the next size [m]
 CLOSE, SIZE, RESOLVED = 0.1, 0.1, 1.0  # shares of a figure; in per cent: points that turn from stick to slip move K_TS by that much
@@ -169,46 +167,6 @@ def series_rows(k_ts: float, k_fts: float) -> list:
                 judge_figure(s["k_wts_test"], k).replace("does not", "cannot"), because),
             Row("K_WTS, highest measured", f"{s['k_wts_highest']:.0f} N m/rad", ours, "-",
                 judge_figure(s["k_wts_highest"], k).replace("does not", "cannot"), because)]
-
-
-def arithmetic_rows() -> list:
-    """What the paper's own figures say about each other."""
-    s, unit = STATED, UNITS[14]
-    difference = 100 * (1 - s["k_wts_theory"] / s["k_wts_test"])
-    try:
-        torsion.remaining_stiffness(s["k_wts_highest"], s["k_ts_5_nm"])
-        series, why = "agrees", ""
-    except ValueError as error:
-        series, why = "cannot agree", str(error)
-    low, high = (s["torque_step_nm"] / k * 180 * 3600 / np.pi for k in (s["k_wts_highest"], s["k_wts_test"]))
-    ring = 2 * np.pi * 17.5 * 12 / s["mesh_mm"]**2
-    height, slope = _surface(s["fractal_dimension"], s["roughness_m"])
-    inside = s["k_wts_test"] < s["k_wts_highest"] < unit.k3_nm_per_rad
-    return [
-        Row("test against theory at 0.5 N m", f"{s['k_wts_difference_percent']:.2f} %", f"{difference:.2f} %", "-",
-            judge_figure(s["k_wts_difference_percent"], difference), "difference over the test's value; the bench's 0.05 N m alone "
-            f"is {100 * s['torque_error_nm'] / 0.5:.0f} % of 0.5 N m"),
-        Row("K_WTS above K_TS (Eq. 46)", f"{s['k_wts_highest']:.0f} > {s['k_ts_5_nm']:.0f} N m/rad", "refused", "-", series, why),
-        Row("K_WTS beside the catalogue, size 14", f"{s['k_wts_test']:.0f} to {s['k_wts_highest']:.0f} N m/rad",
-            f"K1 to K3: {unit.k1_nm_per_rad:.0f} to {unit.k3_nm_per_rad:.0f} N m/rad", "-",
-            "trend agrees" if inside else "does not agree", "same order, rising with the torque"),
-        Row("step of the bench against its angle error", f"{s['torque_step_nm']:g} N m, {s['angle_error_arcsec']:g} arcsec",
-            f"{low:.1f} to {high:.1f} arcsec a step", "-", "agrees" if low > s["angle_error_arcsec"] else "cannot agree",
-            "a step turns the drive by less than the error; only a fit can be read"),
-        Row("contact facets and mesh size", f"{s['facets']} of {s['mesh_mm']} mm",
-            f"86 x 15 = {86 * 15} of {2 * np.pi * 17.5 / 86:.1f} x {12 / 15:.1f} mm", "-", "cannot agree",
-            f"{s['mesh_mm']} mm would make {ring:.1e} facets; 1 mm must be meant"),
-        Row("surface of the stated D and G", f"D {s['fractal_dimension']}, G {s['roughness_m']:.4g} m",
-            f"rms {1e6 * height:.1f} µm, slope {slope:.1f} over 0.5 mm", "-", "cannot agree", "no ground ring is that rough: "
-            "measured metal surfaces give G of 1e-13 to 1e-8 m")]
-
-
-def _surface(dimension, roughness):
-    """Rms height [m] and rms slope of Eq. 1, with waves of 0.5 mm to 1 um."""
-    length, shortest, gamma = 0.5e-3, 1e-6, 1.5
-    n = np.arange(int(np.log(length / shortest) / np.log(gamma) + 1e-9) + 1)
-    square = np.log(gamma) * roughness**(2 * (dimension - 2)) * (length / gamma**n)**(2 * (3 - dimension))
-    return np.sqrt(square.sum() / 2), np.sqrt((square * (2 * np.pi * gamma**n / length)**2).sum() / 2)
 
 
 def of_run(result: RunLike) -> list:

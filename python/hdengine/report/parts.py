@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sections of reports, as HTML: of a run, a study, a surface, or a comparison with its studies."""
+"""Sections of reports, as HTML: of a run, a study or a surface."""
 from __future__ import annotations
 
 import base64
@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import _engine
 from .._engine import FileError
 from ..catalogue import unit_of
 from ..contact import read_scene
@@ -493,22 +492,6 @@ def _surface_parts(result):
     yield "Provenance", _pairs(result.summary["provenance"])
 
 
-def _collection_parts(folder):
-    """(heading, HTML) of a comparison and of the studies beside it."""
-    from ..figures.study import plot_study
-
-    rows = read_json(folder / "comparison.json", "rows")["rows"]
-    yield from _comparison([paper.Row(*(row[name] for name in paper.Row.HEAD)) for row in rows])
-    for path in sorted(folder.glob("*/study.json")):
-        result = StudyResult(path.parent)
-        s = result.summary
-        text = f"<p>{s['done'] - s['failed']} of {s['points']} points solved, {s['failed']} failed; {path.parent.name}.</p>"
-        if result.failures:
-            text += f"<details><summary>failed points</summary>{_failures(result)}</details>"
-        yield s["title"], text + "".join(_image(p, s["title"]) for p in plot_study(result))
-    yield "Provenance", _pairs({"hdengine": _engine.version()})
-
-
 def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str, list]:
     """Title and sections of whatever the folder holds."""
     if (folder / "study.json").is_file():
@@ -520,7 +503,5 @@ def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str,
             return summary.get("title", ""), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
         return result.summary["title"], [*_run_parts(result, picture, animation)]
-    if (folder / "comparison.json").is_file():
-        return "hdengine beside Hu et al. (2023)", [*_collection_parts(folder)]
     raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
                         "valid: a folder that hdengine.x or hdengine study wrote")

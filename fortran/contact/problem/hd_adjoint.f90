@@ -11,6 +11,7 @@ module hd_adjoint
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness
+  use hd_symmetry, only: symmetry_t, symmetrise
   implicit none
   private
   public :: adjoint_t
@@ -88,12 +89,13 @@ contains
   end subroutine reflect
 
   !> Solve for one result. The slip of a step ends what it was when the step began: `later` is the tau along the face that the next
-  !> step asks of this one.
+  !> step asks of this one. Where the load step has a symmetry that all residuals share, the solver uses it, and of a result only the
+  !> mean over its images counts: a derivative by what breaks the symmetry is that of both directions together.
   subroutine solve_adjoint(self, problem, solver, by_u, by_t, later, twice, lambda, rho, error)
     class(adjoint_t), intent(in) :: self              !< law, which the solver has
     type(problem_t), intent(in) :: problem            !< problem
     class(linear_solver_t), intent(inout) :: solver   !< factorised
-    real(dp), intent(in) :: by_u(:, :)                !< derivatives of the result by displacements (3, n)
+    real(dp), intent(inout) :: by_u(:, :)             !< derivatives of the result by displacements (3, n); their mean over images
     real(dp), intent(in) :: by_t(:, :)                !< and tractions (3, multipliers) [1/Pa]
     real(dp), intent(inout) :: later(:, :)            !< tau of the next step, then of this one (2, multipliers)
     logical, intent(in) :: twice                      !< refined: a solver may let a wheel's balance be by a hair
@@ -104,8 +106,17 @@ contains
     real(dp), allocatable :: left_u(:, :), more_u(:, :)
     real(dp) :: known(3)
     integer :: j
+    w = by_t
+    if (solver%symmetry%order() > 1) then
+      call symmetrise(problem, solver%symmetry, by_u)
+      more(1, :) = 0
+      more(2:, :) = later
+      w = mean_of(problem, solver%symmetry, w)
+      more = mean_of(problem, solver%symmetry, more)
+      later = more(2:, :)
+    end if
     do j = 1, size(r, 2)
-      w(:, j) = by_t(:, j)/max(problem%mortar%area(j), tiny(1._dp))
+      w(:, j) = w(:, j)/max(problem%mortar%area(j), tiny(1._dp))
       r(:, j) = matmul(self%w(:, :, j), w(:, j)) + matmul(self%t(:, 2:, j), later(:, j))
     end do
     call solver%solve(problem, -by_u, r, lambda, tau, error)
@@ -132,4 +143,16 @@ contains
     end do
     later = tau(2:, :)
   end subroutine solve_adjoint
+
+  !> Mean of a field of the multipliers over its images.
+  function mean_of(problem, symmetry, t) result(mean)
+    type(problem_t), intent(in) :: problem    !< problem
+    type(symmetry_t), intent(in) :: symmetry  !< of the load step
+    real(dp), intent(in) :: t(:, :)           !< (3, multipliers)
+    real(dp) :: mean(3, size(t, 2)), field(3, problem%n)
+    field = 0
+    field(:, problem%mortar%node) = t
+    call symmetrise(problem, symmetry, field)
+    mean = field(:, problem%mortar%node)
+  end function mean_of
 end module hd_adjoint

@@ -32,6 +32,7 @@ module hd_gradient
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
+  use hd_symmetry, only: sharing_t, share_law
   use hd_text, only: string_t, split
   use hd_tolerance_band, only: readings
   implicit none
@@ -154,7 +155,7 @@ contains
     allocate (self%result(size(found%results)))
     allocate (self%value(self%keys, size(found%results)), self%by_turn(self%n, size(found%results)), source=0._dp)
     images = solver%most_images
-    solver%most_images = 1
+    if (scene%formed()) solver%most_images = 1  ! GMRES around round bodies does not say which it uses
     do i = 1, size(self%result)
       associate (r => self%result(i), points => drive%problem%mortar%n)
         allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
@@ -446,6 +447,7 @@ contains
     type(ahead_t) :: ahead
     type(load_t) :: load
     type(state_t) :: next
+    type(sharing_t) :: sharing
     integer, allocatable :: list(:)
     real(dp), allocatable, dimension(:, :) :: left_u, left_c, by_u, by_t, near
     real(dp), allocatable, dimension(:, :, :) :: dw, dt, lambda, rho, slope
@@ -462,6 +464,8 @@ contains
       if (allocated(error)) return
       next = s
       call linear_equations(problem, load, before, next, left_c, dw, dt)
+      call share_law(problem, solver%symmetry, sharing)
+      call sharing%take_law(dw, dt)
       allocate (left_u, by_u, mold=s%u)
       call internal_residual(problem, load, s, left_u)
       call update_struts(problem, load, s%u)
@@ -623,7 +627,7 @@ contains
     type(adjoint_t) :: adjoint
     type(load_t) :: load
     type(state_t) :: moved
-    real(dp), allocatable, dimension(:, :) :: lambda, rho, later, none, left_u, left_c
+    real(dp), allocatable, dimension(:, :) :: lambda, rho, by_u, later, none, left_u, left_c
     real(dp), allocatable :: step(:)
     real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
     real(dp) :: flexibility, part, sense
@@ -645,10 +649,12 @@ contains
         call rate_matrices(problem, idle_components(problem), merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, &
           dw, dt)
         call adjoint%take(problem%law%scale, dw, dt)
+        load%force = load%force + sense*drive%torque + drive%squeeze  ! in whose symmetry the answer lies
         call begin_many(solver, 1, problem, load, top, error)
         if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
         later = none(:2, :)
-        if (.not. allocated(error)) call adjoint%solve(problem, solver, sense*drive%gauge, none, later, .true., lambda, rho, error)
+        by_u = sense*drive%gauge
+        if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, none, later, .true., lambda, rho, error)
         if (allocated(error)) return
         call leave_free(problem, lambda)
         left_u = remaining_forces(drive, sense, answer)

@@ -40,6 +40,7 @@ module hd_companion
     logical :: idle = .false.                        !< the key has no part in the equilibrium
     logical :: whole = .false.                       !< bodies, supports or nodal loads are others: else the drive has only
     logical :: struts = .false., law = .false.       !< struts and contact law, which may be others
+    logical :: rough = .false.                       !< the joint or its friction may be another
     type(scene_t) :: scene
     type(drive_t) :: drive                           !< unless it is idle
     type(joint_t) :: joint
@@ -151,11 +152,12 @@ contains
         other%scene = moved
         other%joint = joint
         law = felt .and. any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
+        other%rough = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
         if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
         other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
         if (other%whole) then
-          call new_drive(moved, other%drive, refused)
+          call new_drive(moved, other%drive, refused, alike=.true.)
         else
           other%drive = drive
           call renew_drive(moved, other%drive, refused)

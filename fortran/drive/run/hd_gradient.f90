@@ -252,12 +252,13 @@ contains
   end function forces_in
 
   !> Results that a drive would have in the states of the run, in the order of their names; no tangent.
-  function results_of(self, scene, joint, own, drive) result(value)
+  function results_of(self, scene, joint, own, drive, k_ts) result(value)
     type(gradient_t), intent(in) :: self        !< stations
     type(scene_t), intent(in) :: scene          !< of the drive
     type(joint_t), intent(in) :: joint          !< its joint
     type(drive_t), intent(in) :: own            !< its struts
     type(drive_t), intent(in) :: drive          !< all else of it
+    real(dp), intent(in), optional :: k_ts      !< K_TS by Eq. 45, if it is known [N m/rad]
     real(dp), allocatable :: value(:)
     type(facets_t) :: facets
     type(sums_t) :: sums
@@ -267,8 +268,12 @@ contains
     real(dp) :: stress, most(2), ends(2)
     integer :: i
     associate (top => self%station(self%top), worst => self%station(self%worst))
-      call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
-      call sum_stiffness(scene, drive, torque_at(scene, top%place), top%state, facets, sums)
+      if (present(k_ts)) then
+        sums%k_ts = k_ts
+      else
+        call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
+        call sum_stiffness(scene, drive, torque_at(scene, top%place), top%state, facets, sums)
+      end if
       call drive_load(drive, assembly_at(scene, worst%place), 0._dp, 0._dp, load)
       u = worst%state%u
       call prescribe(drive%problem, load, u)
@@ -345,10 +350,18 @@ contains
     self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
     value = results_of(self, scene, joint, drive, drive)
     do i = 1, self%keys
-      associate (c => self%of(i))
-        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
-        if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
-        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
+      associate (c => self%of(i), k_ts => value(merge(looped, 0, scene%support%loop) + 1))
+        if (c%whole) then
+          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
+        else if (c%rough .and. c%idle) then
+          self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
+        else if (c%rough) then
+          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
+        else if (c%idle) then
+          self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive, k_ts) - value
+        else
+          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive, k_ts) - value
+        end if
       end associate
     end do
     if (scene%support%loop) then
@@ -629,6 +642,7 @@ contains
     type(state_t) :: moved
     real(dp), allocatable, dimension(:, :) :: lambda, rho, by_u, later, none, left_u, left_c
     real(dp), allocatable :: step(:)
+    type(rate_point_t), allocatable :: points(:)
     real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
     real(dp) :: flexibility, part, sense
     integer :: c, i, k
@@ -658,26 +672,31 @@ contains
         if (allocated(error)) return
         call leave_free(problem, lambda)
         left_u = remaining_forces(drive, sense, answer)
-        left_c = remaining_law(scene, joint, drive, load, top, answer, k > 0)
+        points = answer%points
+        if (k > 0) points = points_on(scene, joint, drive, load, top, answer)
+        left_c = remaining_law(drive, merge(step_friction(scene, .true.), 0._dp, k > 0), points, answer)
         do i = 1, self%keys
-          if (self%of(i)%whole) then
-            call at_top(self, self%of(i)%scene, self%of(i)%drive, load)
-            part = sense*sum((self%of(i)%drive%gauge - drive%gauge)*answer%du) - &
-              sum(lambda*(remaining_forces(self%of(i)%drive, sense, answer) - left_u)) - &
-              sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, self%of(i)%drive, load, top, answer, k > 0) - left_c))
-          else
-            part = -sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, drive, load, top, answer, k > 0) - left_c))
-            if (self%of(i)%struts) part = part - work_of_struts(self, self%of(i), drive, lambda, answer%du)
-          end if
-          self%value(i, n) = self%value(i, n) + k*part
+          associate (c => self%of(i))
+            part = 0
+            if (c%whole) then
+              call at_top(self, c%scene, c%drive, load)
+              part = sense*sum((c%drive%gauge - drive%gauge)*answer%du) - &
+                sum(lambda*(remaining_forces(c%drive, sense, answer) - left_u)) - &
+                sum(rho*(law_of(c, c%drive) - left_c))
+            else if (c%rough) then
+              part = -sum(rho*(law_of(c, drive) - left_c))
+            end if
+            if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda, answer%du)
+            self%value(i, n) = self%value(i, n) + k*part
+          end associate
         end do
         do c = 1, merge(3, 0, k > 0)
           moved%traction = top%traction
           step = of_state*abs(top%traction(1, :))
           if (c > 1) step = of_state*norm2(top%traction(2:, :), 1)
           moved%traction(c, :) = moved%traction(c, :) + step
-          self%result(n)%by_t(c, :) = -sum(rho*(remaining_law(scene, joint, drive, load, moved, answer, .true.) - left_c), 1)/ &
-            max(step, tiny(1._dp))
+          self%result(n)%by_t(c, :) = -sum(rho*(remaining_law(drive, step_friction(scene, .true.), &
+            points_on(scene, joint, drive, load, moved, answer), answer) - left_c), 1)/max(step, tiny(1._dp))
         end do
         call add_curvature(self, drive, lambda, answer%du, k, self%result(n)%by_u)
       end do
@@ -685,6 +704,19 @@ contains
       self%result(n)%by_u = -self%result(n)%by_u/flexibility**2
       self%result(n)%by_t = -self%result(n)%by_t/flexibility**2
     end associate
+  contains
+    !> What the run's answer leaves in the law of a companion's joint (3, points).
+    function law_of(c, own) result(left)
+      type(companion_t), intent(in) :: c    !< companion
+      type(drive_t), intent(in) :: own      !< its bodies
+      real(dp) :: left(3, drive%problem%mortar%n)
+      if (c%rough .and. k > 0) then
+        left = remaining_law(own, step_friction(c%scene, .true.), points_on(c%scene, c%joint, own, load, &
+          self%station(self%top)%state, answer), answer)
+      else
+        left = remaining_law(own, merge(step_friction(c%scene, .true.), 0._dp, k > 0), points, answer)
+      end if
+    end function law_of
   end subroutine add_tangent
 
   !> Load and struts of a drive at the reference step of the run.
@@ -714,30 +746,31 @@ contains
     left = left - (sense*drive%torque + drive%squeeze)
   end function remaining_forces
 
-  !> What it leaves in the law of its joint (3, points).
-  function remaining_law(scene, joint, drive, load, top, answer, loose) result(left)
+  !> Points of the run's answer on another joint.
+  function points_on(scene, joint, drive, load, top, answer) result(points)
     type(scene_t), intent(in) :: scene      !< friction
     type(joint_t), intent(in) :: joint      !< joint
     type(drive_t), intent(in) :: drive      !< bodies
     type(load_t), intent(in) :: load        !< of the reference step
     type(state_t), intent(in) :: top        !< its state
     type(answer_t), intent(in) :: answer    !< of the run
-    logical, intent(in) :: loose            !< not glued
-    real(dp) :: left(3, size(answer%points))
-    type(rate_point_t) :: points(size(answer%points))
-    real(dp), dimension(3, 3, size(answer%points)) :: dw, dt
-    real(dp) :: w(3, size(answer%points))
-    type(joint_t) :: capped
+    type(rate_point_t), allocatable :: points(:)
+    points = joint_points(drive, at_friction(joint, step_friction(scene, .true.)), load, top)
+    points%state = answer%points%state
+    points%grows = answer%points%grows
+    points%at_bound = answer%points%at_bound
+  end function points_on
+
+  !> What it leaves in the law of the points (3, points).
+  function remaining_law(drive, friction, points, answer) result(left)
+    type(drive_t), intent(in) :: drive             !< bodies
+    real(dp), intent(in) :: friction               !< mu of the points, 0: glued
+    type(rate_point_t), intent(in) :: points(:)    !< points
+    type(answer_t), intent(in) :: answer           !< of the run
+    real(dp) :: left(3, size(points)), w(3, size(points))
+    real(dp), dimension(3, 3, size(points)) :: dw, dt
     integer :: j
-    points = answer%points
-    capped = at_friction(joint, step_friction(scene, .true.))
-    if (loose) then
-      points = joint_points(drive, capped, load, top)
-      points%state = answer%points%state
-      points%grows = answer%points%grows
-      points%at_bound = answer%points%at_bound
-    end if
-    call rate_matrices(drive%problem, idle_components(drive%problem), merge(capped%mu, 0._dp, loose), points, dw, dt)
+    call rate_matrices(drive%problem, idle_components(drive%problem), friction, points, dw, dt)
     w = relative_displacement(drive%problem%mortar, answer%du)
     do j = 1, size(points)
       left(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))

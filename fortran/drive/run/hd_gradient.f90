@@ -9,7 +9,7 @@ module hd_gradient
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t
-  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, pull_of
+  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, forces_of
   use hd_contact_law, only: stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
@@ -23,7 +23,7 @@ module hd_gradient
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton, only: idle_components, linear_equations, prescribe
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, move_state, strut_closings, &
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, elastic_forces, linear_forces, move_state, strut_closings, &
     strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
@@ -323,13 +323,15 @@ contains
     type(scene_t), intent(in) :: scene       !< of the drive
     type(drive_t), intent(in) :: drive       !< the drive
     type(loop_t) :: loop
+    integer, allocatable :: at(:)
     integer :: i
+    at = pack([(i, i=1, drive%problem%n)], any(abs(drive%gauge) > 0, 1))
     loop%torque = [0._dp]
     loop%angle = [0._dp]
     do i = self%assembled + 1, self%n
       if (.not. self%station(i)%booked) cycle
       loop%torque = [loop%torque, torque_at(scene, self%station(i)%place)]
-      loop%angle = [loop%angle, sum(drive%gauge*self%station(i)%state%u)]
+      loop%angle = [loop%angle, sum(drive%gauge(:, at)*self%station(i)%state%u(:, at))]
     end do
   end function loop_of
 
@@ -462,7 +464,8 @@ contains
     type(state_t) :: next
     type(sharing_t) :: sharing
     integer, allocatable :: list(:)
-    real(dp), allocatable, dimension(:, :) :: left_u, left_c, by_u, by_t, near
+    real(dp), allocatable :: force(:)
+    real(dp), allocatable, dimension(:, :) :: bare, left_u, left_c, by_u, by_t, near
     real(dp), allocatable, dimension(:, :, :) :: dw, dt, lambda, rho, slope
     integer :: j, k, struts
     associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
@@ -479,8 +482,16 @@ contains
       call linear_equations(problem, load, before, next, left_c, dw, dt)
       call share_law(problem, solver%symmetry, sharing)
       call sharing%take_law(dw, dt)
-      allocate (left_u, by_u, mold=s%u)
-      call internal_residual(problem, load, s, left_u)
+      allocate (bare, by_u, mold=s%u)
+      call elastic_forces(problem, s%u, bare)
+      call add_nodal_forces(problem%mortar, s%traction, bare, factor=-1._dp)
+      left_u = bare - load%force
+      if (allocated(problem%struts)) then
+        force = strut_forces(problem, load, s%u)
+        do k = 1, size(force)
+          if (abs(force(k)) > 0) call push(problem%struts(k), force(k), left_u)
+        end do
+      end if
       call update_struts(problem, load, s%u)
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
@@ -519,7 +530,7 @@ contains
           end if
         end associate
       end do
-      call add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+      call add_keys(self, drive, i, list, load, bare, left_u, left_c, dw, lambda, rho, near)
     end associate
   end subroutine go_back
 
@@ -548,13 +559,15 @@ contains
   end subroutine by_history
 
   !> What the residuals of all keys at a station change of the results.
-  subroutine add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+  subroutine add_keys(self, drive, i, list, load, bare, left_u, left_c, dw, lambda, rho, near)
     type(gradient_t), intent(inout) :: self           !< gets value
     type(drive_t), intent(inout) :: drive             !< of the run
     integer, intent(in) :: i                          !< station
     integer, intent(in) :: list(:)                    !< results
     type(load_t), intent(in) :: load                  !< there
+    real(dp), intent(in) :: bare(:, :)                !< forces of its bodies and contact (3, n) [N]
     real(dp), intent(in) :: left_u(:, :), left_c(:, :)         !< residuals of the run (3, n), (3, points)
+    real(dp), intent(in) :: dw(:, :, :)               !< derivatives of its law (3, 3, points) [Pa/m]
     real(dp), intent(in) :: lambda(:, :, :), rho(:, :, :)      !< by residuals (3, n, list), (3, points, list)
     real(dp), intent(in) :: near(:, :)                !< closings of the struts by lambda (struts, list)
     real(dp), allocatable :: r_u(:, :, :), r_c(:, :, :), force(:), pushed(:, :)
@@ -568,22 +581,20 @@ contains
       allocate (r_u(3, problem%n, size(whole)), r_c(3, problem%mortar%n, self%keys), pushed(size(near, 1), self%keys))
       r_c = 0
       pushed = 0
-      if (allocated(problem%struts)) force = strut_forces(problem, load, s%u)
-      if (problem%wheel_turns) force = force + pull_of(problem, [problem%strut_rate], load, s%u)
+      if (allocated(problem%struts)) force = forces_of(problem, [problem%strut_rate], load, s%u)
       !$omp parallel do schedule(dynamic)
       do j = 1, size(whole)
-        call change_residuals(self%of(whole(j)), drive, place, before, s, r_u(:, :, j), r_c(:, :, whole(j)))
+        call change_residuals(self%of(whole(j)), drive, place, load, before, s, bare, dw, r_u(:, :, j), r_c(:, :, whole(j)))
         r_u(:, :, j) = r_u(:, :, j) - left_u
-        r_c(:, :, whole(j)) = r_c(:, :, whole(j)) - left_c
       end do
       !$omp end parallel do
       do k = 1, self%keys
         associate (c => self%of(k))
-          if (c%idle .or. c%whole) cycle
-          if (c%struts) then
+          if (c%idle) cycle
+          if (c%struts .and. .not. c%whole) then
             call strut_load(c%drive, assembly_at(c%scene, place), other, before)
-            pushed(:, k) = strut_forces(c%drive%problem, other, s%u) - force
-            if (problem%wheel_turns) pushed(:, k) = pushed(:, k) + pull_of(c%drive%problem, problem%strut_rate, other, s%u)
+            c%drive%problem%wheel_turns = problem%wheel_turns
+            pushed(:, k) = forces_of(c%drive%problem, problem%strut_rate, other, s%u) - force
           end if
           if (c%law) call change_law(c, problem, place, load, before, s, left_c, r_c(:, :, k))
         end associate

@@ -180,35 +180,37 @@ contains
     entries = real(harmonics%width + 1, dp)*harmonics%dofs*(harmonics%sectors/2/stride + 1)
   end function harmonic_entries
 
-  !> Displacements under nodal forces; fixed dofs get 0.
+  !> Displacements under some nodal forces; fixed dofs get 0.
   subroutine solve_body(harmonics, stride, f, u, error)
     type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
     integer, intent(in) :: stride                     !< 2: the forces repeat after half a turn
-    real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
-    real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
+    real(dp), intent(in) :: f(:, :, :)                !< nodal forces of the body (3, nodes, sides) [N]
+    real(dp), intent(out) :: u(:, :, :)               !< displacements (3, nodes, sides) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
     type(fft_plan_t) :: forward, backward
     real(dp), allocatable :: field(:), c(:, :)
-    complex(dp), allocatable :: wave(:, :), phase(:)
+    complex(dp), allocatable :: wave(:, :, :), phase(:)
     complex(dp) :: factor
-    integer :: a, d, e, k, m, n
+    integer :: a, d, e, k, m, n, s
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(n), wave(0:n/2, harmonics%dofs))
+    allocate (field(n), wave(0:n/2, harmonics%dofs, size(f, 3)))
     call plan_forward_real(n, 1, field, wave, forward, error)
     if (allocated(error)) return
     call plan_backward_real(n, 1, wave, field, backward, error)
     if (allocated(error)) return
     deallocate (field)
-    !$omp parallel private(field, c, phase, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
-    allocate (field(n), c(harmonics%dofs, 2), phase(m))
+    !$omp parallel private(field, c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
+    allocate (field(n), c(harmonics%dofs, 2*size(f, 3)), phase(m))
     !$omp do schedule(static)
     do a = 1, m
       do d = 1, 3
         e = harmonics%equation(d, a)
         if (e == 0) cycle
-        field = f(d, a:(n - 1)*m + a:m)
-        call execute_forward_real(forward, field, wave(0, e))
+        do s = 1, size(f, 3)
+          field = f(d, a:(n - 1)*m + a:m, s)
+          call execute_forward_real(forward, field, wave(0, e, s))
+        end do
       end do
     end do
     !$omp end do
@@ -225,10 +227,12 @@ contains
         do d = 1, 3
           e = harmonics%equation(d, a)
           if (e == 0) cycle
-          factor = conjg(phase(a))*wave(k, e)
-          if (d == 2) factor = (0._dp, -1._dp)*factor
-          c(e, 1) = real(factor)
-          c(e, 2) = aimag(factor)
+          do s = 1, size(f, 3)
+            factor = conjg(phase(a))*wave(k, e, s)
+            if (d == 2) factor = (0._dp, -1._dp)*factor
+            c(e, 2*s - 1) = real(factor)
+            c(e, 2*s) = aimag(factor)
+          end do
         end do
       end do
       call solve_band(harmonics%factor(k*stride)%a, c)
@@ -236,9 +240,11 @@ contains
         do d = 1, 3
           e = harmonics%equation(d, a)
           if (e == 0) cycle
-          factor = phase(a)*cmplx(c(e, 1), c(e, 2), dp)/n
-          if (d == 2) factor = (0._dp, 1._dp)*factor
-          wave(k, e) = factor
+          do s = 1, size(f, 3)
+            factor = phase(a)*cmplx(c(e, 2*s - 1), c(e, 2*s), dp)/n
+            if (d == 2) factor = (0._dp, 1._dp)*factor
+            wave(k, e, s) = factor
+          end do
         end do
       end do
     end do
@@ -247,11 +253,13 @@ contains
     do a = 1, m
       do d = 1, 3
         e = harmonics%equation(d, a)
-        u(d, a::m) = 0
+        u(d, a::m, :) = 0
         if (e == 0) cycle
-        call execute_backward_real(backward, wave(0, e), field)
-        u(d, a:n*m:m) = field
-        if (stride == 2) u(d, n*m + a::m) = field
+        do s = 1, size(f, 3)
+          call execute_backward_real(backward, wave(0, e, s), field)
+          u(d, a:n*m:m, s) = field
+          if (stride == 2) u(d, n*m + a::m, s) = field
+        end do
       end do
     end do
     !$omp end do

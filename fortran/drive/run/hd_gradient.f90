@@ -465,8 +465,8 @@ contains
     type(sharing_t) :: sharing
     integer, allocatable :: list(:)
     real(dp), allocatable :: force(:)
-    real(dp), allocatable, dimension(:, :) :: bare, left_u, left_c, by_u, by_t, near
-    real(dp), allocatable, dimension(:, :, :) :: dw, dt, lambda, rho, slope
+    real(dp), allocatable, dimension(:, :) :: bare, left_u, left_c, near
+    real(dp), allocatable, dimension(:, :, :) :: by_u, by_t, dw, dt, lambda, later, rho, slope
     integer :: j, k, struts
     associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
       problem => drive%problem)
@@ -482,7 +482,7 @@ contains
       call linear_equations(problem, load, before, next, left_c, dw, dt)
       call share_law(problem, solver%symmetry, sharing)
       call sharing%take_law(dw, dt)
-      allocate (bare, by_u, mold=s%u)
+      allocate (bare, mold=s%u)
       call elastic_forces(problem, s%u, bare)
       call add_nodal_forces(problem%mortar, s%traction, bare, factor=-1._dp)
       left_u = bare - load%force
@@ -500,33 +500,41 @@ contains
       if (allocated(problem%struts)) struts = size(problem%struts)
       allocate (lambda(3, problem%n, size(list)), rho(3, problem%mortar%n, size(list)), near(struts, size(list)))
       call by_history(problem, load, before, next, left_c, slope)
+      allocate (by_u, mold=lambda)
+      allocate (by_t, mold=rho)
+      allocate (later(2, problem%mortar%n, size(list)))
       do k = 1, size(list)
-        if (allocated(error)) return
         associate (r => self%result(list(k)))
-          by_u = 0
-          if (abs(self%by_turn(i, list(k))) > 0) by_u = self%by_turn(i, list(k))*drive%gauge
-          by_t = r%held
+          by_u(:, :, k) = 0
+          if (abs(self%by_turn(i, list(k))) > 0) by_u(:, :, k) = self%by_turn(i, list(k))*drive%gauge
+          by_t(:, :, k) = r%held
           if (r%station == i) then
-            by_u = by_u + r%by_u
-            by_t = by_t + r%by_t
+            by_u(:, :, k) = by_u(:, :, k) + r%by_u
+            by_t(:, :, k) = by_t(:, :, k) + r%by_t
             if (allocated(r%by_touch) .and. size(before%touch) > 0) r%touch = r%touch + r%by_touch
           end if
           if (size(s%touch) > size(before%touch)) then
             do j = 1, drive%flanks
-              call push(problem%struts(drive%balls + j), -r%touch(j), by_u)
+              call push(problem%struts(drive%balls + j), -r%touch(j), by_u(:, :, k))
             end do
           end if
-          call adjoint%solve(problem, solver, by_u, by_t, r%later, r%station == i, lambda(:, :, k), &
-            rho(:, :, k), error)
-          if (allocated(error)) return
+          later(:, :, k) = r%later
+        end associate
+      end do
+      if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, by_t, later, self%result(list)%station == i, lambda, &
+        rho, error)
+      if (allocated(error)) return
+      do k = 1, size(list)
+        associate (r => self%result(list(k)))
           call leave_free(problem, lambda(:, :, k))
+          r%later = later(:, :, k)
           do j = 1, 3
             r%held(j, :) = -sum(rho(:, :, k)*slope(:, :, j), 1)
           end do
           near(:, k) = [(closing_of(problem%struts(j), lambda(:, :, k)), j=1, struts)]
           if (size(before%touch) > 0) then
-            by_t = reshape(linear_forces(problem, near(:, k)), [struts, 1])
-            r%touch = r%touch - by_t(drive%balls + 1:drive%balls + drive%flanks, 1)
+            force = linear_forces(problem, near(:, k))
+            r%touch = r%touch - force(drive%balls + 1:drive%balls + drive%flanks)
           end if
         end associate
       end do
@@ -651,7 +659,9 @@ contains
     type(adjoint_t) :: adjoint
     type(load_t) :: load
     type(state_t) :: moved
-    real(dp), allocatable, dimension(:, :) :: lambda, rho, by_u, later, none, left_u, left_c
+    real(dp), allocatable, dimension(:, :) :: left_u, left_c
+    real(dp), dimension(3, drive%problem%n, 1) :: lambda, by_u
+    real(dp) :: rho(3, drive%problem%mortar%n, 1), later(2, drive%problem%mortar%n, 1)
     real(dp), allocatable :: step(:)
     type(rate_point_t), allocatable :: points(:)
     real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
@@ -660,8 +670,6 @@ contains
     associate (top => self%station(self%top)%state, problem => drive%problem, &
       n => merge(looped, 0, scene%support%loop) + 2)
       sense = sign(1._dp, torque_at(scene, self%station(self%top)%place))
-      allocate (lambda(3, problem%n), rho(3, problem%mortar%n), none(3, problem%mortar%n))
-      none = 0
       moved%contact = top%contact
       flexibility = 0
       do k = 1, -1, -2  ! what they turn by more than glued
@@ -677,11 +685,12 @@ contains
         load%force = load%force + sense*drive%torque + drive%squeeze  ! in whose symmetry the answer lies
         call begin_many(solver, 1, problem, load, top, error)
         if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
-        later = none(:2, :)
-        by_u = sense*drive%gauge
-        if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, none, later, .true., lambda, rho, error)
+        later = 0
+        rho = 0
+        by_u(:, :, 1) = sense*drive%gauge
+        if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, (rho), later, [.true.], lambda, rho, error)
         if (allocated(error)) return
-        call leave_free(problem, lambda)
+        call leave_free(problem, lambda(:, :, 1))
         left_u = remaining_forces(drive, sense, answer)
         points = answer%points
         if (k > 0) points = points_on(scene, joint, drive, load, top, answer)
@@ -692,12 +701,12 @@ contains
             if (c%whole) then
               call at_top(self, c%scene, c%drive, load)
               part = sense*sum((c%drive%gauge - drive%gauge)*answer%du) - &
-                sum(lambda*(remaining_forces(c%drive, sense, answer) - left_u)) - &
-                sum(rho*(law_of(c, c%drive) - left_c))
+                sum(lambda(:, :, 1)*(remaining_forces(c%drive, sense, answer) - left_u)) - &
+                sum(rho(:, :, 1)*(law_of(c, c%drive) - left_c))
             else if (c%rough) then
-              part = -sum(rho*(law_of(c, drive) - left_c))
+              part = -sum(rho(:, :, 1)*(law_of(c, drive) - left_c))
             end if
-            if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda, answer%du)
+            if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda(:, :, 1), answer%du)
             self%value(i, n) = self%value(i, n) + k*part
           end associate
         end do
@@ -706,10 +715,10 @@ contains
           step = of_state*abs(top%traction(1, :))
           if (c > 1) step = of_state*norm2(top%traction(2:, :), 1)
           moved%traction(c, :) = moved%traction(c, :) + step
-          self%result(n)%by_t(c, :) = -sum(rho*(remaining_law(drive, step_friction(scene, .true.), &
+          self%result(n)%by_t(c, :) = -sum(rho(:, :, 1)*(remaining_law(drive, step_friction(scene, .true.), &
             points_on(scene, joint, drive, load, moved, answer), answer) - left_c), 1)/max(step, tiny(1._dp))
         end do
-        call add_curvature(self, drive, lambda, answer%du, k, self%result(n)%by_u)
+        call add_curvature(self, drive, lambda(:, :, 1), answer%du, k, self%result(n)%by_u)
       end do
       self%value(:, n) = -self%value(:, n)/flexibility**2
       self%result(n)%by_u = -self%result(n)%by_u/flexibility**2

@@ -11,7 +11,7 @@ module hd_harmonics
   use hd_system, only: stop_requested, check_stop
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
-  use hd_fft, only: fft_plan_t, plan_forward_real, plan_backward_real, execute_forward_real, execute_backward_real, free_plan
+  use hd_fft, only: execute_rows, free_rows, plan_rows, rows_plan_t
   implicit none
   private
   public :: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
@@ -187,33 +187,22 @@ contains
     real(dp), intent(in) :: f(:, :, :)                !< nodal forces of the body (3, nodes, sides) [N]
     real(dp), intent(out) :: u(:, :, :)               !< displacements (3, nodes, sides) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    type(fft_plan_t) :: forward, backward
-    real(dp), allocatable :: field(:), c(:, :)
+    type(rows_plan_t) :: forward, backward
+    real(dp), allocatable :: field(:, :), c(:, :)
     complex(dp), allocatable :: wave(:, :, :), phase(:)
     complex(dp) :: factor
     integer :: a, d, e, k, m, n, s
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(n), wave(0:n/2, harmonics%dofs, size(f, 3)))
-    call plan_forward_real(n, 1, field, wave, forward, error)
+    allocate (field(3*m, n), wave(3*m, 0:n/2, size(f, 3)))
+    call plan_rows(n, 3*m, field, wave, forward, backward, error)
     if (allocated(error)) return
-    call plan_backward_real(n, 1, wave, field, backward, error)
-    if (allocated(error)) return
-    deallocate (field)
-    !$omp parallel private(field, c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
-    allocate (field(n), c(harmonics%dofs, 2*size(f, 3)), phase(m))
-    !$omp do schedule(static)
-    do a = 1, m
-      do d = 1, 3
-        e = harmonics%equation(d, a)
-        if (e == 0) cycle
-        do s = 1, size(f, 3)
-          field = f(d, a:(n - 1)*m + a:m, s)
-          call execute_forward_real(forward, field, wave(0, e, s))
-        end do
-      end do
+    do s = 1, size(f, 3)
+      field = reshape(f(:, :n*m, s), shape(field))
+      call execute_rows(forward, n, field, wave(:, :, s), .true.)
     end do
-    !$omp end do
+    !$omp parallel private(c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
+    allocate (c(harmonics%dofs, 2*size(f, 3)), phase(m))
     !$omp do schedule(static)
     do k = 0, n/2
       do a = 1, m  ! the nodes of a sector share their angle
@@ -223,12 +212,12 @@ contains
         end if
         phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
       end do
-      do a = 1, m
-        do d = 1, 3
-          e = harmonics%equation(d, a)
-          if (e == 0) cycle
-          do s = 1, size(f, 3)
-            factor = conjg(phase(a))*wave(k, e, s)
+      do s = 1, size(f, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            if (e == 0) cycle
+            factor = conjg(phase(a))*wave(3*a - 3 + d, k, s)
             if (d == 2) factor = (0._dp, -1._dp)*factor
             c(e, 2*s - 1) = real(factor)
             c(e, 2*s) = aimag(factor)
@@ -236,36 +225,28 @@ contains
         end do
       end do
       call solve_band(harmonics%factor(k*stride)%a, c)
-      do a = 1, m
-        do d = 1, 3
-          e = harmonics%equation(d, a)
-          if (e == 0) cycle
-          do s = 1, size(f, 3)
+      do s = 1, size(f, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            wave(3*a - 3 + d, k, s) = 0
+            if (e == 0) cycle
             factor = phase(a)*cmplx(c(e, 2*s - 1), c(e, 2*s), dp)/n
             if (d == 2) factor = (0._dp, 1._dp)*factor
-            wave(k, e, s) = factor
+            wave(3*a - 3 + d, k, s) = factor
           end do
         end do
       end do
     end do
     !$omp end do
-    !$omp do schedule(static)
-    do a = 1, m
-      do d = 1, 3
-        e = harmonics%equation(d, a)
-        u(d, a::m, :) = 0
-        if (e == 0) cycle
-        do s = 1, size(f, 3)
-          call execute_backward_real(backward, wave(0, e, s), field)
-          u(d, a:n*m:m, s) = field
-          if (stride == 2) u(d, n*m + a::m, s) = field
-        end do
-      end do
-    end do
-    !$omp end do
     !$omp end parallel
-    call free_plan(forward)
-    call free_plan(backward)
+    do s = 1, size(f, 3)
+      call execute_rows(backward, n, field, wave(:, :, s), .false.)
+      u(:, :n*m, s) = reshape(field, [3, n*m])
+      if (stride == 2) u(:, n*m + 1:, s) = u(:, :n*m, s)
+    end do
+    call free_rows(forward)
+    call free_rows(backward)
   end subroutine solve_body
 
   !> Compliance of face nodes for one harmonic, between real amplitudes.

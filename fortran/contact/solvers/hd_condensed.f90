@@ -24,6 +24,7 @@ module hd_condensed
   real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
+  integer, parameter :: together = 4                 !< residuals that the bodies meet at once: two vectors of eight of each
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
   !> Nodes from which it pays not to solve the bodies of a drive a second time. Smaller meshes keep the rounding of both
   !> solves, which decides whether a drive that cycles gets out.
@@ -150,16 +151,21 @@ contains
     real(dp), intent(out) :: du(:, :, :), dtraction(:, :, :)     !< corrections
     type(error_t), allocatable, intent(out) :: error  !< singular
     real(dp), allocatable :: f(:, :, :), motion(:, :, :)
-    integer :: k
-    allocate (f, motion, mold=r_u)
-    do k = 1, size(f, 3)
-      call press(self, problem, r_u(:, :, k), r_c(:, :, k), dtraction(:, :, k), f(:, :, k), motion(:, :, k), error)
+    integer :: first, k, sides
+    allocate (f(3, problem%n, together), motion(3, problem%n, together))
+    do first = 1, size(r_u, 3), together
+      sides = min(together, size(r_u, 3) - first + 1)
+      do k = 1, sides
+        call press(self, problem, r_u(:, :, first + k - 1), r_c(:, :, first + k - 1), dtraction(:, :, first + k - 1), f(:, :, k), &
+          motion(:, :, k), error)
+        if (allocated(error)) return
+      end do
+      call self%compliance%solve(problem, sides, f, du(:, :, first:first + sides - 1), error)
       if (allocated(error)) return
-    end do
-    call self%compliance%solve(problem, size(f, 3), f, du, error)
-    do k = 1, size(f, 3)
-      if (has_border(self)) call add(size(motion(:, :, k)), 1._dp, motion(:, :, k), du(:, :, k))
-      call balance(self, du(:, :, k))
+      do k = 1, sides
+        if (has_border(self)) du(:, :, first + k - 1) = du(:, :, first + k - 1) + motion(:, :, k)
+        call balance(self, du(:, :, first + k - 1))
+      end do
     end do
   end subroutine solve_condensed_all
 
@@ -229,7 +235,10 @@ contains
     call balance(self, f)
     easy = .true.
     if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
-    if (bordered .and. easy) then
+    if (bordered .and. easy .and. .not. length(size(f), f) > 0) then
+      allocate (forces(self%border%struts), source=0._dp)
+      call set(size(f), 1._dp, f, v)
+    else if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
       pushed = f

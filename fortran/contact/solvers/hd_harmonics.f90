@@ -11,7 +11,8 @@ module hd_harmonics
   use hd_system, only: stop_requested, check_stop
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
-  use hd_fft, only: execute_rows, free_rows, plan_rows, rows_plan_t
+  use hd_fft, only: execute_backward_real, execute_forward_real, execute_rows, fft_plan_t, free_plan, free_rows, &
+    plan_backward_real, plan_forward_real, plan_rows, rows_plan_t
   implicit none
   private
   public :: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
@@ -180,7 +181,8 @@ contains
     entries = real(harmonics%width + 1, dp)*harmonics%dofs*(harmonics%sectors/2/stride + 1)
   end function harmonic_entries
 
-  !> Displacements under some nodal forces; fixed dofs get 0.
+  !> Displacements under some nodal forces; fixed dofs get 0. One side is transformed row by row, which keeps its bits: several rows
+  !> at once are summed in another order.
   subroutine solve_body(harmonics, stride, f, u, error)
     type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
     integer, intent(in) :: stride                     !< 2: the forces repeat after half a turn
@@ -188,21 +190,39 @@ contains
     real(dp), intent(out) :: u(:, :, :)               !< displacements (3, nodes, sides) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
     type(rows_plan_t) :: forward, backward
-    real(dp), allocatable :: field(:, :), c(:, :)
-    complex(dp), allocatable :: wave(:, :, :), phase(:)
+    type(fft_plan_t) :: one, other
+    real(dp), allocatable :: field(:, :), c(:, :), line(:)
+    complex(dp), allocatable :: wave(:, :, :), phase(:), spectrum(:)
     complex(dp) :: factor
     integer :: a, d, e, k, m, n, s
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(3*m, n), wave(3*m, 0:n/2, size(f, 3)))
-    call plan_rows(n, 3*m, field, wave, forward, backward, error)
+    allocate (wave(3*m, 0:n/2, size(f, 3)), line(n), spectrum(0:n/2))
+    if (size(f, 3) == 1) then
+      call plan_forward_real(n, 1, line, spectrum, one, error)
+      if (.not. allocated(error)) call plan_backward_real(n, 1, spectrum, line, other, error)
+    else
+      allocate (field(3*m, n))
+      call plan_rows(n, 3*m, field, wave, forward, backward, error)
+    end if
     if (allocated(error)) return
-    do s = 1, size(f, 3)
+    deallocate (line, spectrum)
+    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
       field = reshape(f(:, :n*m, s), shape(field))
       call execute_rows(forward, n, field, wave(:, :, s), .true.)
     end do
-    !$omp parallel private(c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
-    allocate (c(harmonics%dofs, 2*size(f, 3)), phase(m))
+    !$omp parallel private(line, spectrum, c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
+    allocate (line(n), spectrum(0:n/2), c(harmonics%dofs, 2*size(f, 3)), phase(m))
+    !$omp do schedule(static)
+    do a = 1, merge(m, 0, size(f, 3) == 1)
+      do d = 1, 3
+        if (harmonics%equation(d, a) == 0) cycle
+        line = f(d, a:(n - 1)*m + a:m, 1)
+        call execute_forward_real(one, line, spectrum)
+        wave(3*a - 3 + d, :, 1) = spectrum
+      end do
+    end do
+    !$omp end do
     !$omp do schedule(static)
     do k = 0, n/2
       do a = 1, m  ! the nodes of a sector share their angle
@@ -239,14 +259,28 @@ contains
       end do
     end do
     !$omp end do
+    !$omp do schedule(static)
+    do a = 1, merge(m, 0, size(f, 3) == 1)
+      do d = 1, 3
+        u(d, a::m, 1) = 0
+        if (harmonics%equation(d, a) == 0) cycle
+        spectrum = wave(3*a - 3 + d, :, 1)
+        call execute_backward_real(other, spectrum, line)
+        u(d, a:n*m:m, 1) = line
+        if (stride == 2) u(d, n*m + a::m, 1) = line
+      end do
+    end do
+    !$omp end do
     !$omp end parallel
-    do s = 1, size(f, 3)
+    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
       call execute_rows(backward, n, field, wave(:, :, s), .false.)
       u(:, :n*m, s) = reshape(field, [3, n*m])
       if (stride == 2) u(:, n*m + 1:, s) = u(:, :n*m, s)
     end do
     call free_rows(forward)
     call free_rows(backward)
+    call free_plan(one)
+    call free_plan(other)
   end subroutine solve_body
 
   !> Compliance of face nodes for one harmonic, between real amplitudes.

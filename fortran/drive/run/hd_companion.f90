@@ -38,9 +38,10 @@ module hd_companion
     real(dp) :: change = 0                           !< of it
     real(dp) :: force = 0                            !< its value, if its unit holds one of force
     logical :: idle = .false.                        !< the key has no part in the equilibrium
-    logical :: whole = .false.                       !< bodies, supports, nodal loads or places of struts are others: else it has only
-    logical :: struts = .false., law = .false.       !< struts and contact law, which may be others
+    logical :: whole = .false.                       !< bodies, supports, nodal loads or places of struts are others: else
+    logical :: struts = .false., law = .false.       !< it has struts and contact law only, which may be others
     logical :: bodies = .false., moves = .false.     !< of those the bodies, or displacements that are given
+    integer, allocatable :: loaded(:)                !< nodes with springs or nodal loads, of a whole one
     logical :: rough = .false.                       !< the joint or its friction may be another
     type(scene_t) :: scene
     type(drive_t) :: drive                           !< unless it is idle
@@ -205,7 +206,7 @@ contains
       associate (a => drive%problem%struts, b => other%drive%problem%struts)
         do i = 1, size(a)
           other%whole = other%whole .or. size(a(i)%node) /= size(b(i)%node)
-          if (other%whole) return
+          if (other%whole) exit
           other%whole = any(a(i)%node /= b(i)%node) .or. any(abs(a(i)%weight - b(i)%weight) > 0)
           other%struts = other%struts .or. abs(a(i)%rate - b(i)%rate) > 0
         end do
@@ -214,7 +215,11 @@ contains
         drive%problem%strut_give) > 0)
       other%struts = other%struts .or. any(abs(other%drive%way - drive%way) > 0)
     end if
-    if (other%whole) return
+    if (other%whole) then
+      other%loaded = pack([(i, i=1, other%drive%problem%n)], other%drive%problem%spring(1, :) > 0 .or. &
+        any(abs(other%drive%torque) + abs(other%drive%squeeze) > 0, 1))
+      return
+    end if
     light%balls = drive%balls
     light%flanks = drive%flanks
     light%interference = other%drive%interference
@@ -264,7 +269,7 @@ contains
   end function change_of
 
   !> Residuals of a drive in a state of the run: all of its forces, and the change of the law's by its displacements. The way of a
-  !> step is taken as linear: a change may be larger than the slip in it.
+  !> step is taken as linear: a change may be larger than the slip in it. Struts meet no displacements that are given.
   subroutine change_residuals(c, drive, place, load, before, state, bare, dw, r_u, r_c)
     type(companion_t), intent(inout) :: c           !< its drive gets whether the wheel turns
     type(drive_t), intent(in) :: drive              !< of the run
@@ -283,14 +288,17 @@ contains
       part = assembly_at(c%scene, place)
       torque = torque_at(c%scene, place)
       if (c%bodies) then
-        u = state%u
         if (c%moves) then
+          u = state%u
           other%displacement = part*c%drive%assembly
           call prescribe(problem, other, u)
+          call elastic_forces(problem, u, r_u)
+          w = relative_displacement(problem%mortar, u)
+        else
+          call elastic_forces(problem, state%u, r_u)
+          w = relative_displacement(problem%mortar, state%u)
         end if
-        call elastic_forces(problem, u, r_u)
         call add_nodal_forces(problem%mortar, state%traction, r_u, factor=-1._dp)
-        w = relative_displacement(problem%mortar, u)
         w(1, :) = w(1, :) - (state%gap - load%gap)
         w(2:, :) = w(2:, :) - state%slip
         m = problem%mortar%n - problem%mortar%rigid
@@ -301,17 +309,18 @@ contains
           r_c(:, j) = matmul(dw(:, :, j), w(:, j))
         end do
       else
-        u = state%u
         r_u = bare
         r_c = 0
       end if
-      do j = 1, problem%n
-        r_u(:, j) = r_u(:, j) - torque*c%drive%torque(:, j) - abs(torque)*c%drive%squeeze(:, j)
-        r_u(1, j) = r_u(1, j) - problem%spring(1, j)*part*c%drive%assembly(1, j)
+      do j = 1, size(c%loaded)
+        associate (r => r_u(:, c%loaded(j)))
+          r = r - torque*c%drive%torque(:, c%loaded(j)) - abs(torque)*c%drive%squeeze(:, c%loaded(j))
+          r(1) = r(1) - problem%spring(1, c%loaded(j))*part*c%drive%assembly(1, c%loaded(j))
+        end associate
       end do
       if (.not. allocated(problem%struts)) return
       call strut_load(c%drive, part, other, before)
-      force = forces_of(problem, drive%problem%strut_rate, other, u)
+      force = forces_of(problem, drive%problem%strut_rate, other, state%u)
       do j = 1, size(force)
         if (abs(force(j)) > 0) call push(problem%struts(j), force(j), r_u)
       end do
@@ -342,8 +351,8 @@ contains
     r_c = r_c + (left - left_c)
   end subroutine change_law
 
-  !> Forces of a companion's struts in a state of the run [N]. Where a wheel turns, flanks that push on the run but that a change has
-  !> taken off pull: in the run their way is that of the wheel, also where the torque is 0 and they only just touch.
+  !> Forces of a companion's struts in a state of the run [N]. Where a wheel turns, flanks that push on the run but that a change
+  !> has taken off pull: in the run their way is that of the wheel, also where the torque is 0 and they only just touch.
   function forces_of(problem, rate, load, u) result(force)
     type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
     real(dp), intent(in) :: rate(:)             !< of the run [N/m]

@@ -593,7 +593,6 @@ contains
       !$omp parallel do schedule(dynamic)
       do j = 1, size(whole)
         call change_residuals(self%of(whole(j)), drive, place, load, before, s, bare, dw, r_u(:, :, j), r_c(:, :, whole(j)))
-        r_u(:, :, j) = r_u(:, :, j) - left_u
       end do
       !$omp end parallel do
       do k = 1, self%keys
@@ -608,6 +607,9 @@ contains
         end associate
       end do
       call subtract(size(left_u), whole, r_u, lambda)
+      do j = 1, size(list)
+        self%value(whole, list(j)) = self%value(whole, list(j)) + sum(left_u*lambda(:, :, j))
+      end do
       call subtract(size(left_c), [(k, k=1, self%keys)], r_c, rho)
       call subtract(size(near, 1), [(k, k=1, self%keys)], pushed, near)
       if (.not. size(s%touch) > size(before%touch)) return

@@ -24,7 +24,7 @@ module hd_condensed
   real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
-  integer, parameter :: together = 4                 !< residuals that the bodies meet at once: two vectors of eight of each
+  integer, parameter :: together = 4                 !< residuals that the bodies meet at once: eight columns of a harmonic
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
   !> Nodes from which it pays not to solve the bodies of a drive a second time. Smaller meshes keep the rounding of both
   !> solves, which decides whether a drive that cycles gets out.

@@ -343,7 +343,7 @@ contains
     type(drive_t), intent(inout) :: drive             !< its drive
     real(dp), allocatable, intent(out) :: value(:)    !< results; of the tangent 0
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: line(:, :), by_u(:, :, :)
+    real(dp), allocatable :: k_ts, line(:, :), by_u(:, :, :)
     real(dp) :: stress, ends(2), step
     integer :: f, i, m, n
     call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
@@ -352,18 +352,12 @@ contains
     self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
     value = results_of(self, scene, joint, drive, drive)
     do i = 1, self%keys
-      associate (c => self%of(i), k_ts => value(merge(looped, 0, scene%support%loop) + 1))
-        if (c%whole) then
-          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
-        else if (c%rough .and. c%idle) then
-          self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
-        else if (c%rough) then
-          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
-        else if (c%idle) then
-          self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive, k_ts) - value
-        else
-          self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive, k_ts) - value
-        end if
+      associate (c => self%of(i))
+        if (allocated(k_ts)) deallocate (k_ts)
+        if (.not. (c%whole .or. c%rough)) k_ts = value(merge(looped, 0, scene%support%loop) + 1)
+        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive, k_ts) - value
+        if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
+        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive, k_ts) - value
       end associate
     end do
     if (scene%support%loop) then

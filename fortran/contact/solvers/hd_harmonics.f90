@@ -191,10 +191,9 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< memory
     type(rows_plan_t) :: forward, backward
     type(fft_plan_t) :: one, other
-    real(dp), allocatable :: field(:, :), c(:, :), line(:)
-    complex(dp), allocatable :: wave(:, :, :), phase(:), spectrum(:)
-    complex(dp) :: factor
-    integer :: a, d, e, k, m, n, s
+    real(dp), allocatable :: field(:, :), line(:)
+    complex(dp), allocatable :: wave(:, :, :), spectrum(:)
+    integer :: a, d, m, n, s
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
     allocate (wave(3*m, 0:n/2, size(f, 3)), line(n), spectrum(0:n/2))
@@ -211,8 +210,8 @@ contains
       field = reshape(f(:, :n*m, s), shape(field))
       call execute_rows(forward, n, field, wave(:, :, s), .true.)
     end do
-    !$omp parallel private(line, spectrum, c, phase, factor, a, d, e, k, s) if(harmonics%dofs*n*size(f, 3) > long_loop)
-    allocate (line(n), spectrum(0:n/2), c(harmonics%dofs, 2*size(f, 3)), phase(m))
+    !$omp parallel private(line, spectrum, a, d) if(harmonics%dofs*n*size(f, 3) > long_loop)
+    allocate (line(n), spectrum(0:n/2))
     !$omp do schedule(static)
     do a = 1, merge(m, 0, size(f, 3) == 1)
       do d = 1, 3
@@ -223,42 +222,7 @@ contains
       end do
     end do
     !$omp end do
-    !$omp do schedule(static)
-    do k = 0, n/2
-      do a = 1, m  ! the nodes of a sector share their angle
-        phase(a) = phase(max(1, a - 1))
-        if (a > 1) then
-          if (.not. abs(harmonics%angle(a) - harmonics%angle(a - 1)) > 0) cycle
-        end if
-        phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
-      end do
-      do s = 1, size(f, 3)
-        do a = 1, m
-          do d = 1, 3
-            e = harmonics%equation(d, a)
-            if (e == 0) cycle
-            factor = conjg(phase(a))*wave(3*a - 3 + d, k, s)
-            if (d == 2) factor = (0._dp, -1._dp)*factor
-            c(e, 2*s - 1) = real(factor)
-            c(e, 2*s) = aimag(factor)
-          end do
-        end do
-      end do
-      call solve_band(harmonics%factor(k*stride)%a, c)
-      do s = 1, size(f, 3)
-        do a = 1, m
-          do d = 1, 3
-            e = harmonics%equation(d, a)
-            wave(3*a - 3 + d, k, s) = 0
-            if (e == 0) cycle
-            factor = phase(a)*cmplx(c(e, 2*s - 1), c(e, 2*s), dp)/n
-            if (d == 2) factor = (0._dp, 1._dp)*factor
-            wave(3*a - 3 + d, k, s) = factor
-          end do
-        end do
-      end do
-    end do
-    !$omp end do
+    call solve_harmonics(harmonics, stride, n, wave)
     !$omp do schedule(static)
     do a = 1, merge(m, 0, size(f, 3) == 1)
       do d = 1, 3
@@ -282,6 +246,53 @@ contains
     call free_plan(one)
     call free_plan(other)
   end subroutine solve_body
+
+  !> Amplitudes of displacements from those of forces, by harmonic; threads of one team share the harmonics.
+  subroutine solve_harmonics(harmonics, stride, n, wave)
+    type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
+    integer, intent(in) :: stride, n                  !< as of solve_body, sectors that are solved
+    complex(dp), intent(inout) :: wave(:, 0:, :)      !< spectra, then those of the displacements (3 nodes, n/2 + 1, sides)
+    complex(dp) :: factor, phase(size(harmonics%equation, 2))
+    real(dp) :: c(harmonics%dofs, 2*size(wave, 3))
+    integer :: a, d, e, k, m, s
+    m = size(phase)
+    !$omp do schedule(static)
+    do k = 0, n/2
+      do a = 1, m  ! the nodes of a sector share their angle
+        phase(a) = phase(max(1, a - 1))
+        if (a > 1) then
+          if (.not. abs(harmonics%angle(a) - harmonics%angle(a - 1)) > 0) cycle
+        end if
+        phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
+      end do
+      do s = 1, size(wave, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            if (e == 0) cycle
+            factor = conjg(phase(a))*wave(3*a - 3 + d, k, s)
+            if (d == 2) factor = (0._dp, -1._dp)*factor
+            c(e, 2*s - 1) = real(factor)
+            c(e, 2*s) = aimag(factor)
+          end do
+        end do
+      end do
+      call solve_band(harmonics%factor(k*stride)%a, c)
+      do s = 1, size(wave, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            wave(3*a - 3 + d, k, s) = 0
+            if (e == 0) cycle
+            factor = phase(a)*cmplx(c(e, 2*s - 1), c(e, 2*s), dp)/n
+            if (d == 2) factor = (0._dp, 1._dp)*factor
+            wave(3*a - 3 + d, k, s) = factor
+          end do
+        end do
+      end do
+    end do
+    !$omp end do
+  end subroutine solve_harmonics
 
   !> Compliance of face nodes for one harmonic, between real amplitudes.
   subroutine face_compliance(harmonics, nodes, k, hat)

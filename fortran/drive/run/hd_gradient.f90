@@ -476,16 +476,7 @@ contains
       call linear_equations(problem, load, before, next, left_c, dw, dt)
       call share_law(problem, solver%symmetry, sharing)
       call sharing%take_law(dw, dt)
-      allocate (bare, mold=s%u)
-      call elastic_forces(problem, s%u, bare)
-      call add_nodal_forces(problem%mortar, s%traction, bare, factor=-1._dp)
-      left_u = bare - load%force
-      if (allocated(problem%struts)) then
-        force = strut_forces(problem, load, s%u)
-        do k = 1, size(force)
-          if (abs(force(k)) > 0) call push(problem%struts(k), force(k), left_u)
-        end do
-      end if
+      call sum_forces(problem, load, s, bare, left_u)
       call update_struts(problem, load, s%u)
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
@@ -494,9 +485,7 @@ contains
       if (allocated(problem%struts)) struts = size(problem%struts)
       allocate (lambda(3, problem%n, size(list)), rho(3, problem%mortar%n, size(list)), near(struts, size(list)))
       call by_history(problem, load, before, next, left_c, slope)
-      allocate (by_u, mold=lambda)
-      allocate (by_t, mold=rho)
-      allocate (later(2, problem%mortar%n, size(list)))
+      allocate (by_u(3, problem%n, size(list)), by_t(3, problem%mortar%n, size(list)), later(2, problem%mortar%n, size(list)))
       do k = 1, size(list)
         associate (r => self%result(list(k)))
           by_u(:, :, k) = 0
@@ -535,6 +524,25 @@ contains
       call add_keys(self, drive, i, list, load, bare, left_u, left_c, dw, lambda, rho, near)
     end associate
   end subroutine go_back
+
+  !> Out-of-balance forces, and those of bodies and contact among them.
+  subroutine sum_forces(problem, load, state, bare, left)
+    type(problem_t), intent(in) :: problem         !< problem
+    type(load_t), intent(in) :: load               !< of the step
+    type(state_t), intent(in) :: state             !< at its end
+    real(dp), allocatable, intent(out) :: bare(:, :), left(:, :)  !< without loads and struts, and all (3, n) [N]
+    real(dp), allocatable :: force(:)
+    integer :: i
+    allocate (bare, mold=state%u)
+    call elastic_forces(problem, state%u, bare)
+    call add_nodal_forces(problem%mortar, state%traction, bare, factor=-1._dp)
+    left = bare - load%force
+    if (.not. allocated(problem%struts)) return
+    force = strut_forces(problem, load, state%u)
+    do i = 1, size(force)
+      if (abs(force(i)) > 0) call push(problem%struts(i), force(i), left)
+    end do
+  end subroutine sum_forces
 
   !> Derivatives of the law's residuals by the tractions before: shear leads, and a joint's grows from there.
   subroutine by_history(problem, load, before, state, r_c, slope)
@@ -698,9 +706,9 @@ contains
               call at_top(self, c%scene, c%drive, load)
               part = sense*sum((c%drive%gauge - drive%gauge)*answer%du) - &
                 sum(lambda(:, :, 1)*(remaining_forces(c%drive, sense, answer) - left_u)) - &
-                sum(rho(:, :, 1)*(law_of(c, c%drive) - left_c))
+                sum(rho(:, :, 1)*(law_of(c, c%drive, load, top, points, answer, k > 0) - left_c))
             else if (c%rough) then
-              part = -sum(rho(:, :, 1)*(law_of(c, drive) - left_c))
+              part = -sum(rho(:, :, 1)*(law_of(c, drive, load, top, points, answer, k > 0) - left_c))
             end if
             if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda(:, :, 1), answer%du)
             self%value(i, n) = self%value(i, n) + k*part
@@ -720,20 +728,25 @@ contains
       self%result(n)%by_u = -self%result(n)%by_u/flexibility**2
       self%result(n)%by_t = -self%result(n)%by_t/flexibility**2
     end associate
-  contains
-    !> What the run's answer leaves in the law of a companion's joint (3, points).
-    function law_of(c, own) result(left)
-      type(companion_t), intent(in) :: c    !< companion
-      type(drive_t), intent(in) :: own      !< its bodies
-      real(dp) :: left(3, drive%problem%mortar%n)
-      if (c%rough .and. k > 0) then
-        left = remaining_law(own, step_friction(c%scene, .true.), points_on(c%scene, c%joint, own, load, &
-          self%station(self%top)%state, answer), answer)
-      else
-        left = remaining_law(own, merge(step_friction(c%scene, .true.), 0._dp, k > 0), points, answer)
-      end if
-    end function law_of
   end subroutine add_tangent
+
+  !> What the run's answer leaves in the law of a companion's joint (3, points).
+  function law_of(c, own, load, top, points, answer, loose) result(left)
+    type(companion_t), intent(in) :: c             !< companion
+    type(drive_t), intent(in) :: own               !< its bodies
+    type(load_t), intent(in) :: load               !< of the reference step
+    type(state_t), intent(in) :: top               !< its state
+    type(rate_point_t), intent(in) :: points(:)    !< of the run
+    type(answer_t), intent(in) :: answer           !< of the run
+    logical, intent(in) :: loose                   !< not glued
+    real(dp) :: left(3, size(points)), friction
+    friction = merge(step_friction(c%scene, .true.), 0._dp, loose)
+    if (c%rough .and. loose) then
+      left = remaining_law(own, friction, points_on(c%scene, c%joint, own, load, top, answer), answer)
+    else
+      left = remaining_law(own, friction, points, answer)
+    end if
+  end function law_of
 
   !> Load and struts of a drive at the reference step of the run.
   subroutine at_top(self, scene, drive, load)

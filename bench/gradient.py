@@ -15,21 +15,21 @@ from common import DATA, ROOT, measured, program, read_record, write_record
 SCENES = {"CD-14-100": DATA / "cd14.nml", "pressed drive": ROOT / "tests/cases/pressed_drive.nml", "drive14": DATA / "drive14.nml"}
 
 
-def run(engine, scene, *words):
-    """Processor time and summary of the fastest of some runs."""
-    found = []
-    for _ in range(3):
+def run(engine, scene, *choices):
+    """Processor time and summary of the fastest of some runs for every choice of keys, in turns."""
+    found = [[] for _ in choices]
+    for i in 3 * [*range(len(choices))]:
         with tempfile.TemporaryDirectory() as folder:
-            done = measured([engine, scene, "run.band=.false.", *words, "--out", f"{folder}/r", "-q"])
+            done = measured([engine, scene, "run.band=.false.", *choices[i], "--out", f"{folder}/r", "-q"])
             if done.code != 0:
                 raise SystemExit(done.text)
-            found.append((done.cpu_s, json.loads(Path(folder, "r/summary.json").read_text())))
-    return min(found, key=lambda pair: pair[0])
+            found[i].append((done.cpu_s, json.loads(Path(folder, "r/summary.json").read_text())))
+    return [min(runs, key=lambda pair: pair[0]) for runs in found]
 
 
 def parts(engine):
     """Processor time of drive14 by part; what is neither of three is one part here."""
-    cpu, summary = run(engine, SCENES["drive14"])
+    (cpu, summary), = run(engine, SCENES["drive14"], ())
     times = summary["timers_s"]
     times = {part: times[part] for part in ("setup", "newton", "stiffness", "total")}
     times["fields, stress, output"] = 2 * times["total"] - sum(times.values())
@@ -38,10 +38,9 @@ def parts(engine):
 
 def cost(scene):
     """Keys of a gradient, those among them that have a part, its processor time over that of the run, and that of the band of a drive."""
-    engine = program("hdengine.x")
-    (plain, _), (asked, summary) = run(engine, SCENES[scene]), run(engine, SCENES[scene], "run.gradient=.true.")
+    choices = (), ("run.gradient=.true.",), ("run.band=auto",)
+    (plain, _), (asked, summary), (banded, with_band) = run(program("hdengine.x"), SCENES[scene], *choices)
     columns = [*summary["gradient"].values()]
-    banded, with_band = run(engine, SCENES[scene], "run.band=auto")
     return {"scene": scene, "keys": len(columns[0]), "with_part": sum(any(column[key] for column in columns) for key in columns[0]),
             "run_s": float(f"{plain:.3g}"), "gradient_over_run": float(f"{asked / plain - 1:.3g}"),
             "band_over_run": float(f"{banded / plain - 1:.3g}") if "band_shares" in with_band["results"] else None}

@@ -59,7 +59,7 @@ contains
   !> Against the inverse of the full matrix.
   subroutine check_size(n, kd)
     integer, intent(in) :: n, kd
-    real(dp) :: u(kd + 1, n), full(n, n), b(n, 2), x(n, 2)
+    real(dp) :: u(kd + 1, n), full(n, n), b(n, 10), x(n, 10)
     real(dp), allocatable :: part(:, :)
     integer, allocatable :: rows(:)
     type(error_t), allocatable :: error
@@ -80,6 +80,9 @@ contains
     call random_number(b)
     x = b
     call solve_band(u, x)
+    call check(maxval(abs(x - matmul(full, b))) < 1e-12_dp*maxval(abs(x)), 'ten right-hand sides of order '//name)
+    x(:, :2) = b(:, :2)
+    call solve_band(u, x(:, :2))
     call check(maxval(abs(x - matmul(full, b))) < 1e-12_dp*maxval(abs(x)), 'two right-hand sides of order '//name)
     rows = pack([(i, i=1, n)], [(i == n .or. (2*i > n .and. modulo(i, 3) > 0), i=1, n)])
     allocate (part(size(rows), size(rows)))

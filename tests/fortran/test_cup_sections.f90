@@ -110,7 +110,7 @@ contains
     type(body_t) :: body
     type(harmonics_t) :: harmonics
     type(error_t), allocatable :: error
-    real(dp), allocatable :: f(:, :), u(:, :), spring(:, :), turn(:)
+    real(dp), allocatable :: f(:, :, :), u(:, :, :), spring(:, :), turn(:)
     logical, allocatable :: fixed(:, :)
     integer, parameter :: sectors = 128
     integer :: first, last, n, i, a(2), b(2)
@@ -135,10 +135,10 @@ contains
     fixed(:, strip_node(cup, n, 1):strip_node(cup, n, 3)) = .true.
     call new_harmonics(body, fixed, spring, harmonics, error)
     call factorise_harmonics(harmonics, 1, error)
-    allocate (f(3, body%nodes()), u(3, body%nodes()), source=0._dp)
-    f(2, 1::body%nodes_per_sector) = torque/(sectors*17.5e-3_dp)
+    allocate (f(3, body%nodes(), 1), u(3, body%nodes(), 1), source=0._dp)
+    f(2, 1::body%nodes_per_sector, 1) = torque/(sectors*17.5e-3_dp)
     call solve_body(harmonics, 1, f, u, error)
-    turn = [(u(2, strip_node(cup, i, 1))/cup%inner(1, i), i=1, n)]
+    turn = [(u(2, strip_node(cup, i, 1), 1)/cup%inner(1, i), i=1, n)]
     a = [minloc(abs(cup%inner(2, :) - 15e-3_dp), 1), minloc(abs(cup%inner(2, :) - 20e-3_dp), 1)]
     h = (cup%inner(2, a(2)) - cup%inner(2, a(1)))/1000
     exact = 0

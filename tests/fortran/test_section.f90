@@ -114,7 +114,7 @@ contains
     type(body_t) :: body
     type(harmonics_t) :: harmonics
     type(error_t), allocatable :: error
-    real(dp), allocatable :: f(:, :), u(:, :)
+    real(dp), allocatable :: f(:, :, :), u(:, :, :)
     logical, allocatable :: fixed(:, :)
     real(dp) :: t(4001), exact, moved, centre
     integer :: i, j, m, n, k
@@ -139,15 +139,15 @@ contains
       call new_harmonics(body, fixed, spread(spread(0._dp, 1, 3), 2, m), harmonics, error)
       call hold_loose(harmonics, .true.)
       call factorise_harmonics(harmonics, 2, error)
-      allocate (f(3, body%nodes()), u(3, body%nodes()), source=0._dp)
+      allocate (f(3, body%nodes(), 1), u(3, body%nodes(), 1), source=0._dp)
       do i = 1, n
         associate (z => ring%outer(2, :))
           j = strip_node(ring, i, ring%layers + 1)
-          f(1, j::m) = (z(min(i + 1, n)) - z(max(i - 1, 1)))/(2*scene%band_length)*cos(2*body%angle(j::m))*2*acos(-1._dp)/sectors
+          f(1, j::m, 1) = (z(min(i + 1, n)) - z(max(i - 1, 1)))/(2*scene%band_length)*cos(2*body%angle(j::m))*2*acos(-1._dp)/sectors
         end associate
       end do
       call solve_body(harmonics, 2, f, u, error)
-      moved = u(1, strip_node(ring, (n + 1)/2, 1))
+      moved = u(1, strip_node(ring, (n + 1)/2, 1), 1)
       call check_close(moved/exact, 1._dp, 2e-2_dp, 'grooved ring, '//to_text(facets(k))//' rows, beside ring theory')
       deallocate (fixed, f, u)
     end do

@@ -19,6 +19,12 @@ module hd_band_matrix
       real(c_double), intent(in) :: u(kd + 1, n)
       real(c_double), intent(inout) :: x(n, 2)
     end subroutine hd_solve_band
+    subroutine hd_solve_band_octet(n, kd, u, x) bind(c)
+      import :: c_double, c_int
+      integer(c_int), value :: n, kd
+      real(c_double), intent(in) :: u(kd + 1, n)
+      real(c_double), intent(inout) :: x(8, n)
+    end subroutine hd_solve_band_octet
     subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
       import :: dp
       character(len=1), intent(in) :: uplo
@@ -54,11 +60,23 @@ contains
       'the stiffness matrix is singular: a body is not held; check load.support, contact.mode and units of lengths')
   end subroutine factorise_band
 
-  !> Solve for two right-hand sides in place.
+  !> Solve for two right-hand sides or more in place.
   subroutine solve_band(u, x)
     real(dp), intent(in), contiguous :: u(:, :)     !< factor (kd + 1, n)
-    real(dp), intent(inout), contiguous :: x(:, :)  !< right-hand sides, then solutions (n, 2)
-    call hd_solve_band(int(size(u, 2), c_int), int(size(u, 1) - 1, c_int), u, x)
+    real(dp), intent(inout), contiguous :: x(:, :)  !< right-hand sides, then solutions (n, 2 or more)
+    real(dp) :: octet(8, size(u, 2))
+    integer :: first, last
+    if (size(x, 2) == 2) then
+      call hd_solve_band(int(size(u, 2), c_int), int(size(u, 1) - 1, c_int), u, x)
+      return
+    end if
+    do first = 1, size(x, 2), 8
+      last = min(first + 7, size(x, 2))
+      octet(last - first + 2:, :) = 0
+      octet(:last - first + 1, :) = transpose(x(:, first:last))
+      call hd_solve_band_octet(int(size(u, 2), c_int), int(size(u, 1) - 1, c_int), u, octet)
+      x(:, first:last) = transpose(octet(:last - first + 1, :))
+    end do
   end subroutine solve_band
 
   !> Entries of A^-1 between some rows.

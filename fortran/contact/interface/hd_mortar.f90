@@ -48,11 +48,12 @@ module hd_mortar
 contains
 
   !> Couple two faces; their node numbers belong to one common numbering.
-  subroutine new_mortar(slave, master, mortar, shift)
+  subroutine new_mortar(slave, master, mortar, shift, sectors)
     type(face_t), intent(in) :: slave      !< face that carries the multipliers
     type(face_t), intent(in) :: master     !< the other face
     type(mortar_t), intent(out) :: mortar  !< coupling
     real(dp), intent(in), optional :: shift(:, :)  !< way on the chart from each multiplier to its opposite (2, multipliers) [m]
+    integer, intent(in), optional :: sectors       !< of both faces: the overlaps of the first are those of all, to rounding
     type(point_t), allocatable :: points(:)
     type(overlaps_t) :: found(batch)
     type(face_t) :: moved
@@ -60,7 +61,7 @@ contains
     integer, allocatable :: row(:), col(:)
     real(dp), allocatable :: val(:)
     real(dp) :: dual(4, 4), phi(4), near(8, 4), far(8, 4)
-    integer :: at, f, k, n, near_nodes, far_nodes, p, nnz
+    integer :: at, away, f, k, n, near_nodes, far_nodes, p, period, nnz
     call number_multipliers(slave, mortar)
     moved = slave
     if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
@@ -71,9 +72,14 @@ contains
     near_nodes = size(slave%nodes, 1)
     far_nodes = size(master%nodes, 1)
     nnz = 0
+    period = size(slave%nodes, 2)
+    if (present(sectors)) then
+      if (period <= batch*sectors) period = period/sectors
+    end if
     do f = 1, size(slave%nodes, 2)
-      at = modulo(f - 1, batch) + 1
-      if (at == 1) call find_overlaps(moved, f, master, bins, present(shift), found)
+      at = modulo(modulo(f - 1, period), batch) + 1
+      away = (f - 1)/period*(size(master%nodes, 2)*period/size(slave%nodes, 2))
+      if (at == 1 .and. f <= period) call find_overlaps(moved, f, period, master, bins, present(shift), found)
       n = found(at)%n
       if (n == 0) cycle
       call move_alloc(found(at)%points, points)
@@ -92,7 +98,7 @@ contains
           if (points(p + 1)%facet == points(p)%facet) cycle
         end if
         do k = 1, 4
-          call append(mortar%facet(k, f), master%nodes(:, points(p)%facet), far(:, k))
+          call append(mortar%facet(k, f), master%nodes(:, modulo(points(p)%facet + away - 1, size(master%nodes, 2)) + 1), far(:, k))
         end do
         far = 0
       end do
@@ -124,16 +130,16 @@ contains
   end subroutine new_mortar
 
   !> Overlaps of a batch of facets.
-  subroutine find_overlaps(slave, first, master, bins, moved, found)
+  subroutine find_overlaps(slave, first, last, master, bins, moved, found)
     type(face_t), intent(in) :: slave              !< slave face
-    integer, intent(in) :: first                   !< facet
+    integer, intent(in) :: first, last             !< facet, and the last of all batches
     type(face_t), intent(in) :: master             !< master face
     type(bins_t), intent(in) :: bins               !< of it
     logical, intent(in) :: moved                   !< as integrate_overlaps takes it
     type(overlaps_t), intent(inout) :: found(batch)  !< of the facets from the first one on
     integer :: k
     !$omp parallel do schedule(dynamic, 16) if(size(slave%nodes, 2) > batch)
-    do k = 1, min(batch, size(slave%nodes, 2) - first + 1)
+    do k = 1, min(batch, last - first + 1)
       if (.not. allocated(found(k)%points)) allocate (found(k)%points(0))
       call integrate_overlaps(slave, first + k - 1, master, bins, moved, found(k)%points, found(k)%n)
     end do

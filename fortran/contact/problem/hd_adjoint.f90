@@ -11,6 +11,7 @@ module hd_adjoint
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_problem, only: problem_t, apply_stiffness
+  use hd_symmetry, only: symmetry_t, symmetrise
   implicit none
   private
   public :: adjoint_t
@@ -87,49 +88,75 @@ contains
     end do
   end subroutine reflect
 
-  !> Solve for one result. The slip of a step ends what it was when the step began: `later` is the tau along the face that the next
-  !> step asks of this one.
+  !> Solve for some results. The slip of a step ends what it was when the step began: `later` is the tau along the face that the
+  !> next step asks of this one. Where the load step has a symmetry that all residuals share, the solver uses it, and of a result
+  !> only the mean over its images counts: a derivative by what breaks the symmetry is that of both directions together.
   subroutine solve_adjoint(self, problem, solver, by_u, by_t, later, twice, lambda, rho, error)
     class(adjoint_t), intent(in) :: self              !< law, which the solver has
     type(problem_t), intent(in) :: problem            !< problem
     class(linear_solver_t), intent(inout) :: solver   !< factorised
-    real(dp), intent(in) :: by_u(:, :)                !< derivatives of the result by displacements (3, n)
-    real(dp), intent(in) :: by_t(:, :)                !< and tractions (3, multipliers) [1/Pa]
-    real(dp), intent(inout) :: later(:, :)            !< tau of the next step, then of this one (2, multipliers)
-    logical, intent(in) :: twice                      !< refined: a solver may let a wheel's balance be by a hair
-    real(dp), intent(out) :: lambda(:, :)             !< by out-of-balance forces (3, n)
-    real(dp), intent(out) :: rho(:, :)                !< by residuals of the law, area included (3, multipliers)
+    real(dp), intent(inout) :: by_u(:, :, :)          !< derivatives of the results by displacements (3, n, results); their means
+    real(dp), intent(in) :: by_t(:, :, :)             !< and tractions (3, multipliers, results) [1/Pa]
+    real(dp), intent(inout) :: later(:, :, :)         !< tau of the next step, then of this one (2, multipliers, results)
+    logical, intent(in) :: twice(:)                   !< refined: a solver may let a wheel's balance be by a hair (results)
+    real(dp), intent(out) :: lambda(:, :, :)          !< by out-of-balance forces (3, n, results)
+    real(dp), intent(out) :: rho(:, :, :)             !< by residuals of the law, area included (3, multipliers, results)
     type(error_t), allocatable, intent(out) :: error  !< solver
-    real(dp), dimension(3, size(by_t, 2)) :: r, w, tau, more
+    real(dp), dimension(3, size(by_t, 2), size(by_t, 3)) :: r, w, tau
+    real(dp) :: more(3, size(by_t, 2))
     real(dp), allocatable :: left_u(:, :), more_u(:, :)
-    real(dp) :: known(3)
-    integer :: j
-    do j = 1, size(r, 2)
-      w(:, j) = by_t(:, j)/max(problem%mortar%area(j), tiny(1._dp))
-      r(:, j) = matmul(self%w(:, :, j), w(:, j)) + matmul(self%t(:, 2:, j), later(:, j))
-    end do
-    call solver%solve(problem, -by_u, r, lambda, tau, error)
-    if (twice .and. .not. allocated(error)) then
-      allocate (left_u, mold=by_u)
-      call apply_stiffness(problem, lambda, left_u)
-      left_u = left_u - by_u
-      call add_nodal_forces(problem%mortar, tau, left_u, factor=-1._dp)
-      more = relative_displacement(problem%mortar, lambda)
+    integer :: j, k
+    w = by_t
+    do k = 1, size(w, 3)
+      if (solver%symmetry%order() > 1) then
+        call symmetrise(problem, solver%symmetry, by_u(:, :, k))
+        more(1, :) = 0
+        more(2:, :) = later(:, :, k)
+        w(:, :, k) = mean_of(problem, solver%symmetry, w(:, :, k))
+        more = mean_of(problem, solver%symmetry, more)
+        later(:, :, k) = more(2:, :)
+      end if
       do j = 1, size(r, 2)
-        r(:, j) = r(:, j) + matmul(self%w(:, :, j), more(:, j)) + matmul(self%t(:, :, j), tau(:, j))
+        w(:, j, k) = w(:, j, k)/max(problem%mortar%area(j), tiny(1._dp))
+        r(:, j, k) = matmul(self%w(:, :, j), w(:, j, k)) + matmul(self%t(:, 2:, j), later(:, j, k))
       end do
-      allocate (more_u, mold=by_u)
-      call solver%solve(problem, left_u, r, more_u, more, error)
-      if (.not. allocated(error)) lambda = lambda + more_u
-      tau = tau + more
-    end if
-    if (allocated(error)) return
-    tau(2:, :) = tau(2:, :) + later
-    w = w + relative_displacement(problem%mortar, lambda)
-    do j = 1, size(r, 2)
-      known = matmul(self%back(:, :3, j), w(:, j)) + matmul(self%back(:, 4:, j), tau(:, j)/self%scale)
-      rho(:, j) = problem%mortar%area(j)*known
     end do
-    later = tau(2:, :)
+    call solver%solve_all(problem, -by_u, r, lambda, tau, error)
+    if (allocated(error)) return
+    allocate (left_u(3, size(by_u, 2)), more_u(3, size(by_u, 2)))
+    do k = 1, size(w, 3)
+      if (twice(k)) then
+        call apply_stiffness(problem, lambda(:, :, k), left_u)
+        left_u = left_u - by_u(:, :, k)
+        call add_nodal_forces(problem%mortar, tau(:, :, k), left_u, factor=-1._dp)
+        more = relative_displacement(problem%mortar, lambda(:, :, k))
+        do j = 1, size(r, 2)
+          r(:, j, k) = r(:, j, k) + matmul(self%w(:, :, j), more(:, j)) + matmul(self%t(:, :, j), tau(:, j, k))
+        end do
+        call solver%solve(problem, left_u, r(:, :, k), more_u, more, error)
+        if (allocated(error)) return
+        lambda(:, :, k) = lambda(:, :, k) + more_u
+        tau(:, :, k) = tau(:, :, k) + more
+      end if
+      tau(2:, :, k) = tau(2:, :, k) + later(:, :, k)
+      w(:, :, k) = w(:, :, k) + relative_displacement(problem%mortar, lambda(:, :, k))
+      do j = 1, size(r, 2)
+        rho(:, j, k) = problem%mortar%area(j)*(matmul(self%back(:, :3, j), w(:, j, k)) + &
+          matmul(self%back(:, 4:, j), tau(:, j, k)/self%scale))
+      end do
+    end do
+    later = tau(2:, :, :)
   end subroutine solve_adjoint
+
+  !> Mean of a field of the multipliers over its images.
+  function mean_of(problem, symmetry, t) result(mean)
+    type(problem_t), intent(in) :: problem    !< problem
+    type(symmetry_t), intent(in) :: symmetry  !< of the load step
+    real(dp), intent(in) :: t(:, :)           !< (3, multipliers)
+    real(dp) :: mean(3, size(t, 2)), field(3, problem%n)
+    field = 0
+    field(:, problem%mortar%node) = t
+    call symmetrise(problem, symmetry, field)
+    mean = field(:, problem%mortar%node)
+  end function mean_of
 end module hd_adjoint

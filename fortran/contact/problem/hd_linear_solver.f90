@@ -29,6 +29,7 @@ module hd_linear_solver
     procedure :: begin => begin_linear
     procedure(update_linear), deferred :: update
     procedure(solve_linear), deferred :: solve
+    procedure :: solve_all => solve_one_by_one
     procedure(release_linear), deferred :: release
   end type linear_solver_t
 
@@ -76,4 +77,20 @@ contains
     if (self%demanded) call raise(error, code_input, "solver.symmetry asks for a part of the scene, which exact factors do "// &
       "not use; valid: 'auto'")
   end subroutine begin_linear
+
+  !> Corrections for several residuals.
+  subroutine solve_one_by_one(self, problem, r_u, r_c, du, dtraction, error)
+    class(linear_solver_t), intent(inout) :: self     !< factorised solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :, :)              !< out-of-balance forces (3, n, sides) [N]
+    real(dp), intent(in) :: r_c(:, :, :)              !< residuals of the law (3, multipliers, sides) [Pa]
+    real(dp), intent(out) :: du(:, :, :)              !< corrections of the displacements (3, n, sides) [m]
+    real(dp), intent(out) :: dtraction(:, :, :)       !< corrections of the tractions (3, multipliers, sides) [Pa]
+    type(error_t), allocatable, intent(out) :: error  !< solver failure
+    integer :: k
+    do k = 1, size(r_u, 3)
+      call self%solve(problem, r_u(:, :, k), r_c(:, :, k), du(:, :, k), dtraction(:, :, k), error)
+      if (allocated(error)) return
+    end do
+  end subroutine solve_one_by_one
 end module hd_linear_solver

@@ -87,7 +87,7 @@ contains
     do i = 1, n
       f = 0
       call push(problem%struts(i), 1._dp, f)
-      call compliance%solve(problem, f, u, error)
+      call compliance%solve(problem, 1, f, u, error)
       if (allocated(error)) return
       border%side(:, :, i) = relative_displacement(problem%mortar, u)
       do j = 1, n
@@ -109,7 +109,7 @@ contains
       u = 0
       call add_rigid_motion(border, problem, i, border%scale, u)
       f = problem%spring*u
-      call compliance%solve(problem, f, v, error)
+      call compliance%solve(problem, 1, f, v, error)
       if (allocated(error)) return
       u = u - v
       border%side(:, :, n + i) = relative_displacement(problem%mortar, u)

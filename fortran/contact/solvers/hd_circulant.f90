@@ -255,21 +255,22 @@ contains
     end do
   end subroutine prepare_circulant_columns
 
-  !> u = K^-1 f.
-  subroutine solve_circulant(self, problem, f, u, error)
+  !> u = K^-1 f for some f.
+  subroutine solve_circulant(self, problem, sides, f, u, error)
     class(circulant_t), intent(inout) :: self         !< prepared
     type(problem_t), intent(in) :: problem            !< problem
-    real(dp), intent(in) :: f(:, :)                   !< nodal forces (3, n) [N]
-    real(dp), intent(out) :: u(:, :)                  !< displacements (3, n) [m]
+    integer, intent(in) :: sides                      !< how many
+    real(dp), intent(in) :: f(3, problem%n, sides)    !< nodal forces [N]
+    real(dp), intent(out) :: u(3, problem%n, sides)   !< displacements [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
     integer :: b
     do b = 1, 2
       associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
-        if (.not. any(abs(f(:, low:high)) > 0)) then
-          u(:, low:high) = 0
+        if (.not. any(abs(f(:, low:high, :)) > 0)) then
+          u(:, low:high, :) = 0
           cycle
         end if
-        call solve_body(self%bodies(b), self%stride, f(:, low:high), u(:, low:high), error)
+        call solve_body(self%bodies(b), self%stride, f(:, low:high, :), u(:, low:high, :), error)
       end associate
       if (allocated(error)) return
     end do

@@ -24,6 +24,7 @@ module hd_condensed
   real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known
   integer, parameter :: most_steps = 250             !< of GMRES
+  integer, parameter :: together = 4                 !< residuals that the bodies meet at once: eight columns of a harmonic
   integer, parameter :: largest_dense = 12000        !< unknowns a dense matrix may have
   !> Nodes from which it pays not to solve the bodies of a drive a second time. Smaller meshes keep the rounding of both
   !> solves, which decides whether a drive that cycles gets out.
@@ -48,6 +49,7 @@ module hd_condensed
     procedure :: begin => begin_condensed
     procedure :: update => update_condensed
     procedure :: solve => solve_condensed
+    procedure :: solve_all => solve_condensed_all
     procedure :: release => release_condensed
   end type condensed_t
 
@@ -132,13 +134,64 @@ contains
     real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
     real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: f(:, :), motion(:, :)
+    allocate (f, motion, mold=r_u)
+    call press(self, problem, r_u, r_c, dtraction, f, motion, error)
+    if (allocated(error)) return
+    call self%compliance%solve(problem, 1, f, du, error)
+    if (has_border(self)) call add(size(du), 1._dp, motion, du)
+    call balance(self, du)
+  end subroutine solve_condensed
+
+  !> Some of them, which the bodies meet together.
+  subroutine solve_condensed_all(self, problem, r_u, r_c, du, dtraction, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :, :), r_c(:, :, :)           !< residuals (3, n, sides), (3, multipliers, sides)
+    real(dp), intent(out) :: du(:, :, :), dtraction(:, :, :)     !< corrections
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: f(:, :, :), motion(:, :, :)
+    integer :: first, k, sides
+    allocate (f(3, problem%n, together), motion(3, problem%n, together))
+    do first = 1, size(r_u, 3), together
+      sides = min(together, size(r_u, 3) - first + 1)
+      do k = 1, sides
+        call press(self, problem, r_u(:, :, first + k - 1), r_c(:, :, first + k - 1), dtraction(:, :, first + k - 1), f(:, :, k), &
+          motion(:, :, k), error)
+        if (allocated(error)) return
+      end do
+      call self%compliance%solve(problem, sides, f, du(:, :, first:first + sides - 1), error)
+      if (allocated(error)) return
+      do k = 1, sides
+        if (has_border(self)) du(:, :, first + k - 1) = du(:, :, first + k - 1) + motion(:, :, k)
+        call balance(self, du(:, :, first + k - 1))
+      end do
+    end do
+  end subroutine solve_condensed_all
+
+  !> Struts push, or bodies may move.
+  logical function has_border(self)
+    class(condensed_t), intent(in) :: self            !< solver
+    has_border = .false.
+    if (allocated(self%border)) has_border = size(self%border%columns()) > 0
+  end function has_border
+
+  !> Tractions on the face, and the forces that the bodies have then.
+  subroutine press(self, problem, r_u, r_c, dtraction, f, motion, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
+    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
+    real(dp), intent(out) :: f(:, :)                  !< forces (3, n) [N]
+    real(dp), intent(inout) :: motion(:, :)           !< gets rigid motions, if there is a border (3, n) [m]
+    type(error_t), allocatable, intent(out) :: error  !< singular
     type(face_system_t) :: system
-    real(dp), allocatable :: f(:, :), left(:, :), w(:, :), motion(:, :)
+    real(dp), allocatable :: left(:, :), w(:, :)
     integer, allocatable :: list(:), mirrored(:)
     logical :: bordered
     integer :: j
-    bordered = .false.
-    if (allocated(self%border)) bordered = size(self%border%columns()) > 0
+    bordered = has_border(self)
     left = r_c
     if (allocated(self%sharing%representative)) left = left(:, self%sharing%representative)*self%sharing%sign
     if (self%symmetry%mirror > 0) call hold_on_plane(self, left)
@@ -153,18 +206,11 @@ contains
     if (self%symmetry%mirror > 0) mirrored = images(self, list, self%symmetry%mirror)
     call solve_face(self, system, list, mirrored, w, dtraction, error)
     if (allocated(error)) return
-    allocate (f, mold=r_u)
     call set(size(r_u), -1._dp, r_u, f)
     call add_nodal_forces(problem%mortar, dtraction, f)
-    if (bordered) then
-      allocate (motion, mold=f)
-      call self%border%add_solution(problem, system%x, f, motion)
-    end if
+    if (bordered) call self%border%add_solution(problem, system%x, f, motion)
     call balance(self, f)
-    call self%compliance%solve(problem, f, du, error)
-    if (bordered) call add(size(du), 1._dp, motion, du)
-    call balance(self, du)
-  end subroutine solve_condensed
+  end subroutine press
 
   !> Relative displacements without the tractions that are sought, and the border. Where the bodies are in balance but for struts,
   !> as they are after a step of Newton's method, they need not be solved for it.
@@ -189,7 +235,10 @@ contains
     call balance(self, f)
     easy = .true.
     if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
-    if (bordered .and. easy) then
+    if (bordered .and. easy .and. .not. length(size(f), f) > 0) then
+      allocate (forces(self%border%struts), source=0._dp)
+      call set(size(f), 1._dp, f, v)
+    else if (bordered .and. easy) then
       allocate (forces(self%border%struts))
       call self%border%split(problem, f, forces, v)
       pushed = f
@@ -214,7 +263,7 @@ contains
     else
       call add_nodal_forces(problem%mortar, system%q, f)
       call balance(self, f)
-      call self%compliance%solve(problem, f, v, error)
+      call self%compliance%solve(problem, 1, f, v, error)
       call balance(self, v)
       if (allocated(error)) return
       w = relative_displacement(problem%mortar, v)

@@ -11,7 +11,8 @@ module hd_harmonics
   use hd_system, only: stop_requested, check_stop
   use hd_body, only: body_t, sector_stiffness
   use hd_error, only: error_t
-  use hd_fft, only: fft_plan_t, plan_forward_real, plan_backward_real, execute_forward_real, execute_backward_real, free_plan
+  use hd_fft, only: execute_backward_real, execute_forward_real, execute_rows, fft_plan_t, free_plan, free_rows, &
+    plan_backward_real, plan_forward_real, plan_rows, rows_plan_t
   implicit none
   private
   public :: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries, amplitude
@@ -180,38 +181,81 @@ contains
     entries = real(harmonics%width + 1, dp)*harmonics%dofs*(harmonics%sectors/2/stride + 1)
   end function harmonic_entries
 
-  !> Displacements under nodal forces; fixed dofs get 0.
+  !> Displacements under some nodal forces; fixed dofs get 0. One side is transformed row by row, which keeps its bits: several rows
+  !> at once are summed in another order.
   subroutine solve_body(harmonics, stride, f, u, error)
     type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
     integer, intent(in) :: stride                     !< 2: the forces repeat after half a turn
-    real(dp), intent(in) :: f(:, :)                   !< nodal forces of the body (3, nodes) [N]
-    real(dp), intent(out) :: u(:, :)                  !< displacements (3, nodes) [m]
+    real(dp), intent(in) :: f(:, :, :)                !< nodal forces of the body (3, nodes, sides) [N]
+    real(dp), intent(out) :: u(:, :, :)               !< displacements (3, nodes, sides) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
-    type(fft_plan_t) :: forward, backward
-    real(dp), allocatable :: field(:), c(:, :)
-    complex(dp), allocatable :: wave(:, :), phase(:)
-    complex(dp) :: factor
-    integer :: a, d, e, k, m, n
+    type(rows_plan_t) :: forward, backward
+    type(fft_plan_t) :: one, other
+    real(dp), allocatable :: field(:, :), line(:)
+    complex(dp), allocatable :: wave(:, :, :), spectrum(:)
+    integer :: a, d, m, n, s
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
-    allocate (field(n), wave(0:n/2, harmonics%dofs))
-    call plan_forward_real(n, 1, field, wave, forward, error)
+    allocate (wave(3*m, 0:n/2, size(f, 3)), line(n), spectrum(0:n/2))
+    if (size(f, 3) == 1) then
+      call plan_forward_real(n, 1, line, spectrum, one, error)
+      if (.not. allocated(error)) call plan_backward_real(n, 1, spectrum, line, other, error)
+    else
+      allocate (field(3*m, n))
+      call plan_rows(n, 3*m, field, wave, forward, backward, error)
+    end if
     if (allocated(error)) return
-    call plan_backward_real(n, 1, wave, field, backward, error)
-    if (allocated(error)) return
-    deallocate (field)
-    !$omp parallel private(field, c, phase, factor, a, d, e, k) if(harmonics%dofs*n > long_loop)
-    allocate (field(n), c(harmonics%dofs, 2), phase(m))
+    deallocate (line, spectrum)
+    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
+      field = reshape(f(:, :n*m, s), shape(field))
+      call execute_rows(forward, n, field, wave(:, :, s), .true.)
+    end do
+    !$omp parallel private(line, spectrum, a, d) if(harmonics%dofs*n*size(f, 3) > long_loop)
+    allocate (line(n), spectrum(0:n/2))
     !$omp do schedule(static)
-    do a = 1, m
+    do a = 1, merge(m, 0, size(f, 3) == 1)
       do d = 1, 3
-        e = harmonics%equation(d, a)
-        if (e == 0) cycle
-        field = f(d, a:(n - 1)*m + a:m)
-        call execute_forward_real(forward, field, wave(0, e))
+        if (harmonics%equation(d, a) == 0) cycle
+        line = f(d, a:(n - 1)*m + a:m, 1)
+        call execute_forward_real(one, line, spectrum)
+        wave(3*a - 3 + d, :, 1) = spectrum
       end do
     end do
     !$omp end do
+    call solve_harmonics(harmonics, stride, n, wave)
+    !$omp do schedule(static)
+    do a = 1, merge(m, 0, size(f, 3) == 1)
+      do d = 1, 3
+        u(d, a::m, 1) = 0
+        if (harmonics%equation(d, a) == 0) cycle
+        spectrum = wave(3*a - 3 + d, :, 1)
+        call execute_backward_real(other, spectrum, line)
+        u(d, a:n*m:m, 1) = line
+        if (stride == 2) u(d, n*m + a::m, 1) = line
+      end do
+    end do
+    !$omp end do
+    !$omp end parallel
+    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
+      call execute_rows(backward, n, field, wave(:, :, s), .false.)
+      u(:, :n*m, s) = reshape(field, [3, n*m])
+      if (stride == 2) u(:, n*m + 1:, s) = u(:, :n*m, s)
+    end do
+    call free_rows(forward)
+    call free_rows(backward)
+    call free_plan(one)
+    call free_plan(other)
+  end subroutine solve_body
+
+  !> Amplitudes of displacements from those of forces, by harmonic; threads of one team share the harmonics.
+  subroutine solve_harmonics(harmonics, stride, n, wave)
+    type(harmonics_t), intent(in) :: harmonics        !< factorised for this stride
+    integer, intent(in) :: stride, n                  !< as of solve_body, sectors that are solved
+    complex(dp), intent(inout) :: wave(:, 0:, :)      !< spectra, then those of the displacements (3 nodes, n/2 + 1, sides)
+    complex(dp) :: factor, phase(size(harmonics%equation, 2))
+    real(dp) :: c(harmonics%dofs, 2*size(wave, 3))
+    integer :: a, d, e, k, m, s
+    m = size(phase)
     !$omp do schedule(static)
     do k = 0, n/2
       do a = 1, m  ! the nodes of a sector share their angle
@@ -221,44 +265,34 @@ contains
         end if
         phase(a) = amplitude(k*stride, harmonics%angle(a), 1)
       end do
-      do a = 1, m
-        do d = 1, 3
-          e = harmonics%equation(d, a)
-          if (e == 0) cycle
-          factor = conjg(phase(a))*wave(k, e)
-          if (d == 2) factor = (0._dp, -1._dp)*factor
-          c(e, 1) = real(factor)
-          c(e, 2) = aimag(factor)
+      do s = 1, size(wave, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            if (e == 0) cycle
+            factor = conjg(phase(a))*wave(3*a - 3 + d, k, s)
+            if (d == 2) factor = (0._dp, -1._dp)*factor
+            c(e, 2*s - 1) = real(factor)
+            c(e, 2*s) = aimag(factor)
+          end do
         end do
       end do
       call solve_band(harmonics%factor(k*stride)%a, c)
-      do a = 1, m
-        do d = 1, 3
-          e = harmonics%equation(d, a)
-          if (e == 0) cycle
-          factor = phase(a)*cmplx(c(e, 1), c(e, 2), dp)/n
-          if (d == 2) factor = (0._dp, 1._dp)*factor
-          wave(k, e) = factor
+      do s = 1, size(wave, 3)
+        do a = 1, m
+          do d = 1, 3
+            e = harmonics%equation(d, a)
+            wave(3*a - 3 + d, k, s) = 0
+            if (e == 0) cycle
+            factor = phase(a)*cmplx(c(e, 2*s - 1), c(e, 2*s), dp)/n
+            if (d == 2) factor = (0._dp, 1._dp)*factor
+            wave(3*a - 3 + d, k, s) = factor
+          end do
         end do
       end do
     end do
     !$omp end do
-    !$omp do schedule(static)
-    do a = 1, m
-      do d = 1, 3
-        e = harmonics%equation(d, a)
-        u(d, a::m) = 0
-        if (e == 0) cycle
-        call execute_backward_real(backward, wave(0, e), field)
-        u(d, a:n*m:m) = field
-        if (stride == 2) u(d, n*m + a::m) = field
-      end do
-    end do
-    !$omp end do
-    !$omp end parallel
-    call free_plan(forward)
-    call free_plan(backward)
-  end subroutine solve_body
+  end subroutine solve_harmonics
 
   !> Compliance of face nodes for one harmonic, between real amplitudes.
   subroutine face_compliance(harmonics, nodes, k, hat)

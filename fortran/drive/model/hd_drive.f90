@@ -61,12 +61,14 @@ module hd_drive
 contains
 
   !> Build the problem of a scene.
-  subroutine new_drive(scene, drive, error)
+  subroutine new_drive(scene, drive, error, alike)
     type(scene_t), intent(in) :: scene                !< checked scene
     type(drive_t), intent(out) :: drive               !< problem and loads
     type(error_t), allocatable, intent(out) :: error  !< inverted element, out of memory
+    logical, intent(in), optional :: alike            !< faces of equal sectors are coupled by those of the first, to rounding
     type(body_t) :: bodies(2)
     type(face_t) :: slave, master, inside, bore
+    integer, allocatable :: repeated
     integer :: kind, sectors, first, last
     call element_kind(scene%element, kind, error)
     if (allocated(error)) return
@@ -113,7 +115,8 @@ contains
     end if
     call new_problem(bodies, drive%problem, error)
     if (allocated(error)) return
-    call new_mortar(drive%face, master, drive%problem%mortar)
+    if (present(alike) .and. sectors == scene%divisions) repeated = sectors
+    call new_mortar(drive%face, master, drive%problem%mortar, sectors=repeated)
     inside%nodes = inside%nodes + drive%problem%first(drive%b_ring)
     if (scene%large() .and. .not. scene%bonded() .and. (.not. scene%formed() .or. &
       .not. abs(scene%cone_angle_deg) > 0)) call follow_faces(scene, drive, bore, inside)

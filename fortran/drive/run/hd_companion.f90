@@ -5,15 +5,15 @@ module hd_companion
   use hd_conditions, only: check_scene
   use hd_contact_law, only: contact_law_t
   use hd_cup_sections, only: adopt_sections, has_sections
-  use hd_drive, only: drive_t, drive_load, new_drive, renew_drive, step_friction
+  use hd_drive, only: drive_t, new_drive, renew_drive, step_friction, strut_load
   use hd_error, only: error_t
   use hd_joint, only: joint_t
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
-  use hd_mortar, only: relative_displacement
+  use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton, only: linear_equations, prescribe
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
   use hd_parameters, only: new_table, value_count
-  use hd_problem, only: problem_t, state_t, load_t, internal_residual, linear_forces, strut_closings
+  use hd_problem, only: problem_t, state_t, load_t, elastic_forces, forces_at, linear_forces, strut_closings
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_strut, only: push
@@ -21,7 +21,7 @@ module hd_companion
   use hd_text, only: string_t
   implicit none
   private
-  public :: companion_t, find_companions, change_residuals, change_law, pull_of
+  public :: companion_t, find_companions, change_residuals, change_law, forces_of
 
   !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
   !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
@@ -38,8 +38,11 @@ module hd_companion
     real(dp) :: change = 0                           !< of it
     real(dp) :: force = 0                            !< its value, if its unit holds one of force
     logical :: idle = .false.                        !< the key has no part in the equilibrium
-    logical :: whole = .false.                       !< bodies, supports or nodal loads are others: else the drive has only
-    logical :: struts = .false., law = .false.       !< struts and contact law, which may be others
+    logical :: whole = .false.                       !< bodies, supports, nodal loads or places of struts are others: else
+    logical :: struts = .false., law = .false.       !< it has struts and contact law only, which may be others
+    logical :: bodies = .false., moves = .false.     !< of those the bodies, or displacements that are given
+    integer, allocatable :: loaded(:)                !< nodes with springs or nodal loads, of a whole one
+    logical :: rough = .false.                       !< the joint or its friction may be another
     type(scene_t) :: scene
     type(drive_t) :: drive                           !< unless it is idle
     type(joint_t) :: joint
@@ -151,11 +154,12 @@ contains
         other%scene = moved
         other%joint = joint
         law = felt .and. any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
+        other%rough = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
         if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
         other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
         if (other%whole) then
-          call new_drive(moved, other%drive, refused)
+          call new_drive(moved, other%drive, refused, alike=.true.)
         else
           other%drive = drive
           call renew_drive(moved, other%drive, refused)
@@ -169,7 +173,8 @@ contains
         if (allocated(error)) return
         fits = same_mesh(other%drive, drive)
         if (.not. fits) cycle
-        other%whole = other%whole .and. .not. same_bodies(other%drive, drive)
+        if (other%whole) other%bodies = .not. same_bodies(other%drive, drive)
+        other%whole = other%bodies
         call compare_drives(scene, drive, other, law)
         return
       end associate
@@ -189,16 +194,19 @@ contains
     associate (mortar => drive%problem%mortar)
       felt(1, mortar%node(mortar%n - mortar%rigid + 1:)) = .true.
     end associate
-    other%whole = other%whole .or. any(felt .and. abs(other%drive%assembly - drive%assembly) > 0) .or. &
+    other%moves = any(felt .and. abs(other%drive%assembly - drive%assembly) > 0)
+    other%bodies = other%bodies .or. other%moves
+    other%whole = other%bodies .or. &
       abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0) .or. &
       (scene%support%loop .and. abs(other%scene%rated_torque - scene%rated_torque) > 0)
     other%law = abs(other%drive%interference - drive%interference) > 0 .or. abs(other%scene%friction - scene%friction) > 0 .or. &
-      abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard())
+      abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard()) .or. &
+      abs(other%drive%problem%law%scale - drive%problem%law%scale) > 0
     if (allocated(drive%problem%struts)) then
       associate (a => drive%problem%struts, b => other%drive%problem%struts)
         do i = 1, size(a)
           other%whole = other%whole .or. size(a(i)%node) /= size(b(i)%node)
-          if (other%whole) return
+          if (other%whole) exit
           other%whole = any(a(i)%node /= b(i)%node) .or. any(abs(a(i)%weight - b(i)%weight) > 0)
           other%struts = other%struts .or. abs(a(i)%rate - b(i)%rate) > 0
         end do
@@ -207,7 +215,11 @@ contains
         drive%problem%strut_give) > 0)
       other%struts = other%struts .or. any(abs(other%drive%way - drive%way) > 0)
     end if
-    if (other%whole) return
+    if (other%whole) then
+      other%loaded = pack([(i, i=1, other%drive%problem%n)], other%drive%problem%spring(1, :) > 0 .or. &
+        any(abs(other%drive%torque) + abs(other%drive%squeeze) > 0, 1))
+      return
+    end if
     light%balls = drive%balls
     light%flanks = drive%flanks
     light%interference = other%drive%interference
@@ -256,40 +268,61 @@ contains
     change = change*merge(typical_m, merge(typical_deg, typical_other, p%unit == 'deg'), p%unit == 'm')
   end function change_of
 
-  !> Residuals of a drive of its own bodies in a state of the run. The way of a step is taken as linear: a change may be larger
-  !> than the slip in it.
-  subroutine change_residuals(c, drive, place, before, state, r_u, r_c)
+  !> Residuals of a drive in a state of the run: all of its forces, and the change of the law's by its displacements. The way of a
+  !> step is taken as linear: a change may be larger than the slip in it. Struts meet no displacements that are given.
+  subroutine change_residuals(c, drive, place, load, before, state, bare, dw, r_u, r_c)
     type(companion_t), intent(inout) :: c           !< its drive gets whether the wheel turns
     type(drive_t), intent(in) :: drive              !< of the run
     type(place_t), intent(in) :: place              !< here
+    type(load_t), intent(in) :: load                !< of the run
     type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
-    real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], (3, points) [Pa]
-    real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :), pull(:)
-    real(dp) :: w(3, size(r_c, 2)), slip(2, size(r_c, 2))
-    type(state_t) :: next, was
-    type(load_t) :: load
-    integer :: j
+    real(dp), intent(in) :: bare(:, :)              !< forces of the run's bodies and contact (3, n) [N]
+    real(dp), intent(in) :: dw(:, :, :)             !< derivatives of its law (3, 3, points) [Pa/m]
+    real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], change (3, points) [Pa]
+    real(dp), allocatable :: force(:), u(:, :)
+    type(load_t) :: other
+    real(dp) :: w(3, size(r_c, 2)), part, torque
+    integer :: j, m
     associate (problem => c%drive%problem)
-      call drive_load(c%drive, assembly_at(c%scene, place), torque_at(c%scene, place), &
-        step_friction(c%scene, under_torque(c%scene, place)), load, before)
       problem%wheel_turns = drive%problem%wheel_turns
-      next = state
-      call prescribe(problem, load, next%u)
-      w = relative_displacement(problem%mortar, next%u)
-      was%traction = before%traction
-      was%contact = before%contact
-      was%slip = before%slip + (w(2:, :) - state%slip)
-      w = relative_displacement(problem%mortar, before%u)
-      slip = was%slip - w(2:, :)
-      call linear_equations(problem, load, was, next, left, dw, dt)
-      do j = 1, size(slip, 2)
-        r_c(:, j) = left(:, j) + matmul(dw(:, 2:, j), slip(:, j))
+      part = assembly_at(c%scene, place)
+      torque = torque_at(c%scene, place)
+      if (c%bodies) then
+        if (c%moves) then
+          u = state%u
+          other%displacement = part*c%drive%assembly
+          call prescribe(problem, other, u)
+          call elastic_forces(problem, u, r_u)
+          w = relative_displacement(problem%mortar, u)
+        else
+          call elastic_forces(problem, state%u, r_u)
+          w = relative_displacement(problem%mortar, state%u)
+        end if
+        call add_nodal_forces(problem%mortar, state%traction, r_u, factor=-1._dp)
+        w(1, :) = w(1, :) - (state%gap - load%gap)
+        w(2:, :) = w(2:, :) - state%slip
+        m = problem%mortar%n - problem%mortar%rigid
+        if (c%moves) w(1, m + 1:) = w(1, m + 1:) - other%displacement(1, problem%mortar%node(m + 1:)) - load%gap(m + 1:)
+        r_c = relative_displacement(problem%mortar, before%u)
+        w(2:, :) = w(2:, :) - (r_c(2:, :) - before%slip)
+        do j = 1, size(r_c, 2)
+          r_c(:, j) = matmul(dw(:, :, j), w(:, j))
+        end do
+      else
+        r_u = bare
+        r_c = 0
+      end if
+      do j = 1, size(c%loaded)
+        associate (r => r_u(:, c%loaded(j)))
+          r = r - torque*c%drive%torque(:, c%loaded(j)) - abs(torque)*c%drive%squeeze(:, c%loaded(j))
+          r(1) = r(1) - problem%spring(1, c%loaded(j))*part*c%drive%assembly(1, c%loaded(j))
+        end associate
       end do
-      call internal_residual(problem, load, next, r_u)
-      if (.not. (problem%wheel_turns .and. allocated(problem%struts))) return
-      pull = pull_of(problem, drive%problem%strut_rate, load, next%u)
-      do j = 1, size(pull)
-        if (abs(pull(j)) > 0) call push(problem%struts(j), pull(j), r_u)
+      if (.not. allocated(problem%struts)) return
+      call strut_load(c%drive, part, other, before)
+      force = forces_of(problem, drive%problem%strut_rate, other, state%u)
+      do j = 1, size(force)
+        if (abs(force(j)) > 0) call push(problem%struts(j), force(j), r_u)
       end do
     end associate
   end subroutine change_residuals
@@ -302,7 +335,7 @@ contains
     type(load_t), intent(in) :: load                !< of the run
     type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
     real(dp), intent(in) :: left_c(:, :)            !< residuals of the run (3, points) [Pa]
-    real(dp), intent(out) :: r_c(:, :)              !< change (3, points) [Pa]
+    real(dp), intent(inout) :: r_c(:, :)            !< gets the change (3, points) [Pa]
     real(dp), allocatable :: left(:, :), dw(:, :, :), dt(:, :, :)
     type(contact_law_t) :: law
     type(load_t) :: other
@@ -315,21 +348,23 @@ contains
     next = state
     call linear_equations(problem, other, before, next, left, dw, dt)
     problem%law = law
-    r_c = left - left_c
+    r_c = r_c + (left - left_c)
   end subroutine change_law
 
-  !> Pull of flanks that push on the run but that a change has taken off a companion: in the run their way is that of the wheel,
-  !> also where the torque is 0 and they only just touch [N].
-  function pull_of(problem, rate, load, u) result(pull)
+  !> Forces of a companion's struts in a state of the run [N]. Where a wheel turns, flanks that push on the run but that a change
+  !> has taken off pull: in the run their way is that of the wheel, also where the torque is 0 and they only just touch.
+  function forces_of(problem, rate, load, u) result(force)
     type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
     real(dp), intent(in) :: rate(:)             !< of the run [N/m]
     type(load_t), intent(in) :: load            !< of the companion
     real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
-    real(dp) :: closing(size(rate)), pull(size(rate))
+    real(dp), dimension(size(rate)) :: closing, force, pull
     closing = strut_closings(problem, load, u)
+    force = forces_at(problem, load, closing)
+    if (.not. problem%wheel_turns) return
     pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
     if (.not. any(abs(pull) > 0)) return
     problem%strut_rate = rate
-    pull = linear_forces(problem, pull)
-  end function pull_of
+    force = force + linear_forces(problem, pull)
+  end function forces_of
 end module hd_companion

@@ -9,7 +9,7 @@ module hd_gradient
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t
-  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, pull_of
+  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, forces_of
   use hd_contact_law, only: stick_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
@@ -23,7 +23,7 @@ module hd_gradient
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_mortar, only: add_nodal_forces, relative_displacement
   use hd_newton, only: idle_components, linear_equations, prescribe
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, internal_residual, linear_forces, move_state, strut_closings, &
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, elastic_forces, linear_forces, move_state, strut_closings, &
     strut_forces, update_struts
   use hd_rate, only: rate_matrices
   use hd_rate_law, only: rate_point_t
@@ -32,6 +32,7 @@ module hd_gradient
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead, straight
   use hd_summary, only: derivatives_t
+  use hd_symmetry, only: sharing_t, share_law
   use hd_text, only: string_t, split
   use hd_tolerance_band, only: readings
   implicit none
@@ -154,7 +155,7 @@ contains
     allocate (self%result(size(found%results)))
     allocate (self%value(self%keys, size(found%results)), self%by_turn(self%n, size(found%results)), source=0._dp)
     images = solver%most_images
-    solver%most_images = 1
+    if (scene%formed()) solver%most_images = 1  ! GMRES around round bodies does not say which it uses
     do i = 1, size(self%result)
       associate (r => self%result(i), points => drive%problem%mortar%n)
         allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
@@ -251,12 +252,13 @@ contains
   end function forces_in
 
   !> Results that a drive would have in the states of the run, in the order of their names; no tangent.
-  function results_of(self, scene, joint, own, drive) result(value)
+  function results_of(self, scene, joint, own, drive, k_ts) result(value)
     type(gradient_t), intent(in) :: self        !< stations
     type(scene_t), intent(in) :: scene          !< of the drive
     type(joint_t), intent(in) :: joint          !< its joint
     type(drive_t), intent(in) :: own            !< its struts
     type(drive_t), intent(in) :: drive          !< all else of it
+    real(dp), intent(in), optional :: k_ts      !< K_TS by Eq. 45, if it is known [N m/rad]
     real(dp), allocatable :: value(:)
     type(facets_t) :: facets
     type(sums_t) :: sums
@@ -266,8 +268,12 @@ contains
     real(dp) :: stress, most(2), ends(2)
     integer :: i
     associate (top => self%station(self%top), worst => self%station(self%worst))
-      call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
-      call sum_stiffness(scene, drive, torque_at(scene, top%place), top%state, facets, sums)
+      if (present(k_ts)) then
+        sums%k_ts = k_ts
+      else
+        call evaluate_facets(drive, at_friction(joint, step_friction(scene, .true.)), top%state, facets)
+        call sum_stiffness(scene, drive, torque_at(scene, top%place), top%state, facets, sums)
+      end if
       call drive_load(drive, assembly_at(scene, worst%place), 0._dp, 0._dp, load)
       u = worst%state%u
       call prescribe(drive%problem, load, u)
@@ -317,13 +323,15 @@ contains
     type(scene_t), intent(in) :: scene       !< of the drive
     type(drive_t), intent(in) :: drive       !< the drive
     type(loop_t) :: loop
+    integer, allocatable :: at(:)
     integer :: i
+    at = pack([(i, i=1, drive%problem%n)], any(abs(drive%gauge) > 0, 1))
     loop%torque = [0._dp]
     loop%angle = [0._dp]
     do i = self%assembled + 1, self%n
       if (.not. self%station(i)%booked) cycle
       loop%torque = [loop%torque, torque_at(scene, self%station(i)%place)]
-      loop%angle = [loop%angle, sum(drive%gauge*self%station(i)%state%u)]
+      loop%angle = [loop%angle, sum(drive%gauge(:, at)*self%station(i)%state%u(:, at))]
     end do
   end function loop_of
 
@@ -335,7 +343,7 @@ contains
     type(drive_t), intent(inout) :: drive             !< its drive
     real(dp), allocatable, intent(out) :: value(:)    !< results; of the tangent 0
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), allocatable :: line(:, :), by_u(:, :, :)
+    real(dp), allocatable :: k_ts, line(:, :), by_u(:, :, :)
     real(dp) :: stress, ends(2), step
     integer :: f, i, m, n
     call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
@@ -345,9 +353,11 @@ contains
     value = results_of(self, scene, joint, drive, drive)
     do i = 1, self%keys
       associate (c => self%of(i))
-        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive) - value
+        if (allocated(k_ts)) deallocate (k_ts)
+        if (.not. (c%whole .or. c%rough)) k_ts = value(merge(looped, 0, scene%support%loop) + 1)
+        if (c%idle) self%value(i, :) = results_of(self, c%scene, c%joint, drive, drive, k_ts) - value
         if (c%whole) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, c%drive) - value
-        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive) - value
+        if (.not. (c%idle .or. c%whole)) self%value(i, :) = results_of(self, c%scene, c%joint, c%drive, drive, k_ts) - value
       end associate
     end do
     if (scene%support%loop) then
@@ -446,9 +456,11 @@ contains
     type(ahead_t) :: ahead
     type(load_t) :: load
     type(state_t) :: next
+    type(sharing_t) :: sharing
     integer, allocatable :: list(:)
-    real(dp), allocatable, dimension(:, :) :: left_u, left_c, by_u, by_t, near
-    real(dp), allocatable, dimension(:, :, :) :: dw, dt, lambda, rho, slope
+    real(dp), allocatable :: force(:)
+    real(dp), allocatable, dimension(:, :) :: bare, left_u, left_c, near
+    real(dp), allocatable, dimension(:, :, :) :: by_u, by_t, dw, dt, lambda, later, rho, slope
     integer :: j, k, struts
     associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
       problem => drive%problem)
@@ -462,8 +474,9 @@ contains
       if (allocated(error)) return
       next = s
       call linear_equations(problem, load, before, next, left_c, dw, dt)
-      allocate (left_u, by_u, mold=s%u)
-      call internal_residual(problem, load, s, left_u)
+      call share_law(problem, solver%symmetry, sharing)
+      call sharing%take_law(dw, dt)
+      call sum_forces(problem, load, s, bare, left_u)
       call update_struts(problem, load, s%u)
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
@@ -472,39 +485,64 @@ contains
       if (allocated(problem%struts)) struts = size(problem%struts)
       allocate (lambda(3, problem%n, size(list)), rho(3, problem%mortar%n, size(list)), near(struts, size(list)))
       call by_history(problem, load, before, next, left_c, slope)
+      allocate (by_u(3, problem%n, size(list)), by_t(3, problem%mortar%n, size(list)), later(2, problem%mortar%n, size(list)))
       do k = 1, size(list)
-        if (allocated(error)) return
         associate (r => self%result(list(k)))
-          by_u = 0
-          if (abs(self%by_turn(i, list(k))) > 0) by_u = self%by_turn(i, list(k))*drive%gauge
-          by_t = r%held
+          by_u(:, :, k) = 0
+          if (abs(self%by_turn(i, list(k))) > 0) by_u(:, :, k) = self%by_turn(i, list(k))*drive%gauge
+          by_t(:, :, k) = r%held
           if (r%station == i) then
-            by_u = by_u + r%by_u
-            by_t = by_t + r%by_t
+            by_u(:, :, k) = by_u(:, :, k) + r%by_u
+            by_t(:, :, k) = by_t(:, :, k) + r%by_t
             if (allocated(r%by_touch) .and. size(before%touch) > 0) r%touch = r%touch + r%by_touch
           end if
           if (size(s%touch) > size(before%touch)) then
             do j = 1, drive%flanks
-              call push(problem%struts(drive%balls + j), -r%touch(j), by_u)
+              call push(problem%struts(drive%balls + j), -r%touch(j), by_u(:, :, k))
             end do
           end if
-          call adjoint%solve(problem, solver, by_u, by_t, r%later, r%station == i, lambda(:, :, k), &
-            rho(:, :, k), error)
-          if (allocated(error)) return
+          later(:, :, k) = r%later
+        end associate
+      end do
+      if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, by_t, later, self%result(list)%station == i, lambda, &
+        rho, error)
+      if (allocated(error)) return
+      do k = 1, size(list)
+        associate (r => self%result(list(k)))
           call leave_free(problem, lambda(:, :, k))
+          r%later = later(:, :, k)
           do j = 1, 3
             r%held(j, :) = -sum(rho(:, :, k)*slope(:, :, j), 1)
           end do
           near(:, k) = [(closing_of(problem%struts(j), lambda(:, :, k)), j=1, struts)]
           if (size(before%touch) > 0) then
-            by_t = reshape(linear_forces(problem, near(:, k)), [struts, 1])
-            r%touch = r%touch - by_t(drive%balls + 1:drive%balls + drive%flanks, 1)
+            force = linear_forces(problem, near(:, k))
+            r%touch = r%touch - force(drive%balls + 1:drive%balls + drive%flanks)
           end if
         end associate
       end do
-      call add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+      call add_keys(self, drive, i, list, load, bare, left_u, left_c, dw, lambda, rho, near)
     end associate
   end subroutine go_back
+
+  !> Out-of-balance forces, and those of bodies and contact among them.
+  subroutine sum_forces(problem, load, state, bare, left)
+    type(problem_t), intent(in) :: problem         !< problem
+    type(load_t), intent(in) :: load               !< of the step
+    type(state_t), intent(in) :: state             !< at its end
+    real(dp), allocatable, intent(out) :: bare(:, :), left(:, :)  !< without loads and struts, and all (3, n) [N]
+    real(dp), allocatable :: force(:)
+    integer :: i
+    allocate (bare, mold=state%u)
+    call elastic_forces(problem, state%u, bare)
+    call add_nodal_forces(problem%mortar, state%traction, bare, factor=-1._dp)
+    left = bare - load%force
+    if (.not. allocated(problem%struts)) return
+    force = strut_forces(problem, load, state%u)
+    do i = 1, size(force)
+      if (abs(force(i)) > 0) call push(problem%struts(i), force(i), left)
+    end do
+  end subroutine sum_forces
 
   !> Derivatives of the law's residuals by the tractions before: shear leads, and a joint's grows from there.
   subroutine by_history(problem, load, before, state, r_c, slope)
@@ -531,13 +569,15 @@ contains
   end subroutine by_history
 
   !> What the residuals of all keys at a station change of the results.
-  subroutine add_keys(self, drive, i, list, load, left_u, left_c, lambda, rho, near)
+  subroutine add_keys(self, drive, i, list, load, bare, left_u, left_c, dw, lambda, rho, near)
     type(gradient_t), intent(inout) :: self           !< gets value
     type(drive_t), intent(inout) :: drive             !< of the run
     integer, intent(in) :: i                          !< station
     integer, intent(in) :: list(:)                    !< results
     type(load_t), intent(in) :: load                  !< there
+    real(dp), intent(in) :: bare(:, :)                !< forces of its bodies and contact (3, n) [N]
     real(dp), intent(in) :: left_u(:, :), left_c(:, :)         !< residuals of the run (3, n), (3, points)
+    real(dp), intent(in) :: dw(:, :, :)               !< derivatives of its law (3, 3, points) [Pa/m]
     real(dp), intent(in) :: lambda(:, :, :), rho(:, :, :)      !< by residuals (3, n, list), (3, points, list)
     real(dp), intent(in) :: near(:, :)                !< closings of the struts by lambda (struts, list)
     real(dp), allocatable :: r_u(:, :, :), r_c(:, :, :), force(:), pushed(:, :)
@@ -551,27 +591,27 @@ contains
       allocate (r_u(3, problem%n, size(whole)), r_c(3, problem%mortar%n, self%keys), pushed(size(near, 1), self%keys))
       r_c = 0
       pushed = 0
-      if (allocated(problem%struts)) force = strut_forces(problem, load, s%u)
-      if (problem%wheel_turns) force = force + pull_of(problem, [problem%strut_rate], load, s%u)
+      if (allocated(problem%struts)) force = forces_of(problem, [problem%strut_rate], load, s%u)
       !$omp parallel do schedule(dynamic)
       do j = 1, size(whole)
-        call change_residuals(self%of(whole(j)), drive, place, before, s, r_u(:, :, j), r_c(:, :, whole(j)))
-        r_u(:, :, j) = r_u(:, :, j) - left_u
-        r_c(:, :, whole(j)) = r_c(:, :, whole(j)) - left_c
+        call change_residuals(self%of(whole(j)), drive, place, load, before, s, bare, dw, r_u(:, :, j), r_c(:, :, whole(j)))
       end do
       !$omp end parallel do
       do k = 1, self%keys
         associate (c => self%of(k))
-          if (c%idle .or. c%whole) cycle
-          if (c%struts) then
+          if (c%idle) cycle
+          if (c%struts .and. .not. c%whole) then
             call strut_load(c%drive, assembly_at(c%scene, place), other, before)
-            pushed(:, k) = strut_forces(c%drive%problem, other, s%u) - force
-            if (problem%wheel_turns) pushed(:, k) = pushed(:, k) + pull_of(c%drive%problem, problem%strut_rate, other, s%u)
+            c%drive%problem%wheel_turns = problem%wheel_turns
+            pushed(:, k) = forces_of(c%drive%problem, problem%strut_rate, other, s%u) - force
           end if
           if (c%law) call change_law(c, problem, place, load, before, s, left_c, r_c(:, :, k))
         end associate
       end do
       call subtract(size(left_u), whole, r_u, lambda)
+      do j = 1, size(list)
+        self%value(whole, list(j)) = self%value(whole, list(j)) + sum(left_u*lambda(:, :, j))
+      end do
       call subtract(size(left_c), [(k, k=1, self%keys)], r_c, rho)
       call subtract(size(near, 1), [(k, k=1, self%keys)], pushed, near)
       if (.not. size(s%touch) > size(before%touch)) return
@@ -623,16 +663,17 @@ contains
     type(adjoint_t) :: adjoint
     type(load_t) :: load
     type(state_t) :: moved
-    real(dp), allocatable, dimension(:, :) :: lambda, rho, later, none, left_u, left_c
+    real(dp), allocatable, dimension(:, :) :: left_u, left_c
+    real(dp), dimension(3, drive%problem%n, 1) :: lambda, by_u
+    real(dp) :: rho(3, drive%problem%mortar%n, 1), later(2, drive%problem%mortar%n, 1)
     real(dp), allocatable :: step(:)
+    type(rate_point_t), allocatable :: points(:)
     real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
     real(dp) :: flexibility, part, sense
     integer :: c, i, k
     associate (top => self%station(self%top)%state, problem => drive%problem, &
       n => merge(looped, 0, scene%support%loop) + 2)
       sense = sign(1._dp, torque_at(scene, self%station(self%top)%place))
-      allocate (lambda(3, problem%n), rho(3, problem%mortar%n), none(3, problem%mortar%n))
-      none = 0
       moved%contact = top%contact
       flexibility = 0
       do k = 1, -1, -2  ! what they turn by more than glued
@@ -645,41 +686,67 @@ contains
         call rate_matrices(problem, idle_components(problem), merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, &
           dw, dt)
         call adjoint%take(problem%law%scale, dw, dt)
+        load%force = load%force + sense*drive%torque + drive%squeeze  ! in whose symmetry the answer lies
         call begin_many(solver, 1, problem, load, top, error)
         if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
-        later = none(:2, :)
-        if (.not. allocated(error)) call adjoint%solve(problem, solver, sense*drive%gauge, none, later, .true., lambda, rho, error)
+        later = 0
+        rho = 0
+        by_u(:, :, 1) = sense*drive%gauge
+        if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, (rho), later, [.true.], lambda, rho, error)
         if (allocated(error)) return
-        call leave_free(problem, lambda)
+        call leave_free(problem, lambda(:, :, 1))
         left_u = remaining_forces(drive, sense, answer)
-        left_c = remaining_law(scene, joint, drive, load, top, answer, k > 0)
+        points = answer%points
+        if (k > 0) points = points_on(scene, joint, drive, load, top, answer)
+        left_c = remaining_law(drive, merge(step_friction(scene, .true.), 0._dp, k > 0), points, answer)
         do i = 1, self%keys
-          if (self%of(i)%whole) then
-            call at_top(self, self%of(i)%scene, self%of(i)%drive, load)
-            part = sense*sum((self%of(i)%drive%gauge - drive%gauge)*answer%du) - &
-              sum(lambda*(remaining_forces(self%of(i)%drive, sense, answer) - left_u)) - &
-              sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, self%of(i)%drive, load, top, answer, k > 0) - left_c))
-          else
-            part = -sum(rho*(remaining_law(self%of(i)%scene, self%of(i)%joint, drive, load, top, answer, k > 0) - left_c))
-            if (self%of(i)%struts) part = part - work_of_struts(self, self%of(i), drive, lambda, answer%du)
-          end if
-          self%value(i, n) = self%value(i, n) + k*part
+          associate (c => self%of(i))
+            part = 0
+            if (c%whole) then
+              call at_top(self, c%scene, c%drive, load)
+              part = sense*sum((c%drive%gauge - drive%gauge)*answer%du) - &
+                sum(lambda(:, :, 1)*(remaining_forces(c%drive, sense, answer) - left_u)) - &
+                sum(rho(:, :, 1)*(law_of(c, c%drive, load, top, points, answer, k > 0) - left_c))
+            else if (c%rough) then
+              part = -sum(rho(:, :, 1)*(law_of(c, drive, load, top, points, answer, k > 0) - left_c))
+            end if
+            if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda(:, :, 1), answer%du)
+            self%value(i, n) = self%value(i, n) + k*part
+          end associate
         end do
         do c = 1, merge(3, 0, k > 0)
           moved%traction = top%traction
           step = of_state*abs(top%traction(1, :))
           if (c > 1) step = of_state*norm2(top%traction(2:, :), 1)
           moved%traction(c, :) = moved%traction(c, :) + step
-          self%result(n)%by_t(c, :) = -sum(rho*(remaining_law(scene, joint, drive, load, moved, answer, .true.) - left_c), 1)/ &
-            max(step, tiny(1._dp))
+          self%result(n)%by_t(c, :) = -sum(rho(:, :, 1)*(remaining_law(drive, step_friction(scene, .true.), &
+            points_on(scene, joint, drive, load, moved, answer), answer) - left_c), 1)/max(step, tiny(1._dp))
         end do
-        call add_curvature(self, drive, lambda, answer%du, k, self%result(n)%by_u)
+        call add_curvature(self, drive, lambda(:, :, 1), answer%du, k, self%result(n)%by_u)
       end do
       self%value(:, n) = -self%value(:, n)/flexibility**2
       self%result(n)%by_u = -self%result(n)%by_u/flexibility**2
       self%result(n)%by_t = -self%result(n)%by_t/flexibility**2
     end associate
   end subroutine add_tangent
+
+  !> What the run's answer leaves in the law of a companion's joint (3, points).
+  function law_of(c, own, load, top, points, answer, loose) result(left)
+    type(companion_t), intent(in) :: c             !< companion
+    type(drive_t), intent(in) :: own               !< its bodies
+    type(load_t), intent(in) :: load               !< of the reference step
+    type(state_t), intent(in) :: top               !< its state
+    type(rate_point_t), intent(in) :: points(:)    !< of the run
+    type(answer_t), intent(in) :: answer           !< of the run
+    logical, intent(in) :: loose                   !< not glued
+    real(dp) :: left(3, size(points)), friction
+    friction = merge(step_friction(c%scene, .true.), 0._dp, loose)
+    if (c%rough .and. loose) then
+      left = remaining_law(own, friction, points_on(c%scene, c%joint, own, load, top, answer), answer)
+    else
+      left = remaining_law(own, friction, points, answer)
+    end if
+  end function law_of
 
   !> Load and struts of a drive at the reference step of the run.
   subroutine at_top(self, scene, drive, load)
@@ -708,30 +775,31 @@ contains
     left = left - (sense*drive%torque + drive%squeeze)
   end function remaining_forces
 
-  !> What it leaves in the law of its joint (3, points).
-  function remaining_law(scene, joint, drive, load, top, answer, loose) result(left)
+  !> Points of the run's answer on another joint.
+  function points_on(scene, joint, drive, load, top, answer) result(points)
     type(scene_t), intent(in) :: scene      !< friction
     type(joint_t), intent(in) :: joint      !< joint
     type(drive_t), intent(in) :: drive      !< bodies
     type(load_t), intent(in) :: load        !< of the reference step
     type(state_t), intent(in) :: top        !< its state
     type(answer_t), intent(in) :: answer    !< of the run
-    logical, intent(in) :: loose            !< not glued
-    real(dp) :: left(3, size(answer%points))
-    type(rate_point_t) :: points(size(answer%points))
-    real(dp), dimension(3, 3, size(answer%points)) :: dw, dt
-    real(dp) :: w(3, size(answer%points))
-    type(joint_t) :: capped
+    type(rate_point_t), allocatable :: points(:)
+    points = joint_points(drive, at_friction(joint, step_friction(scene, .true.)), load, top)
+    points%state = answer%points%state
+    points%grows = answer%points%grows
+    points%at_bound = answer%points%at_bound
+  end function points_on
+
+  !> What it leaves in the law of the points (3, points).
+  function remaining_law(drive, friction, points, answer) result(left)
+    type(drive_t), intent(in) :: drive             !< bodies
+    real(dp), intent(in) :: friction               !< mu of the points, 0: glued
+    type(rate_point_t), intent(in) :: points(:)    !< points
+    type(answer_t), intent(in) :: answer           !< of the run
+    real(dp) :: left(3, size(points)), w(3, size(points))
+    real(dp), dimension(3, 3, size(points)) :: dw, dt
     integer :: j
-    points = answer%points
-    capped = at_friction(joint, step_friction(scene, .true.))
-    if (loose) then
-      points = joint_points(drive, capped, load, top)
-      points%state = answer%points%state
-      points%grows = answer%points%grows
-      points%at_bound = answer%points%at_bound
-    end if
-    call rate_matrices(drive%problem, idle_components(drive%problem), merge(capped%mu, 0._dp, loose), points, dw, dt)
+    call rate_matrices(drive%problem, idle_components(drive%problem), friction, points, dw, dt)
     w = relative_displacement(drive%problem%mortar, answer%du)
     do j = 1, size(points)
       left(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))

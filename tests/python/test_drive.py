@@ -321,6 +321,13 @@ def test_readings_of_any_list_of_torques(exe, tmp_path):
     assert down["reference_torque_nm"] == -14 and sum(down["twist_shares"].values()) == pytest.approx(1) and down["k1_nm_per_rad"] > 0
 
 
+def test_lost_motion_of_a_loop_that_does_not_close(exe, tmp_path):
+    """Read on the first ramp where no later one comes back to 4 % of the rated torque: 4 steps give the lost motion of 40 to 1 %."""
+    few, many = (solve(exe, tmp_path / str(n), "loop.torques=14,0,-14,0", "load.tooth_clearance=2e-5", f"load.torque_steps={n}")[0]["lost_motion_rad"]
+                 for n in (4, 40))
+    assert few == pytest.approx(many, rel=1e-2)
+
+
 def test_slip_under_a_held_bottom_is_no_gross_slip(exe, tmp_path):
     """The bottom takes what friction does not: a torque beyond any drive ends without convergence or complete, never as gross slip."""
     done = call(exe, ROOT / "data/cd14.nml", "load.torque=5000", "--allow-implausible", "output.vtu=none", "--out", tmp_path / "r", "-q")

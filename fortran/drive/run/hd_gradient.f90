@@ -465,6 +465,7 @@ contains
       allocate (left_u, by_u, mold=s%u)
       call internal_residual(problem, load, s, left_u)
       call update_struts(problem, load, s%u)
+      ahead%at_rest = .true.
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
       call solver%update(problem, adjoint%w, adjoint%t, error)

@@ -57,6 +57,7 @@ module hd_loop
   end type readings_t
 
   real(dp), parameter :: no_torque = 1e-9_dp !< share of the largest torque that is none
+  real(dp), parameter :: rounding = 1e-6_dp  !< share of the largest force of a flank so far that is none
   real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
 
 contains
@@ -182,7 +183,6 @@ contains
     type(scene_t), intent(in) :: scene               !< scene
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
-    real(dp), parameter :: rounding = 1e-6_dp
     play = 0
     if (.not. maxval(force) > rounding*most) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
   end function free_turn
@@ -379,7 +379,8 @@ contains
     n = drive%balls
     rub = 0
     if (size(loop%force) > n + drive%flanks) rub = loop%force(n + drive%flanks + 1:)
-    associate (teeth => loop%force(n + 1:n + drive%flanks))
+    associate (teeth => merge(loop%force(n + 1:n + drive%flanks), 0._dp, &
+        loop%force(n + 1:n + drive%flanks) > rounding*loop%tooth_force_max))
       call add_place(output%loop, step)
       row = [loop%angle(size(loop%angle)), loop%work, loop%stored - loop%stored_assembled, loop%dissipated, &
         loop%dissipated_teeth, loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]
@@ -411,7 +412,7 @@ contains
         call output%teeth%add((i + 1)/2)
         call output%teeth%add(modulo(place((i + 1)/2) + pi, 2*pi) - pi)
         call output%teeth%add(merge(1, -1, modulo(i, 2) == 1))
-        call output%teeth%add(teeth(i))
+        call output%teeth%add(loop%force(n + i))
         call output%teeth%add(teeth(i)/max(sum(teeth), tiny(1._dp)))
         call output%teeth%add(loop%closing(n + i))
         call output%teeth%add(rub(i))

@@ -323,6 +323,14 @@ def test_readings_of_any_list_of_torques(exe, tmp_path):
     assert down["reference_torque_nm"] == -14 and sum(down["twist_shares"].values()) == pytest.approx(1) and down["k1_nm_per_rad"] > 0
 
 
+def test_a_hard_even_spring_is_a_rigid_wave_generator(exe, tmp_path):
+    """Readings on a spring of 1e14 N/m are those of a rigid wave generator to 1e-3: its stiffness times its way is no force that a residual is small beside."""
+    hard, rigid = (solve(exe, tmp_path / "s", "bearing.balls=0", f"wave_generator.ball_stiffness={k}", "wave_generator.clearance=9e-6",
+                         "loop.torques=8,0,-8,0,8")[0] for k in (1e14, 0))
+    for key in ("k1_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad"):
+        assert hard[key] == pytest.approx(rigid[key], rel=1e-3), key
+
+
 def test_lost_motion_of_a_loop_that_does_not_close(exe, tmp_path):
     """Read on the first ramp where no later one comes back to 4 % of the rated torque: 4 steps give the lost motion of 40 to 1 %."""
     few, many = (solve(exe, tmp_path / str(n), "loop.torques=14,0,-14,0", "load.tooth_clearance=2e-5", f"load.torque_steps={n}")[0]["lost_motion_rad"]

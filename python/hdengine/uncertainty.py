@@ -117,7 +117,7 @@ class ContactField:
             return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field: ContactField) -> dict:
+def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
     """K_TS at both ends of each range, the others at the scene's values.
 
     Returns
@@ -125,7 +125,7 @@ def joint_tornado(field: ContactField) -> dict:
     dict
         key: (at low, at high) [N m/rad], the widest first.
     """
-    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in JOINT.items()}
+    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in ranges.items()}
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 

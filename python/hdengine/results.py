@@ -447,7 +447,7 @@ class Result:
         rows += [(f"{name.replace('_', ' ')} / arcmin", np.degrees(60 * found[f"{name}_rad"]))
                  for name in ("hysteresis", "lost_motion") if found.get(f"{name}_rad") is not None]
         rows += [("K_TS, tangent / (MN m/rad)", self.k_ts / 1e6), ("normal force / N", found["normal_force_n"]),
-                 ("torque / N m", self.torque_nm[-1])]
+                 ("torque / N m", found.get("reference_torque_nm", self.torque_nm[-1]))]
         cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{value:.4g}</td></tr>" for name, value in rows)
         picture, buffer = "", io.BytesIO()
         if self.scene["load.support"] == "drive" and (self.folder / "loop.csv").exists():
@@ -643,7 +643,7 @@ class Result:
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "
             f"{self.summary['model']['facets']} facets",
-            f"  torque {self.torque_nm[-1]:.4g} N m   normal force {r['normal_force_n']:.4g} N   "
+            f"  torque {r.get('reference_torque_nm', self.torque_nm[-1]):.4g} N m   normal force {r['normal_force_n']:.4g} N   "
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  {stiffness}",
         ]

@@ -48,6 +48,41 @@ DRIVE = {
 SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
 
 
+def _values(scene):
+    """Keys of a scene; those whose 0 stands for what others make of it have that."""
+    return {**scene, "joint.s_min": scene["joint.s_min"] or np.pi * scene["joint.shortest_wavelength"]**2 / 4,
+            "joint.hardness": scene["joint.hardness"] or 2.8 * scene["material.yield_strength"]}
+
+
+def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
+    """Ranges of JOINT or DRIVE, which are those of CD-14, about the values of a scene.
+
+    D moves with the scene's, what is of its size or its surface is in proportion to it; friction, eccentricity and moduli stay. A
+    clearance, from 0 to twice its value, takes the place of the interference.
+
+    Parameters
+    ----------
+    scene : dict
+        'group.key' to value.
+    ranges : dict
+
+    Returns
+    -------
+    dict
+        key: (low, high, why); without those of no width.
+    """
+    own, known, found = _values(scene), _values(read_scene()), {}
+    for key, (low, high, why) in ranges.items():
+        if key == "joint.fractal_dimension":
+            low, high = np.clip(np.array([low, high]) + (own[key] - known[key]), 2.001, 2.999).tolist()
+        elif key == "wave_generator.interference" and own["wave_generator.clearance"] > 0:
+            key, low, high, why = "wave_generator.clearance", 0.0, 2 * own["wave_generator.clearance"], "ISO 286 H7, ISO 492"
+        elif key.startswith(("joint.", "geometry.", "wave_generator.w", "wave_generator.interference")):
+            low, high = (end * (own[key] / known[key]) for end in (low, high))
+        found[key] = low, high, why
+    return {key: ends for key, ends in found.items() if ends[0] < ends[1]}
+
+
 class ContactField:
     """Pressure and shear of one load step; K_TS for other joints without solving the contact again.
 
@@ -82,7 +117,7 @@ class ContactField:
             return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field: ContactField) -> dict:
+def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
     """K_TS at both ends of each range, the others at the scene's values.
 
     Returns
@@ -90,7 +125,7 @@ def joint_tornado(field: ContactField) -> dict:
     dict
         key: (at low, at high) [N m/rad], the widest first.
     """
-    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in JOINT.items()}
+    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in ranges.items()}
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 
@@ -268,7 +303,7 @@ def _counted(items, progress, label):
             progress.step(label)
 
 
-def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, seed: int = 1,
+def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, seed: int = 1, ranges: Mapping | None = None,
           progress: Progress | None = None) -> dict:
     """95 % bands of K_TS when groups of inputs scatter over their ranges.
 
@@ -279,7 +314,9 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     ----------
     field : ContactField
     curves : dict, optional
-        Of `drive_curves` over DRIVE; without them only groups of the joint are given.
+        Of `drive_curves`; without them only groups of the joint are given.
+    ranges : dict, optional
+        Of joint and drive; default JOINT and DRIVE.
     progress : Progress, optional
         Ten steps of it a group.
 
@@ -288,17 +325,17 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     dict
         group: (low, median, high) [N m/rad].
     """
-    found = {}
+    ranges, found = JOINT | DRIVE if ranges is None else ranges, {}
     for name, (joint, drive) in GROUPS.items():
         keys = [k for k in curves or {} if k.startswith(drive)] if drive else []
         if drive and not keys:
             continue
         generator, values = np.random.default_rng(seed), []
-        chosen = {k: JOINT[k] for k in joint}
+        chosen = {k: ranges[k] for k in joint}
         for _ in _counted(range(draws), progress, name):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
-                low, high = DRIVE[key][:2]
+                low, high = ranges[key][:2]
                 value *= float(_follow((curves or {})[key], low + (high - low) * generator.random()))
             values.append(value)
         found[name] = _band(values)
@@ -416,9 +453,10 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     """
     from .figures.sensitivity import plot_tornado
     from .results import Result
+    from .views.run import reference_step
 
     result = Result(folder)
-    field = ContactField(result)
+    field = ContactField(result, reference_step(result))
     if not field.k_ts() > 0:
         raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "
                          "Take joint.model='spectrum', or a load under which the faces touch")
@@ -426,14 +464,16 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     found: dict[str, Any]
     curves, found = None, {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": {}}
     table = result.scene["joint.model"] in ("table", "boundary_elements")   # no key of the joint moves it
+    of_joint = ranges_of(result.scene, JOINT)
+    ranges: dict = ranges_of(result.scene, DRIVE)
     if not table:
-        found["joint"] = joint_tornado(field)
-        figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], JOINT, "Joint, contact field kept")
+        found["joint"] = joint_tornado(field, of_joint)
+        figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], of_joint, "Joint, contact field kept")
     if drive or (result.folder / "drive.out/study.json").is_file():
-        ranges = DRIVE | table_ranges(result.scene, result.folder / "tables")
+        ranges |= table_ranges(result.scene, result.folder / "tables")
         study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", show=show)
         base, every = drive_tornado(study, ranges)
-        curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key in DRIVE}
+        curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key != "joint.table_file"}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
         found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
         for name, (column, words) in SOLVED.items():
@@ -446,10 +486,11 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     groups = [name for name, (_, of_drive) in GROUPS.items() if curves or not of_drive]
     indexed = sobol > 0 and not table and find_spec("SALib") is not None
     progress = Progress(10 * (len(groups) + indexed), show=show)
-    found["bands_95_nm_per_rad"] = {name: band for name, band in bands(field, curves, draws, progress=progress).items()
+    found["bands_95_nm_per_rad"] = {name: band for name, band in bands(
+        field, curves, draws, ranges=of_joint | ranges, progress=progress).items()
                                     if band[0] < band[2]}
     try:
-        found["indices"] = joint_indices(field, base=sobol, progress=progress) if sobol and not table else {}
+        found["indices"] = joint_indices(field, of_joint, sobol, progress=progress) if sobol and not table else {}
     except InputError as why:
         found |= {"indices": {}, "note": str(why)}
     if table:

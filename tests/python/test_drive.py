@@ -87,7 +87,9 @@ def test_summary_states_what_a_bench_measures(drive):
 def test_chords_are_those_of_the_first_rise(drive):
     """K1, K2, K3 are the chords of loop.csv up to T1 = 2, T2 = 6.9 and 14 N m."""
     results, loop, _, _ = drive
-    torque, angle = (loop[k][loop["phase"] == "torque"][:4] for k in ("torque_nm", "angle_rad"))
+    rise = loop[loop["phase"] == "torque"][:5]  # four steps, and one where lost motion is read
+    torque, angle = rise["torque_nm"], rise["angle_rad"]
+    assert torque[-1] == 14
     at = np.interp([0, 2, 6.9, 14], np.r_[0, torque], np.r_[0, angle])
     chords = np.diff([0, 2, 6.9, 14]) / np.diff(at)
     np.testing.assert_allclose([results[f"k{i}_nm_per_rad"] for i in (1, 2, 3)], chords, rtol=1e-9)
@@ -100,9 +102,11 @@ def test_log_states_what_a_bench_measures(exe, tmp_path):
     assert "K1 " in line and "K3 " in line and "hysteresis " in line and "NaN" not in done.stdout
 
 
-def test_energy_balances(exe, tmp_path):
-    """Work of the torque = friction's heat + change of the stored energy, to 1 % over the loop; steps are finer about no torque."""
-    _, loop, _, _ = solve(exe, tmp_path / "e", "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10")
+@pytest.mark.parametrize("keys", [[], ["contact.law=joint", "contact.friction=3", "wave_generator.clearance=9e-6"]])
+def test_energy_balances(exe, tmp_path, keys):
+    """Work of the torque = friction's heat + change of the stored energy, that of a rough joint included, to 1 % over the loop; steps are finer
+    about no torque. Friction gives nothing back."""
+    _, loop, _, _ = solve(exe, tmp_path / "e", "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10", *keys)
     assert loop["dissipated_j"][-1] > 0 and np.all(np.diff(loop["dissipated_j"]) > -1e-12)
     left = loop["work_j"] - loop["stored_j"] - loop["dissipated_j"]
     assert abs(left[-1]) < 0.01 * loop["dissipated_j"][-1]
@@ -319,6 +323,21 @@ def test_readings_of_any_list_of_torques(exe, tmp_path):
         assert through[key] == pytest.approx(plain[key], rel=0.1), key  # on steps twice as long
     assert not {"hysteresis_rad", "lost_motion_rad"} & (set(half) | set(down))
     assert down["reference_torque_nm"] == -14 and sum(down["twist_shares"].values()) == pytest.approx(1) and down["k1_nm_per_rad"] > 0
+
+
+def test_a_hard_even_spring_is_a_rigid_wave_generator(exe, tmp_path):
+    """Readings on a spring of 1e14 N/m are those of a rigid wave generator to 1e-3: its stiffness times its way is no force that a residual is small beside."""
+    hard, rigid = (solve(exe, tmp_path / "s", "bearing.balls=0", f"wave_generator.ball_stiffness={k}", "wave_generator.clearance=9e-6",
+                         "loop.torques=8,0,-8,0,8")[0] for k in (1e14, 0))
+    for key in ("k1_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad"):
+        assert hard[key] == pytest.approx(rigid[key], rel=1e-3), key
+
+
+def test_lost_motion_of_a_loop_that_does_not_close(exe, tmp_path):
+    """Read on the first ramp where no later one comes back to 4 % of the rated torque: 4 steps give the lost motion of 40 to 1 %."""
+    few, many = (solve(exe, tmp_path / str(n), "loop.torques=14,0,-14,0", "load.tooth_clearance=2e-5", f"load.torque_steps={n}")[0]["lost_motion_rad"]
+                 for n in (4, 40))
+    assert few == pytest.approx(many, rel=1e-2)
 
 
 def test_slip_under_a_held_bottom_is_no_gross_slip(exe, tmp_path):
@@ -665,7 +684,7 @@ def test_tangents_and_times_of_a_loop(exe, drive, tmp_path):
         times = json.loads((tmp_path / steps / "summary.json").read_text())["timers_s"]
         assert sum(times.values()) == pytest.approx(2 * times["total"], rel=1e-9) and min(times.values()) >= 0
     known = np.isfinite(found["needed"])
-    assert list(np.flatnonzero(known)) == [6] and np.all(found["needed"][known] == found["all"][known])
+    assert list(np.flatnonzero(known)) == [7] and np.all(found["needed"][known] == found["all"][known])
     assert np.isfinite(found["all"][3:]).sum() > 10 and np.isnan(found["none"]).all()
     refused = call(exe, ROOT / "data/drive14.nml", "load.tangent_steps=none", "run.band=.true.", "--out", tmp_path / "no")
     assert refused.returncode == 2 and "load.tangent_steps = 'none'" in refused.stderr

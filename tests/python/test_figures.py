@@ -57,6 +57,15 @@ def test_the_band_of_eq_45_is_one_per_cent(small_run):
     assert (band.min(), band.max()) == pytest.approx((0.99 * line.min(), 1.01 * line.max()))
 
 
+def test_tangent_and_secant_are_drawn(small_run):
+    """The first panel over the torque holds the columns of both, in MN m/rad."""
+    result = hdengine.load(small_run)
+    drawn = {line.get_label(): line.get_ydata() for line in plot_torsion(result).axes[0].lines}
+    for label, name in (("tangent", "k_ts_bonded_nm_per_rad"), ("secant", "k_ts_secant_nm_per_rad")):
+        assert np.allclose(1e6 * drawn[label], result.steps[name][-len(drawn[label]):], equal_nan=True)
+    assert len(drawn["tangent"]) == 1 + np.count_nonzero(result.torque_nm)
+
+
 def test_stresses_are_drawn_in_megapascal(small_run):
     """The lines of the contact's stresses are the columns of contact.csv over 1e6, at the angles in degrees."""
     result = hdengine.load(small_run)

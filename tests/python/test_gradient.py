@@ -57,6 +57,19 @@ def test_slopes_are_in_proportion_to_all_forces(tmp_path, scene, steps):
         assert sum(parts) == pytest.approx(1, abs=5e-5) and 0.002 < abs(parts[3]) < 0.04
 
 
+def test_flanks_that_just_touch_have_their_part(tmp_path):
+    """Without a torque the last flanks at both ends push by rounding, one, both or none: derivatives of K1 and hysteresis are those of differences."""
+    keys = DRIVE | {"load.tooth_gaps": [3e-6, 1e-6, 1.2e-6, 2e-6, 4e-6, 7e-6], "load.tooth_gaps_back": 0.0, "load.torque_steps": 2, "run.band": False,
+                    "loop.torques": 0.0, "load.torque": 8.0, "solver.tolerance": 1e-10}
+    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", run__gradient=True, **keywords(keys))
+    gradient, results = found.gradient(), found.summary["results"]
+    key = "load.pressure_angle_deg"
+    value = found.scene[key]
+    other = central(ROOT / "data/drive14.nml", keys, key, value, 1e-4, tmp_path)
+    for name in ("k1_nm_per_rad", "hysteresis_rad"):
+        assert abs(gradient[name][key] - other[name]) * value / results[name] < 2e-3, name
+
+
 # a drive whose teeth are all open at a load step
 OPEN = {"mesh.divisions": 20, "mesh.band_facets": 3, "geometry.bore_radius": 0.039, "geometry.rim_length": 0.0201, "geometry.rim_thickness": 0.000949564,
         "geometry.cup_length": 0.058, "geometry.hub_radius": 0.023, "wave_generator.w": 0.001, "bearing.balls": 23, "bearing.ball_diameter": 0.0071,

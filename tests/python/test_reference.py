@@ -59,7 +59,9 @@ def test_every_entry_of_the_summary_is_described(runs):
 
 
 def test_a_drive_prints_what_a_catalogue_states(runs):
-    """A run of the whole drive prints K1 to K3, hysteresis and lost motion; another scene does not."""
+    """A run of the whole drive prints K1 to K3, hysteresis and lost motion, another scene does not; what it prints of one step is of the torque that
+    it names, though the loop ends without one."""
+    assert runs[0].torque_nm[-1] == 0 and "  torque 14 N m   normal force" in repr(runs[0]) and "<td>14</td>" in runs[0]._repr_html_()
     assert "\n  drive: K1 " in repr(runs[0]) and "lost motion" in repr(runs[0]) and "K1" not in repr(runs[1])
     said = repr(runs[0]).split("  warning:")[0]
     assert said.count("K_TS") == 1 and "Eq. 45" not in said

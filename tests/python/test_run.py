@@ -306,6 +306,14 @@ def test_scale_of_the_iteration_does_not_matter(exe, small_run, tmp_path):
     assert a == pytest.approx(b, rel=1e-6)
 
 
+def test_rotation_counts_from_the_end_of_the_assembly(exe, tmp_path):
+    """An assembly that turns the rim leaves nothing in the rotation, in however many steps: 1e-6 N m turn it by no more than the share of 5 N m."""
+    keys = ["wave_generator.ring_tangent=follow", "wave_generator.eccentricity=10e-6", "wave_generator.eccentricity_angle_deg=30", "load.torque=1e-6"]
+    done = call(exe, CD14, *SMALL, *keys, "load.assembly_steps=3", "load.torque_steps=1", "--out", tmp_path / "a", "-q")
+    assert done.returncode == 0, done.stderr
+    assert 0 < summary(tmp_path / "a")["results"]["rotation_rad"] < 1e-11
+
+
 @pytest.mark.full
 def test_quadratic_elements_agree_with_refined_linear_ones(exe, tmp_path):
     """Normal force by hex20r at 24 divisions and by hex8i at 72 agrees to 5 % (slip needs a finer face than 24)."""

@@ -108,6 +108,19 @@ def test_friction_tilts_the_forces_alone(exe, tmp_path):
     assert np.all((share > 0.5) & (share < 0.6))
 
 
+@pytest.mark.parametrize("friction", [0, 0.2])
+def test_what_the_contact_takes_of_a_twist(exe, tmp_path, friction):
+    """K_TS and the contact's part of a further twist give the slope of the loop, on a joint that hardly gives way and no finer steps: flanks
+    that rub have no reciprocity, but what the contact adds is known."""
+    (tmp_path / "k.csv").write_text("pressure_pa,k_n_pa_per_m,k_t_pa_per_m\n1e2,1e12,1e12\n1e9,1e19,1e19\n")
+    run = solve(exe, tmp_path / "a", f"load.tooth_friction={friction}", "loop.torques=13.99,14", "joint.model=table", f"joint.table_file={tmp_path / 'k.csv'}",
+                "solver.tolerance=1e-11", "wave_generator.clearance=9e-6")
+    loop, results = run["loop"], run["results"]
+    slope = (loop["torque_nm"][-1] - loop["torque_nm"][-3]) / (loop["angle_rad"][-1] - loop["angle_rad"][-3])
+    contact = sum(results["twist_shares"][part] for part in ("gaps", "slip", "joint"))
+    assert contact > 0.2 and results["k_ts_bonded_nm_per_rad"] * contact == pytest.approx(slope, rel=2e-3)
+
+
 @pytest.mark.parametrize("rows", [2, 10, 25, 39])
 def test_a_stopped_loop_goes_on_to_the_same_numbers(exe, tmp_path, rows):
     """Stopped by a signal in assembly, rise, fall or rise: --resume ends with the same tables, to the byte."""

@@ -66,6 +66,22 @@ def test_one_at_a_time_changes_one_key():
     assert curves["joint.table_file"] == ([-1.96, 0.0, 1.96], [1.9, 1.0, 2.0])
 
 
+@pytest.mark.parametrize("scene", ["cd14", "drive20", "drive20_30"])
+def test_ranges_lie_about_the_scene(scene):
+    """Those of CD-14 are stated; another size, surface or fit has its own about its own values, of the same relative width."""
+    own = hdengine.read_scene(ROOT / f"data/{scene}.nml", joint__fractal_dimension=2.3, joint__roughness=1e-9, joint__s_min=1e-15,
+                              material__yield_strength=9e8, geometry__bore_radius=0.025)
+    found = u.ranges_of(own, u.JOINT | u.DRIVE)
+    assert found["joint.fractal_dimension"][:2] == pytest.approx((2.288, 2.312))
+    assert own["wave_generator.clearance"] == 0 or (found["wave_generator.clearance"][1] == 2 * own["wave_generator.clearance"]
+                                                    and "wave_generator.interference" not in found)
+    for key, (low, high, _) in found.items():
+        assert low <= (own[key] or 2.52e9) <= high or key in ("joint.s_min", "wave_generator.eccentricity"), key
+    for key in set(found) & {k for k in u.DRIVE if k.startswith("geometry.")}:
+        assert found[key][1] / found[key][0] == pytest.approx(u.DRIVE[key][1] / u.DRIVE[key][0])
+    assert u.ranges_of(hdengine.read_scene(ROOT / "data/cd14.nml"), u.DRIVE) == u.DRIVE
+
+
 def test_bands_and_shares_of_factors():
     """Two inputs that act as straight lines of +-20 and +-10 % have shares of 0.8 and 0.2 of the variance, and a band of both within their
     product; a table's band of +-30 % is drawn as its 95 %; an input whose points failed counts as no change."""

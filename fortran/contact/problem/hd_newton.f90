@@ -459,7 +459,7 @@ contains
     call add_nodal_forces(problem%mortar, state%traction, force)
     law = weighted_length(problem%mortar%area, here%r_c)
     moved = length(size(state%u), state%u)
-    scale = length(size(force), force) + length(size(load%force), load%force) + law + tiny(scale)
+    scale = length(size(force), force) + loaded_with(problem, load, state%u) + law + tiny(scale)
     call part_lengths(here%r_u, problem%fixed, held, left)
     scale = scale + held
     if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
@@ -469,6 +469,18 @@ contains
     if (problem%wheel_turns) here%distance = hypot(here%distance, sum(here%r_u(2, problem%wheel)))
     here%merit = here%distance/scale
   end subroutine linearise
+
+  !> Size of the loads; where a spring's far end is moved, that of its force, not of its stiffness times the way [N].
+  real(dp) function loaded_with(problem, load, u) result(size_of)
+    type(problem_t), intent(in) :: problem          !< problem
+    type(load_t), intent(in) :: load                !< load
+    real(dp), intent(in) :: u(:, :)                 !< displacements (3, n) [m]
+    if (any(problem%spring > 0 .and. abs(load%force) > 0)) then
+      size_of = length(size(u), load%force - merge(problem%spring*u, 0._dp, abs(load%force) > 0))
+    else
+      size_of = length(size(u), load%force)
+    end if
+  end function loaded_with
 
   !> Room for a linearisation, and the law of its load step.
   subroutine begin_linearisation(problem, load, previous, here)

@@ -15,6 +15,7 @@ module hd_strut_step
   type :: ahead_t
     logical :: some = .false.    !< some do, in the present step
     logical :: held = .false.    !< none does in the rest of the load step
+    logical :: at_rest = .false. !< the state is in equilibrium: without a torque those that just touch push by rounding alone
   end type ahead_t
 
 contains
@@ -34,7 +35,7 @@ contains
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
     real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
-    logical, allocatable :: linear(:)
+    logical, allocatable :: linear(:), pushes(:)
     logical :: parted
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
@@ -44,9 +45,11 @@ contains
     if (.not. any(linear)) return
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
-    if (ahead%held .or. any(linear .and. problem%strut_rate > 0)) return
     parted = any(linear .and. closing > -just_off) .and. &
       .not. abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
+    pushes = linear .and. problem%strut_rate > 0
+    if (ahead%at_rest .and. parted) pushes = pushes .and. closing > just_off
+    if (ahead%held .or. any(pushes)) return
     do i = 1, size(closing)
       linear(i) = linear(i) .and. merge(closing(i) > -just_off, &
         sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0, parted)
@@ -54,7 +57,7 @@ contains
     linear = linear .and. closing >= maxval(closing, mask=linear) - near
     ahead%some = any(linear)
     where (linear) problem%strut_rate = problem%struts%rate
-    closing = linear_forces(problem, merge(closing, 0._dp, linear))
+    closing = linear_forces(problem, merge(min(0._dp, closing), 0._dp, linear))
     do i = 1, size(closing)
       if (linear(i)) call push(problem%struts(i), closing(i), r)
     end do

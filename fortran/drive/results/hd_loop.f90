@@ -12,6 +12,7 @@ module hd_loop
   use hd_energy, only: stored_energy
   use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
+  use hd_tabulated_law, only: closure_table_t, stiffness_at_pressure
   use hd_balance, only: moment_on_cam
   use hd_text, only: rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
@@ -32,7 +33,8 @@ module hd_loop
     real(dp) :: work = 0                                  !< of the torque since the assembly [J]
     real(dp) :: dissipated = 0                            !< by friction since the assembly [J],
     real(dp) :: dissipated_contact = 0, dissipated_teeth = 0  !< of which by contact and flanks [J]
-    real(dp) :: stored = 0, stored_assembled = 0          !< energy of bodies, balls and teeth [J]
+    real(dp) :: stored = 0, stored_assembled = 0          !< energy of bodies, balls, teeth and joint [J]
+    real(dp) :: joint = 0                                 !< of that what a rough joint took since the assembly [J]
     real(dp) :: wave_generator_torque = 0                 !< moment of the balls on the cam, at the last step [N m]
     real(dp) :: wave_generator_torque_max = 0             !< largest amount of all steps [N m]
     real(dp) :: ball_force_max = 0, tooth_force_max = 0   !< of all steps [N]
@@ -44,7 +46,7 @@ module hd_loop
     real(dp), allocatable :: turned_stiffness(:)          !< there, from half to all of the torque [N m/rad]
     type(fatigue_t) :: fatigue                            !< of the flexspline
     real(dp), allocatable :: force(:), closing(:)         !< of all struts at the last step [N], [m]
-    real(dp), allocatable, private :: traction(:, :), slip(:, :)   !< at the last step
+    real(dp), allocatable, private :: traction(:, :), slip(:, :), gap(:)   !< at the last step
     integer, allocatable, private :: contact(:)                    !< state of the points there
   end type loop_t
 
@@ -57,6 +59,7 @@ module hd_loop
   end type readings_t
 
   real(dp), parameter :: no_torque = 1e-9_dp !< share of the largest torque that is none
+  real(dp), parameter :: rounding = 1e-6_dp  !< share of the largest force of a flank so far that is none
   real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
 
 contains
@@ -70,7 +73,7 @@ contains
     type(load_t), intent(in) :: load        !< load of the step
     type(state_t), intent(in) :: state      !< converged state
     type(step_t), intent(in) :: step        !< where it stands
-    real(dp) :: angle, shear(2)
+    real(dp) :: angle, shear(2), given(2)
     real(dp), allocatable :: force(:), closing(:)
     integer :: i, n
     associate (problem => drive%problem, flanks => [(drive%balls + i, i=1, drive%flanks)])
@@ -86,7 +89,6 @@ contains
       end if
       loop%closing = closing
       loop%force = force
-      loop%stored = stored_energy(problem, load, state%u)
       n = drive%balls
       if (n > 0) then
         loop%wave_generator_torque = sum(loop%force(:n)*drive%slope)
@@ -96,21 +98,26 @@ contains
       if (.not. step%loaded) then
         loop%torque = [0._dp]
         loop%angle = [0._dp]
-        loop%stored_assembled = loop%stored
       else
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
           if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
+          given = 0
+          if (allocated(problem%law%joint)) call give_way(problem%law%joint, problem%mortar%area(i), loop%traction(:, i), &
+            state%traction(:, i), state%gap(i) - loop%gap(i), given, loop%joint)
           loop%dissipated_contact = loop%dissipated_contact - &
-            problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i))
+            problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i) + given)
         end do
         loop%dissipated_teeth = sum(state%past(4, :))
         loop%dissipated = loop%dissipated_contact + loop%dissipated_teeth
         loop%torque = [loop%torque, step%torque]
         loop%angle = [loop%angle, angle]
       end if
+      loop%stored = stored_energy(problem, load, state%u) + loop%joint
+      if (.not. step%loaded) loop%stored_assembled = loop%stored
       loop%traction = state%traction
       loop%slip = state%slip
+      loop%gap = state%gap
       loop%contact = state%contact
       loop%wave_generator_torque_max = max(loop%wave_generator_torque_max, abs(loop%wave_generator_torque))
       if (n > 0) loop%ball_force_max = max(loop%ball_force_max, maxval(loop%force(:n)))
@@ -121,6 +128,22 @@ contains
       loop%play = max(loop%play, free_turn(scene, loop%force(flanks), loop%closing(flanks), loop%tooth_force_max))
     end associate
   end subroutine book
+
+  !> Way that a point of a rough joint gives way along its shear in a step, without slip, and the energy that it takes.
+  pure subroutine give_way(joint, area, before, traction, opened, way, energy)
+    type(closure_table_t), intent(in) :: joint     !< law
+    real(dp), intent(in) :: area                   !< of the point [m^2]
+    real(dp), intent(in) :: before(3), traction(3) !< at both ends of the step [Pa]
+    real(dp), intent(in) :: opened                 !< change of the gap [m]
+    real(dp), intent(out) :: way(2)                !< [m]
+    real(dp), intent(inout) :: energy              !< grows [J]
+    real(dp) :: stiffness, slope
+    way = 0
+    if (.not. (before(1) > 0 .and. traction(1) > 0)) return  ! it comes or goes
+    call stiffness_at_pressure(joint, traction(1), stiffness, slope)
+    way = (traction(2:) - before(2:))/stiffness
+    energy = energy + area*(dot_product(before(2:) + traction(2:), way) - (before(1) + traction(1))*opened)/2
+  end subroutine give_way
 
   !> Write what a resumed run goes on from.
   subroutine store_loop(loop, unit, status)
@@ -135,7 +158,7 @@ contains
     if (status == 0) write (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
+      loop%tooth_force_max, loop%joint, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
   end subroutine store_loop
 
   !> Read it back; the last booked step is that of a state.
@@ -152,7 +175,7 @@ contains
     read (unit, iostat=status) loop%torque, loop%angle, loop%force, loop%closing, loop%work, loop%dissipated, &
       loop%dissipated_contact, loop%dissipated_teeth, &
       loop%stored, loop%stored_assembled, loop%wave_generator_torque, loop%wave_generator_torque_max, loop%ball_force_max, &
-      loop%tooth_force_max, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
+      loop%tooth_force_max, loop%joint, loop%lift, loop%play, loop%jump, loop%unloaded, loop%fatigue%torque, life
     if (status /= 0) return
     if (nodes > 0) then
       loop%fatigue%mean = life(:, 1)
@@ -161,6 +184,7 @@ contains
     end if
     loop%traction = state%traction
     loop%slip = state%slip
+    loop%gap = state%gap
     loop%contact = state%contact
   end subroutine recall_loop
 
@@ -182,7 +206,6 @@ contains
     type(scene_t), intent(in) :: scene               !< scene
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
-    real(dp), parameter :: rounding = 1e-6_dp
     play = 0
     if (.not. maxval(force) > rounding*most) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
   end function free_turn
@@ -379,7 +402,8 @@ contains
     n = drive%balls
     rub = 0
     if (size(loop%force) > n + drive%flanks) rub = loop%force(n + drive%flanks + 1:)
-    associate (teeth => loop%force(n + 1:n + drive%flanks))
+    associate (teeth => merge(loop%force(n + 1:n + drive%flanks), 0._dp, &
+        loop%force(n + 1:n + drive%flanks) > rounding*loop%tooth_force_max))
       call add_place(output%loop, step)
       row = [loop%angle(size(loop%angle)), loop%work, loop%stored - loop%stored_assembled, loop%dissipated, &
         loop%dissipated_teeth, loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]
@@ -411,7 +435,7 @@ contains
         call output%teeth%add((i + 1)/2)
         call output%teeth%add(modulo(place((i + 1)/2) + pi, 2*pi) - pi)
         call output%teeth%add(merge(1, -1, modulo(i, 2) == 1))
-        call output%teeth%add(teeth(i))
+        call output%teeth%add(loop%force(n + i))
         call output%teeth%add(teeth(i)/max(sum(teeth), tiny(1._dp)))
         call output%teeth%add(loop%closing(n + i))
         call output%teeth%add(rub(i))

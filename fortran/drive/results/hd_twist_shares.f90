@@ -6,7 +6,8 @@
 !> displacements of its faces, all per unit of torque. The work of the one's forces on the way of the other, and its inverse, give
 !>   turn = u* K u*  -  sum over points of  area t* w :
 !> the first term, the glued drive's turn, is a sum over bodies, balls, teeth and spline, the second one what the contact adds.
-!> No part is counted twice, and none is left.
+!> No part is counted twice, and none is left. Friction of the flanks breaks the reciprocity of the second term: what the contact
+!> adds is known all the same, and its parts share it out.
 module hd_twist_shares
   use hd_kinds, only: dp
   use hd_coupled_tangent, only: answer_t
@@ -61,6 +62,8 @@ contains
           shares(8) = shares(8) + sum(work)
         end select
       end do
+      if (allocated(problem%rub) .and. abs(sum(shares(in_contact:))) > 0) shares(in_contact:) = shares(in_contact:)* &
+        (as_it_is%flexibility - bonded%flexibility)/sum(shares(in_contact:))
     end associate
     shares = shares/sum(shares)
   end function twist_shares

@@ -478,6 +478,7 @@ contains
       call sharing%take_law(dw, dt)
       call sum_forces(problem, load, s, bare, left_u)
       call update_struts(problem, load, s%u)
+      ahead%at_rest = .true.
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
       call adjoint%take(problem%law%scale, dw, dt)
       call solver%update(problem, adjoint%w, adjoint%t, error)

@@ -108,21 +108,24 @@ contains
   end function ends_of
 
   !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read for
-  !> hysteresis and lost motion, after its first ramp: at no torque, and at a share of the rated one either way [N m].
+  !> hysteresis and lost motion: at no torque, and at a share of the rated one either way; on its first ramp where no later ones
+  !> pass that both ways [N m].
   pure function torques_of(scene) result(torque)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), allocatable :: torque(:), ends(:), ramp(:)
     real(dp) :: near, sense, stop_at
-    integer :: i, j, k
+    integer :: i, j, k, first
     torque = [0._dp]
     if (scene%torque_steps == 0) return
     ends = [0._dp, ends_of(scene)]
+    first = merge(1, 2, pass_both_ways(ends, lost_at*scene%rated_torque) .and. &
+      .not. pass_both_ways(ends(2:), lost_at*scene%rated_torque))
     do i = 1, size(ends) - 1
       associate (from => ends(i), to => ends(i + 1), n => scene%torque_steps)
         ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
         near = close_by*abs(to - from)
         sense = sign(1._dp, to - from)
-        do j = -1, merge(1, -2, i > 1 .and. near > 0)
+        do j = -1, merge(1, -2, i >= first .and. near > 0)
           stop_at = j*lost_at*scene%rated_torque
           k = count(sense*(ramp - stop_at) < 0)  ! ends of steps before it
           if (k > 0 .and. k < size(ramp) .and. minval(abs(ramp - stop_at)) > near) ramp = [ramp(:k), stop_at, ramp(k + 1:)]
@@ -131,6 +134,15 @@ contains
       end associate
     end do
   end function torques_of
+
+  !> Ramps pass an amount of torque, of either sign, rising and falling.
+  pure logical function pass_both_ways(ends, amount) result(pass)
+    real(dp), intent(in) :: ends(:)  !< of the ramps, the first one's beginning before them [N m]
+    real(dp), intent(in) :: amount   !< [N m]
+    integer :: i, j, n
+    n = size(ends)
+    pass = all([((any(j*ends(:n - 1) < i*amount .and. i*amount <= j*ends(2:)), i=-1, 1, 2), j=-1, 1, 2)])
+  end function pass_both_ways
 
   !> Torque at a place [N m].
   pure real(dp) function torque_at(scene, place) result(torque)

@@ -216,7 +216,7 @@ contains
     run%step%seconds = wall_seconds() - run%step_clock
     call measure(run, again=.false.)
     if (.not. run%step%loaded) then
-      run%rotation_assembled = run%sums%rotation
+      run%rotation_assembled = run%rotation_assembled + run%sums%rotation  ! which counts from there
       run%sums%rotation = 0
     end if
     call run%record%timers%book(in_fields)

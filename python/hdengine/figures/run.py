@@ -235,8 +235,7 @@ def plot_torsion(result: RunLike) -> Figure:
     select = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[0]
     t, steps = result.torque_nm[select:], result.steps[select:]
     figure, axes = new_axes(1, 3, figsize=(11, 3.6))
-    for reading, style in (("tangent", "o-"), ("secant", "s--")):
-        column = f"k_ts_{reading}_nm_per_rad"
+    for reading, column, style in (("tangent", "k_ts_bonded_nm_per_rad", "o-"), ("secant", "k_ts_secant_nm_per_rad", "s--")):
         if column in (steps.dtype.names or ()) and np.any(np.isfinite(steps[column])):
             axes[0].plot(t, steps[column] / 1e6, style, label=reading)
     axes[0].set_title("$K_{TS}$ / (MN m/rad)", fontsize=12)

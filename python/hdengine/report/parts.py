@@ -21,7 +21,7 @@ from ..results import Result, read_summary
 from ..studies.study import StudyResult, read_rows
 from ..surfaces.run import SurfaceResult
 from ..views.labels import LABELS, LOOP, label
-from ..views.run import is_drive
+from ..views.run import is_drive, reference_step
 from . import charts
 from .sketch import draw_scene
 
@@ -332,7 +332,7 @@ def _input_band(results, keys):
 
 def _answer(result):
     """The headline: the stiffness, its meaning for a drive, what is known of its error."""
-    results, torque = result.summary["results"], result.torque_nm[-1]
+    results, torque = result.summary["results"], result.torque_nm[reference_step(result)]
     if (results.get("k2_nm_per_rad") or 0) > 0:
         return _answer_of_drive(result)
     limits = {key: value[0] for key, value in result.limits.items()}
@@ -381,7 +381,7 @@ def _run_parts(result, picture, animation):
     yield "Pictures", "".join(charts.pictures(result))
     stiffness, k, note = _stiffness(result)
     yield "All results", _pairs({
-        "torque / N m": result.torque_nm[-1], **stiffness,
+        "torque / N m": result.torque_nm[reference_step(result)], **stiffness,
         "rotation / µrad": 1e6 * s["results"]["rotation_rad"], "normal force / N": s["results"]["normal_force_n"],
         "peak pressure at a node / MPa (grows with a finer mesh)": 1e-6 * s["results"]["pressure_max_pa"],
         "line load of the band's ends / (kN/m) (converges)": 1e-3 * s["results"]["edge_line_load_n_per_m"]}) + f"<p>{note}</p>"

@@ -139,7 +139,8 @@ contains
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs
 
-  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay.
+  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay, those
+  !> that are held along the axis turn about it.
   subroutine turn_along(self, problem)
     class(newton_krylov_t), intent(inout) :: self     !< gets turn, frame
     type(problem_t), intent(in) :: problem            !< problem with large displacements
@@ -151,7 +152,13 @@ contains
           self%turn(:, :, low:high) = nodal_turns(problem%bodies(b), problem%lagrangian(b), problem%tangent_at(:, low:high))
         end associate
       end do
-      where (spread(spread(any(problem%fixed, 1), 1, 3), 1, 3)) self%turn = spread(unity, 3, problem%n)
+      do j = 1, problem%n
+        if (any(problem%fixed(:2, j))) then
+          self%turn(:, :, j) = unity
+        else if (problem%fixed(3, j)) then
+          self%turn(:, :, j) = about_axis(self%turn(:, :, j))
+        end if
+      end do
     end if
     self%frame = self%turn(:, :, problem%mortar%node)
     if (.not. allocated(problem%mortar%turn)) return
@@ -159,6 +166,16 @@ contains
       self%frame(:, :, j) = matmul(problem%mortar%turn(:, :, j), self%frame(:, :, j))
     end do
   end subroutine turn_along
+
+  !> What a rotation turns about the axis.
+  pure function about_axis(turn) result(t)
+    real(dp), intent(in) :: turn(3, 3)  !< rotation in the dofs of a node
+    real(dp) :: t(3, 3), c(2)
+    c = [turn(1, 1) + turn(2, 2), turn(2, 1) - turn(1, 2)]
+    c = c/norm2(c)
+    t = unity
+    t(:2, :2) = reshape([c(1), c(2), -c(2), c(1)], [2, 2])
+  end function about_axis
 
   !> Derivatives by displacements and tractions in the frames of the turned bodies.
   pure function in_frames(frame, d) result(e)

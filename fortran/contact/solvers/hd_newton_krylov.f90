@@ -14,10 +14,11 @@ module hd_newton_krylov
   use hd_log, only: say, detail
   use hd_mortar, only: add_nodal_forces, moved_share, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
-  use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
+  use hd_problem, only: problem_t, load_t, state_t, apply_stiffness, largest_stiffness
   use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
   use hd_text, only: to_text
   use hd_total_lagrangian, only: nodal_turns, unity
+  use hd_vector, only: length
   implicit none
   private
   public :: newton_krylov_t, new_newton_krylov
@@ -204,6 +205,7 @@ contains
     call lay_out_newton_matrix(problem, self%exact, error)
     if (.not. allocated(error)) call self%exact%update(problem, self%dw, self%dt, error)
     self%name = self%exact%name
+    self%backward = -1
     self%factor_entries = self%exact%factor_entries
     self%flops = self%exact%flops
     self%symmetry_used = 'full'
@@ -238,7 +240,7 @@ contains
     type(error_t), allocatable, intent(out) :: error          !< solver failure
     type(newton_operator_t) :: op
     real(dp), allocatable :: b(:), x(:), dx(:), left(:)
-    real(dp) :: share
+    real(dp) :: norm, share
     integer :: k, steps
     op%problem => problem
     op%round => problem
@@ -269,6 +271,8 @@ contains
       left = b - left
     end do
     call unpack_correction(x, du, dtraction)
+    norm = length(size(b), b)
+    self%backward = residual*norm/max(norm + largest_stiffness(problem)*length(size(du), du), tiny(1._dp))
   end subroutine run_gmres
 
   !> One vector of residuals: forces, and the law times area; nothing at prescribed dofs.

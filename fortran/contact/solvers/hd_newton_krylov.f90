@@ -25,7 +25,7 @@ module hd_newton_krylov
 
   integer, parameter :: most_steps = 40          !< of GMRES, then it starts again from what it found,
   integer, parameter :: most_starts = 3          !< so often,
-  real(dp), parameter :: falls = 0.1_dp          !< where each start leaves less than this share of the residual
+  real(dp), parameter :: falls = 0.3_dp          !< where each start leaves less than this share of the residual
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   !> Share of their weights by which pairs may have moved beside those of the preconditioner, about the way over a facet's length.

@@ -179,14 +179,20 @@ def twisted(quadratic, n, out):
                 (0, 1, 0) if out else (0, 0, 1), 0.001754 if out else 0.005424)
 
 
-def pinched(quadratic, n):
-    """Pinched cylinder with end diaphragms, one eighth: R 300, L 600, t 3; deep-shell solution 1.8248e-5 (Belytschko 1985)."""
-    m = hm.block([298.5, 301.5], np.linspace(0, np.pi / 2, n + 1), np.linspace(0, 300, n + 1), quadratic)
+def quarter(radii, cells, along, quadratic):
+    """Quarter of a tube, symmetric at both ends: mesh, nodes in radius, angle and length, what is held."""
+    m = hm.block(radii, np.linspace(0, np.pi / 2, cells + 1), along, quadratic)
     q = m.points.copy()
     m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
     fixed = np.zeros(q.shape, bool)
-    fixed[q[:, 1] < 1e-9, 1] = True                     # theta = 0: symmetry
+    fixed[q[:, 1] < 1e-9, 1] = True
     fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
+    return m, q, fixed
+
+
+def pinched(quadratic, n):
+    """Pinched cylinder with end diaphragms, one eighth: R 300, L 600, t 3; deep-shell solution 1.8248e-5 (Belytschko 1985)."""
+    m, q, fixed = quarter([298.5, 301.5], n, np.linspace(0, 300, n + 1), quadratic)
     fixed[q[:, 2] < 1e-9, 2] = True                     # middle of the length
     fixed[q[:, 2] > 300 - 1e-9, :2] = True              # diaphragm
     at = (q[:, 1] < 1e-9) & (q[:, 2] < 1e-9)
@@ -197,13 +203,8 @@ def pinched(quadratic, n):
 
 def quarter_ring(quadratic, t, divisions):
     """Quarter of a ring, one cell through thickness and height, plane strain; radii in mm."""
-    m = hm.block([17.8, 17.8 + t], np.linspace(0, np.pi / 2, divisions // 4 + 1), [0, 1.0], quadratic)
-    q = m.points.copy()
-    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
-    fixed = np.zeros(q.shape, bool)
+    m, q, fixed = quarter([17.8, 17.8 + t], divisions // 4, [0, 1.0], quadratic)
     fixed[:, 2] = True
-    fixed[q[:, 1] < 1e-9, 1] = True
-    fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
     return m, q, fixed
 
 
@@ -235,12 +236,7 @@ def ring_forces(quadratic, t, divisions):
 def cup(quadratic, divisions, facets):
     """Tube 17.8 x 0.3 x 20 mm clamped at its end, radial load cos 2 theta of 1 N/mm at its mouth; one cell through the wall."""
     r, t, length = 17.8, 0.3, 20.0
-    m = hm.block([r - t / 2, r + t / 2], np.linspace(0, np.pi / 2, divisions // 4 + 1), np.linspace(0, length, facets + 1), quadratic)
-    q = m.points.copy()
-    m = m.warp(lambda p: np.c_[p[:, 0] * np.cos(p[:, 1]), p[:, 0] * np.sin(p[:, 1]), p[:, 2]])
-    fixed = np.zeros(q.shape, bool)
-    fixed[q[:, 1] < 1e-9, 1] = True
-    fixed[q[:, 1] > np.pi / 2 - 1e-9, 0] = True
+    m, q, fixed = quarter([r - t / 2, r + t / 2], divisions // 4, np.linspace(0, length, facets + 1), quadratic)
     fixed[q[:, 2] > length - 1e-9] = True
 
     def traction(x):  # 1 N/mm of middle line over the thickness

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 from docutils import nodes
@@ -59,9 +60,8 @@ def fortran_pages(app, failure):
 
 def keep_offline(site):
     """Let FORD's pages take Bootstrap from their own folder: they ask a server for it, and for MathJax, which no comment needs."""
-    from xstatic.pkg import bootstrap
     for name in ("css/bootstrap.min.css", "js/bootstrap.bundle.min.js"):
-        shutil.copy(Path(bootstrap.BASE_DIR) / name, site / name)
+        shutil.copy(files("mkdocs") / "themes/mkdocs" / name, site / name)  # the one wheel that holds both
     for page in site.rglob("*.html"):
         root = "../" * (len(page.relative_to(site).parts) - 1)
         text = re.sub(r'"https://cdn[^"]*/(css|js)/(bootstrap[^"]*)"', rf'"{root}\1/\2"', page.read_text())

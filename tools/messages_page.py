@@ -161,8 +161,9 @@ def page():
     text = f"{HEAD}| code | exception | what happened | what to do, where the message says no more |\n|---|---|---|---|\n"
     text += f'| 0 | | done; `"status": "complete"` in `summary.json` | Read the warnings. |\n{rows}{TAIL}'
     titles = {"warning": "Warnings"} | {kind: f"Code {code}: {what}" for kind, (code, _, what) in CODES.items()}
+    found = messages()
     for kind in ("warning", "not_converged", "linear_solver", "memory", "stopped", "file", "internal", "input"):
-        lines = "".join(f"- {marked(m.text)}\n" for m in messages() if m.kind == kind)
+        lines = "".join(f"- {marked(m.text)}\n" for m in found if m.kind == kind)
         text += f"\n## {titles[kind]}\n\n{lines}"
     return text
 

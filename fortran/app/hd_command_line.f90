@@ -6,6 +6,7 @@ module hd_command_line
   use hd_explain, only: explain
   use hd_input, only: read_scene, holds_study, surface_scene_of
   use hd_log, only: set_log_level, quiet, normal, verbose, say, print_text
+  use hd_output, only: result_files
   use hd_surface_run, only: check_surface_run, run_surface
   use hd_joint_choice, only: choose_joint
   use hd_plausible, only: implausible, refuse_slips
@@ -176,7 +177,8 @@ contains
       folder = command%folder
       if (len(folder) == 0) folder = stem(command%input)//'.out'
       if (scene%surface_only) then
-        call run_surface(surface_scene_of(scene, command%input), command%input, folder, command%force, error)
+        call run_surface(surface_scene_of(scene, command%input), command%input, folder, command%force, &
+          result_files, error)
       else
         call run_to_end(scene, command%input, folder, command%force, command%resume, error)
       end if

@@ -4,6 +4,7 @@ program main
   use, intrinsic :: iso_fortran_env, only: error_unit
   use hd_command_line, only: command_t, read_command_line, obey
   use hd_error, only: error_t
+  use hd_lapack, only: choose_kernels
   use hd_log, only: check_log
   use hd_system, only: catch_signals, fill_streams, keep_memory, set_libraries
   implicit none
@@ -12,6 +13,7 @@ program main
   integer :: status
   call fill_streams()
   call set_libraries()
+  call choose_kernels()
   call catch_signals()
   call keep_memory()
   call read_command_line(command, error)

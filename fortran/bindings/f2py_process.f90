@@ -69,13 +69,15 @@ subroutine signals_list(numbers)
   numbers = [(stop_signal(int(i, c_int)), i=0, size(numbers) - 1)]
 end subroutine signals_list
 
-!> Keep the log in memory instead of printing it.
-subroutine log_keep()
+!> Begin with a log that is kept in memory instead of printed, and with the kernels of the processor.
+subroutine engine_begin()
+  use hd_lapack, only: choose_kernels
   use hd_log, only: keep_log, set_log_level, normal
   implicit none
   call keep_log()
   call set_log_level(normal)
-end subroutine log_keep
+  call choose_kernels()
+end subroutine engine_begin
 
 !> The oldest line of the log; found is 0 if there is none.
 subroutine log_take(line, found)

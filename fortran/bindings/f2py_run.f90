@@ -136,6 +136,30 @@ subroutine run_sums(handle, n, sums, status, message)
   call tell(error, status, message)
 end subroutine run_sums
 
+!> What the loop of a whole drive says so far, in the order of the list 'loop' (hd_named_values); NaN for what it has not.
+subroutine run_loop(handle, n, values, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use hd_error, only: error_t
+  use hd_loop_results, only: loop_values
+  use hd_registry, only: find_run
+  use hd_run, only: run_t
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: handle, n
+  real(c_double), intent(out) :: values(n)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  type(error_t), allocatable :: error
+  type(run_t), pointer :: run
+  values = ieee_value(1._c_double, ieee_quiet_nan)
+  call find_run(handle, run, error)
+  if (.not. allocated(error)) then
+    if (run%reference%known) values = loop_values(run%loop, run%scene, run%reference%sums, run%record%band)
+  end if
+  call tell(error, status, message)
+end subroutine run_loop
+
 !> Facet fields of the last converged step, one column for each of facet_names.
 subroutine run_facets(handle, n, columns, fields, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double

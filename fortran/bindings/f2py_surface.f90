@@ -43,7 +43,7 @@ subroutine surface_method(p, ridges, seed, grid, nx, ny, tolerance, bytes, wante
   status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t
   use hd_error, only: error_t
-  use hd_heights, only: method_t, choose_method
+  use hd_heights, only: method_t
   use hd_status, only: tell
   use hd_surface_entry, only: read_entry
   use hd_waves, only: spectrum_t, grid_t
@@ -251,6 +251,7 @@ subroutine surface_run(path, assignments, folder, force, ran, status, message)
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_error, only: error_t
   use hd_input, only: read_scene, surface_scene_of
+  use hd_output, only: result_files
   use hd_surface_run, only: run_surface
   use hd_scene, only: scene_t
   use hd_status, only: tell, lines_of
@@ -270,7 +271,7 @@ subroutine surface_run(path, assignments, folder, force, ran, status, message)
   call read_scene(path, lines, scene, error)
   if (.not. allocated(error) .and. scene%surface_only) then
     ran = 1
-    call run_surface(surface_scene_of(scene, trim(path)), trim(path), trim(folder), force /= 0, error)
+    call run_surface(surface_scene_of(scene, trim(path)), trim(path), trim(folder), force /= 0, result_files, error)
   end if
   call tell(error, status, message)
 end subroutine surface_run

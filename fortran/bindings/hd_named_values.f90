@@ -7,6 +7,7 @@ module hd_named_values
   use hd_promises, only: promise_names
   use hd_error, only: error_t, raise, code_internal
   use hd_facets, only: sum_names, facet_names
+  use hd_loop_results, only: loop_names
   implicit none
   private
   public :: names_of, named_list_t
@@ -52,6 +53,7 @@ contains
     case ('asperity'); names = asperity_names
     case ('step'); names = step_names
     case ('facet'); names = facet_names
+    case ('loop'); names = loop_names()
     case ('fit_options'); names = fit_option_names
     case ('fit'); names = fit_names
     case ('fit_curves'); names = fit_curve_names

@@ -109,13 +109,13 @@ def integer(least=None, most=2**31 - 1, optional=False):
     return rule
 
 
-def array(shape=None, above=None, least=None, below=None, most=None, finite=True, holes=False, optional=False, empty=False):
+def array(shape=None, above=None, least=None, most=None, finite=True, holes=False, optional=False, empty=False):
     """A rule: an array of real numbers; a shape has None where any length will do, and may be a list of shapes."""
     shapes = [shape] if isinstance(shape, tuple) else shape
     among = f" of shape {' or '.join(str(s).replace('None', 'n') for s in shapes)}" if shapes else ""
-    text = _range_text(above, least, below, most)
+    text = _range_text(above, least, None, most)
     valid = f"{'' if holes or not finite else 'finite '}numbers{text and ',' + text}{among}" + (", or None" if optional else "")
-    unlimited = all(limit is None for limit in (above, least, below, most))
+    unlimited = all(limit is None for limit in (above, least, most))
 
     def rule(name, value):
         if optional and value is None:
@@ -126,7 +126,7 @@ def array(shape=None, above=None, least=None, below=None, most=None, finite=True
             _fail(name, value, valid)
         if unlimited and np.isfinite(a).all():
             return a
-        wrong = _outside(a, above, least, below, most)
+        wrong = _outside(a, above, least, None, most)
         if holes:
             wrong |= np.isinf(a)
         elif finite:
@@ -179,14 +179,11 @@ AXES = optional(like("matplotlib axes, or None", "loglog"))
 function = like("a function", "__call__")
 
 
-def word(*choices, optional=False):
+def word(*choices):
     """A rule: one of some words."""
-    valid = "one of " + ", ".join(choices) + (", or None" if optional else "")
 
     def rule(name, value):
-        if not (optional and value is None) and (not isinstance(value, str) or value not in choices):
-            _fail(name, value, valid)
-        return value
+        return value if isinstance(value, str) and value in choices else _fail(name, value, "one of " + ", ".join(choices))
     return rule
 
 

@@ -24,7 +24,7 @@ def _load() -> Any:
         if sets:
             for name in waits:
                 del os.environ[name]
-    extension.log_keep()
+    extension.engine_begin()
     return extension
 
 

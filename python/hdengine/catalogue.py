@@ -24,11 +24,6 @@ class Unit:
     k2_nm_per_rad: float
     k3_nm_per_rad: float
 
-    @property
-    def pitch_radius_m(self) -> float:
-        """Of the flexspline: 1.27 mm times the size."""
-        return 1.27e-3 * self.size
-
     @checked(torque_nm=array())
     def angle(self, torque_nm: ArrayLike) -> np.ndarray:
         """Angle of the three chords at torques [rad]."""

@@ -196,7 +196,7 @@ def _export(args):
 
 
 def _sensitivity(args):
-    from .uncertainty import analyse
+    from .uncertainty import SOLVED, analyse
 
     found = analyse(args.folder, args.drive, args.draws)
     print(f"K_TS by Eq. 45 {found['k_ts_nm_per_rad']:.4g} N m/rad at {found['torque_nm']:g} N m")
@@ -206,15 +206,16 @@ def _sensitivity(args):
         print(f"  {key:28s} share of the variance {first:.2f}, with interactions {total:.2f}")
     if "note" in found:
         print(f"  {found['note']}")
-    tangent = found.get("tangent")
-    if tangent:
-        print(f"tangent K_TS {tangent['base_nm_per_rad']:.4g} N m/rad")
-        for name, (low, median, high) in tangent["bands_95_nm_per_rad"].items():
+    for solved, (_, words) in SOLVED.items():
+        if solved not in found:
+            continue
+        print(f"{words} {found[solved]['base_nm_per_rad']:.4g} N m/rad")
+        for name, (low, median, high) in found[solved]["bands_95_nm_per_rad"].items():
             print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
-        for key, share in tangent["shares_of_variance"].items():
+        for key, share in found[solved]["shares_of_variance"].items():
             print(f"  {key:28s} share of the variance {share:.2f}")
     for name, made in (("sensitivity.json", True), ("tornado_joint.png", found["joint"]), ("tornado_drive.png", "drive" in found),
-                       ("tornado_tangent.png", tangent)):
+                       *((f"tornado_{solved}.png", solved in found) for solved in SOLVED)):
         if made:
             print(f"written: {Path(args.folder) / name}")
     return 0
@@ -289,7 +290,7 @@ def make_parser() -> argparse.ArgumentParser:
     plot.add_argument("folder", help="folder of a run or a study")
     plot.add_argument("--debug", action="store_true", help="also what is read to mend a run: iterations, pressures of every torque")
     report = _command(commands, "report", _report, "one self-contained HTML file of a run or a study", "report cd14.out")
-    report.add_argument("folder", help="folder of a run or a study, or of a comparison with its studies")
+    report.add_argument("folder", help="folder of a run or a study")
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
     report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")

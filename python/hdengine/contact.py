@@ -20,6 +20,7 @@ from ._check import array, checked, flag
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .results import Result, preformatted
+from .views.labels import LOOP
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -141,6 +142,17 @@ class Run:
         sums = dict(zip(_SUMS, map(float, _engine.call("run_sums", handle, len(_SUMS)))))
         fields = _engine.call("run_facets", handle, self.facets, len(_FIELDS))
         return Step(sums, dict(zip(_FIELDS, np.asarray(fields).T)), self._teeth)
+
+    def loop(self) -> dict:
+        """What the loop of a whole drive says so far.
+
+        Returns
+        -------
+        dict
+            k1_nm_per_rad and so on, as in summary.json; without what the torques do not reach, and bands that nobody asked for.
+        """
+        values = _engine.call("run_loop", self._open(), len(LOOP))
+        return {name: float(value) for name, value in zip(LOOP, values) if not np.isnan(value)}
 
     def __repr__(self) -> str:
         state = "closed" if self._handle is None else "solved" if self.done else "open"

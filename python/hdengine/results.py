@@ -26,6 +26,7 @@ from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
 from .joint import Joint, JointWarning
+from .views.labels import LOOP
 
 __all__ = ["Result", "load"]
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
@@ -192,8 +193,7 @@ def row_edges(area: np.ndarray, shape: tuple[int, int], band_length: float) -> n
     return band_length * np.concatenate([[0.0], np.cumsum(share) / share.sum()])
 
 
-def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoint,
-                    sheared: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoint) -> tuple[np.ndarray, np.ndarray]:
     """K_N and K_T of facets for a joint as the engine forms them, the means of the corners' [N/m].
 
     Parameters
@@ -201,15 +201,13 @@ def facet_stiffness(facets: Mapping[str, np.ndarray], joint: Joint | ElasticJoin
     facets : mapping of ndarray (...)
         Columns of contact.csv.
     joint : Joint
-    sheared : bool
-        False: as if there were no shear.
 
     Returns
     -------
     k_n, k_t : ndarray (...)
     """
     pressure, shear = (np.stack([facets[f"{name}_{i}_pa"] for i in (1, 2, 3, 4)], -1) for name in ("pressure", "shear"))
-    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear * sheared, facets["area_m2"][..., None]))
+    return tuple(k.mean(-1) for k in joint.stiffness(pressure, shear, facets["area_m2"][..., None]))
 
 
 def long_axis(facets: Mapping[str, np.ndarray], shape: tuple[int, int], positions: Sequence[float], band_length: float) -> dict:
@@ -400,6 +398,8 @@ class Result:
             if i in self._held:
                 place = self.scene["output.positions"], self.scene["geometry.band_length"]
                 row |= long_axis(self.contact_at(i), self.shape, *place)
+            if i == len(self.steps) - 1:
+                row |= {name: value for name in LOOP if (value := self.summary["results"].get(name)) is not None}
             found.append(row)
         return found
 

@@ -45,6 +45,7 @@ DRIVE = {
     "material.flexspline_e": (205e9, 213e9, "2 %"),
     "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
 }
+SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
 
 
 class ContactField:
@@ -81,7 +82,7 @@ class ContactField:
             return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
+def joint_tornado(field: ContactField) -> dict:
     """K_TS at both ends of each range, the others at the scene's values.
 
     Returns
@@ -89,12 +90,12 @@ def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
     dict
         key: (at low, at high) [N m/rad], the widest first.
     """
-    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in ranges.items()}
+    ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in JOINT.items()}
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 
-def joint_band(field: ContactField, ranges: Mapping = JOINT, draws: int = 500, level: float = 0.95, seed: int = 1) -> tuple:
-    """Band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
+def joint_band(field: ContactField, draws: int = 500, seed: int = 1) -> tuple:
+    """95 % band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
 
     Returns
     -------
@@ -102,8 +103,12 @@ def joint_band(field: ContactField, ranges: Mapping = JOINT, draws: int = 500, l
         [N m/rad].
     """
     generator = np.random.default_rng(seed)
-    values = [field.k_ts(**_point(ranges, generator.random(len(ranges)))) for _ in range(draws)]
-    return tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+    return _band([field.k_ts(**_point(JOINT, generator.random(len(JOINT)))) for _ in range(draws)])
+
+
+def _band(values):
+    """Low end, median and high end of 95 % of some values."""
+    return tuple(float(v) for v in np.quantile(values, [0.025, 0.5, 0.975]))
 
 
 def _point(ranges, unit):
@@ -263,9 +268,9 @@ def _counted(items, progress, label):
             progress.step(label)
 
 
-def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, level: float = 0.95, seed: int = 1,
-          ranges: dict | None = None, progress: Progress | None = None) -> dict:
-    """Bands of K_TS when groups of inputs scatter over their ranges.
+def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, seed: int = 1,
+          progress: Progress | None = None) -> dict:
+    """95 % bands of K_TS when groups of inputs scatter over their ranges.
 
     Keys of the joint are evaluated on the contact field. Keys of the drive act as factors along their curves: what two of them do
     together is their product.
@@ -274,9 +279,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     ----------
     field : ContactField
     curves : dict, optional
-        Of `drive_curves`; without them only groups of the joint are given.
-    ranges : dict, optional
-        Of the drive; default DRIVE.
+        Of `drive_curves` over DRIVE; without them only groups of the joint are given.
     progress : Progress, optional
         Ten steps of it a group.
 
@@ -285,7 +288,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     dict
         group: (low, median, high) [N m/rad].
     """
-    ranges, found = DRIVE if ranges is None else ranges, {}
+    found = {}
     for name, (joint, drive) in GROUPS.items():
         keys = [k for k in curves or {} if k.startswith(drive)] if drive else []
         if drive and not keys:
@@ -295,10 +298,10 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
         for _ in _counted(range(draws), progress, name):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:
-                low, high = ranges[key][:2]
+                low, high = DRIVE[key][:2]
                 value *= float(_follow((curves or {})[key], low + (high - low) * generator.random()))
             values.append(value)
-        found[name] = tuple(float(v) for v in np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+        found[name] = _band(values)
     return found
 
 
@@ -367,8 +370,8 @@ def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) 
     return found
 
 
-def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, dict]:
-    """Bands of K_TS by group of inputs, and each input's share of the variance of ln K_TS.
+def drive_bands(factors: dict, base: float) -> tuple[dict, dict]:
+    """95 % bands of K_TS by group of inputs, and each input's share of the variance of ln K_TS.
 
     The inputs act as factors, so the shares of first order are the total ones.
 
@@ -383,8 +386,7 @@ def drive_bands(factors: dict, base: float, level: float = 0.95) -> tuple[dict, 
     for name, starts in DRIVE_GROUPS.items():
         use = [v for key, v in factors.items() if key.startswith(starts)]
         if use:
-            product = base * np.prod(use, axis=0)
-            bands[name] = tuple(float(v) for v in np.quantile(product, [(1 - level) / 2, 0.5, (1 + level) / 2]))
+            bands[name] = _band(base * np.prod(use, axis=0))
     variances = {key: float(np.var(np.log(v))) for key, v in factors.items()}
     total = sum(variances.values()) or 1.0
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
@@ -410,7 +412,7 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     -------
     dict
         What sensitivity.json holds. Figures: tornado_joint.png, but of a table; of the drive tornado_drive.png (Eq. 45) and
-        tornado_tangent.png.
+        tornado_tangent.png, of a whole drive tornado_k2.png.
     """
     from .figures.sensitivity import plot_tornado
     from .results import Result
@@ -434,12 +436,13 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key in DRIVE}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")
         found |= {"drive_base_nm_per_rad": base, "drive": every, "drive_failed": len(study.failures)}
-        middle, tangents = drive_tornado(study, ranges, "k_ts_bonded_nm_per_rad")
-        if middle > 0:
-            figures["tornado_tangent.png"] = plot_tornado(middle, tangents, ranges, "Tangent, contact solved anew")
-            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, "k_ts_bonded_nm_per_rad"), ranges), middle)
-            found["tangent"] = {"base_nm_per_rad": middle, "drive": tangents, "bands_95_nm_per_rad": bands_of,
-                                "shares_of_variance": shares}
+        for name, (column, words) in SOLVED.items():
+            middle, ends = drive_tornado(study, ranges, column)
+            if not middle > 0:
+                continue
+            figures[f"tornado_{name}.png"] = plot_tornado(middle, ends, ranges, f"{words}, contact solved anew", words)
+            bands_of, shares = drive_bands(drive_factors(drive_curves(study, ranges, column), ranges), middle)
+            found[name] = {"base_nm_per_rad": middle, "drive": ends, "bands_95_nm_per_rad": bands_of, "shares_of_variance": shares}
     groups = [name for name, (_, of_drive) in GROUPS.items() if curves or not of_drive]
     indexed = sobol > 0 and not table and find_spec("SALib") is not None
     progress = Progress(10 * (len(groups) + indexed), show=show)

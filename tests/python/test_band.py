@@ -8,10 +8,12 @@ import sys
 
 import numpy as np
 import pytest
+from test_gradient import OPEN
 
 import hdengine
 from conftest import ROOT, call
 from hdengine.report import write_report
+from hdengine.views.labels import LOOP
 
 MESH = ["mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=3", "output.vtu=none"]  # coarse runs keep it
 KEYS = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad",
@@ -43,6 +45,22 @@ def test_band_holds_its_value(banded):
         assert 0 < banded[key + "_low"] < banded[key] < banded[key + "_high"], key
     shares = list(banded["band_shares"].values())
     assert sum(shares) == pytest.approx(1, abs=1e-12) and shares == sorted(shares, reverse=True) and min(shares) >= 0
+
+
+def of_its_loop(row):
+    """What a row holds of results of the loop."""
+    return {name: row[name] for name in LOOP if name in row}
+
+
+def test_a_study_has_the_results_of_the_loop(folder, banded, tmp_path):
+    """The last row of a point holds K1 to K3, hysteresis, lost motion and their bands, energies and forces as the summary of that run, and as the
+    rows of its result; safety of the cup is not computed without a folder."""
+    keys = {k: int(v) if v.isdigit() else v for k, v in (word.split("=") for word in (*MESH, "run.band=.true."))}
+    found = hdengine.Study(ROOT / "data/drive14.nml", fixed=keys).run(tmp_path / "s", show=False).rows
+    of_loop = of_its_loop(banded)
+    del of_loop["goodman_safety_min"]
+    assert set(KEYS[:5]) | {key + end for key in KEYS for end in ("_low", "_high")} < set(of_loop) and not of_its_loop(found[0])
+    assert of_its_loop(found[-1]) == of_loop and of_its_loop(hdengine.load(folder).rows()[-1]).items() >= of_loop.items()
 
 
 def variance(change):
@@ -147,6 +165,17 @@ def test_quick_band_is_left_out_in_silence(exe, tmp_path, key):
     assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
     results = json.loads((tmp_path / "f/summary.json").read_text())["results"]
     assert ("k2_nm_per_rad_low" in results) == ("time_limit" in key)
+
+
+def test_no_band_where_derivatives_are_lost(tmp_path, caplog):
+    """Where derivatives of a reading are lost, many inputs would need runs: a default run leaves the band out and its log says so, no warning."""
+    keys = {key.replace(".", "__"): value for key, value in OPEN.items()} | {"mesh__divisions": 16, "run__band": "auto"}
+    with caplog.at_level("INFO", "hdengine"):
+        found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "l", **keys).summary
+    said = [line for line in caplog.messages if line.startswith("band ")]
+    assert said == ["band      none, for derivatives are lost at a change of state; run.band = .true. finds it by runs"]
+    assert found["results"]["k1_nm_per_rad"] > 0 and "k1_nm_per_rad_low" not in found["results"] and "band_shares" not in found["results"]
+    assert found["warnings"] and not any("band" in line for line in found["warnings"])
 
 
 def test_time_limit_ends_the_band(exe, tmp_path):

@@ -196,14 +196,6 @@ def test_separated_facets():
     assert np.all(k_n == 0) and np.all(k_t == 0)
 
 
-@quiet
-def test_number_of_facets():
-    """Four facets for one: Eq. 28 as printed gives 4 times the sum, the nominal closure the same to 1e-12."""
-    for paper, factor in ((True, 4), (False, 1)):
-        one, four = (np.sum(Joint(paper=paper).stiffness(np.full(n, 50e6), 0.0, 1e-6 / n)[0]) for n in (1, 4))
-        assert four / one == pytest.approx(factor, rel=1e-12)
-
-
 def test_series_with_a_free_part():
     """Eq. 46 with K = 0 divides by zero; the limit is 0."""
     with pytest.raises(ZeroDivisionError):

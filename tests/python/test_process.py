@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from ctypes.util import find_library
 from pathlib import Path
 
 import pytest
@@ -91,15 +92,33 @@ def test_waiting_threads_sleep(exe, tmp_path):
 
 
 def test_old_kernels_of_openblas(exe, tmp_path):
-    """Where OpenBLAS takes kernels without AVX2 on a processor that has it, the program begins again with others; an environment that names some stays."""
-    if "avx2" not in Path("/proc/cpuinfo").read_text().split():
-        pytest.skip("the processor lacks AVX2")
-    (tmp_path / "old.c").write_text('#include <stdlib.h>\nchar *openblas_get_corename(void) { char *k = getenv("OPENBLAS_CORETYPE"); return k ? k : "Prescott"; }\n')
+    """Where OpenBLAS took kernels without AVX2 on a processor that has it, program and package let it choose anew, and the summary names what is in
+    use; an environment that names some stays, as does all of Python's."""
+    library = find_library("openblas")
+    if "avx2" not in Path("/proc/cpuinfo").read_text().split() or library is None:
+        pytest.skip("the processor lacks AVX2, or OpenBLAS is not the system's")
+    (tmp_path / "old.c").write_text("""static int anew;
+char *openblas_get_corename(void) { return anew ? "Haswell" : "Prescott"; }
+void gotoblas_dynamic_quit(void) { anew = 1; }
+""")
     subprocess.run(["gcc", "-shared", "-fPIC", "old.c", "-o", "old.so"], cwd=tmp_path, check=True)
-    for chosen, found in (({}, ("Haswell", "SkylakeX")), ({"OPENBLAS_CORETYPE": "Nehalem"}, ("Nehalem",))):
+    for chosen, found in (({}, "Haswell"), ({"OPENBLAS_CORETYPE": "Nehalem"}, "Prescott")):
         done = call(exe, CD14, *(f"{k}={v}" for k, v in SMALL.items()), "--out", "o.out", "--force", "-q", cwd=tmp_path, env=FREE | {"LD_PRELOAD": "./old.so"} | chosen)
         assert done.returncode == 0, done.stderr
-        assert json.loads((tmp_path / "o.out/summary.json").read_text())["provenance"]["blas_kernels"] in found
+        assert json.loads((tmp_path / "o.out/summary.json").read_text())["provenance"]["blas_kernels"] == found
+    code = f"""
+import ctypes, os
+os.environ["OPENBLAS_CORETYPE"] = "Prescott"   # as one that does not know the processor
+ctypes.CDLL({library!r})
+CHOSEN or os.environ.pop("OPENBLAS_CORETYPE")
+old = dict(os.environ)
+import hdengine
+assert dict(os.environ) == old and (ctypes.CDLL(None)["getenv"](b"OPENBLAS_CORETYPE") != 0) == CHOSEN
+print(hdengine.run(r"{CD14}", "p.out", True, **{SMALL!r}).summary["provenance"]["blas_kernels"])
+"""
+    for chosen, found in (("False", ("Haswell", "SkylakeX")), ("True", ("Prescott",))):
+        done = python(code.replace("CHOSEN", chosen), tmp_path)
+        assert done.stdout.strip() in found, done.stdout + done.stderr
 
 
 def test_a_script_needs_no_main_guard(tmp_path):

@@ -18,7 +18,6 @@ from hdengine.catalogue import UNITS
 from hdengine.cli import main
 from hdengine.figures import cup as picture
 from hdengine.figures.run import plot_steps
-from hdengine.paper import comparison as paper
 from hdengine.report import write_pdf, write_report
 from hdengine.report.chart import Chart, _legend, ticks
 from hdengine.report.parts import _answer
@@ -86,15 +85,6 @@ def test_pdf(folder):
     pytest.importorskip("weasyprint")
     assert main(["report", str(folder), "--pdf"]) == 0
     assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
-
-
-def test_report_of_a_comparison(tmp_path):
-    """A folder with a comparison and studies gives one file with the table and every study."""
-    rows = [dict(zip(paper.Row.HEAD, r.cells())) for r in paper.arithmetic_rows()]
-    (tmp_path / "comparison.json").write_text(json.dumps({"rows": rows}))
-    hdengine.Study(str(ROOT / "data/cd14.nml"), fixed=KEYS, title="a study of it").run(tmp_path / "s.out", show=False)
-    page = write_report(tmp_path).read_text()
-    assert "7.30 %" in page and "a study of it" in page
 
 
 @pytest.mark.full

@@ -80,7 +80,7 @@ def test_earlier_results_are_kept(exe, small_run):
 
 def test_nothing_of_an_earlier_run_stays(exe, tmp_path):
     """A press fit in the folder of a turning drive, by --force, leaves no table or grid of it, and none of a plan: what is read belongs together.
-    Other files stay. A surface from files is not read as the generated one before."""
+    Other files stay. Nor does a surface leave one; from files it is not read as the generated one before."""
     keys = ["mesh.divisions=16", "mesh.band_facets=2", "load.torque_steps=1", "load.assembly_steps=1"]
     assert call(exe, CD14, *keys, "--out", tmp_path / "new", "-q").returncode == 0
     for first in (["drive14.nml", "turning.positions=2", "output.vtu=all"], ["cd14.nml", "run.tolerance=0.5"]):
@@ -90,7 +90,9 @@ def test_nothing_of_an_earlier_run_stays(exe, tmp_path):
         assert {f.name for f in (tmp_path / "r").iterdir()} == {"notes.csv"} | {f.name for f in (tmp_path / "new").iterdir()}
     assert hdengine.load(tmp_path / "r").turning is None
     (tmp_path / "s.nml").write_text("&surface nx = 32 ny = 32 /\n")
-    assert call(exe, tmp_path / "s.nml", "--out", tmp_path / "s", "-q").returncode == 0
+    for folder, kept in (("s", set()), ("r", {"notes.csv"})):
+        assert call(exe, tmp_path / "s.nml", "--out", tmp_path / folder, "--force", "-q").returncode == 0
+        assert {f.name for f in (tmp_path / folder).iterdir()} == kept | {f.name for f in (tmp_path / "s").iterdir()}
     with pytest.raises(hdengine.FileError, match="a run of surfaces"):
         hdengine.load(tmp_path / "s")
     np.save(tmp_path / "m.npy", np.random.default_rng(1).normal(size=(40, 40)))

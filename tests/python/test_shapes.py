@@ -3,17 +3,10 @@
 import meshio
 import numpy as np
 import pytest
+from test_kinematics import CD14, solve
 
 import hdengine
-from conftest import ROOT, SMALL, call
-
-CD14 = ROOT / "data/cd14.nml"
-
-
-def solve(exe, folder, *keys):
-    done = call(exe, CD14, *SMALL, *keys, "output.vtu=none", "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
-    return hdengine.load(folder)
+from conftest import SMALL, call
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,11 @@ import pytest
 
 import hdengine
 from conftest import ROOT, call
-from hdengine import _engine
+from hdengine import _engine, uncertainty
 from hdengine.cli import main
 from hdengine.figures.study import axes_of, draw, plot_study
 from hdengine.figures.style import new_axes
+from hdengine.report import write_report
 from hdengine.studies import study as study_module
 from hdengine.studies import workers
 from hdengine.studies.study import Study, StudyResult
@@ -83,6 +84,33 @@ def test_table_holds_the_runs(tmp_path):
         assert all(r["wave_generator.w"] == w for r in rows)
     assert len(result.select(torque_nm=5.0, wave_generator__w=0.2e-3)) == 1
     assert plot_study(result)[0].stat().st_size > 10000
+
+
+def test_a_study_of_drives_is_read_by_its_loops(tmp_path):
+    """A sweep of a fit draws K1 to K3 and hysteresis over it, a line each and its band; sensitivities take K2 from it; its dataset has one value a
+    point, and its report opens with K2 and a row a drive."""
+    scene, keys = ROOT / "data/drive14.nml", {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
+    ranges = {"wave_generator.clearance": (0.0, 1.2e-5, "")}
+    study = uncertainty.one_at_a_time(scene, ranges, keys)
+    study.rows = "torque"
+    found = study.run(tmp_path / "d", show=False)
+    x, ys, lines = axes_of(found)
+    assert (x, lines, ys) == ("wave_generator.clearance", None, [f"k{i}_nm_per_rad" for i in (1, 2, 3)] + ["hysteresis_rad"])
+    k2 = {r[x]: r["k2_nm_per_rad"] for r in found.rows if "k2_nm_per_rad" in r}
+    for row in found.rows:
+        if "k2_nm_per_rad" in row:
+            row |= {"k2_nm_per_rad_low": 0.9 * row["k2_nm_per_rad"], "k2_nm_per_rad_high": 1.2 * row["k2_nm_per_rad"]}
+    axis = new_axes()[1]
+    draw(axis, found, x, "k2_nm_per_rad", lines)
+    places, values = axis.lines[-1].get_data()
+    assert [*places] == pytest.approx([1e6 * v for v in sorted(k2)]) and [*values] == pytest.approx([1e-3 * k2[v] for v in sorted(k2)])
+    ends = [bar[:, 1] for bar in axis.collections[0].get_segments()]
+    np.testing.assert_allclose(ends, np.outer(values, [0.9, 1.2]))
+    base, tornado = uncertainty.drive_tornado(found, ranges, "k2_nm_per_rad")
+    assert base == k2[9e-6] and tornado[x] == (k2[0.0], k2[1.2e-5])
+    assert found.dataset()["k2_nm_per_rad"].size == len(k2) == 5
+    page = write_report(tmp_path / "d").read_text()
+    assert "K2 of the drive" in page and page.index("<h2>Drives</h2>") < page.index("<details>") and f"<td>{1e-3 * k2[0.0]:.5g}</td>" in page
 
 
 def test_a_failing_point_stops_nothing(tmp_path):

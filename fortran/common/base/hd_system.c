@@ -143,20 +143,13 @@ void hd_system_text(int number, char *text, int size)
 
 int hd_remove(const char *path) { return unlink(path); }
 
-/* Remove what an earlier run, told by its echo.nml, left in a folder: a table of that run is none of the next one. The summary goes
-   first, and always. */
-void hd_remove_results(const char *folder)
+/* Remove the files of a folder whose names match a pattern. */
+void hd_remove_matching(const char *folder, const char *pattern)
 {
-  static const char *const names[] = {"summary.json", "steps.csv", "history.csv", "contact.csv", "loop.csv", "balls.csv",
-    "teeth.csv", "fatigue.csv", "turning.csv", "structure.csv", "fit.csv", "bodies.pvd", "contact.pvd", "bodies_*[0-9].vtu",
-    "contact_*[0-9].vtu"};
-  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-    DIR *d = opendir(folder);
-    struct stat echo;
-    for (struct dirent *entry; d && (i == 0 || fstatat(dirfd(d), "echo.nml", &echo, 0) == 0) && (entry = readdir(d));)
-      if (fnmatch(names[i], entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
-    if (d) closedir(d);
-  }
+  DIR *d = opendir(folder);
+  for (struct dirent *entry; d && (entry = readdir(d));)
+    if (fnmatch(pattern, entry->d_name, 0) == 0) unlinkat(dirfd(d), entry->d_name, 0);
+  if (d) closedir(d);
 }
 
 int hd_remove_directory(const char *path) { return rmdir(path); }
@@ -182,25 +175,9 @@ void hd_become(char *const words[])
   execvp(words[0], words);
 }
 
-char *openblas_get_corename(void) __attribute__((weak));
-
-/* An OpenBLAS older than the processor takes kernels without AVX2 (its issue 4267): the name of better ones, or NULL. */
-static const char *better_kernels(void)
-{
-#ifdef __x86_64__
-  static const char *const old[] = {"Prescott", "Nehalem", "Sandybridge", "Barcelona", "Bulldozer"};
-  if (openblas_get_corename && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    for (size_t i = 0; i < sizeof old / sizeof *old; i++)
-      if (strcmp(openblas_get_corename(), old[i]) == 0)
-        return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
-          ? "SkylakeX" : "Haswell";
-#endif
-  return NULL;
-}
-
 /* Threads of OpenMP that wait spin for long, and take the processor from others; here they sleep after SPINS turns, some 50 us. One
-   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). This and the kernels of OpenBLAS are read
-   from the environment only as a library is loaded, so the program begins again. */
+   that sleeps at once takes as long to wake (16 threads: 45 us a loop in place of 5). The environment is read only as the
+   library is loaded, so the program begins again. */
 #define SPINS "1000"
 enum { most_threads = 1024, least_stack = 1 << 20 };
 void omp_set_num_threads(int n) __attribute__((weak));
@@ -217,9 +194,7 @@ void hd_set_libraries(void)
     }
   }
   static char path[PATH_MAX], *words[4096];
-  const char *kernels = getenv("OPENBLAS_CORETYPE") ? NULL : better_kernels();
-  int spins = !getenv("OMP_WAIT_POLICY") && !getenv("GOMP_SPINCOUNT");
-  if (!spins && !kernels) return;
+  if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
   ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
   FILE *file = fopen("/proc/self/cmdline", "rbe");
   if (n > 0 && file) {
@@ -230,8 +205,7 @@ void hd_set_libraries(void)
     words[count] = NULL;
     path[n] = 0;
     if (size < sizeof text && count > 0 && count < 4095 &&
-        (!spins || (setenv("OMP_WAIT_POLICY", "passive", 1) == 0 && setenv("GOMP_SPINCOUNT", SPINS, 1) == 0)) &&
-        (!kernels || setenv("OPENBLAS_CORETYPE", kernels, 1) == 0)) execv(path, words);
+        setenv("OMP_WAIT_POLICY", "passive", 1) == 0 && setenv("GOMP_SPINCOUNT", SPINS, 1) == 0) execv(path, words);
   }
   if (file) fclose(file);
 }

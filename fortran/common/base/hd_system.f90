@@ -9,7 +9,7 @@ module hd_system
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
-    remove_results, remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
+    remove_matching, remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -27,8 +27,7 @@ module hd_system
     integer(c_int) function unwatch_signals() bind(c, name='hd_unwatch_signals')
       import :: c_int
     end function unwatch_signals
-    !> From the program's start on threads of OpenMP that wait sleep, and OpenBLAS takes kernels with AVX2 if there is any;
-    !> an environment that says otherwise is left alone.
+    !> From the program's start on threads of OpenMP that wait sleep; an environment that says otherwise is left alone.
     subroutine set_libraries() bind(c, name='hd_set_libraries')
     end subroutine set_libraries
     subroutine keep_memory() bind(c, name='hd_keep_memory')
@@ -77,10 +76,10 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
     end function c_remove
-    subroutine c_remove_results(path) bind(c, name='hd_remove_results')
+    subroutine c_remove_matching(folder, pattern) bind(c, name='hd_remove_matching')
       import :: c_char
-      character(kind=c_char), intent(in) :: path(*)
-    end subroutine c_remove_results
+      character(kind=c_char), intent(in) :: folder(*), pattern(*)
+    end subroutine c_remove_matching
     integer(c_int) function c_rmdir(path) bind(c, name='hd_remove_directory')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -170,11 +169,12 @@ contains
     status = c_remove(trim(path)//c_null_char)
   end subroutine remove_file
 
-  !> Remove the summary, tables and grids that an earlier run left in a folder.
-  subroutine remove_results(folder)
-    character(len=*), intent(in) :: folder  !< folder
-    call c_remove_results(trim(folder)//c_null_char)
-  end subroutine remove_results
+  !> Remove the files of a folder whose names match a pattern, as of a shell.
+  subroutine remove_matching(folder, pattern)
+    character(len=*), intent(in) :: folder   !< folder
+    character(len=*), intent(in) :: pattern  !< pattern
+    call c_remove_matching(trim(folder)//c_null_char, pattern//c_null_char)
+  end subroutine remove_matching
 
   !> Remove a folder if it is empty.
   subroutine remove_directory(path)

@@ -7,8 +7,8 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, sgemm, blas_threads, blas_kernels, multiply_dense, multiply_transposed, solve_dense, invert_symmetric
-  public :: multiply_symmetric, inverse_factor, solve_definite
+  public :: dgemm, sgemm, blas_threads, blas_kernels, choose_kernels, multiply_dense, multiply_transposed, solve_dense
+  public :: invert_symmetric, inverse_factor, solve_definite
 
   interface
     !> Let BLAS use n threads from now on; the number before.
@@ -16,6 +16,9 @@ module hd_lapack
       import :: c_int
       integer(c_int), value :: n
     end function c_threads
+    !> Let an OpenBLAS older than the processor take kernels with AVX2, unless the environment names some.
+    subroutine choose_kernels() bind(c, name='hd_choose_kernels')
+    end subroutine choose_kernels
     subroutine c_kernels(text, size) bind(c, name='hd_blas_kernels')
       import :: c_char, c_int
       character(kind=c_char), intent(out) :: text(*)
@@ -89,13 +92,6 @@ module hd_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotri
-    subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: dp
-      character(len=1), intent(in) :: uplo
-      integer, intent(in) :: n, lda, incx, incy
-      real(dp), intent(in) :: alpha, a(lda, *), x(*), beta
-      real(dp), intent(inout) :: y(*)
-    end subroutine dsymv
   end interface
 
   integer, parameter :: large = 500   !< order from which threads share a factorisation
@@ -130,15 +126,6 @@ contains
     real(dp), intent(out), contiguous :: c(:, :)          !< product (m, n)
     call dgemm('N', 'T', size(a, 1), size(b, 1), size(a, 2), 1._dp, a, size(a, 1), b, size(b, 1), 0._dp, c, size(c, 1))
   end subroutine multiply_transposed
-
-  !> y = A x for a symmetric matrix.
-  function multiply_symmetric(a, x) result(y)
-    real(dp), intent(in), contiguous :: a(:, :)  !< matrix (n, n)
-    real(dp), intent(in), contiguous :: x(:)     !< vector (n)
-    real(dp) :: y(size(x))
-    y = 0
-    call dsymv('U', size(x), 1._dp, a, size(a, 1), x, 1, 0._dp, y, 1)
-  end function multiply_symmetric
 
   !> Inverse of a symmetric positive definite matrix of which the upper triangle is given.
   subroutine invert_symmetric(a, error)

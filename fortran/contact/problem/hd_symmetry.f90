@@ -3,7 +3,6 @@
 !> that the step starts from, never assumed.
 module hd_symmetry
   use hd_kinds, only: dp
-  use hd_body, only: body_t
   use hd_error, only: error_t, raise, code_input
   use hd_problem, only: problem_t, load_t, state_t
   use hd_vector, only: many

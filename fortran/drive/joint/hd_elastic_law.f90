@@ -8,8 +8,7 @@
 module hd_elastic_law
   use hd_kinds, only: dp
   use hd_stiffness_curve, only: compliance_curve_t, new_curve, stiffness_of, closure_of, pressure_of
-  use hd_error, only: error_t, raise, code_input
-  use hd_text, only: to_text
+  use hd_error, only: error_t
   implicit none
   private
   public :: elastic_law_t, new_elastic_law, elastic_stiffness, elastic_closure, elastic_pressure, elastic_shear, stick_ratio, &

@@ -10,10 +10,10 @@ module hd_joint
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   use hd_elastic_law, only: elastic_law_t, elastic_stiffness
-  use hd_asperity, only: asperity_t, new_asperity, load, load_power, stiff, stiff_power, edge, fully_plastic
+  use hd_asperity, only: asperity_t, load, load_power, stiff, stiff_power, edge, fully_plastic
   use hd_slip_integral, only: slip_series_t, new_slip_series, slip_integral
   use hd_persson_error, only: theory_surface_t
-  use hd_powers, only: expm1, log1p, power_integral, power_partial
+  use hd_powers, only: expm1, log1p, power_partial
   implicit none
   private
   public :: joint_t, spots_t, response_t, new_joint, spots_at, joint_load, normal_stiffness, &

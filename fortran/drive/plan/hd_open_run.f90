@@ -11,13 +11,13 @@ module hd_open_run
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_model, only: give_back
-  use hd_output, only: check_folder
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
+  use hd_results_folder, only: check_folder
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
-  use hd_system, only: path_kind, path_absent, path_file
+  use hd_system, only: path_kind, path_absent
   use hd_text, only: percent, rounded, to_text
   use hd_timers, only: in_band
   use hd_tolerance_runs, only: find_band
@@ -121,13 +121,14 @@ contains
     is_complete = index(text, '"status": "complete"') > 0
   end function is_complete
 
-  !> Solve load steps up to a place; at the end of the last one the band is found, where the scene wants it and a summary holds it.
+  !> Solve load steps up to a place; at the end of the last one the band is found: for a summary, else if it was asked for.
   subroutine advance_run(run, to, error)
     type(run_t), intent(inout) :: run                 !< run
     type(place_t), intent(in) :: to                   !< end of a load step
     type(error_t), allocatable, intent(out) :: error  !< whatever ended the run early
     call march(run, to, error)
-    if (allocated(error) .or. .not. (run%scene%wants_band() .and. run%writes) .or. allocated(run%record%band%input)) return
+    if (allocated(error) .or. allocated(run%record%band%input)) return
+    if (.not. (run%scene%wants_band() .and. (run%writes .or. run%scene%with_band == '.true.'))) return
     if (.not. run%place < path_end(run%scene)) call find_band(run, error)
     call run%record%timers%book(in_band)
   end subroutine advance_run

@@ -14,13 +14,13 @@ module hd_planner
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, fine, share, share_of_four, &
     meshed, extrapolate, small_displacements
   use hd_model, only: model_t, give_back
-  use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, promise_text, every_second, &
+  use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, every_second, &
     is_field, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
   use hd_run, only: run_t
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
-  use hd_text, only: string_t, push, rounded, to_text, percent
+  use hd_text, only: string_t, push, to_text, percent
   use hd_timers, only: in_plan
   implicit none
   private

@@ -155,13 +155,13 @@ contains
     type(error_t), allocatable, intent(out) :: error       !< stopped
     type(scene_t) :: at(2)
     type(string_t), allocatable :: faults(:)
-    character(len=:), allocatable :: key, left_out
-    real(dp), allocatable :: change(:)
+    type(input_t) :: input
+    character(len=:), allocatable :: left_out
     real(dp) :: value(banded), found(banded, 2), seconds
-    integer :: i, k, ends, n
-    call move_to_ends(row, scene, key, at, ends, change)
+    integer :: i, k, n
+    call move_to_ends(row, scene, input, at)
     n = 0
-    do i = 1, ends
+    do i = 1, input%ends
       allocate (faults(0))
       call check_scene(at(i), faults)
       left_out = ''
@@ -176,7 +176,7 @@ contains
         end if
       end if
       if (len(left_out) > 0) then
-        call push(run%record%warnings, 'the band leaves out an end of '//key//': '//left_out// &
+        call push(run%record%warnings, 'the band leaves out an end of '//input%key%s//': '//left_out// &
           '. Take the other end for both, or move the input yourself')
         cycle
       end if
@@ -184,10 +184,10 @@ contains
       found(:, n) = value
       do k = 1, banded
         if (base(k) > 0 .and. .not. value(k) > 0) call push(run%record%warnings, 'the band of '//trim(banded_words(k))// &
-          ' leaves out an end of '//key//', where it has no value: take the other end for both')
+          ' leaves out an end of '//input%key%s//', where it has no value: take the other end for both')
       end do
     end do
-    if (n > 0) call run%record%band%add(key, base, found(:, :n))
+    if (n > 0) call run%record%band%add(input%key%s, base, found(:, :n))
   end subroutine move_input
 
   !> Results of a scene; no K_TS with run.band = 'auto'.
@@ -268,8 +268,7 @@ contains
       do i = 1, size(table%rows)
         if ((table%rows(i)%stage(.false., .false.) == stage_model) .neqv. pass == 2) cycle
         if (.not. takes_part(table%rows(i), scene)) cycle
-        input%row = i
-        call move_to_ends(i, scene, input%key%s, at, input%ends, input%change)
+        call move_to_ends(i, scene, input, at)
         if (input%ends > 0) inputs = [inputs, input]
       end do
     end do
@@ -287,40 +286,38 @@ contains
   end function takes_part
 
   !> The scene with a key at either end of its tolerance; an end that changes nothing is left out.
-  subroutine move_to_ends(row, scene, key, at, n, change)
-    integer, intent(in) :: row                              !< of the table
-    type(scene_t), intent(in) :: scene                      !< scene
-    character(len=:), allocatable, intent(out) :: key       !< group.key of the row
-    type(scene_t), intent(out) :: at(2)                     !< the key at its ends
-    integer, intent(out) :: n                               !< how many there are
-    real(dp), allocatable, intent(out) :: change(:)         !< of a number at them, if all are small beside it, else none
+  subroutine move_to_ends(row, scene, input, at)
+    integer, intent(in) :: row                !< of the table
+    type(scene_t), intent(in) :: scene        !< scene
+    type(input_t), intent(out) :: input       !< its key, how many ends there are, changes to them
+    type(scene_t), intent(out) :: at(2)       !< the key at its ends
     type(scene_t), target :: moved
     type(parameter_table_t) :: table
     character(len=:), allocatable :: before
     real(dp) :: x
     integer :: side
-    n = 0
+    input%row = row
     x = 0
-    change = [real(dp) ::]
+    allocate (input%change(0))
     do side = -1, 1, 2
       moved = scene
       call new_table(moved, table)
       associate (p => table%rows(row))
-        key = p%group//'.'//p%key
-        if (key == 'load.tooth_gaps') call list_gaps(moved)
+        input%key%s = p%group//'.'//p%key
+        if (input%key%s == 'load.tooth_gaps') call list_gaps(moved)
         before = value_text(p)
-        if (key == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
+        if (input%key%s == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
         if (associated(p%real)) x = p%real
         call move(p, side, scene%bore_radius)
         if (value_text(p) /= before) then
-          n = n + 1
-          at(n) = moved
-          if (associated(p%real)) change = [change, p%real - x]
+          input%ends = input%ends + 1
+          at(input%ends) = moved
+          if (associated(p%real)) input%change = [input%change, p%real - x]
         end if
         if (associated(p%text)) exit  ! there is one other bound
       end associate
     end do
-    if (any(abs(change) > small*abs(x))) change = [real(dp) ::]
+    if (any(abs(input%change) > small*abs(x))) input%change = [real(dp) ::]
   end subroutine move_to_ends
 
   !> Clearances of all pairs as lists of both flanks.

@@ -14,13 +14,15 @@ module hd_trial_runs
   use hd_march, only: march
   use hd_model, only: model_t
   use hd_new_file, only: new_file_t
+  use hd_output, only: result_files
   use hd_pressure_patches, only: patch_pressures
   use hd_promises, only: promise_t, promises, values, promises_of, promised_values, promise_text
+  use hd_results_folder, only: clear_folder
   use hd_run, only: run_t, new_run, close_run, leave_model
   use hd_scene, only: scene_t
   use hd_section, only: band_rows
   use hd_strut, only: strut_tangent
-  use hd_system, only: make_directory, path_kind, path_absent, path_file, remove_file, remove_results, stop_requested
+  use hd_system, only: path_kind, path_absent, path_file, remove_file, stop_requested
   use hd_text, only: string_t, push, rounded, split, to_number, to_text
   implicit none
   private
@@ -74,8 +76,7 @@ contains
       call raise(error, code_input, "the run in '"//folder//"' was not planned: resume it without run.tolerance, or "// &
         'begin anew with --force')
     else
-      call make_directory(folder, error)
-      call remove_results(folder)
+      call clear_folder(folder, result_files, error)
       call remove_file(folder//'/plan.csv')
       if (.not. allocated(error)) call write_echo(folder//'/plan.nml', scene, error)
     end if

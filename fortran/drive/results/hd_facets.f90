@@ -52,7 +52,6 @@ module hd_facets
     real(dp) :: friction_capacity = 0  !< mu int p r dA [N m]
     type(support_torques_t) :: torque  !< what each support takes, and what is out of balance
     real(dp) :: axial_balance = 0      !< sum of all axial forces [N]
-    integer :: sticking = 0            !< multipliers that stick
     real(dp) :: friction = 0           !< Coulomb coefficient of the step
     real(dp) :: k_ts = 0               !< Eq. 45 put right [N m/rad]
     real(dp) :: k_ts_paper = 0         !< Eq. 45 as printed [N]
@@ -467,7 +466,6 @@ contains
       total = body_resultant(drive, state, forces, drive%b_cup)
       sums%friction_torque = total(3)
       sums%friction_capacity = load%friction*sums%normal_force*drive%radius
-      sums%sticking = count(state%contact(:m) == stick_state)
       sums%reaction_force = -radial_force(problem%mortar, state%traction, drive%b_cup == 2, m)
       allocate (r, mold=forces)
       call internal_residual(problem, load, state, r)

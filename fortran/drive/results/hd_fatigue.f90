@@ -5,6 +5,7 @@ module hd_fatigue
   use hd_kinds, only: dp
   use hd_body, only: body_t
   use hd_error, only: error_t
+  use hd_output, only: fatigue_file
   use hd_scene, only: scene_t
   use hd_stress, only: signed_equivalent
   use hd_table, only: table_t
@@ -71,7 +72,7 @@ contains
     type(table_t) :: table
     integer :: a
     if (.not. allocated(fatigue%safety)) return
-    call table%open(folder//'/fatigue.csv', 'torque_nm,node,r_m,z_m,mean_pa,amplitude_pa,safety', error)
+    call table%open(folder//'/'//fatigue_file, 'torque_nm,node,r_m,z_m,mean_pa,amplitude_pa,safety', error)
     do a = 1, body%nodes_per_sector
       if (allocated(error)) return
       call table%add(fatigue%torque)

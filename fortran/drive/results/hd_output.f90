@@ -5,24 +5,30 @@ module hd_output
   use hd_kinds, only: dp
   use hd_body, only: cartesian, cell_nodes
   use hd_drive, only: drive_t
-  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_error, only: error_t
   use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows
   use hd_hexahedron, only: hex20r
   use hd_input, only: write_echo
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t
+  use hd_results_folder, only: check_folder, clear_folder
   use hd_scene, only: scene_t
   use hd_stress, only: body_stress, stress_matrices_t, principal_stresses, von_mises
-  use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file, remove_results
+  use hd_surface_run, only: surface_files
+  use hd_system, only: remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
-  use hd_text, only: to_text
   use hd_twist_shares, only: part_names
   use hd_vtu, only: vtu_field_t, write_vtu, write_pvd
   implicit none
   private
-  public :: output_t, step_t, check_folder, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
-    write_teeth, write_history, write_grids, close_output, add_place
+  public :: result_files, fatigue_file, turning_file, output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, &
+    write_step, write_facets, write_teeth, write_history, write_grids, close_output, add_place
+
+  character(len=*), parameter :: fatigue_file = 'fatigue.csv', turning_file = 'turning.csv'  !< of other writers
+  !> Names of the files that runs leave, one of surfaces too, besides echo and summary.
+  character(len=*), parameter :: result_files = 'steps.csv,history.csv,contact.csv,loop.csv,balls.csv,teeth.csv,'// &
+    'bodies.pvd,contact.pvd,bodies_*[0-9].vtu,contact_*[0-9].vtu,'//fatigue_file//','//turning_file//','//surface_files
 
   !> Where a step stands in the run.
   type :: step_t
@@ -43,20 +49,6 @@ module hd_output
 
 contains
 
-  !> A folder may be used: absent, without a run, or `force`.
-  subroutine check_folder(folder, force, error)
-    character(len=*), intent(in) :: folder            !< folder
-    logical, intent(in) :: force                      !< replace earlier results
-    type(error_t), allocatable, intent(out) :: error  !< exists already
-    if (path_kind(folder) == path_absent) return
-    if (path_kind(folder) /= path_directory) then
-      call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
-    else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
-      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
-        'folder with --out DIR')
-    end if
-  end subroutine check_folder
-
   !> Prepare the folder; earlier results are only replaced with `force`.
   subroutine open_output(folder, scene, force, output, error)
     character(len=*), intent(in) :: folder            !< folder
@@ -69,9 +61,8 @@ contains
     if (allocated(error)) return
     output%folder = folder
     allocate (output%grids(0), output%times(0))
-    call make_directory(folder, error)
+    call clear_folder(folder, result_files, error)
     if (allocated(error)) return
-    call remove_results(folder)
     if (.not. scene%planned_tolerance > 0) then
       call remove_file(folder//'/plan.csv')
       call remove_file(folder//'/plan.nml')

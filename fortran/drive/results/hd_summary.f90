@@ -14,7 +14,8 @@ module hd_summary
   use hd_lapack, only: blas_kernels
   use hd_linear_solver, only: linear_solver_t
   use hd_model_error, only: covered, left_out
-  use hd_loop, only: loop_t, readings_t, read_loop
+  use hd_loop, only: loop_t
+  use hd_loop_results, only: loop_names, loop_values
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
   use hd_output, only: step_t
@@ -23,7 +24,7 @@ module hd_summary
   use hd_scene, only: scene_t
   use hd_strength, only: strength_t
   use hd_system, only: stop_requested
-  use hd_tolerance_band, only: tolerance_band_t, banded, banded_keys, banded_values
+  use hd_tolerance_band, only: tolerance_band_t
   use hd_timers, only: timers_t, add_timers
   use hd_twist_shares, only: part_names
   use hd_text, only: string_t, split
@@ -255,7 +256,7 @@ contains
     call json%add('ring_yield_safety', strength%ring_safety(scene))
   end subroutine add_strength
 
-  !> What the loop of the whole drive says; a reading that the torques do not reach is absent.
+  !> What the loop of the whole drive says; a result that it has not is absent.
   subroutine add_loop(json, scene, loop, step, sums, band)
     type(json_t), intent(inout) :: json    !< document
     type(scene_t), intent(in) :: scene     !< T1, T2, rated torque
@@ -263,7 +264,8 @@ contains
     type(step_t), intent(in) :: step       !< reference step
     type(sums_t), intent(in) :: sums       !< its sums
     type(tolerance_band_t), intent(in) :: band       !< of the readings
-    type(readings_t) :: readings
+    type(string_t), allocatable :: names(:)
+    real(dp), allocatable :: found(:)
     integer :: i
     call json%add('reference_torque_nm', step%torque)
     call json%begin('twist_shares')
@@ -271,49 +273,29 @@ contains
       call json%add(trim(part_names(i)), sums%shares(i))
     end do
     call json%finish()
-    readings = read_loop(loop, scene)
-    do i = 1, 3
-      if (readings%k(i) > 0) call json%add('k'//achar(iachar('0') + i)//'_nm_per_rad', readings%k(i))
+    names = split(loop_names())
+    found = loop_values(loop, scene, sums, band)
+    do i = 1, size(found)
+      if (found(i) == found(i)) call json%add(names(i)%s, found(i))
     end do
-    if (readings%has_hysteresis) call json%add('hysteresis_rad', readings%hysteresis)
-    if (readings%has_lost_motion) call json%add('lost_motion_rad', readings%lost_motion)
-    if (allocated(band%input)) call add_band(json, band, banded_values(readings, sums))
-    call json%add('loop_work_j', loop%work)
-    call json%add('loop_dissipated_j', loop%dissipated)
-    call json%add('loop_dissipated_teeth_j', loop%dissipated_teeth)
-    call json%add('loop_stored_j', loop%stored - loop%stored_assembled)
+    if (allocated(band%input)) call add_shares(json, band)
     call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
-    call json%add('ball_force_max_n', loop%ball_force_max)
-    call json%add('tooth_force_max_n', loop%tooth_force_max)
-    if (allocated(loop%fatigue%safety)) call json%add('goodman_safety_min', minval(loop%fatigue%safety))
-    if (.not. allocated(loop%turned_angle)) return
-    call json%add('turning_angle_error_rad', maxval(loop%turned_angle) - minval(loop%turned_angle))
-    call json%add('turning_stiffness_min_nm_per_rad', minval(loop%turned_stiffness))
-    call json%add('turning_stiffness_max_nm_per_rad', maxval(loop%turned_stiffness))
   end subroutine add_loop
 
-  !> Ends of the band, and the inputs that make it.
-  subroutine add_band(json, band, value)
+  !> The inputs that make the band.
+  subroutine add_shares(json, band)
     type(json_t), intent(inout) :: json     !< document
     type(tolerance_band_t), intent(in) :: band        !< with one input or more
-    real(dp), intent(in) :: value(banded)   !< of the run
     type(string_t), allocatable :: keys(:)
     real(dp), allocatable :: shares(:)
-    real(dp) :: factor(2, banded)
     integer :: i
-    factor = band%bounds()
-    do i = 1, banded
-      if (.not. (value(i) > 0 .and. band%known(i))) cycle
-      call json%add(trim(banded_keys(i))//'_low', value(i)*factor(1, i))
-      call json%add(trim(banded_keys(i))//'_high', value(i)*factor(2, i))
-    end do
     call band%ranked(keys, shares)
     call json%begin('band_shares')
     do i = 1, size(keys)
       call json%add(keys(i)%s, shares(i))
     end do
     call json%finish()
-  end subroutine add_band
+  end subroutine add_shares
 
   !> Derivatives by result and key.
   subroutine add_gradient(json, gradient)

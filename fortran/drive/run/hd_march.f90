@@ -45,8 +45,9 @@ contains
     integer :: level
     call set_log_level(quiet, level)
     allocate (coarse)
-    coarse%joint = run%joint
-    coarse%lent_joint = .true.
+    allocate (coarse%model)
+    coarse%model%scene = run%scene
+    coarse%model%joint = run%joint
     call new_run(coarser_scene(run%scene), '', '', .false., coarse, error)
     coarse%clock = run%clock
     coarse%keeps_all = .true.

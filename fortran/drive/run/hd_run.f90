@@ -51,9 +51,8 @@ module hd_run
 
   type, extends(mark_t) :: run_t
     type(scene_t) :: scene
-    type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, if that hands it on
+    type(model_t), allocatable :: model     !< before `new_run`: of an earlier run, or of that a scene and its joint alone
     type(joint_t) :: joint
-    logical :: lent_joint = .false.         !< it is that of the run whose first guesses this one makes
     type(state_t) :: before, state          !< last two converged states
     type(state_t) :: top                    !< that of the reference step of a loop
     type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
@@ -150,7 +149,7 @@ contains
     call implausible(scene, run%record%warnings)
     if (allocated(run%model)) then
       call scene_joint(scene, run%joint, error, run%model%scene, run%model%joint)
-    else if (.not. run%lent_joint) then
+    else
       call scene_joint(scene, run%joint, error)
     end if
     if (.not. allocated(error) .and. scene%support%contact) call check_stiffness(run%joint, error)

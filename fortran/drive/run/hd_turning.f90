@@ -10,6 +10,7 @@ module hd_turning
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t
   use hd_log, only: say
+  use hd_output, only: turning_file
   use hd_race, only: race_radius
   use hd_run, only: run_t
   use hd_scene, only: scene_t
@@ -69,8 +70,9 @@ contains
     type(table_t), intent(inout) :: rows              !< turning.csv
     type(error_t), allocatable, intent(out) :: error  !< files
     allocate (run%loop%turned_angle(0), run%loop%turned_stiffness(0))
-    if (run%writes) call rows%open(run%output%folder//'/turning.csv', 'position,wave_generator_deg,cage_angle_deg,tooth_phase,'// &
-      'turn_rad,stiffness_nm_per_rad,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,balls_loaded,pairs_loaded', error)
+    if (run%writes) call rows%open(run%output%folder//'/'//turning_file, 'position,wave_generator_deg,cage_angle_deg,'// &
+      'tooth_phase,turn_rad,stiffness_nm_per_rad,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,'// &
+      'balls_loaded,pairs_loaded', error)
   end subroutine open_places
 
   !> Row of a place, and what the record keeps of it.

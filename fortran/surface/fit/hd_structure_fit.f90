@@ -9,7 +9,7 @@ module hd_structure_fit
   use hd_lapack, only: inverse_factor, solve_dense
   use hd_band_integral, only: kind_isotropic, kind_profile
   use hd_observation, only: observation_t
-  use hd_wave_sum, only: ridges_t, wave_numbers, levels_of, wave_covariance
+  use hd_wave_sum, only: wave_numbers, levels_of, wave_covariance
   use hd_random_field, only: radial_t, new_radial, field_covariance, noise_covariance
   use hd_uncertainty, only: identity, left_over, alike, unexplained, interval_95
   use hd_expectation, only: band_spectrum_t, expectation_t, new_expectation, expected_log, d_lowest, d_highest, &

@@ -3,7 +3,7 @@
 module hd_surface_run
   use hd_kinds, only: dp, sp, i8, pi
   use hd_clock, only: wall_seconds, timestamp
-  use hd_error, only: error_t, raise, code_file, code_memory, code_done
+  use hd_error, only: error_t, raise, code_memory, code_done
   use hd_folder_lock, only: folder_lock_t
   use hd_heights, only: method_t, choose_method, heights, heights_single
   use hd_json, only: json_t
@@ -12,16 +12,19 @@ module hd_surface_run
   use hd_memory, only: peak_memory_mb
   use hd_new_file, only: write_text
   use hd_npy, only: write_npy
+  use hd_results_folder, only: check_folder, clear_folder
   use hd_surface_scene, only: surface_t, surface_scene_t
   use hd_structure_function, only: structure_line
-  use hd_system, only: make_directory, remove_results, path_kind, path_absent, path_directory
   use hd_table, only: table_t
   use hd_text, only: to_text
   use hd_version, only: version
   use hd_waves, only: spectrum_t, waves_t, grid_t, count_waves, checked_grid, new_waves
   implicit none
   private
-  public :: check_surface_run, run_surface
+  public :: check_surface_run, run_surface, surface_files
+
+  character(len=*), parameter :: structure_file = 'structure.csv', fit_file = 'fit.csv'
+  character(len=*), parameter :: surface_files = structure_file//','//fit_file  !< besides heights, echo and summary
 
   character(len=7), parameter :: methods(0:3) = [character(len=7) :: 'auto', 'direct', 'product', 'nufft']
 
@@ -37,25 +40,27 @@ contains
   end subroutine check_surface_run
 
   !> Generate or read, fit and write, alone in the folder.
-  subroutine run_surface(scene, input, folder, force, error)
+  subroutine run_surface(scene, input, folder, force, stale, error)
     type(surface_scene_t), intent(in) :: scene        !< what is asked for
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder
     logical, intent(in) :: force                      !< replace earlier results
+    character(len=*), intent(in) :: stale             !< names of files that earlier runs, also others, may have left
     type(error_t), allocatable, intent(out) :: error  !< files, memory
     type(folder_lock_t) :: lock
     call lock%take(folder, error)
     if (allocated(error)) return
-    call fill_folder(scene, input, folder, force, error)
+    call fill_folder(scene, input, folder, force, stale, error)
     call lock%give()
   end subroutine run_surface
 
   !> Generate or read, fit and write.
-  subroutine fill_folder(scene, input, folder, force, error)
+  subroutine fill_folder(scene, input, folder, force, stale, error)
     type(surface_scene_t), intent(in) :: scene        !< what is asked for
     character(len=*), intent(in) :: input             !< name of the input, for the record
     character(len=*), intent(in) :: folder            !< output folder
     logical, intent(in) :: force                      !< replace earlier results
+    character(len=*), intent(in) :: stale             !< names of files that earlier runs, also others, may have left
     type(error_t), allocatable, intent(out) :: error  !< files, memory
     type(method_t) :: method
     type(waves_t) :: w
@@ -79,7 +84,9 @@ contains
     if (allocated(error)) return
     files = len_trim(scene%fit%first_file) + len_trim(scene%fit%second_file) > 0
     if (files) call read_specimens(scene%fit, s, error)
-    if (.not. allocated(error)) call open_folder(folder, scene%echo, force, error)
+    if (.not. allocated(error)) call check_folder(folder, force, error)
+    if (.not. allocated(error)) call clear_folder(folder, stale, error)
+    if (.not. allocated(error)) call write_text(folder//'/echo.nml', scene%echo, error)
     if (allocated(error)) return
     if (files) then
       do i = 1, size(s)
@@ -87,10 +94,10 @@ contains
       end do
     else
       call generate(scene%surface, method, folder, w, s, json, error)
-      if (.not. allocated(error)) call write_structure(folder//'/structure.csv', scene%surface, w, s(1)%z, error)
+      if (.not. allocated(error)) call write_structure(folder//'/'//structure_file, scene%surface, w, s(1)%z, error)
     end if
     if (.not. allocated(error)) call fit_specimens(scene%surface, scene%fit, s, n_max, found, error)
-    if (.not. allocated(error)) call write_fits(folder//'/fit.csv', found, error)
+    if (.not. allocated(error)) call write_fits(folder//'/'//fit_file, found, error)
     if (allocated(error)) return
     call json%add('spacing_m', [s(1)%dy, s(1)%dx])
     call add_fits(json, found)
@@ -180,24 +187,6 @@ contains
     type(surface_t), intent(in) :: m    !< map
     grid_of = grid_t(m%nx, m%ny, m%dx, m%dy)
   end function grid_of
-
-  !> Prepare the folder; earlier results are only replaced with `force`.
-  subroutine open_folder(folder, echo, force, error)
-    character(len=*), intent(in) :: folder            !< folder
-    character(len=*), intent(in) :: echo              !< every key with its value
-    logical, intent(in) :: force                      !< replace earlier results
-    type(error_t), allocatable, intent(out) :: error  !< exists already, cannot be written
-    if (path_kind(folder) /= path_absent .and. path_kind(folder) /= path_directory) then
-      call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
-    else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
-      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
-        'folder with --out DIR')
-    end if
-    if (.not. allocated(error)) call make_directory(folder, error)
-    if (allocated(error)) return
-    call remove_results(folder)
-    call write_text(folder//'/echo.nml', echo, error)
-  end subroutine open_folder
 
   !> S along rows and columns, and what random phases give on average; lags double, from one point to half the map.
   subroutine write_structure(path, m, w, z, error)

@@ -25,7 +25,7 @@ def _last(folder, stem):
     return found[-1]
 
 
-def draw_cup(result: RunLike, path: PathLike, scale: float | None = None, size: tuple = (1400, 1000)) -> float:
+def draw_cup(result: RunLike, path: PathLike, size: tuple = (1400, 1000)) -> float:
     """Write a PNG of the cup cut open along its axis, deformed, with the contact pressure on the ring.
 
     Parameters
@@ -33,8 +33,6 @@ def draw_cup(result: RunLike, path: PathLike, scale: float | None = None, size: 
     result : Result
     path : str or Path
         PNG.
-    scale : float, optional
-        Displacements are drawn this many times; default: the largest is a tenth of the bore radius.
     size : tuple
         Pixels.
 
@@ -57,10 +55,8 @@ def draw_cup(result: RunLike, path: PathLike, scale: float | None = None, size: 
         grid, face = pyvista.read(bodies), pyvista.read(contact)
     except Exception as e:
         raise FileError(f"'{bodies}' cannot be read: {e}") from None
-    u = grid["displacement_m"]
-    if scale is None:
-        largest = np.linalg.norm(u, axis=1).max()
-        scale = float(f"{0.1 * result.scene['geometry.bore_radius'] / largest:.1g}") if largest > 0 else 1.0
+    largest = np.linalg.norm(grid["displacement_m"], axis=1).max()
+    scale = float(f"{0.1 * result.scene['geometry.bore_radius'] / largest:.1g}") if largest > 0 else 1.0
     for part in (grid, face):
         part.points = 1e3 * (part.points + scale * part["displacement_m"])
     cup = grid.extract_cells(np.flatnonzero(grid["body"] == 2)).extract_surface(algorithm="dataset_surface")

@@ -184,7 +184,7 @@ def _against_resolution(result, p, steps):
 
 
 @styled
-def animate(result: RunLike, path: PathLike, most: int = 25, fps: int = 3) -> Path:
+def animate(result: RunLike, path: PathLike, most: int = 25) -> Path:
     """Write a GIF of pressure and shear on the unrolled band over the load steps.
 
     Parameters
@@ -193,8 +193,6 @@ def animate(result: RunLike, path: PathLike, most: int = 25, fps: int = 3) -> Pa
     path : str or Path
     most : int
         Frames at most.
-    fps : int
-        Frames per second.
 
     Returns
     -------
@@ -225,7 +223,7 @@ def animate(result: RunLike, path: PathLike, most: int = 25, fps: int = 3) -> Pa
         load, torque = result.steps["load_factor"][i], result.torque_nm[i]
         axes[0].set_title(f"torque {torque:.3g} N m" if torque else f"assembly, {100 * load:.0f} %", fontsize=13)
 
-    FuncAnimation(figure, show, frames.tolist()).save(Path(path), PillowWriter(fps), dpi=80)
+    FuncAnimation(figure, show, frames.tolist()).save(Path(path), PillowWriter(fps=3), dpi=80)
     return Path(path)
 
 

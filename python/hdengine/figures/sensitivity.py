@@ -12,18 +12,19 @@ __all__: list[str] = []
 
 
 @styled
-def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Figure:
-    """Tornado chart: change of K_TS between the ends of each range.
+def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "", of: str = "K_TS by Eq. 45") -> Figure:
+    """Tornado chart: change of a stiffness between the ends of each range.
 
     Parameters
     ----------
     base : float
-        K_TS in the middle of all ranges [N m/rad].
+        Value in the middle of all ranges [N m/rad].
     ends : dict
-        By key, K_TS at both ends of its range [N m/rad].
+        By key, the value at both ends of its range [N m/rad].
     ranges : dict
         By key, the low and the high end in SI units.
-    title : str
+    title, of : str
+        Name of the figure, of the stiffness.
 
     Returns
     -------
@@ -49,7 +50,7 @@ def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "") -> Figu
     axis.axvspan(-1, 1, color="0.5", alpha=0.15, lw=0)
     axis.axvline(0, color="k", lw=0.8)
     axis.margins(x=0.15)
-    axis.set_xlabel(f"change of $K_{{TS}}$ / % of {1e-6 * base:.4g} MN m/rad\nblue: low end, orange: high end of the range;\n"
+    axis.set_xlabel(f"change of {of} / % of {base:.4g} N m/rad\nblue: low end, red: high end of the range;\n"
                     "grey: below 1 %, where points change between stick and slip", fontsize=11)
     axis.set_title(title, fontsize=12)
     return figure

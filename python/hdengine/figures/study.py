@@ -16,21 +16,27 @@ from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
 from ..paper.comparison import BORE, STATED, of_size
-from ..views.labels import LABELS, label
+from ..views.labels import LABELS, LOOP, label
 from .style import new_axes, styled
 
 __all__: list[str] = []
 
 
 def axes_of(result: StudyLike) -> tuple:
-    """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque."""
+    """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque.
+
+    Of a whole drive, K1 to K3 and hysteresis; a point has one of each, so the torque draws no lines of them.
+    """
     figure, swept = result.summary["figure"], list(result.summary["swept"])
     varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
     numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
     x = figure.get("x") or (numeric or ["torque_nm"])[0]
-    steps = [] if "load.torque" in varied else ["torque_nm"]  # a point that has its own torque is drawn at that alone
+    of_loop = [name for name in LOOP[:4] if x != "torque_nm" and any(name in r for r in result.rows)]
+    ys = figure.get("y") or of_loop or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"]
+    # a point that has its own torque is drawn at that alone
+    steps = [] if "load.torque" in varied or set(ys) <= set(LOOP) else ["torque_nm"]
     lines = figure.get("lines") or next((name for name in [*varied, *steps] if name != x), None)
-    return x, figure.get("y") or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"], lines
+    return x, ys, lines
 
 
 STYLES = ("-", "--", ":", "-.")
@@ -83,6 +89,10 @@ def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chose
             continue
         if figure.get("relative"):
             a[:, 1] = 100 * (a[:, 1] / a[0, 1] - 1)
+        elif any(y + "_low" in r for r in line):
+            ends = factor_y * np.array([[r.get(y + end, r[y]) for r in line] for end in ("_low", "_high")], float)
+            axis.errorbar(a[:, 0], a[:, 1], abs(ends - a[:, 1]), fmt="none", ecolor=ramp[i], capsize=3)
+            label_y = f"{label(y)[0]}, 95 % band"
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
     low, high = axis.get_ylim()
@@ -199,23 +209,16 @@ def plot_series(result: StudyLike) -> Figure:
 
 
 @styled
-def draw_catalogue(axis: Axes, result: StudyLike, name: str, colour: str) -> list:
-    """K_FTS over the size, one line per clearance of the outermost teeth; returns the values [N m/rad], a list per line."""
-    found = []
-    clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
+def plot_catalogue(result: StudyLike) -> Figure:
+    """K_FTS of several sizes, a line per clearance of the outermost teeth, beside the catalogue; a matplotlib figure."""
+    figure, axis = new_axes(figsize=(9, 5))
+    clearances, sizes = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows}), sorted(UNITS)
     for clearance, style in zip(clearances, ("o-", "s--", "^:", "v-.")):
         rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", 0.0) == clearance),
                       key=lambda r: r["geometry.bore_radius"])
-        found.append([r["k_fe_secant_nm_per_rad"] for r in rows])
         text = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "closed at the start"
-        axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], found[-1], colour + style, label=f"{name}, {text}")
-    return found
-
-
-@styled
-def draw_units(axis: Axes) -> None:
-    """K1, K2, K3 of the catalogue over the size, with axes and legend."""
-    sizes = sorted(UNITS)
+        axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], [r["k_fe_secant_nm_per_rad"] for r in rows],
+                    "C0" + style, label=f"$K_{{FTS}}$, {text}")
     for i in (1, 2, 3):
         axis.loglog(sizes, [getattr(UNITS[s], f"k{i}_nm_per_rad") for s in sizes], f"C{i}^-", label=f"catalogue K{i}")
     axis.set_xticks(sizes, [str(s) for s in sizes])
@@ -223,14 +226,6 @@ def draw_units(axis: Axes) -> None:
     axis.set_xlabel("size")
     axis.set_ylabel("torsional stiffness / (N m/rad)")
     axis.legend(fontsize=11)
-
-
-@styled
-def plot_catalogue(result: StudyLike) -> Figure:
-    """K_FTS of several sizes beside K1, K2, K3 of the catalogue; a matplotlib figure."""
-    figure, axis = new_axes(figsize=(9, 5))
-    draw_catalogue(axis, result, "$K_{FTS}$", "C0")
-    draw_units(axis)
     axis.set_title(result.summary["title"], fontsize=13)
     return figure
 

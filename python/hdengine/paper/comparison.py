@@ -19,9 +19,7 @@ TORQUES_NM = (1.0, 3.0, 5.0)
 STATED: dict[str, Any] = {
     "k_ts_5_nm": 1820.44, "pressure_long_1_mpa": 96.35, "eccentricity_percent": (-9.40, -6.61, -5.02),
     "w_best_m": 0.21e-3, "w_percent": (12.65, 8.76, 7.12), "k_ts_best_w": (1009.11, 1552.69, 1940.49),
-    "k_wts_theory": 2524.92, "k_wts_test": 2723.75, "k_wts_difference_percent": 7.30, "k_wts_highest": 5294.0,
-    "torque_error_nm": 0.05, "angle_error_arcsec": 2.0, "torque_step_nm": 0.01,
-    "facets": 1290, "mesh_mm": 0.001, "fractal_dimension": 2.5304, "roughness_m": 2.4248e-7,
+    "k_wts_theory": 2524.92, "k_wts_test": 2723.75, "k_wts_highest": 5294.0,
 }
 BORE, NEAR = 17.5e-3, 0.3e-3   # of size 14, and a tenth of the way to the next size [m]
 CLOSE, SIZE, RESOLVED = 0.1, 0.1, 1.0  # shares of a figure; in per cent: points that turn from stick to slip move K_TS by that much
@@ -83,17 +81,13 @@ def at(rows: Sequence[Mapping], torque_nm: float, column: str = "k_ts_nm_per_rad
     return next((r.get(column, np.nan) for r in rows if abs(r.get("torque_nm", -1) - torque_nm) < ROUNDING), np.nan)
 
 
-def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Mapping] = ()) -> list:
+def torque_rows(rows: list) -> list:
     """K_TS and pressure at 5 N m, rise from 1 to 5 N m.
 
     Parameters
     ----------
     rows : list of dict
         One curve over the torque, as in study.csv.
-    closure : list of dict
-        The same with joint.closure = 'paper'.
-    trends : list of dict
-        Scenes of an exploration: 'name', 'rise_percent', ...
 
     Returns
     -------
@@ -103,8 +97,7 @@ def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Ma
     table = []
     if np.isfinite(k):
         stated = STATED["k_ts_5_nm"]
-        with_28 = f", with Eq. 28 {at(closure, 5.0, 'k_ts_paper_n'):.3g} N" if closure else ""
-        table.append(Row("K_TS at 5 N m", f"{stated:.0f} N m/rad", f"{k:.3g} N m/rad", f"{paper:.3g} N{with_28}", "cannot agree",
+        table.append(Row("K_TS at 5 N m", f"{stated:.0f} N m/rad", f"{k:.3g} N m/rad", f"{paper:.3g} N", "cannot agree",
                          f"ours is {k / stated:.0f} times as stiff; it rests on r_m, s_min, γ and τ_b, which are not given, and "
                          "Eq. 45 as printed gives newtons"))
     if np.isfinite(k) and np.isfinite(at(rows, 1.0)):
@@ -112,8 +105,8 @@ def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Ma
         rise = 100 * (k / at(rows, 1.0) - 1)
         printed = 100 * (paper / at(rows, 1.0, "k_ts_paper_n") - 1)
         gauge = STATED["k_ts_5_nm"] / k
-        table.append(_nearest(Row("K_TS from 1 to 5 N m", f"+{stated:.0f} % (w = 0.21 mm)", signed([rise]), signed([printed]),
-                                  judge_trend([stated], [rise])), [stated], trends, "rise_percent"))
+        table.append(Row("K_TS from 1 to 5 N m", f"+{stated:.0f} % (w = 0.21 mm)", signed([rise]), signed([printed]),
+                         judge_trend([stated], [rise])))
         table.append(Row("K_TS at 1 / 3 N m, gauged at 5 N m", "{:.0f} / {:.0f} (w = 0.21 mm)".format(
             *STATED["k_ts_best_w"]), f"{gauge * at(rows, 1.0):.0f} / {gauge * at(rows, 3.0):.0f} N m/rad (gauge {gauge:.2e})", "-",
             judge_figure(STATED["k_ts_best_w"][0], gauge * at(rows, 1.0)), "a factor cannot turn a flat curve into a rising one"))
@@ -127,7 +120,7 @@ def torque_rows(rows: list, closure: Sequence[Mapping] = (), trends: Sequence[Ma
     return table
 
 
-def eccentricity_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
+def eccentricity_rows(rows: Sequence[Mapping]) -> list:
     """Change of K_TS by 10 um of eccentricity; rows with and without it, of one support."""
     def change(column):
         values = {e: [at([r for r in rows if abs(r.get("wave_generator.eccentricity", -1) - e) < ROUNDING], t, column)
@@ -136,11 +129,11 @@ def eccentricity_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -
     ours, stated = change("k_ts_nm_per_rad"), STATED["eccentricity_percent"]
     if not np.all(np.isfinite(ours)):
         return []
-    return [_nearest(Row("eccentricity of 10 µm at 1 / 3 / 5 N m", signed(stated), signed(ours), signed(change("k_ts_paper_n")),
-                         judge_trend(stated, ours)), stated, trends, "fall_percent")]
+    return [Row("eccentricity of 10 µm at 1 / 3 / 5 N m", signed(stated), signed(ours), signed(change("k_ts_paper_n")),
+                judge_trend(stated, ours))]
 
 
-def w_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
+def w_rows(rows: Sequence[Mapping]) -> list:
     """Place and height of the maximum of K_TS over w."""
     widths = sorted({r["wave_generator.w"] for r in rows if "wave_generator.w" in r})
 
@@ -159,11 +152,8 @@ def w_rows(rows: Sequence[Mapping], trends: Sequence[Mapping] = ()) -> list:
     inside = np.all((k.argmax(axis=1) > 0) & (k.argmax(axis=1) < len(widths) - 1))
     height = 100 * (k.max(axis=1) / k.min(axis=1) - 1)
     verdict = judge_trend(STATED["w_percent"], height) if inside else "does not agree"
-    found = [t["name"] for t in trends if t["inside"]]
     because = "" if inside else f"ours rises to the end of the range, {1e3 * widths[-1]:g} mm" if np.all(
         k.argmax(axis=1) == len(widths) - 1) else "ours has its maximum at an end of the range"
-    if trends:
-        because += f"; a maximum inside it in {len(found)} of {len(trends)} scenes tried"
     return [Row("gain of K_TS over w at 1 / 3 / 5 N m",
                 f"{1e3 * STATED['w_best_m']:g} mm, {signed(STATED['w_percent'], 2)}", best(k), best(printed), verdict, because)]
 
@@ -177,58 +167,6 @@ def series_rows(k_ts: float, k_fts: float) -> list:
                 judge_figure(s["k_wts_test"], k).replace("does not", "cannot"), because),
             Row("K_WTS, highest measured", f"{s['k_wts_highest']:.0f} N m/rad", ours, "-",
                 judge_figure(s["k_wts_highest"], k).replace("does not", "cannot"), because)]
-
-
-def arithmetic_rows() -> list:
-    """What the paper's own figures say about each other."""
-    s, unit = STATED, UNITS[14]
-    difference = 100 * (1 - s["k_wts_theory"] / s["k_wts_test"])
-    try:
-        torsion.remaining_stiffness(s["k_wts_highest"], s["k_ts_5_nm"])
-        series, why = "agrees", ""
-    except ValueError as error:
-        series, why = "cannot agree", str(error)
-    low, high = (s["torque_step_nm"] / k * 180 * 3600 / np.pi for k in (s["k_wts_highest"], s["k_wts_test"]))
-    ring = 2 * np.pi * 17.5 * 12 / s["mesh_mm"]**2
-    height, slope = _surface(s["fractal_dimension"], s["roughness_m"])
-    inside = s["k_wts_test"] < s["k_wts_highest"] < unit.k3_nm_per_rad
-    return [
-        Row("test against theory at 0.5 N m", f"{s['k_wts_difference_percent']:.2f} %", f"{difference:.2f} %", "-",
-            judge_figure(s["k_wts_difference_percent"], difference), "difference over the test's value; the bench's 0.05 N m alone "
-            f"is {100 * s['torque_error_nm'] / 0.5:.0f} % of 0.5 N m"),
-        Row("K_WTS above K_TS (Eq. 46)", f"{s['k_wts_highest']:.0f} > {s['k_ts_5_nm']:.0f} N m/rad", "refused", "-", series, why),
-        Row("K_WTS beside the catalogue, size 14", f"{s['k_wts_test']:.0f} to {s['k_wts_highest']:.0f} N m/rad",
-            f"K1 to K3: {unit.k1_nm_per_rad:.0f} to {unit.k3_nm_per_rad:.0f} N m/rad", "-",
-            "trend agrees" if inside else "does not agree", "same order, rising with the torque"),
-        Row("step of the bench against its angle error", f"{s['torque_step_nm']:g} N m, {s['angle_error_arcsec']:g} arcsec",
-            f"{low:.1f} to {high:.1f} arcsec a step", "-", "agrees" if low > s["angle_error_arcsec"] else "cannot agree",
-            "a step turns the drive by less than the error; only a fit can be read"),
-        Row("contact facets and mesh size", f"{s['facets']} of {s['mesh_mm']} mm",
-            f"86 x 15 = {86 * 15} of {2 * np.pi * 17.5 / 86:.1f} x {12 / 15:.1f} mm", "-", "cannot agree",
-            f"{s['mesh_mm']} mm would make {ring:.1e} facets; 1 mm must be meant"),
-        Row("surface of the stated D and G", f"D {s['fractal_dimension']}, G {s['roughness_m']:.4g} m",
-            f"rms {1e6 * height:.1f} µm, slope {slope:.1f} over 0.5 mm", "-", "cannot agree", "no ground ring is that rough: "
-            "measured metal surfaces give G of 1e-13 to 1e-8 m")]
-
-
-def _surface(dimension, roughness, length=0.5e-3, shortest=1e-6, gamma=1.5):
-    """Rms height [m] and rms slope of Eq. 1."""
-    n = np.arange(int(np.log(length / shortest) / np.log(gamma) + 1e-9) + 1)
-    square = np.log(gamma) * roughness**(2 * (dimension - 2)) * (length / gamma**n)**(2 * (3 - dimension))
-    return np.sqrt(square.sum() / 2), np.sqrt((square * (2 * np.pi * gamma**n / length)**2).sum() / 2)
-
-
-def _nearest(row, stated, trends, key):
-    """A trend's row with the scene that comes nearest to the paper in logarithms of figures of the right sign."""
-    if not trends:
-        return row
-    cells = row.quantity, row.paper, row.ours, row.printed, row.verdict
-    good = [t for t in trends if judge_trend(stated, np.atleast_1d(t[key])) != "does not agree"]
-    if not good:
-        return Row(*cells, f"no scene of {len(trends)} tried gives it")
-    best = min(good, key=lambda t: np.abs(np.log(np.atleast_1d(t[key]) / np.asarray(stated))).max())
-    return Row(*cells, f"{len(good)} of {len(trends)} scenes tried give it, nearest {best['name']}: "
-                       f"{signed(np.atleast_1d(best[key]))}")
 
 
 def of_run(result: RunLike) -> list:

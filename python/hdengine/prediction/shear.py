@@ -35,10 +35,10 @@ class Slider:
         Coulomb coefficient mu.
     """
 
-    def __init__(self, space: HalfSpace, pressure: np.ndarray, friction: float, residual: float = RESIDUAL) -> None:
+    def __init__(self, space: HalfSpace, pressure: np.ndarray, friction: float) -> None:
         if not friction > 0:
             raise InputError(f"friction {friction}: a patch that slides has one above 0")
-        self._space, self._residual = space, residual
+        self._space = space
         self._most = friction * pressure[..., None]
         self._touching = (pressure > 0)[..., None]
         self._step = 1 / space.softest_shear
@@ -74,7 +74,7 @@ class Slider:
             force = away - self._space.shear_displacement(ahead)
             new = self._inside(ahead + self._step * force)
             self.error = float(abs(new - ahead).mean()) / scale
-            if self.error < self._residual:
+            if self.error < RESIDUAL:
                 return new
             if float(((ahead - new) * (new - t)).sum()) > 0:
                 momentum, ahead = 1.0, new
@@ -82,7 +82,7 @@ class Slider:
                 later = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
                 ahead, momentum = new + (momentum - 1) / later * (new - t), later
             t = new
-        raise NotConvergedError(f"shear by boundary elements: residual {self.error:.2g} instead of {self._residual:g}; "
+        raise NotConvergedError(f"shear by boundary elements: residual {self.error:.2g} instead of {RESIDUAL:g}; "
                                     "take smaller steps of displacement")
 
     def _inside(self, t):

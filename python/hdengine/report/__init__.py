@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One self-contained HTML file of a run, of a study, or of a comparison with its studies; PDF on request."""
+"""One self-contained HTML file of a run or a study; PDF on request."""
 from __future__ import annotations
 
 import datetime
@@ -37,12 +37,12 @@ def _render(title, parts):
 
 @checked(folder=a_path, path=optional(a_path), picture=flag, animation=flag)
 def write_report(folder: PathLike, path: PathLike | None = None, picture: bool = False, animation: bool = False) -> Path:
-    """Write the report of a run, a study or a comparison.
+    """Write the report of a run or a study.
 
     Parameters
     ----------
     folder : str or Path
-        Folder with summary.json, study.json or comparison.json.
+        Folder with summary.json or study.json.
     path : str or Path, optional
         HTML file; default: report.html in the folder.
     picture : bool

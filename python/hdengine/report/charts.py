@@ -107,12 +107,12 @@ def _fatigue_chart(result):
     return chart.svg()
 
 
-def _over(title, x, y, across, up, colour=COLOURS[0]) -> Chart:
+def _over(title, x, y, across, up) -> Chart:
     """A chart of one line; changes below 5 % are not blown up to its height."""
     middle, y = np.mean(y), np.asarray(y)
     near = [0.95 * middle, 1.05 * middle] if np.ptp(y) < 0.05 * abs(middle) else []
     chart = Chart(title, across, up, x, [*y, *near])
-    chart.line(x, y, colour, dots=3)
+    chart.line(x, y, COLOURS[0], dots=3)
     return chart
 
 

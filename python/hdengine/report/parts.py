@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sections of reports, as HTML: of a run, a study, a surface, or a comparison with its studies."""
+"""Sections of reports, as HTML: of a run, a study or a surface."""
 from __future__ import annotations
 
 import base64
@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import _engine
 from .._engine import FileError
 from ..catalogue import unit_of
 from ..contact import read_scene
@@ -21,14 +20,14 @@ from ..paper import comparison as paper
 from ..results import Result, read_summary
 from ..studies.study import StudyResult, read_rows
 from ..surfaces.run import SurfaceResult
-from ..views.labels import label
+from ..views.labels import LABELS, LOOP, label
 from ..views.run import is_drive
 from . import charts
 from .sketch import draw_scene
 
 __all__: list[str] = []
 OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
-        "Figure")  # the other sections fold away
+        "Figure", "Drives")  # the other sections fold away
 
 
 @dataclass(frozen=True)
@@ -179,7 +178,7 @@ def _sensitivity(folder):
         if found.get("indices"):
             text += "<p>Shares of the variance (Sobol) with the half width of their 95 % band:</p>" + _table(
                 ("key", "first order", "+-", "total", "+-"), [(k, *v) for k, v in found["indices"].items()])
-        pictures = "".join(_image(p, "Change of K_TS between the ends of its range.") for p in sorted(folder.glob("tornado_*.png")))
+        pictures = "".join(_image(p, "Change between the ends of each range.") for p in sorted(folder.glob("tornado_*.png")))
         yield "Uncertainty of K_TS", "<p>95 % bands / (N m/rad):</p>" + text + pictures
 
 
@@ -441,6 +440,8 @@ def _study_answer(result):
     s = result.summary
     against = s["scene"].get("load.support") == "teeth"
     column, name = ("k_fe_secant_nm_per_rad", "K_FTS") if against else ("k_ts_nm_per_rad", "K_TS by Eq. 45")
+    if any("k2_nm_per_rad" in r for r in result.rows):
+        column, name = "k2_nm_per_rad", "K2 of the drive"
     rows = [r for r in result.rows if r["status"] == "done" and np.isfinite(r.get(column, np.nan))]
     failed = f", {s['failed']} failed" if s["failed"] else ""
     text = f"<p>{s['done'] - s['failed']} of {s['points']} points solved{failed}.</p>"
@@ -449,7 +450,8 @@ def _study_answer(result):
     low, high = (choose(rows, key=lambda r: r[column]) for choose in (min, max))
 
     def place(row):
-        return ", ".join(f"{html.escape(str(k))} = {_text(row[k])}" for k in (*s["swept"], "torque_nm") if k in row)
+        torque = [] if column in LOOP else ["torque_nm"]
+        return ", ".join(f"{html.escape(str(k))} = {_text(row[k])}" for k in (*s["swept"], *torque) if k in row)
     return f'<p>{name}</p><p class="value">{_engineering(low[column])} to {_engineering(high[column])}</p>' \
         f"<p>Lowest at {place(low)}; highest at {place(high)}.</p>{text}"
 
@@ -466,6 +468,10 @@ def _study_parts(result):
         yield "Failed points", _failures(result)
     yield from _study_warnings(result)
     yield "Figure", "".join(_image(p, s["title"]) for p in plot_study(result))
+    drives = [r for r in result.rows if not r.keys().isdisjoint(LOOP)]
+    if drives:
+        names = ["point", *s["swept"], *(n for n in LOOP if n in LABELS and any(n in r for r in drives))]
+        yield "Drives", _columns(names, [[r.get(n, "") for n in names] for r in drives])
     yield from _comparison(paper.of_study(result))
     names = ["point", *s["swept"], "torque_nm", "k_ts_nm_per_rad", "k_fe_secant_nm_per_rad", "normal_force_n", "pressure_max_pa",
              "rotation_rad"]
@@ -486,22 +492,6 @@ def _surface_parts(result):
     yield "Provenance", _pairs(result.summary["provenance"])
 
 
-def _collection_parts(folder):
-    """(heading, HTML) of a comparison and of the studies beside it."""
-    from ..figures.study import plot_study
-
-    rows = read_json(folder / "comparison.json", "rows")["rows"]
-    yield from _comparison([paper.Row(*(row[name] for name in paper.Row.HEAD)) for row in rows])
-    for path in sorted(folder.glob("*/study.json")):
-        result = StudyResult(path.parent)
-        s = result.summary
-        text = f"<p>{s['done'] - s['failed']} of {s['points']} points solved, {s['failed']} failed; {path.parent.name}.</p>"
-        if result.failures:
-            text += f"<details><summary>failed points</summary>{_failures(result)}</details>"
-        yield s["title"], text + "".join(_image(p, s["title"]) for p in plot_study(result))
-    yield "Provenance", _pairs({"hdengine": _engine.version()})
-
-
 def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str, list]:
     """Title and sections of whatever the folder holds."""
     if (folder / "study.json").is_file():
@@ -513,7 +503,5 @@ def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str,
             return summary.get("title", ""), [*_surface_parts(SurfaceResult(folder))]
         result = Result(folder)
         return result.summary["title"], [*_run_parts(result, picture, animation)]
-    if (folder / "comparison.json").is_file():
-        return "hdengine beside Hu et al. (2023)", [*_collection_parts(folder)]
     raise FileError(f"'{folder}' holds neither a run (summary.json) nor a study (study.json); "
                         "valid: a folder that hdengine.x or hdengine study wrote")

@@ -23,6 +23,7 @@ from .._types import PathLike, Value
 from ..contact import read_scene
 from ..files import json_text, write_files
 from ..results import preformatted
+from ..views.labels import LOOP
 from . import study_file
 from .progress import Progress
 from .workers import solve_all
@@ -242,7 +243,7 @@ class Study:
         """Table and its description, each under a temporary name first; the description holds checksums of both."""
         points = self.points
         names, failed = {"point": None}, 0
-        for i in rows:
+        for i in sorted(rows):   # the order of the columns is that of the points, whoever solved them first
             for row in rows[i]:
                 names |= dict.fromkeys([*points[i], *row])
             failed += row["status"] == "failed"
@@ -390,12 +391,14 @@ class StudyResult:
         """Solved rows as an xarray.Dataset over the swept keys and the torque (needs pandas and xarray).
 
         Keys that change side by side make no grid: they become coordinates along the dimension `point`. With rows = 'last' the
-        torque is a variable, as every point has one.
+        torque is a variable, as every point has one; so it is of whole drives, whose loop passes a torque twice.
         """
         varied = [k for k in self.summary["swept"] if len({str(r.get(k)) for r in self.rows}) > 1]
         frame = self.frame().query("status == 'done'").drop(columns=["reason", "code", "status"], errors="ignore")
         frame["torque_nm"] = frame["torque_nm"].round(9)
         rows = self.summary["identity"]["rows"]
+        if len(frame.columns.intersection(LOOP)):
+            frame, rows = frame[~frame["point"].isin([r["point"] for r in self.failures])].groupby("point").tail(1), "last"
         if rows == "all":
             frame = frame[(frame["in_torque"] == 1) | (frame["load_factor"] == 1)]
         grid = np.prod([frame[k].nunique() for k in varied], dtype=int) == self.summary["points"]

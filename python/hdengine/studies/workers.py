@@ -61,6 +61,7 @@ def solve(path: str, keys: dict, rows: str) -> list:
                 for step in run:
                     last = step.sums["step"]
                     table.append(_row(step, run, scene))
+                table[-1] |= run.loop()
             except HdengineError as error:
                 step = run.step()
                 kept = _row(step, run, scene) if step.sums["step"] > last else {}

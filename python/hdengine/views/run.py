@@ -14,6 +14,7 @@ from .palette import PARTS
 
 __all__: list[str] = []
 ARCMIN = np.degrees(1) * 60
+COLOURED = 0.97   # share of the closed area that has colours of its own
 UNLOADED = 0.01   # of the largest torque: angles are shared out from here on
 EDGE = 0.35       # length of a row over that of even rows from which down it is one of the edge cells
 NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalogue (docs/evidence/drive.md)
@@ -200,7 +201,7 @@ def pair_shares(result: RunLike, torque: float) -> tuple[np.ndarray, np.ndarray]
     return angle[near], 100 * rows["share"][near]
 
 
-def colour_top(pressure: np.ndarray, area: np.ndarray, share: float = 0.97) -> float:
+def colour_top(pressure: np.ndarray, area: np.ndarray) -> float:
     """Pressure that all but a small share of the closed area stays below: narrow rows at the edges take no part of the colours.
 
     Parameters
@@ -218,7 +219,7 @@ def colour_top(pressure: np.ndarray, area: np.ndarray, share: float = 0.97) -> f
         return 1.0
     order = np.argsort(pressure[closed])
     part = np.cumsum(area[closed][order])
-    return float(pressure[closed][order][np.searchsorted(part, share * part[-1])])
+    return float(pressure[closed][order][np.searchsorted(part, COLOURED * part[-1])])
 
 
 def stresses_of(table: np.ndarray, scene: Mapping) -> tuple[np.ndarray, np.ndarray]:

@@ -96,7 +96,7 @@ module hd_newton
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
   integer, parameter :: few = 10                    !< iterations in which a step that begins within the tolerance finds its states
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
-  real(dp), parameter :: first_tolerance = 1e-4_dp  !< residual of the first of them, whose pairs are the guess's
+  real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
   real(dp), parameter :: turn_left = 1e-5_dp        !< turn of normals that may be left [rad],
   real(dp), parameter :: way_left = 1e-5_dp         !< and way of pairs, over the radius;
   real(dp), parameter :: moment_left = 1e-3_dp      !< moment of the pressure by that way, over the torque,

@@ -37,23 +37,22 @@ contains
     type(pairing_t), intent(in) :: pairing      !< faces
     real(dp), intent(in) :: u(:, :)             !< displacements (3, nodes) [m]
     type(mortar_t), intent(inout) :: mortar     !< coupling before, then anew
-    logical, intent(in), optional :: again      !< in rounds, where one search less does: not the first, it goes on from before
+    logical, intent(in), optional :: again      !< in rounds, where fewer searches do: not the first, it goes on from before
     type(mortar_t) :: new
     real(dp) :: shift(2, pairing%rest%n), frames(3, 3, pairing%rest%n), y(3), base(3)
-    integer :: i, j, n
-    logical :: goes_on
+    integer :: first, i, j, n
     n = pairing%rest%n
     frames = deformed_frames(pairing, u)
     new = pairing%rest
     shift = 0
-    goes_on = .false.
-    if (present(again)) goes_on = again
-    if (goes_on) then
+    first = 1
+    if (present(again)) first = merge(searches, searches - 1, again)
+    if (first == searches) then
       new = mortar
       new%val = pairing%sign*new%val
       shift = mortar%shift
     end if
-    do i = merge(2, 1, present(again)), searches
+    do i = first, searches
       do j = 1, n
         if (.not. new%area(j) > 0) cycle
         y = matmul(frames(:, :, j), apart(pairing, new, u, shift(:, j), j))

@@ -30,10 +30,12 @@ contains
     type(error_t), allocatable, intent(out) :: error     !< solver failure
     real(dp), allocatable :: left_u(:, :), left_c(:, :), more_u(:, :), more_c(:, :)
     real(dp) :: better
-    allocate (left_u, mold=r_u)
-    allocate (left_c, mold=r_c)
     call solver%solve(problem, r_u, r_c, du, dtraction, error)
     if (allocated(error)) return
+    residual = solver%backward
+    if (residual >= 0 .and. residual <= refine_above) return
+    allocate (left_u, mold=r_u)
+    allocate (left_c, mold=r_c)
     call find_remainder(problem, dw, dt, r_u, r_c, du, dtraction, left_u, left_c, residual)
     if (.not. residual > refine_above) return
     allocate (more_u, mold=r_u)

@@ -17,6 +17,7 @@ module hd_linear_solver
     real(dp) :: flops = 0                      !< operations of the last factorisation
     logical :: own_threads = .false.           !< runs its harmonics in parallel; BLAS gets one thread
     real(dp) :: accuracy = 1e-9_dp             !< relative residual of a correction that an inner iteration may leave
+    real(dp) :: backward = -1                  !< backward error of the last correction, -1: not known
     integer :: inner = 0                       !< steps of an inner iteration so far
     integer :: sides = 1                       !< right-hand sides that a matrix is expected to meet
     integer :: most_images = 4                 !< images of the part that is solved, at most: 1, 2 or 4

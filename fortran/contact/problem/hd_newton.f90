@@ -81,6 +81,7 @@ module hd_newton
   real(dp), parameter :: clear = 1e-3_dp   !< residual at which what a body does is seen: where all is open, that it flies away,
   !> and where points touch, that they do not hold it; Newton's method passes through the former
   real(dp), parameter :: small = 1e-6_dp
+  real(dp), parameter :: half = 0.5_dp          !< of the tolerance, which the last correction aims at
   real(dp), parameter :: exact = 1e-9_dp        !< accuracy of a correction that is taken whole,
   real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
@@ -239,7 +240,7 @@ contains
       solver%accuracy = merge(exact, searched, search)
       if (allocated(problem%pairing) .and. .not. search) then
         ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do
-        solver%accuracy = max(solver%accuracy, min(tenth, max(here%merit, tenth*options%tolerance/here%merit)))
+        solver%accuracy = max(solver%accuracy, min(tenth, max(here%merit, half*options%tolerance/here%merit)))
       end if
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return

@@ -14,17 +14,18 @@ module hd_newton_krylov
   use hd_log, only: say, detail
   use hd_mortar, only: add_nodal_forces, moved_share, relative_displacement
   use hd_newton_matrix, only: newton_matrix_t, lay_out_newton_matrix
-  use hd_problem, only: problem_t, load_t, state_t, apply_stiffness
+  use hd_problem, only: problem_t, load_t, state_t, apply_stiffness, largest_stiffness
   use hd_symmetry, only: sharing_t, share_law, symmetrise, same_shape
   use hd_text, only: to_text
   use hd_total_lagrangian, only: nodal_turns, unity
+  use hd_vector, only: length
   implicit none
   private
   public :: newton_krylov_t, new_newton_krylov
 
   integer, parameter :: most_steps = 40          !< of GMRES, then it starts again from what it found,
   integer, parameter :: most_starts = 3          !< so often,
-  real(dp), parameter :: falls = 0.1_dp          !< where each start leaves less than this share of the residual
+  real(dp), parameter :: falls = 0.3_dp          !< where each start leaves less than this share of the residual
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   !> Share of their weights by which pairs may have moved beside those of the preconditioner, about the way over a facet's length.
@@ -139,7 +140,8 @@ contains
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs
 
-  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay.
+  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay, those
+  !> that are held along the axis turn about it.
   subroutine turn_along(self, problem)
     class(newton_krylov_t), intent(inout) :: self     !< gets turn, frame
     type(problem_t), intent(in) :: problem            !< problem with large displacements
@@ -151,7 +153,13 @@ contains
           self%turn(:, :, low:high) = nodal_turns(problem%bodies(b), problem%lagrangian(b), problem%tangent_at(:, low:high))
         end associate
       end do
-      where (spread(spread(any(problem%fixed, 1), 1, 3), 1, 3)) self%turn = spread(unity, 3, problem%n)
+      do j = 1, problem%n
+        if (any(problem%fixed(:2, j))) then
+          self%turn(:, :, j) = unity
+        else if (problem%fixed(3, j)) then
+          self%turn(:, :, j) = about_axis(self%turn(:, :, j))
+        end if
+      end do
     end if
     self%frame = self%turn(:, :, problem%mortar%node)
     if (.not. allocated(problem%mortar%turn)) return
@@ -159,6 +167,16 @@ contains
       self%frame(:, :, j) = matmul(problem%mortar%turn(:, :, j), self%frame(:, :, j))
     end do
   end subroutine turn_along
+
+  !> What a rotation turns about the axis.
+  pure function about_axis(turn) result(t)
+    real(dp), intent(in) :: turn(3, 3)  !< rotation in the dofs of a node
+    real(dp) :: t(3, 3), c(2)
+    c = [turn(1, 1) + turn(2, 2), turn(2, 1) - turn(1, 2)]
+    c = c/norm2(c)
+    t = unity
+    t(:2, :2) = reshape([c(1), c(2), -c(2), c(1)], [2, 2])
+  end function about_axis
 
   !> Derivatives by displacements and tractions in the frames of the turned bodies.
   pure function in_frames(frame, d) result(e)
@@ -187,6 +205,7 @@ contains
     call lay_out_newton_matrix(problem, self%exact, error)
     if (.not. allocated(error)) call self%exact%update(problem, self%dw, self%dt, error)
     self%name = self%exact%name
+    self%backward = -1
     self%factor_entries = self%exact%factor_entries
     self%flops = self%exact%flops
     self%symmetry_used = 'full'
@@ -221,7 +240,7 @@ contains
     type(error_t), allocatable, intent(out) :: error          !< solver failure
     type(newton_operator_t) :: op
     real(dp), allocatable :: b(:), x(:), dx(:), left(:)
-    real(dp) :: share
+    real(dp) :: norm, share
     integer :: k, steps
     op%problem => problem
     op%round => problem
@@ -252,6 +271,8 @@ contains
       left = b - left
     end do
     call unpack_correction(x, du, dtraction)
+    norm = length(size(b), b)
+    self%backward = residual*norm/max(norm + largest_stiffness(problem)*length(size(du), du), tiny(1._dp))
   end subroutine run_gmres
 
   !> One vector of residuals: forces, and the law times area; nothing at prescribed dofs.

@@ -8,7 +8,6 @@ import sys
 
 import numpy as np
 import pytest
-from test_gradient import OPEN
 
 import hdengine
 from conftest import ROOT, call
@@ -165,17 +164,6 @@ def test_quick_band_is_left_out_in_silence(exe, tmp_path, key):
     assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
     results = json.loads((tmp_path / "f/summary.json").read_text())["results"]
     assert ("k2_nm_per_rad_low" in results) == ("time_limit" in key)
-
-
-def test_no_band_where_derivatives_are_lost(tmp_path, caplog):
-    """Where derivatives of a reading are lost, many inputs would need runs: a default run leaves the band out and its log says so, no warning."""
-    keys = {key.replace(".", "__"): value for key, value in OPEN.items()} | {"mesh__divisions": 16, "run__band": "auto"}
-    with caplog.at_level("INFO", "hdengine"):
-        found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "l", **keys).summary
-    said = [line for line in caplog.messages if line.startswith("band ")]
-    assert said == ["band      none, for derivatives are lost at a change of state; run.band = .true. finds it by runs"]
-    assert found["results"]["k1_nm_per_rad"] > 0 and "k1_nm_per_rad_low" not in found["results"] and "band_shares" not in found["results"]
-    assert found["warnings"] and not any("band" in line for line in found["warnings"])
 
 
 def test_time_limit_ends_the_band(exe, tmp_path):

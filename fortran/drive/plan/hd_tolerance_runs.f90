@@ -31,7 +31,6 @@ module hd_tolerance_runs
   public :: find_band
 
   integer, parameter :: divisions = 36, facets = 6, steps = 6  !< of the mesh, and of each leg of the loop, at most
-  integer, parameter :: most_runs = 10     !< of a band that was not asked for; five or seven where all derivatives hold
   real(dp), parameter :: enough = 1e-6_dp  !< of the residuals; at 1e-4 fewer iterations a step, but more cut steps
   !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
   !> its clearance, by 0.8 of it, they say 8 %; runs 9 and -17 %.
@@ -70,12 +69,8 @@ contains
       do i = 1, size(inputs)
         call enter_slopes(inputs(i), base, by, run%record%band)
       end do
-      if (quick .and. sum(inputs%ends) > most_runs) then
-        reason = 'derivatives are lost at a change of state; run.band = .true. finds it by runs'
-      else
-        call run_ends(inputs, coarse, base, seconds, model, run, error)
-        if (allocated(error)) reason = 'the time limit has passed'
-      end if
+      call run_ends(inputs, coarse, base, seconds, model, run, error)
+      if (allocated(error)) reason = 'the time limit has passed'
     end if
     call give_back(model)
     if (len(reason) == 0) return

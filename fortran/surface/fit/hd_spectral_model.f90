@@ -79,11 +79,8 @@ contains
     m%mode2 = 1 / merge(product(t%side), t%side(1)**2, t%dim == 2)
     m%lift = [(log(lifted(t, sqrt(i * steepest / steeps))), i=0, steeps)]
     slopes = m%n_low + [(i, i=0, nodes - 1)] * (m%n_high - m%n_low) / (nodes - 1)
-    allocate (m%main(size(t%f), nodes), m%folded(size(t%f), blurs, 2, nodes))
-    !$omp parallel do
-    do i = 1, nodes
-      m%main(:, i) = main_of(t, m, slopes(i))
-    end do
+    allocate (m%folded(size(t%f), blurs, 2, nodes))
+    m%main = main_of(t, m, slopes)
     !$omp parallel do schedule(dynamic)
     do i = 1, size(t%f)
       m%folded(i, :, :, :) = log(folded_of(t, i, slopes, m%spacing))
@@ -109,33 +106,59 @@ contains
   end function lifted
 
   !> ln of f^-n as the taper sees it: its power summed over the kernel for single low modes, to second order elsewhere.
-  pure function main_of(t, m, n) result(v)
+  function main_of(t, m, slopes) result(v)
     type(ring_table_t), intent(in) :: t       !< rings
     type(spectral_model_t), intent(in) :: m   !< widths
-    real(dp), intent(in) :: n                 !< slope
-    real(dp) :: v(size(t%f)), part(size(t%f)), total, fx, fy
-    integer :: i, kx, ky
-    v = -n * log(t%f) + log(1 + m%square * merge(n**2, n * (n + 1), t%dim == 2) / t%f**2) + m%wide * n**2
-    if (size(t%ring) == 0) return
+    real(dp), intent(in) :: slopes(:)         !< n, evenly spaced
+    real(dp) :: v(size(t%f), size(slopes)), part(size(slopes), size(t%f)), power(size(slopes), size(t%ring))
+    integer :: i, modes
+    do i = 1, size(slopes)
+      associate (n => slopes(i))
+        v(:, i) = -n * log(t%f) + log(1 + m%square * merge(n**2, n * (n + 1), t%dim == 2) / t%f**2) + m%wide * n**2
+      end associate
+    end do
+    !$omp parallel do
+    do i = 1, size(t%ring)
+      power(:, i) = low_power(t, i, slopes)
+    end do
     part = 0
     do i = 1, size(t%ring)
-      total = 0
-      do kx = -reach * per_bin, reach * per_bin
-        fx = ((t%kx(i) + real(kx, dp) / per_bin) / t%side(1))**2
-        if (t%dim == 1) then
-          total = total + t%kernel(kx, 1) * max(fx, t%df**2)**(-0.5_dp * n)
-          cycle
+      part(:, t%ring(i)) = part(:, t%ring(i)) + power(:, i)
+    end do
+    do i = 1, size(t%f)
+      modes = count(t%ring == i)  ! not t%m, which of two maps is that of their sum: the tables are of the grid alone
+      if (modes > 0) v(i, :) = log(part(:, i) / modes)
+    end do
+  end function main_of
+
+  !> f^-n about a low mode, summed over the kernel of the taper.
+  pure function low_power(t, mode, slopes) result(total)
+    type(ring_table_t), intent(in) :: t       !< modes
+    integer, intent(in) :: mode               !< which
+    real(dp), intent(in) :: slopes(:)         !< n, evenly spaced
+    real(dp) :: total(size(slopes)), power, next, fx, fy, ln_f2
+    integer :: i, kx, ky, across
+    across = merge(reach * per_bin, 0, t%dim == 2)
+    total = 0
+    do kx = -reach * per_bin, reach * per_bin
+      fx = (t%kx(mode) + real(kx, dp) / per_bin) / t%side(1)
+      do ky = -across, across
+        power = t%kernel(kx, 1)
+        fy = 0
+        if (t%dim == 2) then
+          power = power * t%kernel(ky, 2)
+          fy = (t%ky(mode) + real(ky, dp) / per_bin) / t%side(2)
         end if
-        do ky = -reach * per_bin, reach * per_bin
-          fy = ((t%ky(i) + real(ky, dp) / per_bin) / t%side(2))**2
-          total = total + t%kernel(kx, 1) * t%kernel(ky, 2) * max(fx + fy, t%df**2)**(-0.5_dp * n)
+        ln_f2 = log(max(fx**2 + fy**2, t%df**2))
+        power = power * exp(-0.5_dp * slopes(1) * ln_f2)
+        next = exp(-0.5_dp * (slopes(2) - slopes(1)) * ln_f2)
+        do i = 1, size(slopes)
+          total(i) = total(i) + power
+          power = power * next
         end do
       end do
-      part(t%ring(i)) = part(t%ring(i)) + total
     end do
-    ! by the modes of the ring, not by t%m, which of two maps is that of their sum: the tables are of the grid alone
-    where (part > 0) v = log(part / [(count(t%ring == i), i=1, size(part))])
-  end function main_of
+  end function low_power
 
   !> What folds back into a ring from above the grid: of detail down to half the spacing, and down to a fifth (two cells each way; a
   !> line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power: no surface and no instrument

@@ -117,14 +117,15 @@ class ContactField:
             return float(torsion.torsional_stiffness(k_n, k_t, *self._place))
 
 
-def joint_tornado(field: ContactField, ranges: Mapping = JOINT) -> dict:
-    """K_TS at both ends of each range, the others at the scene's values.
+def joint_tornado(field: ContactField) -> dict:
+    """K_TS at both ends of each input of the joint, the others at the scene's values.
 
     Returns
     -------
     dict
         key: (at low, at high) [N m/rad], the widest first.
     """
+    ranges = ranges_of(field.scene, JOINT)
     ends = {key: (field.k_ts(**{key: low}), field.k_ts(**{key: high})) for key, (low, high, _) in ranges.items()}
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
@@ -137,8 +138,8 @@ def joint_band(field: ContactField, draws: int = 500, seed: int = 1) -> tuple:
     low, median, high : float
         [N m/rad].
     """
-    generator = np.random.default_rng(seed)
-    return _band([field.k_ts(**_point(JOINT, generator.random(len(JOINT)))) for _ in range(draws)])
+    generator, ranges = np.random.default_rng(seed), ranges_of(field.scene, JOINT)
+    return _band([field.k_ts(**_point(ranges, generator.random(len(ranges)))) for _ in range(draws)])
 
 
 def _band(values):
@@ -316,7 +317,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     curves : dict, optional
         Of `drive_curves`; without them only groups of the joint are given.
     ranges : dict, optional
-        Of joint and drive; default JOINT and DRIVE.
+        Of joint and drive; default those of the scene.
     progress : Progress, optional
         Ten steps of it a group.
 
@@ -325,7 +326,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
     dict
         group: (low, median, high) [N m/rad].
     """
-    ranges, found = JOINT | DRIVE if ranges is None else ranges, {}
+    ranges, found = ranges_of(field.scene, JOINT | DRIVE) if ranges is None else ranges, {}
     for name, (joint, drive) in GROUPS.items():
         keys = [k for k in curves or {} if k.startswith(drive)] if drive else []
         if drive and not keys:
@@ -467,7 +468,7 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     of_joint = ranges_of(result.scene, JOINT)
     ranges: dict = ranges_of(result.scene, DRIVE)
     if not table:
-        found["joint"] = joint_tornado(field, of_joint)
+        found["joint"] = joint_tornado(field)
         figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], of_joint, "Joint, contact field kept")
     if drive or (result.folder / "drive.out/study.json").is_file():
         ranges |= table_ranges(result.scene, result.folder / "tables")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -323,31 +323,6 @@ class Joint:
             if 2 < d < 3:
                 count -= 1
                 yield replace(self, fractal_dimension=d, roughness=np.exp(ln_g))
-
-    @checked(pressure=array(), shear=array(), level=number(above=0, below=1))
-    def band(self, pressure: ArrayLike, shear: ArrayLike = 0.0, *, d_error: float, ln_g_error: float, level: float = 0.95,
-             **more: Any) -> dict:
-        """K_N and K_T with a band from the standard errors of D and G.
-
-        Parameters
-        ----------
-        pressure, shear : array_like
-            [Pa].
-        level : float
-            Probability inside the band.
-        d_error, ln_g_error, **more
-            As in `samples`.
-
-        Returns
-        -------
-        dict
-            "k_n" and "k_t": each (low, median, high) [N/m] over the pressures.
-        """
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", JointWarning)
-            values = np.array([joint.stiffness(pressure, shear) for joint in self.samples(d_error, ln_g_error, **more)])
-        quantiles = np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
-        return {"k_n": tuple(quantiles[:, 0]), "k_t": tuple(quantiles[:, 1])}
 
     @checked(pressure=array((None,), above=0, optional=True), axis=AXES)
     def plot(self, pressure: ArrayLike | None = None, axis: Axes | None = None) -> Axes:

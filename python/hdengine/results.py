@@ -11,21 +11,21 @@ import itertools
 import mmap
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked, flag, input_file, integer, integers, number, seen
+from ._check import checked, flag, input_file, integer, integers, seen
 from ._check import path as a_path
 from ._check import text as a_text
 from ._engine import FileError, InputError, NotConvergedError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import read_json, write_files
-from .joint import Joint, JointWarning
+from .joint import Joint
 from .views.labels import LOOP
 
 __all__ = ["Result", "load"]
@@ -518,46 +518,6 @@ class Result:
     def joint_at(self, step: int) -> Joint | ElasticJoint:
         """The Joint of a load step: its shear is capped by the friction of that step (contact.torque_friction under a torque)."""
         return joint_of_scene(self.scene, float(self.steps["friction"][self._row(step)]))
-
-    @checked(level=number(above=0, below=1))
-    def torsional_band(self, *, d_error: float, ln_g_error: float, level: float = 0.95, **more: float) -> np.ndarray:
-        """K_TS of each step (Eq. 45) with a band from the standard errors of D and G.
-
-        Parameters
-        ----------
-        level : float
-            Probability inside the band.
-        d_error, ln_g_error, **more
-            As in `Joint.samples`.
-
-        Returns
-        -------
-        ndarray (3, steps)
-            Low, median, high [N m/rad].
-        """
-        place, normal = self.vectors("x_m", "y_m", "z_m"), self.vectors("bent_n_x", "bent_n_y", "bent_n_z")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", JointWarning)
-            parts = []
-            for mu in np.unique(self.steps["friction"]):
-                rows = self.steps["friction"] == mu
-                facets = {name: column[rows] for name, column in self.contact.items()}
-                joints = self._samples(float(mu), {"d_error": d_error, "ln_g_error": ln_g_error, **more})
-                parts.append((rows, [torsion.torsional_stiffness(*facet_stiffness(facets, joint), place[rows], normal[rows])
-                                     for joint in joints]))
-        values = np.empty((len(parts[0][1]), len(self.steps)))
-        for rows, found in parts:
-            values[:, rows] = found
-        return np.quantile(values, [(1 - level) / 2, 0.5, (1 + level) / 2], axis=0)
-
-    def _samples(self, friction: float, errors: dict) -> Iterator:
-        """Joints of the run's model whose D and ln G scatter."""
-        for joint in Joint.of_scene(self.scene, friction).samples(**errors):
-            if self.scene.get("joint.model") == "hu2023":
-                yield joint
-            else:
-                yield joint_of_scene({**self.scene, "joint.fractal_dimension": joint.fractal_dimension,
-                                      "joint.roughness": joint.roughness}, friction)
 
     def gradient(self) -> dict[str, dict[str, float]]:
         """Derivatives of the results by every number of the drive that is in use.

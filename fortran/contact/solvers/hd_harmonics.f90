@@ -193,11 +193,13 @@ contains
     type(fft_plan_t) :: one, other
     real(dp), allocatable :: field(:, :), line(:)
     complex(dp), allocatable :: wave(:, :, :), spectrum(:)
-    integer :: a, d, m, n, s
+    integer :: a, d, m, n, s, single, many
     n = harmonics%sectors/stride
     m = size(harmonics%equation, 2)
+    single = merge(m, 0, size(f, 3) == 1)  ! nodes that are transformed one by one,
+    many = merge(0, size(f, 3), size(f, 3) == 1)  ! sides that are transformed whole
     allocate (wave(3*m, 0:n/2, size(f, 3)), line(n), spectrum(0:n/2))
-    if (size(f, 3) == 1) then
+    if (many == 0) then
       call plan_forward_real(n, 1, line, spectrum, one, error)
       if (.not. allocated(error)) call plan_backward_real(n, 1, spectrum, line, other, error)
     else
@@ -206,14 +208,14 @@ contains
     end if
     if (allocated(error)) return
     deallocate (line, spectrum)
-    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
+    do s = 1, many
       field = reshape(f(:, :n*m, s), shape(field))
       call execute_rows(forward, n, field, wave(:, :, s), .true.)
     end do
     !$omp parallel private(line, spectrum, a, d) if(harmonics%dofs*n*size(f, 3) > long_loop)
     allocate (line(n), spectrum(0:n/2))
     !$omp do schedule(static)
-    do a = 1, merge(m, 0, size(f, 3) == 1)
+    do a = 1, single
       do d = 1, 3
         if (harmonics%equation(d, a) == 0) cycle
         line = f(d, a:(n - 1)*m + a:m, 1)
@@ -224,7 +226,7 @@ contains
     !$omp end do
     call solve_harmonics(harmonics, stride, n, wave)
     !$omp do schedule(static)
-    do a = 1, merge(m, 0, size(f, 3) == 1)
+    do a = 1, single
       do d = 1, 3
         u(d, a::m, 1) = 0
         if (harmonics%equation(d, a) == 0) cycle
@@ -236,7 +238,7 @@ contains
     end do
     !$omp end do
     !$omp end parallel
-    do s = 1, merge(size(f, 3), 0, size(f, 3) > 1)
+    do s = 1, many
       call execute_rows(backward, n, field, wave(:, :, s), .false.)
       u(:, :n*m, s) = reshape(field, [3, n*m])
       if (stride == 2) u(:, n*m + 1:, s) = u(:, :n*m, s)

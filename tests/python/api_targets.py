@@ -69,8 +69,6 @@ def targets():
     yield "Joint.largest_spot", joint.largest_spot, {"pressure": [1e6]}
     yield "Joint.warnings", joint.warnings, {"pressure": 1e6}
     yield "Joint.sensitivity", joint.sensitivity, {"pressure": 1e6, "shear": 0.0, "step": 1e-4}
-    yield "Joint.band", joint.band, {"pressure": [1e6], "shear": 0.0, "level": 0.9, "d_error": 0.01, "ln_g_error": 0.04,
-                                     "correlation": 0.5, "count": 5, "seed": 1}
     yield "Joint.parts", joint.parts, {"s_l": 1e-11, "tau": 0.0}
     yield "Joint.asperity", joint.asperity, {"depth": 1e-8, "area": 1e-12, "tau": 0.0, "smooth": False}
     position, normal = rng.normal(size=(7, 3)), rng.normal(size=(7, 3))

@@ -2,23 +2,23 @@
 """The whole drives of data/ beside the catalogue, and what makes their slopes: fit, play of the teeth, history, friction. Writes
 bench/results/drive_catalogue.json and docs/figures/slopes.png.
 
-Usage: python bench/drive_catalogue.py [sizes] [bands] [slopes] [causes] [half] [history] [draw]; without words all
+Usage: python bench/drive_catalogue.py [sizes] [bands] [slopes] [causes] [kin] [history] [draw]; without words all
 """
+import itertools
 import re
 import sys
 import tempfile
 
 import numpy as np
 
+import hdengine
 from common import DATA, read_record, save_figure, solve, write_part
 from hdengine import load
-from hdengine.catalogue import UNITS
+from hdengine.catalogue import UNITS, unit
 from hdengine.figures.style import new_axes, styled
 
 DRIVES = ("11", "14", "17", "20", "25", "32", "40", "14_hat", "20_30", "20_50", "20_160")
-CATALOGUE = {name: (u.k1_nm_per_rad, u.k2_nm_per_rad, u.k3_nm_per_rad) for name, u in ((name, UNITS.get(int(name[:2]))) for name in DRIVES) if u}
-CATALOGUE |= {"11": (2.7e3, 3.4e3, 4.4e3), "20_50": (13e3, 18e3, 23e3)}   # typed from catalogues; docs/evidence/drive.md
-del CATALOGUE["20_30"]
+CATALOGUE = {name: u.slopes for name in DRIVES if (u := unit(int(name[:2]), int(name[3:]) if name[3:].isdigit() else 100))}
 ARCMIN = np.degrees(1) * 60
 COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8}
 BONDED = {"contact.mode": "bonded"}
@@ -96,7 +96,7 @@ def slopes():
 
 
 def causes():
-    """Sizes 14 and 20 with one input changed, on a coarser mesh."""
+    """Sizes 14 and 20 with one input changed, on a coarser mesh; 25 and 40 with half the mean clearance, on their own."""
     cases = [("as built", {})] + [(f"clearance {c:g} µm" if c >= 0 else f"interference {-c:g} µm", fit(c)) for c in FITS if c != 9]
     cases += [(f"play of the closest pair {p:g} µm", {"play": p}) for p in (0, 2)]
     cases += [(f"friction {f:g}", {"contact.friction": f}) for f in (0.05, 0.15)]
@@ -105,15 +105,19 @@ def causes():
         for label, keys in cases:
             teeth = play(name, 1e-6 * (keys["play"] - 1)) if "play" in keys else {}
             rows.append({"drive": name, "case": label} | run(name, {**COARSE, **{k: v for k, v in keys.items() if k != "play"}, **teeth})[0])
-    return rows
-
-
-def half():
-    """Drives with half the mean clearance of the fit, on their own mesh."""
-    rows = []
     for name in ("25", "40"):
         mean = float(re.search(r" clearance = (\S+)", (DATA / f"drive{name}.nml").read_text())[1])
         rows.append({"drive": name, "case": f"clearance {5e5 * mean:.3g} µm, own mesh"} | run(name, {"wave_generator.clearance": mean / 2})[0])
+    return rows
+
+
+def kin():
+    """K1 to K3 [kN m/rad] of every size of the catalogue at ratios 100 and 50, as `hdengine new` writes them."""
+    rows = []
+    for size, ratio in itertools.product(UNITS, (100, 50)):
+        with tempfile.TemporaryDirectory() as folder:
+            r = hdengine.run("", folder + "/r", **hdengine.as_built(size, ratio, run={"band": False}))
+        rows.append({"size": size, "ratio": ratio, "k": [short(k / 1e3) for k in (r.k1, r.k2, r.k3)], "catalogue": list(unit(size, ratio).slopes / 1e3)})
     return rows
 
 
@@ -127,14 +131,14 @@ def draw(rows):
     """Slope over torque of size 20: bonded, as built, over the fit, and the catalogue's three chords."""
     found = {r["fit"]: np.array(r["slope"]) for r in rows}
     edges = np.array(rows[0]["torque_nm"])
-    middle, unit = (edges[1:] + edges[:-1]) / 2, UNITS[20]
+    middle, k = (edges[1:] + edges[:-1]) / 2, CATALOGUE["20"] / 1e3
     figure, axes = new_axes(figsize=(8, 4.8))
     fits = np.array([found[f"{c:g}"] for c in FITS[1:5]])
     axes.fill_between(middle, fits.min(axis=0), fits.max(axis=0), color="C0", alpha=0.2, lw=0, label="clearance of the fit 0 to 18 µm")
     axes.annotate("play of the teeth", (1.6, 15), (4, 8), arrowprops={"arrowstyle": "->"}, fontsize=12)
     axes.plot(middle, found["bonded"], "C1", lw=2.5, label="ring glued to the cup")
     axes.plot(middle, found["9"], "C0", lw=2.5, label="contact with friction, clearance 9 µm")
-    axes.step((0, unit.t1_nm, unit.t2_nm, edges[-1]), np.array((unit.k1_nm_per_rad, *CATALOGUE["20"])) / 1e3, "k--", lw=2, label="catalogue, K1 K2 K3")
+    axes.step((0, UNITS[20].t1_nm, UNITS[20].t2_nm, edges[-1]), (k[0], *k), "k--", lw=2, label="catalogue, K1 K2 K3")
     axes.set_title("whole drive, size 20, ratio 100", fontsize=13)
     axes.set_xlabel("torque / N m")
     axes.set_ylabel("slope / (kN m/rad)")
@@ -146,7 +150,7 @@ def draw(rows):
 
 def main():
     """Solve, write, draw."""
-    parts = {"sizes": sizes, "bands": bands, "slopes": slopes, "causes": causes, "half": half, "history": history}
+    parts = {"sizes": sizes, "bands": bands, "slopes": slopes, "causes": causes, "kin": kin, "history": history}
     for name in sys.argv[1:] or parts:
         if name in parts:
             write_part("drive_catalogue", name, parts[name](), threads=1)

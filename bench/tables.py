@@ -214,12 +214,12 @@ def drive_sizes():
 
 
 def drive_kin():
-    """Ratio 50 over 100 and hat over cup."""
-    found = {r["drive"]: r for r in drive_rows()}
-    return ("drives", "K1 / K2 / K3", "catalogue"), [
-        (words, over(found[one], found[other]["k"])[0], over({"k": found[one]["catalogue"]}, found[other]["catalogue"])[0])
-        for words, one, other in (("size 20, ratio 50 over 100", "20_50", "20"), ("size 20, ratio 160 over 100", "20_160", "20"),
-                                  ("size 14, hat over cup", "14_hat", "14")) if one in found]
+    """Every size of the catalogue at two ratios."""
+    found = {(r["size"], r["ratio"]): r for r in drive_rows("kin")}
+    pairs = {size: (r, found[size, 50]) for (size, ratio), r in found.items() if ratio == 100}
+    return ("size", "ratio 100, over the catalogue's", "ratio 50", "ratio 50 over 100", "catalogue"), [
+        (f"{size}", over(a, a["catalogue"])[0], over(b, b["catalogue"])[0], over(b, a["k"])[0], over({"k": b["catalogue"]}, a["catalogue"])[0])
+        for size, (a, b) in pairs.items()]
 
 
 def drive_shares():
@@ -241,7 +241,7 @@ def drive_slopes():
 def cause(size, row):
     """K1 to K3 of a case over the catalogue and what else it reads."""
     from drive_catalogue import CATALOGUE
-    return *over(row, np.array(CATALOGUE[size]) / 1e3), f"{row['hysteresis_arcmin']:.2f}', {row['lost_motion_arcmin']:.2f}'", \
+    return *over(row, CATALOGUE[size] / 1e3), f"{row['hysteresis_arcmin']:.2f}', {row['lost_motion_arcmin']:.2f}'", \
         "-" if row["k_ts_bonded"] is None else f"{digits(row['k_ts_bonded'], 3)} / {digits(row['k_ts_contact'], 3)}"
 
 
@@ -251,7 +251,7 @@ READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, l
 def drive_causes():
     """What fit, play, friction and gluing change, on a coarser mesh."""
     return ("size", "case", *READ), [
-        (r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") + drive_rows("half") if (r["drive"], r["case"][:8]) != ("14", "friction")]
+        (r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") if (r["drive"], r["case"][:8]) != ("14", "friction")]
 
 
 def drive_bands():

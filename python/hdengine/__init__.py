@@ -12,6 +12,7 @@ from ._engine import (
 )
 from ._engine import version as _version
 from .contact import Cam, Run, Step, cam, forget, read_scene, run
+from .drive import as_built
 from .joint import Joint, JointWarning
 from .results import Result, load
 from .studies.study import Study, StudyResult
@@ -33,6 +34,6 @@ __version__ = _version()
 __all__ = [
     "Cam", "DoubleArc", "EngineMemoryError", "FileError", "HdengineError", "InputError", "InternalError", "Involute", "Joint",
     "JointWarning", "LinearSolverError", "NotConvergedError", "Result", "Run", "Step", "StoppedError", "Study", "StudyResult",
-    "SurfaceResult", "ToothGaps", "cam", "forget", "load", "read_scene", "roughness", "run", "run_surface", "specimen", "surface",
-    "tooth_gaps",
+    "SurfaceResult", "ToothGaps", "as_built", "cam", "forget", "load", "read_scene", "roughness", "run", "run_surface",
+    "specimen", "surface", "tooth_gaps",
 ]

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._check import ROUNDING, array, checked, number
+from ._check import ROUNDING, array, checked, integer, number
 from ._engine import InputError
 
-__all__ = ["Unit", "stages"]
+__all__ = ["Unit", "stages", "unit"]
+SAME_ABOVE = 80   # from this ratio on, catalogues state one stiffness
 
 
 @dataclass(frozen=True)
 class Unit:
-    """Stated stiffness of one size at ratios above 50: K1 up to T1, K2 from T1 to T2, K3 above."""
+    """Stated stiffness of one size at a ratio: K1 up to T1, K2 from T1 to T2, K3 above."""
 
     size: int
     t1_nm: float
@@ -23,6 +24,11 @@ class Unit:
     k1_nm_per_rad: float
     k2_nm_per_rad: float
     k3_nm_per_rad: float
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """K1, K2, K3 [N m/rad]."""
+        return np.array([self.k1_nm_per_rad, self.k2_nm_per_rad, self.k3_nm_per_rad])
 
     @checked(torque_nm=array())
     def angle(self, torque_nm: ArrayLike) -> np.ndarray:
@@ -33,15 +39,41 @@ class Unit:
         return np.sign(torque_nm) * sum(parts)
 
 
-# Harmonic Drive CHA manual, p. 50; the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree where they overlap.
-UNITS = {u.size: u for u in (Unit(14, 2, 6.9, 4.7e3, 6.1e3, 7.1e3), Unit(17, 3.9, 12, 10e3, 14e3, 16e3),
-                             Unit(20, 7, 25, 16e3, 25e3, 29e3), Unit(25, 14, 48, 31e3, 50e3, 57e3),
-                             Unit(32, 29, 108, 67e3, 110e3, 120e3), Unit(40, 54, 196, 130e3, 200e3, 230e3))}
+# T1, T2 [N m]; K1, K2, K3 [kN m/rad] at ratios from 80 on, then at 50. Sizes 14 to 40 from ratio 80: Harmonic Drive CHA manual,
+# p. 50, with which the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree. The others: typed from catalogues by the project
+# AimanHaidar/harmonic-drive-selector, whose figures agree with the manual's where both exist.
+_STATED = {11: (0.8, 2.0, (2.7, 3.4, 4.4), (2.2, 3.0, 3.2)), 14: (2, 6.9, (4.7, 6.1, 7.1), (3.4, 4.7, 5.7)),
+           17: (3.9, 12, (10, 14, 16), (8.1, 11, 13)), 20: (7, 25, (16, 25, 29), (13, 18, 23)),
+           25: (14, 48, (31, 50, 57), (25, 34, 44)), 32: (29, 108, (67, 110, 120), (54, 78, 98)),
+           40: (54, 196, (130, 200, 230), (100, 140, 180)), 45: (76, 275, (180, 290, 330), (150, 200, 260)),
+           50: (108, 382, (250, 400, 440), (200, 280, 340)), 58: (168, 598, (400, 610, 710), (310, 440, 540)),
+           65: (235, 843, (540, 880, 980), (440, 610, 780)), 80: (430, 1570, (1000, 1620, 1850), (810, 1150, 1450)),
+           90: (618, 2260, (1450, 2300, 2630), (1180, 1620, 2060))}
+UNITS, AT_50 = ({size: Unit(size, t1, t2, *(1e3 * k for k in stated[i])) for size, (t1, t2, *stated) in _STATED.items()}
+                for i in (0, 1))
+
+
+@checked(size=integer(), ratio=integer(least=1))
+def unit(size: int, ratio: int = 100) -> Unit | None:
+    """What catalogues state of a size at a ratio; None where they state nothing: a size between, a ratio below 80 that is not 50.
+
+    Parameters
+    ----------
+    size : int
+        Pitch diameter of the circular spline in tenths of an inch.
+    ratio : int
+
+    Returns
+    -------
+    Unit or None
+    """
+    return UNITS.get(size) if ratio >= SAME_ABOVE else AT_50.get(size) if ratio == 50 else None
 
 
 def unit_of(scene: dict) -> Unit | None:
-    """The size whose T1 and T2 a scene ('group.key' to value) has, if there is one."""
-    return next((u for u in UNITS.values() if abs(u.t1_nm - scene["loop.torque_1"]) < ROUNDING
+    """What catalogues state of the size whose T1 and T2 a scene ('group.key' to value) has, at its ratio."""
+    found = (unit(size, scene["load.teeth"] // 2) for size in UNITS)
+    return next((u for u in found if u and abs(u.t1_nm - scene["loop.torque_1"]) < ROUNDING
                  and abs(u.t2_nm - scene["loop.torque_2"]) < ROUNDING), None)
 
 

@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from . import _engine, completion
-from ._engine import EngineMemoryError, FileError, HdengineError, InputError, NotConvergedError, StoppedError
-from .contact import Run, doubts, read_scene
+from . import _engine, completion, drive
+from ._engine import EngineMemoryError, FileError, HdengineError, NotConvergedError, StoppedError
+from .catalogue import UNITS
+from .contact import Run, doubts, given_keys, read_scene
 from .export import command as export_command
 from .files import check_folder
 from .prediction import command as joint_command
@@ -64,16 +65,8 @@ def _jobs(text):
     raise argparse.ArgumentTypeError(f"'{text}' must be a whole number of 1 or more")
 
 
-def _keys(assignments):
-    """Keys of the command line."""
-    for item in assignments:
-        if "=" not in item:
-            raise InputError(f"'{item}' is no assignment; write group.key=value, as load.torque=3")
-    return dict(item.split("=", 1) for item in assignments)
-
-
 def _run(args):
-    out, keys = args.out or _folder(args.input), _keys(args.assignments)
+    out, keys = args.out or _folder(args.input), given_keys(args.assignments)
     if args.check or args.plan:  # a run says them at its end, with the others
         for line in doubts(args.input, **keys):
             print(f"warning: {line}", file=sys.stderr)
@@ -114,7 +107,7 @@ def _tell_iterations(out, told):
 
 
 def _plan(args):
-    print(planner.plan(args.input, args.tolerance, _keys(args.assignments)))
+    print(planner.plan(args.input, args.tolerance, given_keys(args.assignments)))
     return 0
 
 
@@ -222,7 +215,6 @@ def _sensitivity(args):
 
 
 def _record(args):
-    from .catalogue import UNITS
     from .record import ARCSEC, Record
 
     out = args.out or _folder(args.input)
@@ -306,7 +298,7 @@ def make_parser() -> argparse.ArgumentParser:
     record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
-    record.add_argument("--size", type=int, choices=(14, 17, 20, 25, 32), default=14, help="size whose T1 and T2 are used")
+    record.add_argument("--size", type=int, choices=tuple(UNITS), default=14, help="size whose T1 and T2 are used")
     record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m]")
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
@@ -317,6 +309,9 @@ def make_parser() -> argparse.ArgumentParser:
     joint_command.add_options(_command(commands, "joint", joint_command.run_joint,
                                        "stiffness over pressure of the joint of one or two measured surfaces",
                                        "joint data/specimen_flexspline.sdf data/specimen_bearing.sdf --out joint.out"))
+    new = _command(commands, "new", drive.write_drive, "the input of a whole drive of a size and a ratio, as it is built",
+                   "new 20 geometry.wall_thickness=0.5e-3 --ratio 120 --out mine.nml")
+    drive.add_options(new)
     teeth_command.add_options(_command(commands, "teeth", teeth_command.run_teeth,
                                        "clearance of every pair of teeth from their profile",
                                        "teeth data/drive14.nml --profile involute --module 0.1778e-3 --out teeth.out"))

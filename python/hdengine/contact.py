@@ -235,6 +235,14 @@ def forget() -> None:
     _engine.call("model_forget")
 
 
+def given_keys(assignments: list[str]) -> dict:
+    """Keys of a command line, 'group.key=value' each."""
+    for item in assignments:
+        if "=" not in item:
+            raise _engine.InputError(f"'{item}' is no assignment; write group.key=value, as load.torque=3")
+    return dict(item.split("=", 1) for item in assignments)
+
+
 def _assignments(keys):
     """Lines 'group.key=value' from keyword parameters, each key once."""
     lines: dict[str, str] = {}

@@ -10,10 +10,11 @@ from scipy.special import ellipe, ellipk
 
 import hdengine
 from conftest import ROOT, call, stopped_and_whole
-from hdengine import load
-from hdengine.catalogue import UNITS
+from hdengine import cli, load
+from hdengine.catalogue import UNITS, unit
 from hdengine.figures.run import plot_run
 from hdengine.results import read_csv
+from hdengine.views.run import loop_of
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",
         "load.torque_steps=4"]
@@ -485,8 +486,7 @@ def test_shipped_drives_are_those_of_the_catalogue(exe, tmp_path):
     motion stay below an arc minute."""
     for size, of_k, of_ratio in ((14, 0.3, 0.3), (17, 0.25, 0.25), (20, 0.25, 0.25), (40, 0.25, 0.25)):
         k, r = shipped(exe, tmp_path / str(size), f"drive{size}", "run.band=auto")
-        unit = UNITS[size]
-        over = k / [unit.k1_nm_per_rad, unit.k2_nm_per_rad, unit.k3_nm_per_rad]
+        over = k / UNITS[size].slopes
         low, high = (np.array([r[f"k{i}_nm_per_rad_{end}"] for i in (1, 2, 3)]) / k for end in ("low", "high"))
         assert np.all(low < 1 / over) and np.all(1 / over < high), (size, low, over, high)
         assert abs(over - 1).max() < of_k, (size, over)
@@ -507,6 +507,51 @@ def test_other_ratios_and_the_hat(exe, tmp_path):
     np.testing.assert_allclose(hat[2], cup[2], rtol=0.4)  # the chord beyond T2 of this size is short
     for ratio in (30, 160):
         assert shipped(exe, tmp_path / str(ratio), f"drive20_{ratio}", "load.torque_steps=4")[0].min() > 0
+
+
+@pytest.mark.parametrize("name, args", [("drive14", ["14"]), ("drive14_hat", ["14", "--hat"]), ("drive20_30", ["20", "--ratio", "30"]),
+                                        ("drive40", ["40"])])
+def test_shipped_drives_are_written_by_the_command(name, args, tmp_path, monkeypatch):
+    """The command writes the files of data/ and replaces none unasked. The clearances of the teeth have four digits, of which another engine's
+    last bits move the last."""
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["new", *args]) == 0
+    made, shipped = ([line.split(" = ") for line in (folder / f"{name}.nml").read_text().splitlines()] for folder in (tmp_path, ROOT / "data"))
+    assert len(made) == len(shipped) and any("tooth_gaps" in line[0] for line in made)
+    for (key, *value), (other, *stated) in zip(made, shipped):
+        assert key == other
+        if "tooth_gaps" in key:
+            np.testing.assert_allclose(*(np.array(text[0].split(","), float) for text in (value, stated)), rtol=2e-3)
+        else:
+            assert value == stated
+    assert cli.main(["new", *args]) == cli.main(["new", *args, "--out", "none/x.nml"]) == hdengine.FileError.code
+
+
+def test_any_size_and_ratio_is_built(tmp_path):
+    """Sizes and ratios that no file has: K1, K2, K3 within 30 % of the catalogue's on a coarse mesh. The report's figure takes the values of
+    that ratio; those of ratio 100 stood beside ratio 50."""
+    mesh = {"mesh": {"divisions": 48, "band_facets": 6}, "load": {"torque_steps": 8}, "run": {"band": False}}
+    for size, ratio in ((58, 120), (32, 50), (90, 100)):
+        result = hdengine.run("", tmp_path / f"{size}", **hdengine.as_built(size, ratio, **mesh))
+        known = unit(size, ratio)
+        assert abs(np.array([result.k1, result.k2, result.k3]) / known.slopes - 1).max() < 0.3, (size, ratio, result)
+        angle, torque = loop_of(result).stated
+        assert np.interp(known.t1_nm, torque, angle) == pytest.approx(np.degrees(known.t1_nm / known.k1_nm_per_rad) * 60)
+
+
+def test_what_is_known_of_a_drive_takes_its_place():
+    """A key that is given replaces the table's and the teeth are those of that drive; a wrong one is named, and so is a size that is none."""
+    mesh = {"divisions": 24, "band_facets": 3}
+    plain = hdengine.as_built(20, 80, mesh=mesh)
+    pressed = hdengine.as_built(20, 80, mesh=mesh, wave_generator={"interference": 5e-6}, geometry__wall_thickness="0.6 mm")
+    assert pressed["geometry"]["wall_thickness"] == "0.6 mm" and "clearance" not in pressed["wave_generator"]
+    assert pressed["load"]["tooth_gaps"] != plain["load"]["tooth_gaps"] and pressed["loop"] == plain["loop"]
+    assert hdengine.as_built(20, 80, load={"tooth_clearance": 1e-5})["load"].keys() & {"tooth_gaps", "tooth_gaps_back"} == set()
+    for args, keys, what in (((21,), {}, "size = 21: must be one of 11, 14"), ((20, 29), {}, "ratio"), ((20,), {"mesh": {"division": 3}}, "mesh.division"),
+                             ((20,), {"wave_generator__w": -1}, "wave_generator.w"),
+                             ((20,), {"load.teeth": 300}, "load.teeth = 300 with ratio = 100")):
+        with pytest.raises(hdengine.InputError, match=what):
+            hdengine.as_built(*args, **keys)
 
 
 def test_every_size_grows_stiffer_and_is_drawn(exe, tmp_path):

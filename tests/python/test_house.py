@@ -23,7 +23,7 @@ FLOOR = {(wing, room): floor for wing, floors in ROOMS.items() for floor, rooms 
 MOST_FILES, MOST_LINES = 15, 450
 PACKAGE = ROOT / "python/hdengine"
 PYTHON_FLOORS = [["_engine", "_types", "_keys"], ["_check"], ["files"], ["torsion", "catalogue", "smoothing", "mesh"], ["paper", "solid", "views"], ["figures"], ["joint"],
-                 ["elastic"], ["results"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction"],
+                 ["elastic"], ["results"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction", "drive"],
                  ["uncertainty", "completion"], ["report", "export"], ["cli"], ["__main__"],
                  ["__init__"]]
 PYTHON_FLOOR = {room: floor for floor, rooms in enumerate(PYTHON_FLOORS) for room in rooms}

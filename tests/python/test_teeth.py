@@ -85,8 +85,7 @@ def test_chords_of_a_catalogue_curve():
     """K1, K2, K3 are recovered from the curve they make; one that the data end within is cut there, one beyond them is NaN."""
     for unit in UNITS.values():
         t = np.union1d(np.linspace(0, 1.5 * unit.t2_nm, 50), [unit.t1_nm, unit.t2_nm])
-        assert stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm) == pytest.approx(
-            [unit.k1_nm_per_rad, unit.k2_nm_per_rad, unit.k3_nm_per_rad], rel=1e-6)
+        assert stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm) == pytest.approx(unit.slopes, rel=1e-6)
     unit = UNITS[14]
     t = np.array([0, 2, 5])
     k = stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm)

@@ -212,7 +212,9 @@ def plot_series(result: StudyLike) -> Figure:
 def plot_catalogue(result: StudyLike) -> Figure:
     """K_FTS of several sizes, a line per clearance of the outermost teeth, beside the catalogue; a matplotlib figure."""
     figure, axis = new_axes(figsize=(9, 5))
-    clearances, sizes = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows}), sorted(UNITS)
+    clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
+    own = [14 * r["geometry.bore_radius"] / BORE for r in result.rows]
+    sizes = [size for size in UNITS if min(own) - 1 < size < max(own) + 1]
     for clearance, style in zip(clearances, ("o-", "s--", "^:", "v-.")):
         rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", 0.0) == clearance),
                       key=lambda r: r["geometry.bore_radius"])

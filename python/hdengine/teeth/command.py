@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from .._engine import InputError
+from ..contact import given_keys
 from ..files import check_folder
 from .pairs import FILES, tooth_gaps
 from .profile import DoubleArc, Involute
@@ -51,13 +52,10 @@ def run_teeth(args: argparse.Namespace) -> int:
         if name not in known:
             raise InputError(f"--{name.replace('_', '-')} with --profile {args.profile}: valid: "
                              f"{', '.join('--' + n.replace('_', '-') for n in MEANING if n in known)}")
-    for item in args.assignments:
-        if "=" not in item:
-            raise InputError(f"'{item}' is no assignment; write group.key=value, as wave_generator.w=0.2e-3")
     out = args.out or f"{Path(args.input).stem or 'results'}.teeth"
     check_folder(out, FILES, args.force)
     found = tooth_gaps(kind(**given), args.input, least_gap=args.least_gap, spline_teeth=args.spline_teeth,
-                       **dict(item.split("=", 1) for item in args.assignments))
+                       **given_keys(args.assignments))
     print(found)
     print(f"lines for the scene, under &load:\n{found.lines()}", end="")
     for path in found.write(out, args.force):

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole drive of a size and a ratio as it is built, from one table of stated inputs; none is fitted to a catalogue.
+
+Sources and ranges: docs/explain/drive.md, inputs. Lengths that are not known of a size are those of size 14 times size/14.
+"""
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+from ._check import checked, flag, integer
+from ._engine import FileError, InputError
+from ._types import Value
+from .catalogue import UNITS
+from .contact import given_keys, read_scene, run
+from .files import write_files
+from .teeth.pairs import tooth_gaps
+from .teeth.profile import Involute
+
+if TYPE_CHECKING:
+    from ._keys import SceneKeys
+
+__all__ = ["as_built"]
+RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are too high to be bent in; above, too fine
+# diameters up to [m], widths of the tolerances of the bore (H7) and of the bearing (normal class) [m]
+WIDTHS = ((50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (180e-3, 40e-6, 18e-6), (250e-3, 46e-6, 20e-6))
+PLAY = 1e-6         # of the closest pair of teeth of size 14, round the axis [m]
+SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
+
+
+class Known(NamedTuple):
+    """What is known of a size."""
+
+    rated: float            # torque at ratio 100, above T2, so that a loop reaches K3 [N m]
+    spline: float = 0.0     # outer diameter of the circular spline [mm]; 0: in proportion to size 20
+    clamp: float = 0.0      # half the screws' circle and half a screw head [mm]; 0: likewise
+
+
+KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25), 17: Known(24, 60, 13.25), 20: Known(40, 70, 15.5), 25: Known(67, 85, 19.25),
+         32: Known(137, 110, 25.5), 40: Known(265, 135, 30.5), 45: Known(353), 50: Known(470), 58: Known(696), 65: Known(951),
+         80: Known(1800), 90: Known(2590)}
+
+
+def _clearance(diameter):
+    """Mean radial clearance of a normal bearing (ISO 492) in a bore to H7 (ISO 286) [m]."""
+    return next((bore + bearing) / 4 for most, bore, bearing in WIDTHS if diameter <= most)
+
+
+def _pressure_angle(ratio):
+    """Of the teeth, from a maker's formula of the axial force [deg]."""
+    return 20 if ratio >= 80 else 30 if ratio >= 50 else 32
+
+
+def _bodies(size, ratio, hat):
+    """Groups &geometry and &cup. Below ratio 50, where w is larger, wall, rim and ring are thinner, so that the stress of bending
+    them to the cam, E w t / r^2, stays at that of ratio 50."""
+    s, thin = size / 14, min(1, ratio / 50)
+    bore = 17.5e-3 * s
+    geometry = {"bore_radius": bore, "rim_length": 9e-3 * s, "ring_thickness": 1e-3 * s * thin, "band_start": 1.5e-3 * s,
+                "band_length": 6e-3 * s}
+    if hat:
+        return geometry, {
+            "sections_r": [bore] * 4 + [27e-3 * s], "sections_z": [x * s for x in (0, 9e-3, 10e-3, 20e-3, 20e-3)],
+            "sections_thickness": [x * s for x in (0.427e-3 * thin, 0.427e-3 * thin, 0.36e-3 * thin, 0.36e-3 * thin, 0.5e-3)],
+            "sections_fillet": [0, 0, 0, 1.5e-3 * s, 0]}
+    return geometry | {
+        "wall_thickness": 0.36e-3 * s * thin, "rim_thickness": 0.427e-3 * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
+        "bottom_thickness": 0.5e-3 * s, "hub_radius": KNOWN[size].clamp * 1e-3 or 15.5e-3 * size / 20}, {}
+
+
+def _rounded(value):
+    """Six digits, as a file has them."""
+    if isinstance(value, list):
+        return [_rounded(v) for v in value]
+    return float(f"{value:.6g}") if isinstance(value, float) else value
+
+
+def _scene(size, ratio, hat):
+    """Keys of a drive but for the clearances of its teeth, group by group."""
+    s, unit, known = size / 14, UNITS[size], KNOWN[size]
+    geometry, cup = _bodies(size, ratio, hat)
+    groups: dict[str, dict[str, Any]] = {
+        "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
+        "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
+        "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
+        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s}, "contact": {"friction": 0.1},
+        "load": {"support": "drive", "torque": known.rated, "torque_steps": 10, "teeth": 2 * ratio,
+                 "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
+                 "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},
+        "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": known.rated}}
+    return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
+
+
+def _gaps(groups, size, ratio):
+    """Clearances of the teeth: an involute rack of 20 degrees on the rim of the assembled drive, the closest pair with its play."""
+    module = 2.54e-3 * size / (2 * ratio)
+    play = PLAY * size / 14 * math.cos(math.radians(_pressure_angle(ratio)))
+    assembly = {group: dict(keys) for group, keys in groups.items()}
+    assembly["loop"]["torques"] = "0,0"
+    assembly["load"]["torque_steps"] = 1
+    assembly["run"]["band"] = False
+    assembly["output"] = {"vtu": "last"}
+    with tempfile.TemporaryDirectory() as folder:
+        run("", f"{folder}/rim", show=False, **cast("SceneKeys", assembly))
+        keys = tooth_gaps(Involute(module=module), f"{folder}/rim", least_gap=play).keys()
+    return {key: keys[f"load.{key}"] for key in ("tooth_gaps", "tooth_gaps_back")}
+
+
+@checked(size=integer(), ratio=integer(least=RATIOS[0], most=RATIOS[1]), hat=flag)
+def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> dict:
+    """The whole drive of a size and a ratio: fit, balls, ring, contact, cup, teeth and circular spline, over the loop of a bench.
+
+    The assembly is solved once, for the clearances of the teeth are those on the bent rim.
+
+    Parameters
+    ----------
+    size : int
+        11, 14, 17, 20, 25, 32, 40, 45, 50, 58, 65, 80 or 90: pitch diameter of the circular spline in tenths of an inch.
+    ratio : int
+        30 to 200; half the teeth of the flexspline.
+    hat : bool
+        A silk hat in place of the cup.
+    **keys
+        What you know better, as in `run`: `geometry={"wall_thickness": 0.5e-3}`. All other keys stay those of the size.
+
+    Returns
+    -------
+    dict
+        Keys of the scene by group, for `run(**scene)`.
+
+    Raises
+    ------
+    InputError
+        No such size; a key that is none, or out of its range.
+    NotConvergedError
+        The assembly of these keys.
+
+    Examples
+    --------
+    >>> scene = as_built(20, 120, mesh={"divisions": 32, "band_facets": 4})
+    >>> scene["load"]["teeth"]
+    240
+    """
+    if size not in KNOWN:
+        raise InputError(f"size = {size}: must be one of {', '.join(map(str, KNOWN))}")
+    groups = _scene(size, ratio, hat)
+    for name, value in keys.items():
+        group, _, key = name.replace("__", ".", 1).partition(".")
+        groups.setdefault(group, {}).update(value if isinstance(value, dict) else {key: value})
+    if groups["load"]["teeth"] != 2 * ratio:
+        raise InputError(f"load.teeth = {groups['load']['teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
+    if "interference" in groups["wave_generator"]:
+        del groups["wave_generator"]["clearance"]
+    read_scene("", **cast("SceneKeys", groups))
+    if not groups["load"].keys() & {"tooth_gaps", "tooth_clearance"}:
+        groups["load"] |= _gaps(groups, size, ratio)
+    return {group: members for group, members in groups.items() if members}
+
+
+def _namelist(groups):
+    """Text of a scene."""
+    def value(x):
+        if isinstance(x, (list, tuple)):
+            return ", ".join(map(value, x))
+        if isinstance(x, str):
+            return x if SHORT.fullmatch(x) else f"'{x}'"
+        return f"{x:.6g}"
+    return "".join(f"&{group}\n" + "".join(f"  {key} = {value(x)}\n" for key, x in keys.items()) + "/\n"
+                   for group, keys in groups.items())
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("size", type=int, choices=tuple(KNOWN), metavar="size", help=f"one of {', '.join(map(str, KNOWN))}")
+    parser.add_argument("assignments", nargs="*", metavar="group.key=value", help="what you know better of your drive")
+    parser.add_argument("--ratio", type=int, default=100, help="half the teeth of the flexspline (default: 100)")
+    parser.add_argument("--hat", action="store_true", help="a silk hat in place of the cup")
+    parser.add_argument("--out", help="file (default: drive and the size, as drive20.nml, drive20_50.nml or drive20_hat.nml)")
+    parser.add_argument("--force", action="store_true", help="replace an earlier file")
+
+
+def write_drive(args: argparse.Namespace) -> int:
+    """Write the namelist of a drive; returns 0."""
+    name = f"drive{args.size}" + (f"_{args.ratio}" if args.ratio != 100 else "") + ("_hat" if args.hat else "")
+    path = Path(args.out or f"{name}.nml")
+    if path.exists() and not args.force:
+        raise FileError(f"'{path}' is there already: add --force to replace it, or choose another name with --out")
+    if not path.absolute().parent.is_dir():
+        raise FileError(f"'{path}' cannot be written: no folder '{path.parent}'")
+    groups = as_built(args.size, args.ratio, args.hat, **given_keys(args.assignments))
+    whole = f"Whole drive of size {args.size}, ratio {args.ratio}" + ", silk hat" * args.hat
+    made = f"hdengine new {args.size}" + f" --ratio {args.ratio}" * (args.ratio != 100) + " --hat" * args.hat
+    head = f"""\
+! {whole}, as it is built: fit, balls, ring, contact with friction, cup, teeth
+! and circular spline, over the loop that a bench measures (docs/explain/drive.md). Made by '{made}' from one
+! table of stated inputs. Every key and its default: hdengine.x --explain all. All values in SI units.
+&hd_input
+  version = 1
+/
+"""
+    write_files({path: head + _namelist(groups)})
+    print(f"written: {path}; solve it with hdengine.x {path}")
+    return 0

@@ -149,13 +149,13 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
         raise InputError(f"size = {size}: must be one of {', '.join(map(str, KNOWN))}")
     groups = _scene(size, ratio, hat)
     for name, value in keys.items():
-        group, _, key = name.replace("__", ".", 1).partition(".")
-        groups.setdefault(group, {}).update(value if isinstance(value, dict) else {key: value})
-    if groups["load"]["teeth"] != 2 * ratio:
-        raise InputError(f"load.teeth = {groups['load']['teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
+        group, _, key = name.lower().replace("__", ".", 1).partition(".")
+        groups.setdefault(group, {}).update({k.lower(): v for k, v in value.items()} if isinstance(value, dict) else {key: value})
     if "interference" in groups["wave_generator"]:
         del groups["wave_generator"]["clearance"]
-    read_scene("", **cast("SceneKeys", groups))
+    teeth = read_scene("", **cast("SceneKeys", groups))["load.teeth"]
+    if teeth != 2 * ratio:
+        raise InputError(f"load.teeth = {teeth} with ratio = {ratio}: must be twice that; give the ratio alone")
     if not groups["load"].keys() & {"tooth_gaps", "tooth_clearance"}:
         groups["load"] |= _gaps(groups, size, ratio)
     return {group: members for group, members in groups.items() if members}

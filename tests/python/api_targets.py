@@ -89,6 +89,8 @@ def targets():
     yield "Record.curve", record.curve, {"branch": "middle", "points": 20, "share": 0.9, "draws": 5, "seed": 1}
     yield "Record.numbers", record.numbers, {"unit": None, "rated_torque_nm": None, "share": 0.9, "draws": 5, "seed": 1}
     yield "read_scene", hdengine.read_scene, {"path": "", "load": {"torque": 1.0}, "mesh__divisions": 24}
+    yield "catalogue.unit", catalogue.unit, {"size": 14, "ratio": 100}
+    yield "as_built", hdengine.as_built, {"size": 14, "ratio": 100, "hat": False, "load": {"tooth_clearance": 1e-5}}
     yield "Run", short_run, {"path": "", "out": "", "force": False, "resume": False, "load": {"torque": 1.0}, "mesh__divisions": 8}
     yield "Study", study_points, {"scene": "", "grid": {"load.torque": [1, 2]}, "together": {}, "fixed": {"mesh.divisions": 16},
                                   "rows": "torque", "title": "t", "figure": {}}

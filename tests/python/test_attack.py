@@ -147,7 +147,7 @@ def public(small_run):
     for name, found in on_page():
         if isinstance(found, type) and issubclass(found, BaseException):
             continue
-        if name not in ("run", "prediction.law.predict", "report.write_pdf"):
+        if name not in ("run", "as_built", "prediction.law.predict", "report.write_pdf"):
             yield name, found
         for part, raw in vars(found).items() if isinstance(found, type) else ():
             bound = isinstance(raw, classmethod) or (callable(raw) and found in held)

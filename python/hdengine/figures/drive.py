@@ -13,6 +13,7 @@ from ..views.run import ARCMIN, NEAR_CATALOGUE, ball_steps, band_of, forces_of, 
 from .style import new_axes, new_figure, styled
 
 __all__: list[str] = []
+WIDTH = 0.32   # of a chord's text and what is before it, over that of the frame
 
 
 @styled
@@ -29,7 +30,8 @@ def plot_loop(result: RunLike) -> Figure:
     for i, (angle, torque, text) in enumerate(loop.chords):
         axis.plot(angle, torque, "-", color=COLOURS[1], lw=2.5, solid_capstyle="butt", label="chords" if i == 0 else None)
         axis.annotate(text, (angle.mean(), torque.mean()), (10, -14), textcoords="offset points", color=COLOURS[1], fontsize=11)
-    axis.set_xlim(right=1.2 * axis.get_xlim()[1])  # for the bands beside the chords
+    left, right = axis.get_xlim()
+    axis.set_xlim(right=max([right, *((angle.mean() - WIDTH * left) / (1 - WIDTH) for angle, _, _ in loop.chords)]))
     axis.set_title(loop.title, fontsize=12)
     axis.set_xlabel("angle of the output / arc minute")
     axis.set_ylabel("torque / N m")

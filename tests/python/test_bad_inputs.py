@@ -204,6 +204,7 @@ error: geometry.band_length = 0.03
     "wavelength_above_sample": ("&joint shortest_wavelength = 1e-3 /\n", 2, """\
 error: joint.shortest_wavelength = 0.001
       valid: below sample_length (5.0e-4)
+hint: joint.shortest_wavelength = 0.001 m is unusual: usual are 1.0e-9 to 1.0e-4 m; did you mean 1.0e-6 m (0.001 mm)?
 """),
     "wrong_version": ("&hd_input version = 2 /\n", 2, """\
 error: 'version' is out of range: 2
@@ -352,10 +353,10 @@ def test_choices_that_do_not_fit_are_named(exe, tmp_path, keys, named, way_out):
 
 
 def test_nothing_in_contact_warns(exe, tmp_path):
-    """A ring that is smaller than the bore by a millimetre touches nothing: the run says so and what to do."""
+    """A ring that is smaller than the bore by almost a millimetre touches nothing: the run says so and what to do."""
     file = tmp_path / "in.nml"
     file.write_text(HEAD)
-    done = call(exe, file, "wave_generator.clearance=1e-3", "mesh.divisions=16", "mesh.band_facets=3", "--out", tmp_path / "o")
+    done = call(exe, file, "wave_generator.clearance=0.9e-3", "mesh.divisions=16", "mesh.band_facets=3", "--out", tmp_path / "o")
     assert done.returncode == 0 and "warning: nothing is in contact" in done.stdout and "Raise wave_generator.interference" in done.stdout
 
 

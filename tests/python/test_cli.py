@@ -226,6 +226,34 @@ def test_a_hard_limit_names_the_unit_too(exe, key, meant):
     assert done.returncode == 2 and "valid: " in done.stderr and f"({meant})?" in done.stderr
 
 
+# Given in this by mistake: the factor, what the message says. Then keys that have no usual value: springs soft or rigid, angles of any size, a
+# pressure or roughness that only a law bounds, places on the band.
+SLIPS = {"m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "N m": (1e3, "N mm"), "N/m": (1e-3, "N/mm"), "deg": (np.pi / 180, "rad")}
+ANY = {"load.support_stiffness", "wave_generator.ball_stiffness", "wave_generator.cone_angle_deg", "wave_generator.eccentricity_angle_deg", "bearing.cage_angle_deg",
+       "turning.range_deg", "contact.zero_pressure", "joint.roughness", "output.positions"}
+TYPICAL = {"wave_generator.perimeter_length": 0.1037, "turning.torque": 7.0, "loop.torques": 7.8, "bearing.patch_length": 1e-3, "bearing.patch_width": 1e-3,
+           "joint.hardness": 2e9,
+           "cup.sections_r": 0.0175, "cup.sections_z": 0.02, "cup.sections_thickness": 4e-4, "cup.sections_fillet": 1.5e-3}
+
+
+def test_every_key_knows_the_slip_of_its_unit(exe):
+    """Every length, modulus, torque, stiffness and angle of a drive that is given in mm, MPa, N mm, N/mm or rad stops the run, and the message
+    says what was meant."""
+    scene = hdengine.read_scene(ROOT / "data/drive14.nml")
+    units = re.findall(r"^(\w+\.\w+)\n.*\n\n  Default `[^`]*` (Pa|N m|N/m|deg|m)[,;]", call(exe, "--explain", "all").stdout, re.M)
+    keys = {key: unit for key, unit in units if key not in ANY and not key.startswith(("surface.", "fit."))}
+    silent = {}
+    for key, unit in keys.items():
+        factor, said = SLIPS[unit]
+        value = np.max(scene[key]) or TYPICAL.get(key, 2e-5)
+        values = [factor * TYPICAL.get(key, value)] * (np.size(scene[key]) if key.startswith("load.tooth_gaps") else 1)
+        done = call(exe, ROOT / "data/drive14.nml", f"{key}={','.join(f'{v:.9g}' for v in values)}", "--check")
+        hint = re.search(rf"{key} = .*did you mean ([\d.e-]+) {unit} \([\d.e]+ {said}\)\?", done.stderr)
+        if not (done.returncode == 2 and hint and float(hint[1]) == pytest.approx(value, rel=1e-4)):
+            silent[key] = done.stdout + done.stderr
+    assert silent == {} and len(keys) > 45
+
+
 def test_no_hint_makes_it_worse(exe):
     """A value just outside of what is usual, and no slip of units, is warned of without a hint."""
     done = call(exe, ROOT / "data/cd14.nml", "wave_generator.interference=2e-4", "--check")

@@ -48,17 +48,31 @@ def test_lists_on_the_command_line_have_no_empty_place(value):
 
 @pytest.mark.parametrize("key, written, plain", [
     ("geometry.wall_thickness", "0.36 mm", 0.36e-3), ("geometry.wall_thickness", "360 \u00b5m", 360e-6), ("geometry.wall_thickness", "3.6e-4 m", 3.6e-4),
-    ("material.flexspline_e", "206 GPa", 206e9), ("load.torque", "7.8 N m", 7.8)])
+    ("geometry.wall_thickness", "360 \u03bcm", 360e-6), ("geometry.wall_thickness", "0.36mm", 0.36e-3), ("geometry.wall_thickness", "3.6e-1 mm", 0.36e-3),
+    ("geometry.wall_thickness", "0.014 in", pytest.approx(0.3556e-3, rel=1e-15)), ("geometry.wall_thickness", "0.036 cm", 0.36e-3), ("material.flexspline_e", "206 GPa", 206e9),
+    ("material.flexspline_e", "206000 N/mm\u00b2", 206e9), ("load.torque", "7.8 N m", 7.8), ("load.torque", "7800 Nmm", 7.8), ("load.torque", "7.8 N\u00b7m", 7.8),
+    ("load.pressure_angle_deg", "20\u00b0", 20), ("load.pressure_angle_deg", "0.5 rad", pytest.approx(28.64788975654116, rel=1e-15)), ("load.pressure_angle_deg", "90 arcmin", pytest.approx(1.5, rel=1e-15)),
+    ("load.tooth_stiffness", "125 N/\u00b5m", 125e6), ("joint.s_min", "2 \u00b5m\u00b2", 2e-12), ("solver.time_limit_s", "2 h", 7200)])
 def test_values_with_units(tmp_path, key, written, plain):
-    """A value with its unit between quotes, in a file or from Python, is the same bits as in the key's unit; the echo has the latter."""
+    """A value with its unit between quotes, in a file or from Python, is the same bits as in the key's unit, where a power of ten lies between."""
     group, name = key.split(".")
     (tmp_path / "a.nml").write_text(f"&hd_input\n version = 1\n/\n&{group}\n {name} = '{written}'\n/\n", encoding="utf-8")
     assert hdengine.read_scene(tmp_path / "a.nml")[key] == hdengine.read_scene(**{key: written})[key] == plain
 
 
-@pytest.mark.parametrize("value", ["0.36 inch", "0.36 MPa", "3.6e-1 mm", "0.36mm", "'0.36'", "2*1 mm", "mm"])
+def test_lists_with_units(tmp_path):
+    """Each number of a list may have its unit, in a file, in an assignment and from Python."""
+    (tmp_path / "a.nml").write_text("&load tooth_pairs = 4, tooth_gaps = '2 um', 3e-6, '4um', '0.005 mm' /\n")
+    assert hdengine.read_scene(tmp_path / "a.nml")["load.tooth_gaps"] == [2e-6, 3e-6, 4e-6, 5e-6]
+    for value in ("2 um, 3e-6, 4um, 0.005 mm", ["2 um", 3e-6, "4um", "0.005 mm"]):
+        assert hdengine.read_scene(load__tooth_pairs=4, load__tooth_gaps=value)["load.tooth_gaps"] == [2e-6, 3e-6, 4e-6, 5e-6]
+    with pytest.raises(hdengine.InputError, match="or between quotes with one of mm, cm, um, nm, in"):
+        hdengine.read_scene(geometry__wall_thickness="0.36 inches")
+
+
+@pytest.mark.parametrize("value", ["0.36 inch", "0.36 MPa", "0.36 m mm", "'0.36'", "2*1 mm", "mm", "1e mm"])
 def test_units_that_do_not_fit(value):
-    """A unit that is unknown or of another kind, a second exponent, and a number between quotes are no number."""
+    """A unit that is unknown or of another kind, and a number between quotes, are no number."""
     with pytest.raises(hdengine.InputError, match="is not a number: '"):
         hdengine.read_scene(geometry__wall_thickness=value)
 

@@ -14,6 +14,7 @@ module hd_input
   use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
   use hd_text, only: string_t, push, to_text, lower, suggestion, split, next_word
+  use hd_unit, only: in_unit
   implicit none
   private
   public :: read_scene, holds_study, write_echo, surface_scene_of
@@ -51,9 +52,9 @@ contains
     end if
     if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
-    if (size(list%faults) == 0 .and. .not. scene%surface_only) call adopt_sections(scene, table, list%faults)
     if (size(list%faults) == 0 .and. .not. scene%surface_only) then
-      call check_scene(scene, list%faults)
+      call adopt_sections(scene, table, list%faults)
+      if (size(list%faults) == 0) call check_scene(scene, list%faults)
       call slips_of(scene, slips)
       if (size(list%faults) > 0) list%faults = [list%faults, [(string_t('hint: '//slips(i)%s), i=1, size(slips))]]
     end if
@@ -158,7 +159,7 @@ contains
             what = "unknown key '"//key//"' in &"//group
             hint = suggestion(key, keys_of(table, group))
           else
-            words = words_of(s(equal + 1:), associated(table%rows(row)%reals))
+            words = words_of(s(equal + 1:), associated(table%rows(row)%reals), table%rows(row)%unit)
             call assign_words(table%rows(row), words, what, hint)
           end if
         end if
@@ -216,10 +217,11 @@ contains
     if (size(list%faults) > 0) call raise(error, code_input, faults_text(list))
   end subroutine apply_fit
 
-  !> Words of a value; only lists of numbers are cut.
-  pure function words_of(s, cut) result(words)
-    character(len=*), intent(in) :: s  !< text behind '='
-    logical, intent(in) :: cut         !< cut at commas and blanks
+  !> Words of a value; only lists of numbers are cut, a number and its unit are not.
+  pure function words_of(s, cut, unit) result(words)
+    character(len=*), intent(in) :: s     !< text behind '='
+    logical, intent(in) :: cut            !< cut at commas and blanks
+    character(len=*), intent(in) :: unit  !< of the key
     type(string_t), allocatable :: words(:)
     type(string_t), allocatable :: places(:)
     character(len=:), allocatable :: word
@@ -231,6 +233,10 @@ contains
     end if
     places = split(s)
     do i = 1, size(places)
+      if (in_unit(places(i)%s, unit) /= places(i)%s) then
+        call push(words, places(i)%s)
+        cycle
+      end if
       at = 1
       call next_word(places(i)%s, at, word)
       call push(words, word)   ! an empty place is no number

@@ -5,7 +5,7 @@ module hd_parameters
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted, to_number
   use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, &
     tolerate, close_table
-  use hd_unit, only: in_unit
+  use hd_unit, only: in_unit, other_units
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
   use hd_scene, only: scene_t
@@ -361,6 +361,7 @@ contains
     type(string_t), allocatable :: plain(:)
     real(dp) :: x(100)
     integer(i8) :: n, wanted
+    integer :: i
     what = ''
     hint = ''
     p%given = .true.
@@ -372,7 +373,9 @@ contains
       return
     end if
     plain = words
-    if (associated(p%real) .and. size(words) == 1) plain(1)%s = in_unit(words(1)%s, p%unit)
+    do i = 1, size(words)
+      plain(i)%s = in_unit(words(i)%s, p%unit)
+    end do
     call read_numbers(plain, x, n)
     if (associated(p%count)) then
       if (n > 0 .and. n <= size(p%reals)) wanted = n
@@ -381,6 +384,8 @@ contains
     if (len(p%unit) > 0) hint = hint//' ['//p%unit//']'
     if (n < 0) then
       what = "'"//p%key//"' is not "//trim(merge('an integer', 'a number  ', associated(p%integer)))//": '"//words(-n)%s//"'"
+      if (scan(words(1)%s, '0123456789') > 0 .and. len(other_units(p%unit)) > 0) hint = hint// &
+        ', or between quotes with one of '//other_units(p%unit)
     else if (n /= wanted) then
       what = "'"//p%key//"' takes "//to_text(wanted)//' value(s), '//to_text(n)//' found'
     else if (associated(p%integer) .and. any(abs(x(:n) - nint(x(:n))) > 0)) then

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Values that are valid and hardly meant: usual ranges of keys, and the slip of units that would explain a value outside of them.
 module hd_plausible
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, pi
   use hd_error, only: error_t, raise, code_input
-  use hd_parameters, only: parameter_table_t, new_table
+  use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, to_text, join
   implicit none
@@ -18,22 +18,33 @@ module hd_plausible
 
   !> A unit that values are often given in by mistake.
   type :: slip_t
-    character(len=4) :: meant, given
+    character(len=8) :: meant, given
     real(dp) :: factor  !< value times factor is in the key's unit
   end type slip_t
 
-  ! Sizes 8 to 100 of harmonic drives (bore radii from 10 to 125 mm) and what they are made of.
+  ! Sizes 8 to 100 of harmonic drives (bore radii from 10 to 125 mm) and what they are made of. Of a list the largest number counts.
   type(usual_t), parameter :: usual(*) = [ &
     usual_t('geometry.bore_radius', 5e-3_dp, 0.2_dp), usual_t('geometry.wall_thickness', 0.1e-3_dp, 5e-3_dp), &
     usual_t('geometry.rim_thickness', 0.1e-3_dp, 8e-3_dp), usual_t('geometry.rim_length', 1e-3_dp, 0.1_dp), &
     usual_t('geometry.cup_length', 5e-3_dp, 0.4_dp), usual_t('geometry.bottom_thickness', 0.1e-3_dp, 20e-3_dp), &
     usual_t('geometry.hub_radius', 2e-3_dp, 0.15_dp), usual_t('geometry.ring_thickness', 0.3e-3_dp, 10e-3_dp), &
-    usual_t('geometry.band_length', 1e-3_dp, 0.1_dp), usual_t('material.flexspline_e', 1e9_dp, 5e11_dp), &
+    usual_t('geometry.rim_taper', 1e-5_dp, 0.1_dp), usual_t('geometry.band_start', 1e-7_dp, 0.1_dp), &
+    usual_t('cup.sections_r', 5e-3_dp, 0.4_dp), usual_t('cup.sections_z', 5e-3_dp, 0.4_dp), &
+    usual_t('cup.sections_thickness', 0.1e-3_dp, 20e-3_dp), usual_t('cup.sections_fillet', 1e-5_dp, 0.1_dp), &
+    usual_t('geometry.band_length', 1e-3_dp, 0.1_dp), usual_t('mesh.edge_length', 1e-7_dp, 5e-3_dp), &
+    usual_t('material.flexspline_e', 1e9_dp, 5e11_dp), &
     usual_t('material.ring_e', 1e9_dp, 5e11_dp), usual_t('material.flexspline_nu', 0.15_dp, 0.49_dp), &
     usual_t('material.ring_nu', 0.15_dp, 0.49_dp), usual_t('material.yield_strength', 2e7_dp, 4e9_dp), &
     usual_t('material.ring_yield_strength', 2e7_dp, 4e9_dp), &
     usual_t('wave_generator.w', 2e-5_dp, 3e-3_dp), usual_t('wave_generator.interference', 1e-8_dp, 1e-4_dp), &
-    usual_t('wave_generator.clearance', 1e-8_dp, 1e-4_dp), &
+    usual_t('wave_generator.clearance', 1e-8_dp, 1e-4_dp), usual_t('wave_generator.arc_angle_deg', 10._dp, 80._dp), &
+    usual_t('wave_generator.perimeter_length', 0.03_dp, 1.3_dp), &
+    usual_t('bearing.ball_diameter', 0.5e-3_dp, 50e-3_dp), usual_t('bearing.groove_depth', 1e-6_dp, 10e-3_dp), &
+    usual_t('bearing.clearance', 1e-8_dp, 1e-4_dp), usual_t('bearing.ball_e', 1e9_dp, 5e11_dp), &
+    usual_t('bearing.ball_rate', 1e8_dp, 1e12_dp), usual_t('bearing.patch_length', 1e-6_dp, 20e-3_dp), &
+    usual_t('bearing.patch_width', 1e-6_dp, 20e-3_dp), usual_t('fatigue.tensile_strength', 2e7_dp, 4e9_dp), &
+    usual_t('fatigue.fatigue_limit', 1e7_dp, 2e9_dp), usual_t('load.pressure_angle_deg', 5._dp, 50._dp), &
+    usual_t('load.tooth_gaps', 1e-8_dp, 1e-3_dp), usual_t('load.tooth_gaps_back', 1e-8_dp, 1e-3_dp), &
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
     usual_t('load.tooth_stiffness', 1e6_dp, 1e11_dp), &
     usual_t('load.tooth_clearance', 1e-8_dp, 1e-4_dp), usual_t('load.spline_diameter', 0.02_dp, 0.5_dp), &
@@ -42,13 +53,19 @@ module hd_plausible
     usual_t('joint.sample_length', 1e-5_dp, 2e-2_dp), usual_t('joint.shortest_wavelength', 1e-9_dp, 1e-4_dp), &
     usual_t('joint.s_min', 1e-18_dp, 1e-8_dp), usual_t('surface.roughness', 1e-16_dp, 1e-6_dp), &
     usual_t('surface.dx', 1e-10_dp, 1e-3_dp), usual_t('surface.dy', 1e-10_dp, 1e-3_dp), &
-    usual_t('surface.sample_length', 1e-7_dp, 0.1_dp)]
-  type(slip_t), parameter :: slips(*) = [slip_t('Pa', 'GPa', 1e9_dp), slip_t('Pa', 'MPa', 1e6_dp), slip_t('m', 'mm', 1e-3_dp), &
+    usual_t('surface.sample_length', 1e-7_dp, 0.1_dp), usual_t('surface.shortest_wavelength', 1e-10_dp, 1e-2_dp), &
+    usual_t('fit.dx', 1e-10_dp, 1e-3_dp), usual_t('fit.dy', 1e-10_dp, 1e-3_dp), &
+    usual_t('fit.shortest_wavelength', 1e-10_dp, 1e-2_dp), usual_t('fit.longest_wavelength', 1e-7_dp, 0.1_dp)]
+  type(slip_t), parameter :: slips(*) = [slip_t('Pa', 'GPa', 1e9_dp), slip_t('Pa', 'MPa', 1e6_dp), slip_t('Pa', 'kPa', 1e3_dp), &
+    slip_t('deg', 'rad', 180/pi), slip_t('N/m^1.5', 'N/mm^1.5', 1e3_dp*sqrt(1e3_dp)), slip_t('m', 'mm', 1e-3_dp), &
     slip_t('m', 'um', 1e-6_dp), slip_t('m', 'nm', 1e-9_dp), slip_t('m^2', 'um^2', 1e-12_dp), &
     slip_t('m^2', 'mm^2', 1e-6_dp), slip_t('N/m', 'N/um', 1e6_dp), slip_t('N/m', 'N/mm', 1e3_dp)]
 
-  real(dp), parameter :: least_given = 0.01_dp  !< nobody gives a length as 2e-4 mm: smaller numbers are no slips
+  real(dp), parameter :: least_given = 1e-3_dp  !< nobody gives a length as 2e-4 mm: smaller numbers are no slips
   real(dp), parameter :: absurd = 30            !< times beyond the usual range of a length or modulus of a body
+  !> Lengths of bodies; a clearance may be as good as none, and a strength or stiffness without bound.
+  character(len=22), parameter :: of_bodies(*) = [character(len=22) :: &
+    'geometry.', 'cup.', 'wave_generator.w ', 'bearing.ball_diameter', 'load.spline_diameter']
 
   ! What scenes of drives keep within, by the messages that are written beyond.
   real(dp), parameter :: least_w = 0.1_dp, most_w = 4                  !< deformation over the wall
@@ -98,13 +115,14 @@ contains
     copy = scene
     call new_table(copy, table)
     do i = 1, size(table%rows)
-      if (.not. associated(table%rows(i)%real)) cycle
-      if (scene%surface_only .neqv. table%rows(i)%group == 'surface') cycle
-      do j = 1, size(usual)
-        if (usual(j)%name == table%rows(i)%group//'.'//table%rows(i)%key) then
-          call tell(usual(j), table%rows(i)%real, table%rows(i)%unit, slips_alone, lines)
-        end if
-      end do
+      associate (row => table%rows(i))
+        if (scene%surface_only .neqv. (row%group == 'surface' .or. row%group == 'fit')) cycle
+        do j = 1, size(usual)
+          if (usual(j)%name /= row%group//'.'//row%key) cycle
+          if (associated(row%real)) call tell(usual(j), row%real, row%unit, slips_alone, lines)
+          if (associated(row%reals)) call tell(usual(j), maxval(row%reals(:value_count(row))), row%unit, slips_alone, lines)
+        end do
+      end associate
     end do
   end subroutine look_at_keys
 
@@ -118,14 +136,17 @@ contains
     character(len=:), allocatable :: hint
     logical :: off
     integer :: i
-    if (.not. abs(value) > 0 .or. (value >= row%low .and. value <= row%high)) return
+    if (.not. abs(value) > 0 .or. (abs(value) >= row%low .and. abs(value) <= row%high)) return
     hint = ''
-    off = (index(row%name, 'geometry.') == 1 .or. index(row%name, '_e ') > 0) .and. &
-      (abs(value)*absurd < row%low .or. abs(value) > absurd*row%high)
+    off = index(row%name, '_e ') > 0
+    do i = 1, size(of_bodies)
+      off = off .or. index(row%name, trim(of_bodies(i))) == 1
+    end do
+    off = off .and. (abs(value)*absurd < row%low .or. abs(value) > absurd*row%high)
     do i = 1, size(slips)
       if (abs(value) < least_given) exit
       if (slips(i)%meant /= unit .or. slips(i)%given == unit) cycle
-      if (value*slips(i)%factor < row%low .or. value*slips(i)%factor > row%high) cycle
+      if (abs(value)*slips(i)%factor < row%low .or. abs(value)*slips(i)%factor > row%high) cycle
       hint = '; did you mean '//to_text(value*slips(i)%factor)//' '//unit//' ('//to_text(value)//' '//trim(slips(i)%given)//')?'
       off = .true.
       exit
@@ -140,21 +161,17 @@ contains
     type(scene_t), intent(in) :: s                          !< scene
     logical, intent(in) :: slips_alone                      !< no line for others
     type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the lines
-    real(dp) :: torque !< largest of the scene [N m]
-    real(dp) :: most   !< momentary peak torque of catalogues, sizes 14 to 100: 1e7 N m per cubic metre of the bore radius [N m]
-    character(len=:), allocatable :: hint, key
-    most = 1e7_dp*s%bore_radius**3
-    torque = s%torque
-    key = 'load.torque'
     if (s%support%loop .and. any(abs(s%torques) > 0)) then
-      torque = s%torques(maxloc(abs(s%torques), 1))
-      key = 'loop.torques'
+      call look_at_torque('loop.torques', s%torques(maxloc(abs(s%torques), 1)), s, slips_alone, lines)
+    else
+      call look_at_torque('load.torque', s%torque, s, slips_alone, lines)
     end if
-    hint = ''
-    if (abs(torque) > overload*most .and. 1e-3_dp*abs(torque) < overload*most) hint = '; did you mean '// &
-      to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
-    if (abs(torque) > overload*most .and. (len(hint) > 0 .or. .not. slips_alone)) call push(lines, key//' = '// &
-      to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))//' N m for a moment'//hint)
+    if (s%support%loop) then
+      call look_at_torque('loop.torque_1', s%torque_1, s, slips_alone, lines)
+      call look_at_torque('loop.torque_2', s%torque_2, s, slips_alone, lines)
+      call look_at_torque('loop.rated_torque', s%rated_torque, s, slips_alone, lines)
+      call look_at_torque('turning.torque', s%turning_torque, s, slips_alone, lines)
+    end if
     if (slips_alone) return
     if (.not. abs(s%w) > 0 .and. s%cam /= 'table') call push(lines, 'wave_generator.w = 0: the cup stays round, '// &
       'no drive. Check it: usual are 0.1 to 4 times the wall')
@@ -169,4 +186,22 @@ contains
       'geometry.cup_length = '// &
       to_text(s%cup_length)//' m is '//to_text(s%cup_length/s%bore_radius)//' times the bore radius: usual are 0.3 to 6 times')
   end subroutine compare
+
+  !> Line for a torque that no drive of this bore holds.
+  subroutine look_at_torque(key, torque, s, slips_alone, lines)
+    character(len=*), intent(in) :: key                     !< its name
+    real(dp), intent(in) :: torque                          !< [N m]
+    type(scene_t), intent(in) :: s                          !< scene
+    logical, intent(in) :: slips_alone                      !< no line for others
+    type(string_t), allocatable, intent(inout) :: lines(:)  !< gets the line
+    real(dp) :: most   !< momentary peak torque of catalogues, sizes 14 to 100: 1e7 N m per cubic metre of the bore radius [N m]
+    character(len=:), allocatable :: hint
+    most = 1e7_dp*s%bore_radius**3
+    if (abs(torque) <= overload*most) return
+    hint = ''
+    if (1e-3_dp*abs(torque) < overload*most) hint = '; did you mean '//to_text(1e-3_dp*torque)//' N m ('//to_text(torque)//' N mm)?'
+    if (slips_alone .and. len(hint) == 0) return
+    call push(lines, key//' = '//to_text(torque)//' N m: drives of this bore hold some '//to_text(anint(most))// &
+      ' N m for a moment'//hint)
+  end subroutine look_at_torque
 end module hd_plausible

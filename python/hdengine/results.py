@@ -155,7 +155,7 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
             "no finished run: summary.json is missing"
         raise FileError(f"'{folder}' holds {what}")
     if "scene" in needed and read_json(path).get("kind") == "surface":
-        raise FileError(f"'{folder}' holds a run of surfaces; valid: one of a scene, as data/cd14.nml")
+        raise FileError(f"'{folder}' holds a run of surfaces: read it by hdengine.SurfaceResult")
     return read_json(path, *needed)
 
 

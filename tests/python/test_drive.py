@@ -555,12 +555,12 @@ def test_what_is_known_of_a_drive_takes_its_place():
 
 
 def test_every_size_grows_stiffer_and_is_drawn(exe, tmp_path):
-    """K2 grows from size 11 to 40; hdengine plot draws loop, loads and life of one."""
+    """K2 grows from size 11 to 40; hdengine plot draws loop, twist, loads and life of one."""
     k = [shipped(exe, tmp_path / str(size), f"drive{size}", "load.torque_steps=4", "mesh.divisions=32", "mesh.band_facets=4")[0][1]
          for size in (11, 14, 17, 20, 25, 32, 40)]
     assert np.all(np.diff(k) > 0)
     names = {p.name for p in plot_run(load(tmp_path / "40"))}
-    assert {"loop.png", "loads.png", "fatigue.png"} <= names
+    assert {"loop.png", "twist.png", "loads.png", "fatigue.png"} <= names
 
 
 def test_a_sliding_ring_is_no_gross_slip(exe, tmp_path):

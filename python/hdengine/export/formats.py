@@ -2,8 +2,6 @@
 """The joint of a drive as text for other programs."""
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
 
 from .law import JointLaw
@@ -38,12 +36,12 @@ def to_mujoco(law: JointLaw) -> str:
         change = slope[i] - slope[i - 1] if i > middle else slope[i - 1] - slope[i]
         ends = f"{-FAR:g} {law.angle_rad[i]:.9g}" if i > middle else f"{law.angle_rad[i]:.9g} {FAR:g}"
         tendons.append(f'    <fixed stiffness="{change:.9g}" springlength="{ends}"><joint joint="drive" coef="1"/></fixed>')
-    comment = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in head_of(law))
+    comment = "\n".join(f"  {line.replace('--', '- -')}" for line in head_of(law))
     return f"""<mujoco model="harmonic drive">
 <!--
 {comment}
   Copy joint and tendons into your model; frictionloss="{law.friction_nm:.4g}" on the joint gives the loop its width.
-  The body is there so that the file loads: put your link in its place.
+  The body is there so that the file loads: put your link in its place. Its damping is chosen, not computed.
 -->
   <option timestep="1e-4" gravity="0 0 0"/>
   <worldbody>
@@ -75,7 +73,7 @@ end HarmonicDriveSpring;
 def to_urdf_comment(law: JointLaw) -> str:
     """A comment for the joint of a URDF file, which knows no stiffness: readings and the table."""
     rows = "\n".join(f"  {t:12.6g} {a:14.6g}" for t, a in zip(law.torque_nm, law.angle_rad))
-    head = "\n".join(f"  {escape(line).replace('--', '- -')}" for line in head_of(law))
+    head = "\n".join(f"  {line.replace('--', '- -')}" for line in head_of(law))
     return f"<!--\n{head}\n    torque_nm      angle_rad\n{rows}\n-->\n"
 
 

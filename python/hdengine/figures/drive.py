@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from .._types import RunLike
 from ..views.palette import COLOURS, PARTS, PRESSURE, REFERENCE
-from ..views.run import ARCMIN, NEAR_CATALOGUE, ball_steps, band_of, forces_of, loop_of, stresses_of, twist_of
+from ..views.run import ARCMIN, NEAR_CATALOGUE, ball_steps, band_of, forces_of, loop_of, reference_twist, stresses_of, twist_of
 from .style import new_axes, new_figure, styled
 
 __all__: list[str] = []
@@ -41,13 +41,24 @@ def plot_loop(result: RunLike) -> Figure:
 
 @styled
 def plot_twist(result: RunLike) -> Figure | None:
-    """What takes a further twist, part by part, over the torque of the last rise; None without shares (faces bonded)."""
+    """What takes a further twist, part by part, over the torque of the last rise, or at the reference torque alone.
+
+    None without shares (faces bonded).
+    """
     found = twist_of(result)
-    if found is None:
+    at_reference, at = reference_twist(result)
+    if found is None and not at_reference:
         return None
+    figure, axis = new_axes(figsize=(7.5, 4.6))
+    if found is None:
+        bars = axis.barh(list(at_reference), list(at_reference.values()), color=[PARTS[p] for p in at_reference])
+        axis.bar_label(bars, fmt="%.2g %%", padding=4, fontsize=11)
+        axis.invert_yaxis()
+        axis.set_title(at, fontsize=12)
+        axis.set(xlim=(0, 1.1 * max(at_reference.values())), xlabel="share / %")
+        return figure
     torque, by_part, title = found
     names, shares = list(by_part), np.array(list(by_part.values()))
-    figure, axis = new_axes(figsize=(7.5, 4.6))
     axis.stackplot(torque, shares, colors=[PARTS[p] for p in names], lw=0.5, ec="white")
     last, base = shares[:, -1], np.cumsum(shares[:, -1]) - shares[:, -1]
     places = base + last / 2

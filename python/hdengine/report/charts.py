@@ -47,12 +47,11 @@ def _loop_chart(result):
 
 def _twist_charts(result):
     """Shares of a further twist, stacked over the torque where they are known all the way, else those of the reference torque."""
-    found, results = views.twist_of(result), result.summary["results"]
+    found = views.twist_of(result)
     if found is None:
-        shares = {p: s for p, s in (results.get("twist_shares") or {}).items() if s is not None}
-        if shares:
-            yield bars(f"what takes a further twist at {results['reference_torque_nm']:.3g} N m",
-                       [(part, PARTS[part], 100 * share) for part, share in shares.items()], "%")
+        at_reference, title = views.reference_twist(result)
+        if at_reference:
+            yield bars(title, [(part, PARTS[part], share) for part, share in at_reference.items()], "%")
         return
     torque, shares, title = found
     chart = Chart(title, "torque / N m", "share / %", torque, [0, 100], right=100)

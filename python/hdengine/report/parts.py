@@ -279,7 +279,7 @@ def _answer_of_drive(result):
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
     mesh = f"These limits of fine meshes are known: {known}" if known else \
         "The error of the mesh is not known: run again with <code>run.tolerance</code>"
-    return text + f"<p>Band: {mesh}. {_input_band(results, keys)}</p>"
+    return text + f"<p>Band: {mesh}. {_input_band(results)}</p>"
 
 
 def _strength(result):
@@ -317,17 +317,15 @@ def _glance(scene):
         ("balls", "bearing.balls"), ("teeth", "load.teeth"), ("pairs in mesh", "load.tooth_pairs"),
         ("friction", "contact.friction"), ("torque / N m", "load.torque")) if scene.get(key)]
     cells = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
-    return f'<p>Inputs at a glance, lengths in mm:</p><dl class="glance">{cells}</dl>'
+    return f'<p>Lengths in mm:</p><dl class="glance">{cells}</dl>'
 
 
-def _input_band(results, keys):
+def _input_band(results):
     """What the tolerances of the inputs leave open."""
     if "band_shares" not in results:
         return "The error of the inputs is not known: <code>run.band</code> finds it"
-    ends = ", ".join(f"{name} from {_engineering(results[key + '_low'])} to {_engineering(results[key + '_high'])}"
-                     for name, key in keys.items() if key + "_low" in results)
     most = ", ".join(f"{html.escape(key)} {100 * share:.2g} %" for key, share in list(results["band_shares"].items())[:3])
-    return f"By the tolerances of the inputs (95 %): {ends}; of the variance of ln K2 most by {most}."
+    return f"The 95 % bands are those of the tolerances of the inputs, that of K2 most by {most}."
 
 
 def _answer(result):

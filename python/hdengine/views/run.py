@@ -105,6 +105,13 @@ def twist_of(result: RunLike) -> tuple[np.ndarray, dict[str, np.ndarray], str] |
     return rows["torque_nm"], shares, f"what takes a further twist: the contact {contact:.0f} % at {rows['torque_nm'][-1]:.3g} N m"
 
 
+def reference_twist(result: RunLike) -> tuple[dict[str, float], str]:
+    """Shares of a further twist at the reference torque by part [per cent], empty without; a title."""
+    results = result.summary["results"]
+    shares = {part: 100 * share for part, share in (results.get("twist_shares") or {}).items() if share is not None}
+    return shares, f"what takes a further twist at {results['reference_torque_nm']:.3g} N m" if shares else ""
+
+
 @dataclass(frozen=True)
 class Band:
     """The contact band of one step, facets as (angle, axis), open ones NaN.

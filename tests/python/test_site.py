@@ -13,6 +13,9 @@ import pytest
 
 from conftest import ROOT
 
+sys.path.insert(0, str(ROOT / "tools"))
+import made_pages  # noqa: E402
+
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
@@ -62,7 +65,10 @@ for (const page of pages) for (const width of [1280, 390]) {
   document.body.append(frame);
 }
 </script></body></html>"""
-QUESTIONS = {"how accurate is K_TS": "howto/trust.html", "which warning means what": "reference/errors.html", "stiffness for my robot": "howto/robot.html"}
+QUESTIONS = {"how accurate is K_TS": "howto/trust.html", "which warning means what": "reference/errors.html", "stiffness for my robot": "howto/robot.html",
+             "backlash": "reference/glossary.html", "lost motion": "explain/drive.html", "catalogue K1": "gallery/drive_loop.html", "MuJoCo": "howto/robot.html",
+             "units": "start/first_run.html", "resume": "howto/resume.html", "cluster": "howto/study.html",
+             "noise of measured surface": "evidence/surfaces.html", "optimise": "howto/study.html", "own gear": "howto/own_size.html"}
 
 
 def test_a_browser_finds_its_way(built):
@@ -106,3 +112,11 @@ def test_links_outside_the_site_lead_somewhere(page):
     """Pages that Sphinx does not read link to files that exist; Sphinx checks the links of docs."""
     targets = re.findall(r"\]\((?!https?:)([^)#\s]+)", (ROOT / page).read_text())
     assert [t for t in targets if not (ROOT / t).exists()] == []
+
+
+def test_sources_name_pages_that_exist():
+    """Every page of docs that a scene, an example, a script or a source names is there, or made by the build."""
+    made = {f"docs/reference/{name}.md" for name in made_pages.PAGES}
+    named = {(str(path.relative_to(ROOT)), page) for room in ("data", "examples", "hpc", "python", "fortran", "tools", "bench") for path in (ROOT / room).rglob("*.*")
+             if path.suffix in {".nml", ".py", ".slurm", ".f90", ".toml", ".sh"} for page in re.findall(r"\bdocs/[\w/]+/\w+\.md\b", path.read_text())}
+    assert len(named) > 20 and [(path, page) for path, page in sorted(named) if not (ROOT / page).exists() and page not in made] == []

@@ -22,13 +22,14 @@ from typing import TypedDict
 '''
 
 
-def kind(value, explained):
-    """Type of a key by its default and the text that explains it."""
+def kind(value, explained, unit):
+    """Type of a key by its default, the text that explains it and its unit, in which a text may be given: '0.36 mm'."""
+    number = "float | str" if unit else "float"
     if isinstance(value, list):
-        return "Sequence[float] | float"
+        return f"Sequence[{number}] | {number}"
     if ".true." in explained.partition("valid: ")[2]:
         return "bool | str"
-    return {int: "int", float: "float", str: "str"}[type(value)]
+    return {int: "int", float: number, str: "str"}[type(value)]
 
 
 def text():
@@ -38,7 +39,7 @@ def text():
         group, name = key.split(".", 1)
         explained = _engine.call_text("explain_text", key)
         unit = re.match(r"&\S+ \S+ = .*? \[(.+)\]\n", explained)
-        groups.setdefault(group, []).append((name, kind(value, explained), f"  # {unit[1]}" if unit else ""))
+        groups.setdefault(group, []).append((name, kind(value, explained, unit), f"  # {unit[1]}" if unit else ""))
     classes = {group: "".join(part.title() for part in group.split("_")) + "Keys" for group in groups}
     out = HEAD
     for group, keys in groups.items():

@@ -25,37 +25,37 @@ class RunKeys(TypedDict, total=False):
 class GeometryKeys(TypedDict, total=False):
     """Keys of &geometry."""
 
-    bore_radius: float  # m
-    wall_thickness: float  # m
-    rim_thickness: float  # m
-    rim_length: float  # m
-    rim_taper: float  # m
-    cup_length: float  # m
-    bottom_thickness: float  # m
-    hub_radius: float  # m
-    ring_thickness: float  # m
-    band_start: float  # m
-    band_length: float  # m
+    bore_radius: float | str  # m
+    wall_thickness: float | str  # m
+    rim_thickness: float | str  # m
+    rim_length: float | str  # m
+    rim_taper: float | str  # m
+    cup_length: float | str  # m
+    bottom_thickness: float | str  # m
+    hub_radius: float | str  # m
+    ring_thickness: float | str  # m
+    band_start: float | str  # m
+    band_length: float | str  # m
 
 
 class CupKeys(TypedDict, total=False):
     """Keys of &cup."""
 
-    sections_r: Sequence[float] | float  # m
-    sections_z: Sequence[float] | float  # m
-    sections_thickness: Sequence[float] | float  # m
-    sections_fillet: Sequence[float] | float  # m
+    sections_r: Sequence[float | str] | float | str  # m
+    sections_z: Sequence[float | str] | float | str  # m
+    sections_thickness: Sequence[float | str] | float | str  # m
+    sections_fillet: Sequence[float | str] | float | str  # m
 
 
 class MaterialKeys(TypedDict, total=False):
     """Keys of &material."""
 
-    flexspline_e: float  # Pa
+    flexspline_e: float | str  # Pa
     flexspline_nu: float
-    ring_e: float  # Pa
+    ring_e: float | str  # Pa
     ring_nu: float
-    yield_strength: float  # Pa
-    ring_yield_strength: float  # Pa
+    yield_strength: float | str  # Pa
+    ring_yield_strength: float | str  # Pa
 
 
 class MeshKeys(TypedDict, total=False):
@@ -69,30 +69,30 @@ class MeshKeys(TypedDict, total=False):
     bottom_elements: int
     through_wall: int
     through_ring: int
-    edge_length: float  # m
+    edge_length: float | str  # m
     element: str
-    memory_limit_mb: float  # MB
+    memory_limit_mb: float | str  # MB
 
 
 class WaveGeneratorKeys(TypedDict, total=False):
     """Keys of &wave_generator."""
 
-    w: float  # m
+    w: float | str  # m
     cam: str
     lobes: int
-    arc_angle_deg: float  # deg
+    arc_angle_deg: float | str  # deg
     cam_file: str
     perimeter: str
-    perimeter_length: float  # m
+    perimeter_length: float | str  # m
     ring_tangent: str
     ring_contact: str
-    ball_stiffness: float  # N/m
+    ball_stiffness: float | str  # N/m
     shape: str
-    cone_angle_deg: float  # deg
-    eccentricity: float  # m
-    eccentricity_angle_deg: float  # deg
-    interference: float  # m
-    clearance: float  # m
+    cone_angle_deg: float | str  # deg
+    eccentricity: float | str  # m
+    eccentricity_angle_deg: float | str  # deg
+    interference: float | str  # m
+    clearance: float | str  # m
 
 
 class ContactKeys(TypedDict, total=False):
@@ -102,7 +102,7 @@ class ContactKeys(TypedDict, total=False):
     friction: float
     torque_friction: float
     law: str
-    zero_pressure: float  # Pa
+    zero_pressure: float | str  # Pa
     slave: str
 
 
@@ -113,17 +113,17 @@ class LoadKeys(TypedDict, total=False):
     torque_load: str
     teeth: int
     tooth_pairs: int
-    pressure_angle_deg: float  # deg
-    tooth_stiffness: float  # N/m
-    tooth_gaps: Sequence[float] | float  # m
-    tooth_gaps_back: Sequence[float] | float  # m
-    tooth_clearance: float  # m
+    pressure_angle_deg: float | str  # deg
+    tooth_stiffness: float | str  # N/m
+    tooth_gaps: Sequence[float | str] | float | str  # m
+    tooth_gaps_back: Sequence[float | str] | float | str  # m
+    tooth_clearance: float | str  # m
     tooth_friction: float
     spline: str
-    spline_diameter: float  # m
+    spline_diameter: float | str  # m
     tooth_phase: float
-    torque: float  # N m
-    support_stiffness: float  # N/m
+    torque: float | str  # N m
+    support_stiffness: float | str  # N/m
     assembly_steps: int
     torque_steps: int
     tangent_steps: str
@@ -134,42 +134,42 @@ class BearingKeys(TypedDict, total=False):
 
     balls: int
     model: str
-    ball_diameter: float  # m
+    ball_diameter: float | str  # m
     inner_conformity: float
     outer_conformity: float
-    groove_depth: float  # m
-    clearance: float  # m
-    cage_angle_deg: float  # deg
-    ball_e: float  # Pa
+    groove_depth: float | str  # m
+    clearance: float | str  # m
+    cage_angle_deg: float | str  # deg
+    ball_e: float | str  # Pa
     ball_nu: float
-    ball_rate: float  # N/m^1.5
-    patch_length: float  # m
-    patch_width: float  # m
+    ball_rate: float | str  # N/m^1.5
+    patch_length: float | str  # m
+    patch_width: float | str  # m
 
 
 class LoopKeys(TypedDict, total=False):
     """Keys of &loop."""
 
-    torques: Sequence[float] | float  # N m
+    torques: Sequence[float | str] | float | str  # N m
     history: str
-    torque_1: float  # N m
-    torque_2: float  # N m
-    rated_torque: float  # N m
+    torque_1: float | str  # N m
+    torque_2: float | str  # N m
+    rated_torque: float | str  # N m
 
 
 class TurningKeys(TypedDict, total=False):
     """Keys of &turning."""
 
     positions: int
-    range_deg: float  # deg
-    torque: float  # N m
+    range_deg: float | str  # deg
+    torque: float | str  # N m
 
 
 class FatigueKeys(TypedDict, total=False):
     """Keys of &fatigue."""
 
-    tensile_strength: float  # Pa
-    fatigue_limit: float  # Pa
+    tensile_strength: float | str  # Pa
+    fatigue_limit: float | str  # Pa
     notch_factor: float
 
 
@@ -184,7 +184,7 @@ class SolverKeys(TypedDict, total=False):
     tolerance: float
     max_iterations: int
     max_cuts: int
-    time_limit_s: float  # s
+    time_limit_s: float | str  # s
 
 
 class JointKeys(TypedDict, total=False):
@@ -195,13 +195,13 @@ class JointKeys(TypedDict, total=False):
     spectrum_file: str
     from_fit: str
     fractal_dimension: float
-    roughness: float  # m
+    roughness: float | str  # m
     gamma: float
-    sample_length: float  # m
-    shortest_wavelength: float  # m
-    asperity_radius: float  # m
-    s_min: float  # m^2
-    hardness: float  # Pa
+    sample_length: float | str  # m
+    shortest_wavelength: float | str  # m
+    asperity_radius: float | str  # m
+    s_min: float | str  # m^2
+    hardness: float | str  # Pa
     closure: str
     plastic_spots: str
 
@@ -211,7 +211,7 @@ class OutputKeys(TypedDict, total=False):
 
     vtu: str
     contact: str
-    positions: Sequence[float] | float  # m
+    positions: Sequence[float | str] | float | str  # m
 
 
 class SurfaceKeys(TypedDict, total=False):
@@ -219,13 +219,13 @@ class SurfaceKeys(TypedDict, total=False):
 
     nx: int
     ny: int
-    dx: float  # m
-    dy: float  # m
+    dx: float | str  # m
+    dy: float | str  # m
     fractal_dimension: float
-    roughness: float  # m
+    roughness: float | str  # m
     gamma: float
-    sample_length: float  # m
-    shortest_wavelength: float  # m
+    sample_length: float | str  # m
+    shortest_wavelength: float | str  # m
     ridges: int
     seed: int
     tolerance: float
@@ -238,13 +238,13 @@ class FitKeys(TypedDict, total=False):
 
     first_file: str
     second_file: str
-    dx: float  # m
-    dy: float  # m
+    dx: float | str  # m
+    dy: float | str  # m
     first_lag: int
     last_lag: int
     model: str
-    shortest_wavelength: float  # m
-    longest_wavelength: float  # m
+    shortest_wavelength: float | str  # m
+    longest_wavelength: float | str  # m
 
 
 class SceneKeys(TypedDict, total=False):
@@ -274,27 +274,27 @@ class SceneKeys(TypedDict, total=False):
     run__wanted: str
     run__band: bool | str
     run__gradient: bool | str
-    geometry__bore_radius: float
-    geometry__wall_thickness: float
-    geometry__rim_thickness: float
-    geometry__rim_length: float
-    geometry__rim_taper: float
-    geometry__cup_length: float
-    geometry__bottom_thickness: float
-    geometry__hub_radius: float
-    geometry__ring_thickness: float
-    geometry__band_start: float
-    geometry__band_length: float
-    cup__sections_r: Sequence[float] | float
-    cup__sections_z: Sequence[float] | float
-    cup__sections_thickness: Sequence[float] | float
-    cup__sections_fillet: Sequence[float] | float
-    material__flexspline_e: float
+    geometry__bore_radius: float | str
+    geometry__wall_thickness: float | str
+    geometry__rim_thickness: float | str
+    geometry__rim_length: float | str
+    geometry__rim_taper: float | str
+    geometry__cup_length: float | str
+    geometry__bottom_thickness: float | str
+    geometry__hub_radius: float | str
+    geometry__ring_thickness: float | str
+    geometry__band_start: float | str
+    geometry__band_length: float | str
+    cup__sections_r: Sequence[float | str] | float | str
+    cup__sections_z: Sequence[float | str] | float | str
+    cup__sections_thickness: Sequence[float | str] | float | str
+    cup__sections_fillet: Sequence[float | str] | float | str
+    material__flexspline_e: float | str
     material__flexspline_nu: float
-    material__ring_e: float
+    material__ring_e: float | str
     material__ring_nu: float
-    material__yield_strength: float
-    material__ring_yield_strength: float
+    material__yield_strength: float | str
+    material__ring_yield_strength: float | str
     mesh__divisions: int
     mesh__band_facets: int
     mesh__ring_divisions: int
@@ -303,72 +303,72 @@ class SceneKeys(TypedDict, total=False):
     mesh__bottom_elements: int
     mesh__through_wall: int
     mesh__through_ring: int
-    mesh__edge_length: float
+    mesh__edge_length: float | str
     mesh__element: str
-    mesh__memory_limit_mb: float
-    wave_generator__w: float
+    mesh__memory_limit_mb: float | str
+    wave_generator__w: float | str
     wave_generator__cam: str
     wave_generator__lobes: int
-    wave_generator__arc_angle_deg: float
+    wave_generator__arc_angle_deg: float | str
     wave_generator__cam_file: str
     wave_generator__perimeter: str
-    wave_generator__perimeter_length: float
+    wave_generator__perimeter_length: float | str
     wave_generator__ring_tangent: str
     wave_generator__ring_contact: str
-    wave_generator__ball_stiffness: float
+    wave_generator__ball_stiffness: float | str
     wave_generator__shape: str
-    wave_generator__cone_angle_deg: float
-    wave_generator__eccentricity: float
-    wave_generator__eccentricity_angle_deg: float
-    wave_generator__interference: float
-    wave_generator__clearance: float
+    wave_generator__cone_angle_deg: float | str
+    wave_generator__eccentricity: float | str
+    wave_generator__eccentricity_angle_deg: float | str
+    wave_generator__interference: float | str
+    wave_generator__clearance: float | str
     contact__mode: str
     contact__friction: float
     contact__torque_friction: float
     contact__law: str
-    contact__zero_pressure: float
+    contact__zero_pressure: float | str
     contact__slave: str
     load__support: str
     load__torque_load: str
     load__teeth: int
     load__tooth_pairs: int
-    load__pressure_angle_deg: float
-    load__tooth_stiffness: float
-    load__tooth_gaps: Sequence[float] | float
-    load__tooth_gaps_back: Sequence[float] | float
-    load__tooth_clearance: float
+    load__pressure_angle_deg: float | str
+    load__tooth_stiffness: float | str
+    load__tooth_gaps: Sequence[float | str] | float | str
+    load__tooth_gaps_back: Sequence[float | str] | float | str
+    load__tooth_clearance: float | str
     load__tooth_friction: float
     load__spline: str
-    load__spline_diameter: float
+    load__spline_diameter: float | str
     load__tooth_phase: float
-    load__torque: float
-    load__support_stiffness: float
+    load__torque: float | str
+    load__support_stiffness: float | str
     load__assembly_steps: int
     load__torque_steps: int
     load__tangent_steps: str
     bearing__balls: int
     bearing__model: str
-    bearing__ball_diameter: float
+    bearing__ball_diameter: float | str
     bearing__inner_conformity: float
     bearing__outer_conformity: float
-    bearing__groove_depth: float
-    bearing__clearance: float
-    bearing__cage_angle_deg: float
-    bearing__ball_e: float
+    bearing__groove_depth: float | str
+    bearing__clearance: float | str
+    bearing__cage_angle_deg: float | str
+    bearing__ball_e: float | str
     bearing__ball_nu: float
-    bearing__ball_rate: float
-    bearing__patch_length: float
-    bearing__patch_width: float
-    loop__torques: Sequence[float] | float
+    bearing__ball_rate: float | str
+    bearing__patch_length: float | str
+    bearing__patch_width: float | str
+    loop__torques: Sequence[float | str] | float | str
     loop__history: str
-    loop__torque_1: float
-    loop__torque_2: float
-    loop__rated_torque: float
+    loop__torque_1: float | str
+    loop__torque_2: float | str
+    loop__rated_torque: float | str
     turning__positions: int
-    turning__range_deg: float
-    turning__torque: float
-    fatigue__tensile_strength: float
-    fatigue__fatigue_limit: float
+    turning__range_deg: float | str
+    turning__torque: float | str
+    fatigue__tensile_strength: float | str
+    fatigue__fatigue_limit: float | str
     fatigue__notch_factor: float
     solver__method: str
     solver__factors: str
@@ -378,33 +378,33 @@ class SceneKeys(TypedDict, total=False):
     solver__tolerance: float
     solver__max_iterations: int
     solver__max_cuts: int
-    solver__time_limit_s: float
+    solver__time_limit_s: float | str
     joint__model: str
     joint__table_file: str
     joint__spectrum_file: str
     joint__from_fit: str
     joint__fractal_dimension: float
-    joint__roughness: float
+    joint__roughness: float | str
     joint__gamma: float
-    joint__sample_length: float
-    joint__shortest_wavelength: float
-    joint__asperity_radius: float
-    joint__s_min: float
-    joint__hardness: float
+    joint__sample_length: float | str
+    joint__shortest_wavelength: float | str
+    joint__asperity_radius: float | str
+    joint__s_min: float | str
+    joint__hardness: float | str
     joint__closure: str
     joint__plastic_spots: str
     output__vtu: str
     output__contact: str
-    output__positions: Sequence[float] | float
+    output__positions: Sequence[float | str] | float | str
     surface__nx: int
     surface__ny: int
-    surface__dx: float
-    surface__dy: float
+    surface__dx: float | str
+    surface__dy: float | str
     surface__fractal_dimension: float
-    surface__roughness: float
+    surface__roughness: float | str
     surface__gamma: float
-    surface__sample_length: float
-    surface__shortest_wavelength: float
+    surface__sample_length: float | str
+    surface__shortest_wavelength: float | str
     surface__ridges: int
     surface__seed: int
     surface__tolerance: float
@@ -412,10 +412,10 @@ class SceneKeys(TypedDict, total=False):
     surface__precision: str
     fit__first_file: str
     fit__second_file: str
-    fit__dx: float
-    fit__dy: float
+    fit__dx: float | str
+    fit__dy: float | str
     fit__first_lag: int
     fit__last_lag: int
     fit__model: str
-    fit__shortest_wavelength: float
-    fit__longest_wavelength: float
+    fit__shortest_wavelength: float | str
+    fit__longest_wavelength: float | str

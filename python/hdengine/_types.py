@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 # A file or a folder; the value of a key or of a group of a scene, None for its default; distance of points, one or (dy, dx) [m].
 PathLike: TypeAlias = Union[str, "os.PathLike[str]"]  # noqa: UP007
-Value: TypeAlias = Union[float, str, bool, Sequence[float], Mapping[str, Any], None]  # noqa: UP007
+Value: TypeAlias = Union[float, str, bool, Sequence[float | str], Mapping[str, Any], None]  # noqa: UP007
 Spacing: TypeAlias = Union[float, Sequence[float]]  # noqa: UP007
 
 

@@ -10,11 +10,11 @@ module hd_adjoint
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_problem, only: problem_t, apply_stiffness
+  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness
   use hd_symmetry, only: symmetry_t, symmetrise
   implicit none
   private
-  public :: adjoint_t
+  public :: adjoint_t, begin_adjoint
 
   type :: adjoint_t
     real(dp) :: scale = 1                              !< of the law [Pa/m]
@@ -26,6 +26,20 @@ module hd_adjoint
   end type adjoint_t
 
 contains
+
+  !> Begin with a state whose matrix meets many right-hand sides.
+  subroutine begin_adjoint(solver, sides, problem, load, state, error)
+    class(linear_solver_t), intent(inout) :: solver   !< of the run
+    integer, intent(in) :: sides                      !< how many
+    type(problem_t), intent(in) :: problem            !< of the run
+    type(load_t), intent(in) :: load                  !< load
+    type(state_t), intent(in) :: state                !< state
+    type(error_t), allocatable, intent(out) :: error  !< linear solver
+    real(dp), parameter :: accuracy = 1e-9_dp
+    call solver%begin(problem, load, state, error)
+    solver%sides = sides
+    solver%accuracy = accuracy
+  end subroutine begin_adjoint
 
   !> Transpose a law.
   pure subroutine take_law(self, scale, dw, dt)
@@ -144,9 +158,21 @@ contains
         rho(:, j, k) = problem%mortar%area(j)*(matmul(self%back(:, :3, j), w(:, j, k)) + &
           matmul(self%back(:, 4:, j), tau(:, j, k)/self%scale))
       end do
+      call leave_free(problem, lambda(:, :, k))
     end do
     later = tau(2:, :, :)
   end subroutine solve_adjoint
+
+  !> Nothing moves fixed dofs, but a wheel that turns.
+  pure subroutine leave_free(problem, u)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(inout) :: u(:, :)      !< (3, n)
+    real(dp) :: turn
+    turn = 0
+    if (problem%wheel_turns) turn = u(2, problem%wheel(1))
+    where (problem%fixed) u = 0
+    if (problem%wheel_turns) u(2, problem%wheel) = turn
+  end subroutine leave_free
 
   !> Mean of a field of the multipliers over its images.
   function mean_of(problem, symmetry, t) result(mean)

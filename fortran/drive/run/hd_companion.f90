@@ -21,11 +21,12 @@ module hd_companion
   use hd_text, only: string_t
   implicit none
   private
-  public :: companion_t, find_companions, change_residuals, change_law, forces_of
+  public :: companion_t, find_companions, change_residuals, change_law, forces_of, share_of_state
 
   !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
   !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
   real(dp), parameter :: share = 1e-7_dp, share_of_shape = 5e-7_dp, share_of_material = 3e-6_dp
+  real(dp), parameter :: share_of_state = 1e-7_dp  !< by which a traction or a stress is changed
   !> In the place of a value that is 0.
   real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
 

@@ -8,10 +8,9 @@
 module hd_gradient
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
-  use hd_adjoint, only: adjoint_t
-  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, forces_of
+  use hd_adjoint, only: adjoint_t, begin_adjoint
+  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, forces_of, share_of_state
   use hd_contact_law, only: stick_state
-  use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes, edge_loads
@@ -21,25 +20,22 @@ module hd_gradient
   use hd_linear_solver, only: linear_solver_t
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
   use hd_loop, only: loop_t, readings_t, read_loop
-  use hd_mortar, only: add_nodal_forces, relative_displacement
-  use hd_newton, only: idle_components, linear_equations, prescribe
-  use hd_problem, only: problem_t, state_t, load_t, apply_stiffness, elastic_forces, linear_forces, move_state, strut_closings, &
-    strut_forces, update_struts
-  use hd_rate, only: rate_matrices
-  use hd_rate_law, only: rate_point_t
+  use hd_mortar, only: add_nodal_forces
+  use hd_newton, only: linear_equations, prescribe
+  use hd_problem, only: problem_t, state_t, load_t, elastic_forces, linear_forces, move_state, strut_forces, update_struts
   use hd_scene, only: scene_t
   use hd_stress, only: spot_t, worst_spot, spot_stress, node_stress
   use hd_strut, only: closing_of, push
-  use hd_strut_step, only: ahead_t, count_ahead, straight
+  use hd_strut_step, only: ahead_t, count_ahead
   use hd_summary, only: derivatives_t
   use hd_symmetry, only: sharing_t, share_law
+  use hd_tangent_slopes, only: find_tangent_slopes
   use hd_text, only: string_t, split
   use hd_tolerance_band, only: readings
   implicit none
   private
   public :: gradient_t
 
-  real(dp), parameter :: of_state = 1e-7_dp        !< share by which a traction or stress is changed, for derivatives
   real(dp), parameter :: largest_misfit = 5e-3_dp  !< of a result to all forces, over the parts that they have in it
 
   !> Results of a loop: readings, largest forces, and safety; and of all runs, the last one of those without a loop.
@@ -173,8 +169,11 @@ contains
       end do
     else
       call begin_results(self, scene, joint, drive, value, error)
-      if (tangent == tangent .and. .not. allocated(error)) call add_tangent(self, solver, scene, joint, drive, error)
-      if (.not. allocated(error)) value(merge(looped, 0, scene%support%loop) + 2) = tangent
+      i = merge(looped, 0, scene%support%loop) + 2
+      if (tangent == tangent .and. .not. allocated(error)) call find_tangent_slopes(solver, scene, joint, drive, &
+        self%station(self%top)%place, self%station(self%top - 1)%state, self%station(self%top)%state, self%of(:self%keys), &
+        self%value(:, i), self%result(i)%by_u, self%result(i)%by_t, error)
+      if (.not. allocated(error)) value(i) = tangent
     end if
     do i = self%n, 1, -1
       if (.not. allocated(error)) call go_back(self, solver, scene, drive, i, error)
@@ -369,7 +368,7 @@ contains
         call node_stress(drive%problem, drive%b_cup, self%tired(i), self%station(self%tired_at)%state%u, ends(i), &
           error, by_u(:, :, i))
       end do
-      step = of_state*(ends(2) - ends(1))
+      step = share_of_state*(ends(2) - ends(1))
       self%result(looped)%by_u = ((safety_of(scene, ends(1) + step, ends(2)) - safety_of(scene, ends(1) - step, ends(2)))* &
         by_u(:, :, 1) + (safety_of(scene, ends(1), ends(2) + step) - safety_of(scene, ends(1), ends(2) - step))* &
         by_u(:, :, 2))/(2*step)
@@ -470,7 +469,7 @@ contains
       call drive_load(drive, assembly_at(scene, place), torque_at(scene, place), step_friction(scene, under_torque(scene, place)), &
         load, before)
       problem%wheel_turns = scene%support%turns_bottom .and. under_torque(scene, place)
-      call begin_many(solver, size(list), problem, load, before, error)
+      call begin_adjoint(solver, size(list), problem, load, before, error)
       if (allocated(error)) return
       next = s
       call linear_equations(problem, load, before, next, left_c, dw, dt)
@@ -510,7 +509,6 @@ contains
       if (allocated(error)) return
       do k = 1, size(list)
         associate (r => self%result(list(k)))
-          call leave_free(problem, lambda(:, :, k))
           r%later = later(:, :, k)
           do j = 1, 3
             r%held(j, :) = -sum(rho(:, :, k)*slope(:, :, j), 1)
@@ -557,7 +555,7 @@ contains
     real(dp), allocatable :: r(:, :), dw(:, :, :), dt(:, :, :), step(:)
     integer :: c
     allocate (slope(3, size(r_c, 2), 3), source=0._dp)
-    step = of_state*norm2(before%traction(2:, :), 1)
+    step = share_of_state*norm2(before%traction(2:, :), 1)
     if (.not. any(step > 0)) return
     moved%slip = before%slip
     moved%contact = before%contact
@@ -637,223 +635,4 @@ contains
       self%value(keys, list) = self%value(keys, list) - product
     end subroutine subtract
   end subroutine add_keys
-
-  !> Begin with a state whose matrix meets many right-hand sides.
-  subroutine begin_many(solver, sides, problem, load, state, error)
-    class(linear_solver_t), intent(inout) :: solver   !< of the run
-    integer, intent(in) :: sides                      !< how many
-    type(problem_t), intent(in) :: problem            !< of the run
-    type(load_t), intent(in) :: load                  !< load
-    type(state_t), intent(in) :: state                !< state
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    real(dp), parameter :: accuracy = 1e-9_dp
-    call solver%begin(problem, load, state, error)
-    solver%sides = sides
-    solver%accuracy = accuracy
-  end subroutine begin_many
-
-  !> The tangent K_TS: the answers to a further torque, glued and on the joint, and what every key leaves in their equations.
-  subroutine add_tangent(self, solver, scene, joint, drive, error)
-    type(gradient_t), intent(inout) :: self           !< gets value, and by_u and by_t of the tangent
-    class(linear_solver_t), intent(inout) :: solver   !< of the run
-    type(scene_t), intent(in) :: scene                !< of the run
-    type(joint_t), intent(in) :: joint                !< its joint
-    type(drive_t), intent(inout) :: drive             !< its drive
-    type(error_t), allocatable, intent(out) :: error  !< linear solver
-    type(answer_t) :: answer
-    type(adjoint_t) :: adjoint
-    type(load_t) :: load
-    type(state_t) :: moved
-    real(dp), allocatable, dimension(:, :) :: left_u, left_c
-    real(dp), dimension(3, drive%problem%n, 1) :: lambda, by_u
-    real(dp) :: rho(3, drive%problem%mortar%n, 1), later(2, drive%problem%mortar%n, 1)
-    real(dp), allocatable :: step(:)
-    type(rate_point_t), allocatable :: points(:)
-    real(dp), dimension(3, 3, drive%problem%mortar%n) :: dw, dt
-    real(dp) :: flexibility, part, sense
-    integer :: c, i, k
-    associate (top => self%station(self%top)%state, problem => drive%problem, &
-      n => merge(looped, 0, scene%support%loop) + 2)
-      sense = sign(1._dp, torque_at(scene, self%station(self%top)%place))
-      moved%contact = top%contact
-      flexibility = 0
-      do k = 1, -1, -2  ! what they turn by more than glued
-        call at_top(self, scene, drive, load)
-        if (k < 0) call glued_response(drive, solver, load, sense, top, answer, error)
-        if (k > 0) call coupled_response(drive, solver, at_friction(joint, step_friction(scene, .true.)), load, sense, top, &
-          answer, error)
-        if (allocated(error)) return
-        flexibility = flexibility + k*answer%flexibility
-        call rate_matrices(problem, idle_components(problem), merge(step_friction(scene, .true.), 0._dp, k > 0), answer%points, &
-          dw, dt)
-        call adjoint%take(problem%law%scale, dw, dt)
-        load%force = load%force + sense*drive%torque + drive%squeeze  ! in whose symmetry the answer lies
-        call begin_many(solver, 1, problem, load, top, error)
-        if (.not. allocated(error)) call solver%update(problem, adjoint%w, adjoint%t, error)
-        later = 0
-        rho = 0
-        by_u(:, :, 1) = sense*drive%gauge
-        if (.not. allocated(error)) call adjoint%solve(problem, solver, by_u, (rho), later, [.true.], lambda, rho, error)
-        if (allocated(error)) return
-        call leave_free(problem, lambda(:, :, 1))
-        left_u = remaining_forces(drive, sense, answer)
-        points = answer%points
-        if (k > 0) points = points_on(scene, joint, drive, load, top, answer)
-        left_c = remaining_law(drive, merge(step_friction(scene, .true.), 0._dp, k > 0), points, answer)
-        do i = 1, self%keys
-          associate (c => self%of(i))
-            part = 0
-            if (c%whole) then
-              call at_top(self, c%scene, c%drive, load)
-              part = sense*sum((c%drive%gauge - drive%gauge)*answer%du) - &
-                sum(lambda(:, :, 1)*(remaining_forces(c%drive, sense, answer) - left_u)) - &
-                sum(rho(:, :, 1)*(law_of(c, c%drive, load, top, points, answer, k > 0) - left_c))
-            else if (c%rough) then
-              part = -sum(rho(:, :, 1)*(law_of(c, drive, load, top, points, answer, k > 0) - left_c))
-            end if
-            if (c%struts .and. .not. c%whole) part = part - work_of_struts(self, c, drive, lambda(:, :, 1), answer%du)
-            self%value(i, n) = self%value(i, n) + k*part
-          end associate
-        end do
-        do c = 1, merge(3, 0, k > 0)
-          moved%traction = top%traction
-          step = of_state*abs(top%traction(1, :))
-          if (c > 1) step = of_state*norm2(top%traction(2:, :), 1)
-          moved%traction(c, :) = moved%traction(c, :) + step
-          self%result(n)%by_t(c, :) = -sum(rho(:, :, 1)*(remaining_law(drive, step_friction(scene, .true.), &
-            points_on(scene, joint, drive, load, moved, answer), answer) - left_c), 1)/max(step, tiny(1._dp))
-        end do
-        call add_curvature(self, drive, lambda(:, :, 1), answer%du, k, self%result(n)%by_u)
-      end do
-      self%value(:, n) = -self%value(:, n)/flexibility**2
-      self%result(n)%by_u = -self%result(n)%by_u/flexibility**2
-      self%result(n)%by_t = -self%result(n)%by_t/flexibility**2
-    end associate
-  end subroutine add_tangent
-
-  !> What the run's answer leaves in the law of a companion's joint (3, points).
-  function law_of(c, own, load, top, points, answer, loose) result(left)
-    type(companion_t), intent(in) :: c             !< companion
-    type(drive_t), intent(in) :: own               !< its bodies
-    type(load_t), intent(in) :: load               !< of the reference step
-    type(state_t), intent(in) :: top               !< its state
-    type(rate_point_t), intent(in) :: points(:)    !< of the run
-    type(answer_t), intent(in) :: answer           !< of the run
-    logical, intent(in) :: loose                   !< not glued
-    real(dp) :: left(3, size(points)), friction
-    friction = merge(step_friction(c%scene, .true.), 0._dp, loose)
-    if (c%rough .and. loose) then
-      left = remaining_law(own, friction, points_on(c%scene, c%joint, own, load, top, answer), answer)
-    else
-      left = remaining_law(own, friction, points, answer)
-    end if
-  end function law_of
-
-  !> Load and struts of a drive at the reference step of the run.
-  subroutine at_top(self, scene, drive, load)
-    type(gradient_t), intent(in) :: self      !< stations
-    type(scene_t), intent(in) :: scene        !< of the drive
-    type(drive_t), intent(inout) :: drive     !< gets the tangents of its struts
-    type(load_t), intent(out) :: load         !< load there
-    associate (top => self%station(self%top))
-      call drive_load(drive, 1._dp, torque_at(scene, top%place), step_friction(scene, .true.), load, top%state, &
-        self%station(self%top - 1)%state)
-      if (scene%support%struts) load%displacement(2, drive%hub) = top%state%u(2, drive%hub)
-      drive%problem%wheel_turns = scene%support%turns_bottom
-      call update_struts(drive%problem, load, top%state%u)
-    end associate
-  end subroutine at_top
-
-  !> What the run's answer to a further torque leaves in the balance of a drive (3, n).
-  function remaining_forces(drive, sense, answer) result(left)
-    type(drive_t), intent(in) :: drive      !< at its reference step
-    real(dp), intent(in) :: sense           !< of the torque
-    type(answer_t), intent(in) :: answer    !< of the run
-    real(dp), allocatable :: left(:, :)
-    allocate (left, mold=answer%du)
-    call apply_stiffness(drive%problem, answer%du, left)
-    call add_nodal_forces(drive%problem%mortar, answer%traction, left, factor=-1._dp)
-    left = left - (sense*drive%torque + drive%squeeze)
-  end function remaining_forces
-
-  !> Points of the run's answer on another joint.
-  function points_on(scene, joint, drive, load, top, answer) result(points)
-    type(scene_t), intent(in) :: scene      !< friction
-    type(joint_t), intent(in) :: joint      !< joint
-    type(drive_t), intent(in) :: drive      !< bodies
-    type(load_t), intent(in) :: load        !< of the reference step
-    type(state_t), intent(in) :: top        !< its state
-    type(answer_t), intent(in) :: answer    !< of the run
-    type(rate_point_t), allocatable :: points(:)
-    points = joint_points(drive, at_friction(joint, step_friction(scene, .true.)), load, top)
-    points%state = answer%points%state
-    points%grows = answer%points%grows
-    points%at_bound = answer%points%at_bound
-  end function points_on
-
-  !> What it leaves in the law of the points (3, points).
-  function remaining_law(drive, friction, points, answer) result(left)
-    type(drive_t), intent(in) :: drive             !< bodies
-    real(dp), intent(in) :: friction               !< mu of the points, 0: glued
-    type(rate_point_t), intent(in) :: points(:)    !< points
-    type(answer_t), intent(in) :: answer           !< of the run
-    real(dp) :: left(3, size(points)), w(3, size(points))
-    real(dp), dimension(3, 3, size(points)) :: dw, dt
-    integer :: j
-    call rate_matrices(drive%problem, idle_components(drive%problem), friction, points, dw, dt)
-    w = relative_displacement(drive%problem%mortar, answer%du)
-    do j = 1, size(points)
-      left(:, j) = matmul(dw(:, :, j), w(:, j)) + matmul(dt(:, :, j), answer%traction(:, j))
-    end do
-  end function remaining_law
-
-  !> Work on lambda of what a drive's own struts do more than the run's under a displacement.
-  real(dp) function work_of_struts(self, c, drive, lambda, du) result(work)
-    type(gradient_t), intent(in) :: self        !< stations
-    type(companion_t), intent(inout) :: c       !< gets the tangents of its struts
-    type(drive_t), intent(in) :: drive          !< of the run, at its reference step
-    real(dp), intent(in) :: lambda(:, :), du(:, :)  !< (3, n)
-    real(dp), dimension(size(drive%problem%struts)) :: a, b
-    type(load_t) :: load
-    integer :: i
-    do i = 1, size(a)
-      a(i) = closing_of(drive%problem%struts(i), lambda)
-      b(i) = closing_of(drive%problem%struts(i), du)
-    end do
-    call strut_load(c%drive, 1._dp, load, self%station(self%top)%state)
-    call update_struts(c%drive%problem, load, self%station(self%top)%state%u)
-    work = dot_product(a, linear_forces(c%drive%problem, b) - linear_forces(drive%problem, b))
-  end function work_of_struts
-
-  !> The same by the closings of the run's own struts, whose tangents change with them: derivatives of -k times it.
-  subroutine add_curvature(self, drive, lambda, du, k, by_u)
-    type(gradient_t), intent(in) :: self        !< stations
-    type(drive_t), intent(in) :: drive          !< of the run, at its reference step
-    real(dp), intent(in) :: lambda(:, :), du(:, :)  !< (3, n)
-    integer, intent(in) :: k                    !< sign
-    real(dp), intent(inout) :: by_u(:, :)       !< gets them (3, n)
-    real(dp), allocatable :: closing(:)
-    type(load_t) :: load
-    integer :: i
-    if (.not. allocated(drive%problem%struts)) return
-    call strut_load(drive, 1._dp, load, self%station(self%top)%state)
-    closing = strut_closings(drive%problem, load, self%station(self%top)%state%u)
-    do i = 1, size(closing)
-      associate (s => drive%problem%struts(i))
-        if (closing(i) > 0 .and. s%power > straight) call push(s, -k*s%power*(s%power - 1)*s%rate*closing(i)**(s%power - 2)* &
-          closing_of(s, lambda)*closing_of(s, du), by_u)
-      end associate
-    end do
-  end subroutine add_curvature
-
-  !> Nothing moves fixed dofs, but a wheel that turns.
-  pure subroutine leave_free(problem, u)
-    type(problem_t), intent(in) :: problem  !< problem
-    real(dp), intent(inout) :: u(:, :)      !< (3, n)
-    real(dp) :: turn
-    turn = 0
-    if (problem%wheel_turns) turn = u(2, problem%wheel(1))
-    where (problem%fixed) u = 0
-    if (problem%wheel_turns) u(2, problem%wheel) = turn
-  end subroutine leave_free
 end module hd_gradient

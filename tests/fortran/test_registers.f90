@@ -3,7 +3,7 @@
 module test_registers
   use hd_check, only: check
   use hd_harmonic_matrix, only: hd_symmetric_product, hd_symmetric_product_single
-  use hd_kinds, only: dp, sp, i8
+  use hd_kinds, only: dp, sp
   use hd_sector_matrix, only: hd_sector_product
   use hd_spread, only: window_rows, window_rows_single, spread_rows, spread_rows_single
   use hd_text, only: to_text

@@ -4,7 +4,7 @@ module hd_face
   use hd_kinds, only: dp
   implicit none
   private
-  public :: face_t, shape_facet, shape_corner
+  public :: face_t, shape_facet
 
   !> Facets are quadrilaterals of 4 or 8 nodes; geometry on the chart is bilinear in the corners.
   type :: face_t

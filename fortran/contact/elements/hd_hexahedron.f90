@@ -13,7 +13,7 @@ module hd_hexahedron
   implicit none
   private
   public :: nodes_per_element, element_kind, shape_hexahedron, elasticity_matrix, strain_matrix
-  public :: natural_coordinates, element_points, point_stiffness, element_stiffness, points, hex8, hex8i, hex20r
+  public :: natural_coordinates, element_points, element_stiffness, points, hex8, hex8i, hex20r
 
   integer, parameter :: hex8 = 1    !< trilinear, full integration
   integer, parameter :: hex8i = 2   !< trilinear with incompatible modes

@@ -19,7 +19,7 @@ module hd_condensed
   use hd_vector, only: add, length, many, part_lengths, set, weighted_length
   implicit none
   private
-  public :: condensed_t, new_condensed, first_guess
+  public :: condensed_t, new_condensed
 
   real(dp), parameter :: useful = 1e-3_dp   !< residual of GMRES that makes a Newton step; above it a dense matrix takes over
   integer, parameter :: first_guess = 30             !< steps of GMRES expected before any are known

@@ -13,7 +13,7 @@ module hd_face_system
   use hd_error, only: error_t
   use hd_krylov, only: operator_t, solve_gmres
   use hd_lapack, only: solve_dense
-  use hd_symmetry, only: symmetry_t, mirror_sign
+  use hd_symmetry, only: mirror_sign
   use hd_system, only: stop_requested, check_stop
   use hd_vector, only: add_columns, cross, dot, many, product_of
   implicit none
@@ -42,7 +42,6 @@ module hd_face_system
     integer, allocatable :: fringe(:), from(:)   !< open points that the preconditioner gives values, and the points they come from
     real(dp), allocatable :: fade(:)             !< weights of these values
     integer, allocatable :: list(:)              !< multipliers that are solved for
-    integer, allocatable :: mirrored(:)          !< their images behind the mirror plane
     integer, allocatable :: start(:)             !< unknowns before each of them, and their number
     integer, allocatable :: at(:)                !< multiplier of each unknown
     integer, allocatable :: span(:, :)           !< first and last unknown of each multiplier (2, multipliers)

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Integrals of powers without cancellation.
+!> Powers and their integrals without cancellation.
 module hd_powers
   use, intrinsic :: iso_c_binding, only: c_double
   use hd_kinds, only: dp
   implicit none
   private
-  public :: expm1, log1p, power_integral, power_partial
+  public :: expm1, log1p, power_partial
 
   interface
     !> exp(x) - 1 of the C library.
@@ -21,13 +21,6 @@ module hd_powers
   end interface
 
 contains
-
-  !> int_lo^hi sigma^(e-1) dsigma, regular at e = 0; empty intervals give 0.
-  pure real(dp) function power_integral(lo, hi, e) result(f)
-    real(dp), intent(in) :: lo, hi, e
-    f = 0
-    if (hi > lo) f = lo**e*power_partial(log(hi/lo), e)
-  end function power_integral
 
   !> int_0^l exp(e t) dt.
   pure real(dp) function power_partial(l, e) result(f)

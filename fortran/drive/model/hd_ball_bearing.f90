@@ -11,7 +11,7 @@ module hd_ball_bearing
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: ball_rate, ball_angles, ball_patches, ball_struts
+  public :: ball_angles, ball_patches, ball_struts
 
   !> Force over the contact's modulus that its ellipse is taken at [m^2]: 100 N of steel.
   real(dp), parameter :: usual_load = 8.53e-10_dp

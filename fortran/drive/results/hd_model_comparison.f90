@@ -15,7 +15,7 @@ module hd_model_comparison
   use hd_scene_joint, only: scene_joint
   implicit none
   private
-  public :: models, compare_models, add_models
+  public :: compare_models, add_models
 
   character(len=17), parameter :: models(4) = [character(len=17) :: 'hu2023', 'spectrum', 'boundary_elements', 'table']
 

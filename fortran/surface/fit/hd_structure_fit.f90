@@ -77,7 +77,7 @@ contains
     y = y - shift
     call search(e, y, white, about, options%fit_noise, d, b, share)
     do i = 1, merge(2, 1, options%weighted)
-      call covariance(o, p, options, e, d, b, share, off, cov)
+      call covariance(o, p, e, d, b, share, off, cov)
       if (.not. options%weighted) exit
       about = b + shape_of(e, d, share)
       call whiten(cov, white)
@@ -221,10 +221,9 @@ contains
   end subroutine search_d
 
   !> Covariance of ln S at the estimate: of random phases if the sum is known, else of an isotropic Gaussian field; plus noise.
-  subroutine covariance(o, p, options, e, d, b, share, off, cov)
+  subroutine covariance(o, p, e, d, b, share, off, cov)
     type(observation_t), intent(in) :: o          !< geometry and lags
-    type(band_spectrum_t), intent(in) :: p             !< model
-    type(fit_options_t), intent(in) :: options    !< how
+    type(band_spectrum_t), intent(in) :: p        !< model
     type(expectation_t), intent(in) :: e          !< table
     real(dp), intent(in) :: d, b, share, off      !< estimate; noise taken off S [m^2]
     real(dp), intent(out) :: cov(:, :)            !< of ln S

@@ -10,9 +10,8 @@ from hdengine import torsion
 
 def test_ellipse_points_agree_with_reference(reference):
     """Position, normal, area density and levers of an elliptic cone to 1e-14."""
-    for case in reference["ellipse_point"]:
-        i, o = case["inputs"], case["outputs"]
-        x, n, density = torsion.ellipse_facet(float(i["theta"]), float(i["r"]), float(i["w"]), float(i["tan_alpha"]), i["homothetic"])
+    for o in reference["ellipse_points"]:
+        x, n, density = torsion.ellipse_facet(*(float(o[k]) for k in ("theta", "r", "w", "tan_alpha")), o["homothetic"])
         w_n, w_t = torsion.facet_weights(x, n)
         np.testing.assert_allclose(n, [float(v) for v in o["n"]], atol=1e-14)
         assert density == pytest.approx(float(o["area_density"]), rel=1e-14)
@@ -22,13 +21,13 @@ def test_ellipse_points_agree_with_reference(reference):
 
 def test_band_agrees_with_reference(reference):
     """K_TS of an elliptic band with constant stiffness per area, 64 facets, to 1e-12 (the trapezoidal rule is exact)."""
-    for case in reference["torsion_band"]:
-        i, o = {k: float(v) if isinstance(v, str) else v for k, v in case["inputs"].items()}, case["outputs"]
+    for case in reference["torsion_bands"]:
+        i = {k: float(v) if isinstance(v, str) else v for k, v in case.items()}
         theta = 2 * np.pi * np.arange(64) / 64
         x, n, density = torsion.ellipse_facet(theta, i["r"], i["w"], i["tan_alpha"], i["homothetic"])
         area = density * 2 * np.pi / 64 * i["width"]
         for k_n, k_t, key in ((i["kN"], i["kT"], "K_theta"), (i["kN"], 0, "K_theta_N_only"), (0, i["kT"], "K_theta_T_only")):
-            assert torsion.torsional_stiffness(k_n * area, k_t * area, x, n) == pytest.approx(float(o[key]), rel=1e-12)
+            assert torsion.torsional_stiffness(k_n * area, k_t * area, x, n) == pytest.approx(i[key], rel=1e-12)
 
 
 def test_a_circle_has_no_normal_lever():

@@ -2,7 +2,7 @@
 """Write data/torque_record.csv: a synthetic record of the test bench (Fig. 9), with the bench's stated errors.
 
 The middle curve has K(T) = 2042 + 3761 (1 - exp(-|T| / 2.5 N m)) N m/rad, through the two measured values of the paper, 2724 at
-0.5 and 5294 at 5 N m; hysteresis 0.8 arcmin; torque in steps of 0.01 N m; errors: a straight line within +-0.05 N m and +-2 arcsec
+0.5 and 5294 at 5 N m; hysteresis 0.8 arcmin; torque in steps of 0.02 N m; errors: a straight line within +-0.05 N m and +-2 arcsec
 plus scatter of a tenth of both.
 
 Usage: python data/make_torque_record.py [OUT.csv] [--seed N]
@@ -29,7 +29,7 @@ def angle(torque):
 
 def record(seed=1):
     """Torque [N m] and angle [rad] as the bench would read them."""
-    step = 0.01
+    step = 0.02
     first, down, up = np.arange(0, TOP, step), np.arange(TOP, -TOP, -step), np.arange(-TOP, TOP + step / 2, step)
     torque = np.concatenate([first, down, up])
     x = torque / TOP

@@ -59,7 +59,7 @@ def test_branches_are_found():
     r = Record(torque, turn)
     assert len(r.branches) == 3 and r.torque_nm[r.up][-1] > 4.9 and r.torque_nm[r.down][-1] < -4.9
     with pytest.raises(hdengine.InputError, match="no rising branch"):
-        Record(torque[:500], turn[:500])
+        Record(torque[:250], turn[:250])
     with pytest.raises(hdengine.InputError, match="as many torques as angles"):
         Record(torque, turn[:-1])
 

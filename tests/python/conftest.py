@@ -21,6 +21,7 @@ for _name in (signal.SIGINT, signal.SIGHUP):  # a shell ignores them for what it
         signal.signal(_name, signal.SIG_DFL)
 
 ROOT = Path(__file__).resolve().parents[2]
+CD14 = ROOT / "data/cd14.nml"
 SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "load.assembly_steps=1"]
 
 
@@ -44,6 +45,19 @@ def call(exe, *args, **options):
     return subprocess.run([exe, *map(str, args)], capture_output=True, text=True, **{"timeout": 600} | options)
 
 
+def solved(exe, out, scene, *words):
+    """Result of a scene that ends well, in a folder whose earlier results it replaces."""
+    done = call(exe, scene, *words, "--out", out, "--force", "-q")
+    assert done.returncode == 0, done.stderr
+    import hdengine  # after the variables above
+    return hdengine.load(out)
+
+
+def solve_small(exe, out, *words):
+    """Result of CD-14-100 on a small mesh."""
+    return solved(exe, out, CD14, *SMALL, *words)
+
+
 def stopped_and_whole(exe, keys, rows, tmp_path):
     """Folders of the loop of size 14, one stopped by a signal after so many load steps and resumed: the same tables, to the byte."""
     folder, whole = tmp_path / "stopped", tmp_path / "whole"
@@ -65,7 +79,7 @@ def stopped_and_whole(exe, keys, rows, tmp_path):
 def small_run(exe, tmp_path_factory):
     """Folder of a small finished run of the default scene."""
     folder = tmp_path_factory.mktemp("runs") / "small.out"
-    done = call(exe, ROOT / "data/cd14.nml", *SMALL, "--out", folder, "output.vtu=all", "-q")
+    done = call(exe, CD14, *SMALL, "--out", folder, "output.vtu=all", "-q")
     assert done.returncode == 0, done.stderr
     return folder
 

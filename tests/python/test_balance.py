@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine.results import read_csv
 
 TABLES = ("steps", "contact", "balls", "teeth")
@@ -13,8 +13,7 @@ TABLES = ("steps", "contact", "balls", "teeth")
 
 def solve(exe, folder, scene, *keys):
     """Tables, the scene, and the number of the reference step."""
-    done = call(exe, ROOT / scene, *keys, "output.vtu=none", "solver.tolerance=1e-10", "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
+    solved(exe, folder, ROOT / scene, *keys, "output.vtu=none", "solver.tolerance=1e-10")
     tables = {name: read_csv(folder / f"{name}.csv") for name in TABLES}
     step = tables["steps"]["step"][np.argmax(tables["steps"]["torque_nm"])]
     summary = json.loads((folder / "summary.json").read_text())
@@ -80,9 +79,8 @@ def test_lateral_forces_balance(exe, tmp_path, clearance):
 def test_with_large_displacements_the_moved_faces_count(exe, tmp_path):
     """Normals along which pressures act are those of the deformed face there, to 2e-3, at rest to 1e-9 radial; lateral forces balance."""
     for kinematics in ("linear", "nonlinear"):
-        done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=4", f"solver.kinematics={kinematics}",
-                    "load.torque_steps=1", "wave_generator.eccentricity=10e-6", "output.vtu=none", "--out", tmp_path / kinematics, "-q")
-        assert done.returncode == 0, done.stderr
+        solved(exe, tmp_path / kinematics, ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=4", f"solver.kinematics={kinematics}",
+               "load.torque_steps=1", "wave_generator.eccentricity=10e-6", "output.vtu=none")
         rows, steps = (read_csv(tmp_path / kinematics / f"{name}.csv") for name in ("contact", "steps"))
         rows = rows[rows["step"] == steps["step"][-1]]
         n, bent = (np.stack([rows[f"{k}_{x}"] for x in "xyz"], 1) for k in ("n", "bent_n"))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine.report import write_report
 from hdengine.views.labels import LOOP
 
@@ -21,9 +21,7 @@ KEYS = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lo
 
 def solve(exe, folder, *keys):
     """Results of size 14 on a small mesh."""
-    done = call(exe, ROOT / "data/drive14.nml", *MESH, *keys, "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
-    return json.loads((folder / "summary.json").read_text())["results"]
+    return solved(exe, folder, ROOT / "data/drive14.nml", *MESH, *keys).summary["results"]
 
 
 @pytest.fixture(scope="module")
@@ -146,9 +144,7 @@ def test_drives_drawn_by_the_tolerances_lie_in_the_band(exe, tmp_path):
         keys = [f"{key}={max(1e-9, scene[key] + width * z)}" for (key, width), z in zip(widths.items(), row)]
         keys += [f"load.{key}=" + ",".join(str(max(0, g + 1e-6 * row[-1])) for g in scene[f"load.{key}"]) for key in ("tooth_gaps", "tooth_gaps_back")]
         keys += ["load.spline=rigid"] if row[-2] > 0.5 else []
-        done = call(exe, ROOT / "data/drive14.nml", *small, *keys, "run.band=.false.", "--out", tmp_path / "s", "--force", "-q")
-        assert done.returncode == 0, done.stderr
-        results = json.loads((tmp_path / "s/summary.json").read_text())["results"]
+        results = solved(exe, tmp_path / "s", ROOT / "data/drive14.nml", *small, *keys, "run.band=.false.").summary["results"]
         found.append([results[key] for key in KEYS[:3]])
     call(exe, ROOT / "data/drive14.nml", *small, "--out", tmp_path / "b", "-q")
     results = json.loads((tmp_path / "b/summary.json").read_text())["results"]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, solved
 
 R, W = 16.5e-3, 0.2e-3
 THETA = np.linspace(-0.3, 6.1, 23)
@@ -168,12 +168,10 @@ def test_kinematics_meet_as_w_vanishes(name):
 def test_hoop_force_of_a_stretched_ring(exe, tmp_path, kinematics):
     """A round cam that is larger by 5 um presses a ring that touches nothing else as a thick ring under inner pressure (Lame)."""
     inside, outside, width, modulus, poisson, over = 16.5e-3, 17.5e-3, 12e-3, 219e9, 0.3, 5e-6
-    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=96", "mesh.band_facets=4", "mesh.wall_elements=4", "mesh.bottom_elements=3",
-                f"solver.kinematics={kinematics}", "load.torque_steps=0", "load.assembly_steps=1", "wave_generator.w=0", "output.vtu=none",
-                "wave_generator.clearance=5e-5", "wave_generator.ring_contact=unilateral", "wave_generator.perimeter=given",
-                f"wave_generator.perimeter_length={2 * np.pi * (inside + over)!r}", "--out", tmp_path / "r", "-q")
-    assert done.returncode == 0, done.stderr
-    results = hdengine.load(tmp_path / "r").summary["results"]
+    results = solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", "mesh.divisions=96", "mesh.band_facets=4", "mesh.wall_elements=4",
+                     "mesh.bottom_elements=3", f"solver.kinematics={kinematics}", "load.torque_steps=0", "load.assembly_steps=1",
+                     "wave_generator.w=0", "output.vtu=none", "wave_generator.clearance=5e-5", "wave_generator.ring_contact=unilateral",
+                     "wave_generator.perimeter=given", f"wave_generator.perimeter_length={2 * np.pi * (inside + over)!r}").summary["results"]
     pressure = over * modulus / inside / ((outside**2 + inside**2) / (outside**2 - inside**2) + poisson)
     assert results["cam_force_n"] == pytest.approx(2 * np.pi * inside * width * pressure, rel=2e-3)
     assert results["cam_contact_area_m2"] == pytest.approx(2 * np.pi * inside * width) and results["cam_gap_max_m"] < 1e-12
@@ -185,9 +183,7 @@ def test_gap_over_a_notch(exe, tmp_path):
     t = np.arange(0, 360)
     notch = 20e-6 * np.where(abs(t - 180) < 12, np.cos(np.radians(90 / 12 * (t - 180))), 0)**2
     (tmp_path / "c.csv").write_text("theta_deg,radius_m\n" + "".join(f"{a},{16.5e-3 + 5e-7 - x:.15g}\n" for a, x in zip(t, notch)))
-    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=48", "mesh.band_facets=4", "load.torque_steps=0", "load.assembly_steps=1", "wave_generator.w=0",
-                "wave_generator.clearance=1e-4", "wave_generator.ring_contact=unilateral", "output.vtu=none", "wave_generator.cam=table",
-                f"wave_generator.cam_file={tmp_path / 'c.csv'}", "wave_generator.perimeter=curve", "--out", tmp_path / "r", "-q")
-    assert done.returncode == 0, done.stderr
-    results = hdengine.load(tmp_path / "r").summary["results"]
+    results = solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", "mesh.divisions=48", "mesh.band_facets=4", "load.torque_steps=0",
+                     "load.assembly_steps=1", "wave_generator.w=0", "wave_generator.clearance=1e-4", "wave_generator.ring_contact=unilateral",
+                     "output.vtu=none", "wave_generator.cam=table", f"wave_generator.cam_file={tmp_path / 'c.csv'}", "wave_generator.perimeter=curve").summary["results"]
     assert 19e-6 < results["cam_gap_max_m"] < 20e-6 and results["cam_pressure_min_pa"] == 0

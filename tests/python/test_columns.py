@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine import cli
 from hdengine.results import read_csv
 from hdengine.torsion import torsional_stiffness
@@ -21,9 +21,8 @@ KEYS = [f"mesh.divisions={AROUND}", f"mesh.band_facets={ALONG}", "output.vtu=non
 
 def solve(exe, out, scene, *keys):
     """Tables and summary of a run."""
-    done = call(exe, ROOT / scene, *KEYS, *keys, "--out", out, "-q")
-    assert done.returncode == 0, done.stderr
-    return {p.stem: read_csv(p) for p in out.glob("*.csv")}, json.loads((out / "summary.json").read_text())
+    summary = solved(exe, out, ROOT / scene, *KEYS, *keys).summary
+    return {p.stem: read_csv(p) for p in out.glob("*.csv")}, summary
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine.report.sketch import draw_scene
 from hdengine.results import read_csv
 
@@ -16,8 +16,7 @@ SIMPLE = ["cup.sections_r=17.5e-3,17.5e-3,17.5e-3,17.5e-3,17.5e-3,8e-3", "cup.se
 
 def angle(exe, folder, scene, *keys):
     """Turn of the bottom at 8 N m."""
-    done = call(exe, ROOT / f"tests/cases/{scene}.nml", *SMALL, *keys, "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
+    solved(exe, folder, ROOT / f"tests/cases/{scene}.nml", *SMALL, *keys)
     return read_csv(folder / "loop.csv")["angle_rad"][-1]
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import hdengine
-from conftest import ROOT, call, stopped_and_whole
+from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine import cli, load
 from hdengine.catalogue import UNITS, unit
 from hdengine.figures.run import plot_run
@@ -297,9 +297,8 @@ def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
 def test_chords_without_a_step_and_a_weak_cup_warn(exe, tmp_path):
     """Two steps to 14 N m leave none up to T1: K1 and K2 are one chord, and a warning says so, as it does where a cup fails by Goodman."""
     for steps, limit in ((2, 5e9), (14, 1e8)):
-        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}", f"fatigue.fatigue_limit={limit}",
-                    "--out", tmp_path / str(steps), "-q")
-        assert done.returncode == 0, done.stderr
+        solved(exe, tmp_path / str(steps), ROOT / "tests/cases/pressed_drive.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}",
+               f"fatigue.fatigue_limit={limit}")
     few, many = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("2", "14"))
     assert few["results"]["k1_nm_per_rad"] == pytest.approx(few["results"]["k2_nm_per_rad"])
     assert [any("the first rise has no load step" in w for w in s["warnings"]) for s in (few, many)] == [True, False]
@@ -313,10 +312,8 @@ def test_readings_of_any_list_of_torques(exe, tmp_path):
     list that begins with 0 are those of the sense that follows. Where a loop is read it has steps, in a way through 0, too."""
     found = {}
     for torques in ("14,0,-14,0,14", "14,0,0,-14,-14,0,0,14", "14,0,14,0,-14,0,14", "14,0,14", "0,-14,0", "14,-14,14"):
-        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, f"loop.torques={torques}", "load.torque_steps=3", "output.vtu=none", "--out",
-                    tmp_path / "r", "--force", "-q")
-        assert done.returncode == 0, done.stderr
-        summary = json.loads((tmp_path / "r/summary.json").read_text())
+        summary = solved(exe, tmp_path / "r", ROOT / "tests/cases/pressed_drive.nml", *MESH, f"loop.torques={torques}", "load.torque_steps=3",
+                         "output.vtu=none").summary
         found[torques] = summary["results"]
     plain, twice, before, half, down, through = found.values()
     for key in ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad"):
@@ -365,9 +362,7 @@ def changed_by_large_displacements(said, end):
 def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
     """Limits of K1 to K3 stand in the summary with their errors, a rise alone promises no hysteresis, and Python reads them. Large
     displacements change them by less than half the tolerance: no correction."""
-    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.2", "bearing.model=given", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
-    found = load(tmp_path / "p")
+    found = solved(exe, tmp_path / "p", ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.2", "bearing.model=given")
     plan, names = found.summary["plan"], ["k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"]
     assert plan["met"] == "yes" and list(found.limits) == names == found.summary["model_error"]["tolerance_covers"]
     assert found.balls is not None and any("wave generator as the scene says" in line for line in plan["reasons"])
@@ -455,8 +450,7 @@ def test_bonded_on_a_rigid_cam_is_k_fts(exe, tmp_path):
             "wave_generator.ring_tangent=free"]
     _, loop, _, teeth = solve(exe, tmp_path / "d", *keys)
     folder = tmp_path / "k"
-    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "load.support=teeth", "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
+    solved(exe, folder, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "load.support=teeth")
     steps = read_csv(folder / "steps.csv")
     np.testing.assert_allclose(loop["angle_rad"][-1], steps["rotation_rad"][-1], rtol=1e-7)
     np.testing.assert_allclose(teeth["force_n"][-24::2], read_csv(folder / "teeth.csv")["force_n"][-12:], rtol=1e-6)
@@ -472,10 +466,8 @@ def test_many_balls_become_an_even_spring(exe, tmp_path):
 
 def shipped(exe, folder, name, *keys):
     """K1, K2, K3 [N m/rad] and results of a shipped drive on a coarse mesh."""
-    done = call(exe, ROOT / f"data/{name}.nml", "mesh.divisions=64", "mesh.band_facets=7", "load.torque_steps=8", "run.band=.false.", *keys, "--out",
-                folder, "-q")
-    assert done.returncode == 0, done.stderr
-    r = json.loads((folder / "summary.json").read_text())["results"]
+    r = solved(exe, folder, ROOT / f"data/{name}.nml", "mesh.divisions=64", "mesh.band_facets=7", "load.torque_steps=8", "run.band=.false.",
+               *keys).summary["results"]
     assert min(r["flexspline_yield_safety"], r["ring_yield_safety"]) > 1, (name, r["flexspline_yield_safety"], r["ring_yield_safety"])
     return np.array([r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)]), r
 

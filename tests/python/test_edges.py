@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cells at the edges of the band, and what does not depend on the mesh."""
-import json
 
 import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, solved
 
-CD14 = ROOT / "data/cd14.nml"
 ONE = {"load__assembly_steps": 1, "load__torque_steps": 1}
 
 
@@ -127,8 +125,6 @@ def test_line_load_of_the_edge_converges_where_the_peak_does_not():
 @pytest.mark.parametrize("keys", [["mesh.edge_length=1e-4"], ["mesh.edge_length=2.5e-5"], ["mesh.element=hex20r", "mesh.wall_elements=4"]])
 def test_strong_friction_does_not_cycle(exe, tmp_path, keys):
     """Friction 0.63 with thin edge cells, and quadratic elements: no contact state runs in a cycle, no load step is halved, moments balance."""
-    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=6", "contact.friction=0.63", *keys, "output.vtu=none",
-                "--out", tmp_path / "r")
-    assert done.returncode == 0, done.stderr
-    r = json.loads((tmp_path / "r/summary.json").read_text())["results"]
+    r = solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=6", "contact.friction=0.63", *keys,
+               "output.vtu=none").summary["results"]
     assert r["iterations"] <= 60 and r["cut_backs"] == 0 and abs(r["torque_balance_nm"]) < 1e-8

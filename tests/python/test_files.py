@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, call
 
-CD14 = ROOT / "data/cd14.nml"
 WORDS = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=1", "load.torque_steps=1"]
 SURFACE = ["surface.nx=32", "surface.ny=24", "surface.ridges=3"]
 FILL = [sys.executable, "-m", "hdengine"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
+from conftest import ROOT, SMALL, call, solved
 from hdengine import _engine
 from hdengine.prediction.choice import STEEP, TRUST, scatter_of
 
@@ -133,9 +133,7 @@ def test_planned_scene(exe, tmp_path, table):
     keys = ["run.tolerance=0.3", "solver.kinematics=linear", "joint.model=auto", *FEW, table]
     plan = call(exe, GROUND, *keys, "--plan")
     assert plan.returncode == 0 and "\njoint boundary_elements: k_N by theory lies within" in "\n" + plan.stdout
-    done = call(exe, GROUND, *keys, "output.vtu=none", "--out", tmp_path / "o")
-    assert done.returncode == 0, done.stderr
-    found = json.loads((tmp_path / "o/summary.json").read_text())
+    found = solved(exe, tmp_path / "o", GROUND, *keys, "output.vtu=none").summary
     assert [r for r in found["plan"]["reasons"] if r.startswith("joint boundary_elements: k_N by theory lies within")]
     assert found["joint"]["model"] == "boundary_elements"
     told = _engine.call_text("scene_text", str(GROUND), "\n".join(keys), 1)

@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
+from conftest import CD14, SMALL, call, solve_small
 
-CD14 = ROOT / "data/cd14.nml"
 LAW = ["contact.law=joint", "output.vtu=none"]
 
 
 def solve(exe, folder, *keys):
-    done = call(exe, CD14, *SMALL, *LAW, *keys, "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
-    return hdengine.load(folder)
+    return solve_small(exe, folder, *LAW, *keys)
 
 
 @pytest.mark.parametrize("keys", [[], ["load.support=bearing", "load.torque=3"],

@@ -4,15 +4,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
-
-CD14 = ROOT / "data/cd14.nml"
-
-
-def solve(exe, folder, *keys):
-    done = call(exe, CD14, *SMALL, *keys, "output.vtu=none", "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
-    return hdengine.load(folder)
+from conftest import CD14, ROOT, SMALL, call, solve_small, solved
 
 
 def test_small_displacements_are_the_limit(exe, tmp_path):
@@ -21,7 +13,7 @@ def test_small_displacements_are_the_limit(exe, tmp_path):
     for scale in (1, 0.01):
         keys = [f"wave_generator.w={2e-4 * scale}", f"wave_generator.interference={1e-5 * scale}", "load.torque_steps=0",
                 "wave_generator.cam=cosine"]
-        a, b = (solve(exe, tmp_path / f"{k}{scale}", *keys, f"solver.kinematics={k}") for k in ("linear", "nonlinear"))
+        a, b = (solve_small(exe, tmp_path / f"{k}{scale}", *keys, f"solver.kinematics={k}") for k in ("linear", "nonlinear"))
         difference.append(abs(b.steps["normal_force_n"][-1] / a.steps["normal_force_n"][-1] - 1))
     assert difference[0] > 0.005 and difference[1] < difference[0] / 50
 
@@ -29,7 +21,7 @@ def test_small_displacements_are_the_limit(exe, tmp_path):
 def test_newton_is_quadratic_and_moments_balance(exe, tmp_path):
     """Consistent tangent: between given pairs the last iterate squares the residual (factor as in test_joint_law); moments balance to a
     thousandth of the torque."""
-    r = solve(exe, tmp_path / "q", "solver.kinematics=nonlinear", "solver.factors=exact")
+    r = solve_small(exe, tmp_path / "q", "solver.kinematics=nonlinear", "solver.factors=exact")
     h = r.history
     rounds = np.cumsum(np.diff(h["iteration"], prepend=0) < 1)
     for k in np.unique(rounds):
@@ -55,10 +47,8 @@ def test_deformed_faces_touch(exe, tmp_path, shear):
     """The flexspline's bore, a smooth curve through its deformed nodes, lies on the deformed nodes of the ring: inside it by less than
     30 nm, and on it where they press. Points that press where they were paired at rest would be up to 0.5 um inside."""
     meshio = pytest.importorskip("meshio")
-    done = call(exe, ROOT / "data/peer_hub.nml", "mesh.divisions=48", "mesh.wall_elements=6", "mesh.bottom_elements=6", "load.assembly_steps=2",
-                f"load.torque_steps={int(shear > 0)}", f"contact.friction={shear}", "solver.kinematics=nonlinear", "output.vtu=last",
-                "--out", tmp_path / "t", "-q")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "t", ROOT / "data/peer_hub.nml", "mesh.divisions=48", "mesh.wall_elements=6", "mesh.bottom_elements=6",
+           "load.assembly_steps=2", f"load.torque_steps={int(shear > 0)}", f"contact.friction={shear}", "solver.kinematics=nonlinear", "output.vtu=last")
     grid = meshio.read(sorted((tmp_path / "t").glob("bodies_*.vtu"))[-1])
     ring, cup = rows_of(grid, 1), rows_of(grid, 2)
     gaps = []
@@ -108,7 +98,7 @@ def test_formed_faces_follow_too(exe, tmp_path):
     keys = ["geometry.wall_thickness=9.24e-4", "geometry.rim_thickness=1.05e-3", "geometry.ring_thickness=1.42e-4", "wave_generator.w=2.18e-4",
             "wave_generator.eccentricity=2.1e-5", "wave_generator.eccentricity_angle_deg=17.9", "wave_generator.interference=4.76e-5",
             "contact.friction=0", "load.torque=-2.2"]
-    r = solve(exe, tmp_path / "f", *keys, "wave_generator.shape=as_formed", "solver.kinematics=nonlinear")
+    r = solve_small(exe, tmp_path / "f", *keys, "wave_generator.shape=as_formed", "solver.kinematics=nonlinear")
     torque, balance = r.steps["torque_nm"], r.steps["torque_balance_nm"]
     assert np.abs(balance).max() < 1e-3 * np.abs(torque).max()
 
@@ -120,7 +110,7 @@ def test_tangent_does_not_depend_on_the_residual(exe, tmp_path):
             "wave_generator.w=2.7e-4", "wave_generator.interference=2.9e-5", "wave_generator.eccentricity=5e-7", "contact.friction=0.177",
             "contact.law=joint", "load.support=hub", "load.torque=10.5", "load.torque_steps=1", "solver.kinematics=nonlinear",
             "mesh.divisions=32", "mesh.edge_length=2e-4", "mesh.through_wall=2", "mesh.through_ring=2"]
-    loose, tight = (solve(exe, tmp_path / t, *keys, f"solver.tolerance={t}").steps["k_ts_bonded_nm_per_rad"][-1] for t in ("1e-3", "1e-6"))
+    loose, tight = (solve_small(exe, tmp_path / t, *keys, f"solver.tolerance={t}").steps["k_ts_bonded_nm_per_rad"][-1] for t in ("1e-3", "1e-6"))
     assert abs(loose / tight - 1) < 0.02
 
 

@@ -3,9 +3,7 @@
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
-
-CD14 = ROOT / "data/cd14.nml"
+from conftest import CD14, ROOT, SMALL, call
 
 
 def solve(exe, folder, *keys, scene=CD14):

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whole drives whose bearing is free in the cup: random ones that were hard, and what makes hysteresis (bench/random_runs.py)."""
-import json
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from conftest import ROOT, call
+from conftest import ROOT, solved
 from hdengine.results import read_csv
 
 sys.path.insert(0, str(ROOT / "bench"))
@@ -19,9 +18,7 @@ SMALL = ["mesh.divisions=32", "mesh.band_facets=5", "load.torque_steps=6", "outp
 
 def loop(exe, folder, *keys):
     """Results of a small loop of size 20."""
-    done = call(exe, ROOT / "data/drive20.nml", *SMALL, *keys, "--out", folder, "--force", "-q")
-    assert done.returncode == 0, done.stderr
-    return json.loads((folder / "summary.json").read_text())["results"]
+    return solved(exe, folder, ROOT / "data/drive20.nml", *SMALL, *keys).summary["results"]
 
 
 @pytest.mark.parametrize(("seed", "drive", "iterations"), [(1, 12, 1200), (1, 3, 740), (57, 80, 200)])

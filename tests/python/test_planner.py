@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, call, solved
 
-CD14 = ROOT / "data/cd14.nml"
 NARROW = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "output.vtu=none"]  # few facets round the axis
 PROMISED = ("k_ts_bonded_nm_per_rad", "rotation_rad", "normal_force_n", "pressure_mid_mean_pa", "pressure_mid_max_pa",
             "k_ts_tangent_steps_nm_per_rad", "pressure_field_pa")
@@ -101,8 +100,7 @@ def test_patches_are_those_of_the_table_of_facets(whole):
 def test_what_does_not_settle_is_left_out(exe, tmp_path):
     """K_TS after the assembly, where few points stick, at a tolerance below its estimated error: not promised, with the reason;
     that of the last step is."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear")
     s, reasons = planned(tmp_path / "p")
     assert s["plan"]["met"] == "yes" and "not promised: K_TS of all steps where its estimated error is up to 1" in reasons
     k, error, _ = hdengine.load(tmp_path / "p").limits["k_ts_tangent_steps_nm_per_rad"]
@@ -111,9 +109,7 @@ def test_what_does_not_settle_is_left_out(exe, tmp_path):
 
 def test_k_fts_is_promised_against_the_teeth(exe, tmp_path):
     """A bonded ring has no K_TS: the limit of torque over rotation is promised, known as well as that of the rotation."""
-    done = call(exe, ROOT / "data/teeth.nml", *NARROW, "run.tolerance=0.2", "load.torque_steps=1", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
-    found = hdengine.load(tmp_path / "p")
+    found = solved(exe, tmp_path / "p", ROOT / "data/teeth.nml", *NARROW, "run.tolerance=0.2", "load.torque_steps=1")
     assert list(found.limits) == ["rotation_rad", "k_fe_secant_nm_per_rad"] == found.summary["model_error"]["tolerance_covers"]
     k, error, over = found.limits["k_fe_secant_nm_per_rad"]
     assert k * over == pytest.approx(found.secant_stiffness()[-1], rel=1e-9) and error < 0.2
@@ -121,9 +117,8 @@ def test_k_fts_is_promised_against_the_teeth(exe, tmp_path):
 
 def test_a_finer_mesh_that_does_not_converge_ends_the_plan(exe, tmp_path):
     """Eighteen iterations from rest do for 16 rows, not for finer ones: the mesh before is run, and the run says that the tolerance is not met."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.01", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=18",
-                "solver.max_cuts=0", "load.torque=1", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *NARROW, "run.tolerance=0.01", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=18",
+           "solver.max_cuts=0", "load.torque=1")
     s, reasons = planned(tmp_path / "p")
     assert "the next mesh does not converge: this one is run" in reasons.splitlines()
     assert s["status"] == "complete" and s["plan"]["met"] == "no" and s["plan"]["level"] == 5
@@ -133,8 +128,7 @@ def test_a_finer_mesh_that_does_not_converge_ends_the_plan(exe, tmp_path):
 
 def test_too_little_memory_ends_the_plan(exe, tmp_path):
     """The mesh that fits is run; the reason names the mesh that does not, what it needs and the limit."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.01", "load.torque=1", "mesh.memory_limit_mb=30", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *NARROW, "run.tolerance=0.01", "load.torque=1", "mesh.memory_limit_mb=30")
     s, reasons = planned(tmp_path / "p")
     told = re.search(r"no finer mesh: \d+ x \d+ facets need about (\d+) MB, the limit is 30 MB \(mesh.memory_limit_mb\)", reasons)
     assert told and int(told[1]) >= 30 and s["plan"]["met"] == "no"
@@ -229,9 +223,8 @@ def test_an_unplanned_run_is_not_resumed_with_a_plan(exe, small_run):
 def test_linear_where_that_is_enough(exe, tmp_path):
     """No word on kinematics: small displacements at w = 20 um, where large ones change 0.2 %; no mirror plane that a shift of
     1 nm takes away."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "wave_generator.w=2e-5", "wave_generator.eccentricity=1e-9",
-                "wave_generator.eccentricity_angle_deg=30", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *NARROW, "run.tolerance=0.3", "wave_generator.w=2e-5", "wave_generator.eccentricity=1e-9",
+           "wave_generator.eccentricity_angle_deg=30")
     s, reasons = planned(tmp_path / "p")
     assert "kinematics linear: large displacements change" in reasons and s["scene"]["solver.kinematics"] == "linear"
     assert s["model"]["symmetry_assembly"] == "full" == s["model"]["symmetry_torque"]
@@ -241,8 +234,7 @@ def test_large_displacements_correct_limits(exe, tmp_path):
     """W = 0.3 mm at tolerance 0.03: what large displacements change on the mesh of 8 rows is the ratio of the limits to those of small
     ones, two meshes agree on it, and the run stays linear."""
     keys = [*NARROW, "run.tolerance=0.03", "run.wanted=rotation normal_force", "wave_generator.w=3e-4", "load.torque=1"]
-    done = call(exe, CD14, *keys, "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *keys)
     s, reasons = planned(tmp_path / "p")
     assert s["scene"]["solver.kinematics"] == "linear" and "a correction known to" in reasons, reasons
     table = list(csv.DictReader((tmp_path / "p/plan.csv").open()))
@@ -268,9 +260,8 @@ def test_layers_correct_limits_below_three_per_cent(exe, tmp_path):
     mesh = [f"{k}={v}" for k, v in s["scene"].items() if k.startswith(("mesh.divisions", "mesh.band_facets", "mesh.edge_length", "load.assembly_steps", "load.torque"))]
     rotation = {}
     for layers in (2, 4):
-        done = call(exe, CD14, *NARROW, *mesh, f"mesh.through_wall={layers}", f"mesh.through_ring={layers}", "--out", tmp_path / str(layers))
-        assert done.returncode == 0, done.stderr
-        rotation[layers] = hdengine.load(tmp_path / str(layers)).summary["results"]["rotation_rad"]
+        rotation[layers] = solved(exe, tmp_path / str(layers), CD14, *NARROW, *mesh, f"mesh.through_wall={layers}",
+                                  f"mesh.through_ring={layers}").summary["results"]["rotation_rad"]
     table = list(csv.DictReader((tmp_path / "p/plan.csv").open()))
     two, four = (next(row for row in table if "x8_" in row["mesh"] and f"layers_{n}_{n}" in row["mesh"] and "steps_1_1_" in row["mesh"]) for n in (2, 4))
     gain = float(four["rotation_rad"]) / float(two["rotation_rad"])
@@ -300,9 +291,8 @@ def test_without_a_tolerance_kinematics_stay_linear(small_run):
 
 def test_where_coarse_runs_end_early_nothing_is_promised(exe, tmp_path):
     """From rest and with few iterations the planner's coarse runs do not converge: the scene is run as it stands, nothing is promised."""
-    done = call(exe, CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=8",
-                "solver.max_cuts=0", "contact.friction=0.05", "mesh.divisions=40", "mesh.band_facets=8", "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *NARROW, "run.tolerance=0.1", "solver.kinematics=linear", "solver.start=rest", "solver.max_iterations=8",
+           "solver.max_cuts=0", "contact.friction=0.05", "mesh.divisions=40", "mesh.band_facets=8")
     s, reasons = planned(tmp_path / "p")
     assert "a coarse run ended early: the scene is run as it stands" in reasons
     assert s["status"] == "complete" and s["plan"]["met"] == "no" and s["scene"]["mesh.band_facets"] == 8
@@ -317,8 +307,7 @@ def test_cost_of_large_displacements_is_foretold(exe, tmp_path):
     plan = call(exe, "--plan", CD14, *keys)
     assert "kinematics nonlinear" in plan.stdout, plan.stderr
     start = int(re.search(r"^ +(\d+) .*<- start", plan.stdout, re.M)[1])
-    done = call(exe, CD14, *keys, "--out", tmp_path / "p")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "p", CD14, *keys)
     s, reasons = planned(tmp_path / "p")
     assert s["scene"]["solver.kinematics"] == "nonlinear" and "kinematics nonlinear" in reasons
     level = s["plan"]["level"]
@@ -333,8 +322,7 @@ def test_a_planned_drive_turns_from_the_command_line_and_from_python(exe, tmp_pa
     """A plan chooses the mesh of a drive whose wave generator turns afterwards: both ways in write turning.csv, byte for byte."""
     words = ["run.tolerance=0.3", "loop.torques=2", "load.torque_steps=1", "bearing.model=given", "solver.kinematics=linear",
              "output.vtu=none", "turning.positions=2"]
-    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *words, "--out", tmp_path / "app")
-    assert done.returncode == 0, done.stderr
+    solved(exe, tmp_path / "app", ROOT / "tests/cases/pressed_drive.nml", *words)
     hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "python", **dict(w.split("=") for w in words))
     app, python = ((tmp_path / x / "turning.csv").read_bytes() for x in ("app", "python"))
     assert app == python and len(app.splitlines()) == 3

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, call, solved
 from hdengine import Joint
 
-CD14 = ROOT / "data/cd14.nml"
 SMALL = {"mesh__divisions": 32, "mesh__band_facets": 6}
 TANGENT, SECANT, OVER = "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad"
 
@@ -87,9 +86,7 @@ def test_a_joint_without_stiffness_is_refused_with_the_way_out(exe, tmp_path):
     assert done.returncode == 2 and "K_N = K_T = 0" in done.stderr and "plastic_spots" in done.stderr
     assert not (tmp_path / "a/summary.json").exists()
     for i, way in enumerate(("joint.plastic_spots=elastic", "joint.s_min=6e-13", "joint.asperity_radius=20e-6")):
-        done = call(exe, CD14, *words, way, "--out", tmp_path / str(i))
-        assert done.returncode == 0, done.stderr
-        found = json.loads((tmp_path / str(i) / "summary.json").read_text())["results"]
+        found = solved(exe, tmp_path / str(i), CD14, *words, way).summary["results"]
         assert found["k_ts_nm_per_rad"] > 1e5 and found[TANGENT] > 1e5
 
 

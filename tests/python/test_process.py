@@ -16,10 +16,9 @@ from pathlib import Path
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, call
 from hdengine.studies.study import Study, StudyResult
 
-CD14 = ROOT / "data/cd14.nml"
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
 FREE = {k: v for k, v in os.environ.items() if k not in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_WAIT_POLICY", "OPENBLAS_CORETYPE")}
 LONG = ["mesh.divisions=160", "mesh.band_facets=24", "load.assembly_steps=40", "load.torque_steps=40"]  # minutes

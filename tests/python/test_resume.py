@@ -12,9 +12,8 @@ import time
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import CD14, ROOT, call
 
-CD14 = ROOT / "data/cd14.nml"
 SMALL = {"mesh__divisions": 20, "mesh__band_facets": 4}
 WORDS = ["mesh.divisions=20", "mesh.band_facets=4"]
 

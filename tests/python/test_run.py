@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
+from conftest import CD14, ROOT, SMALL, call, solve_small
 from hdengine import _engine
-
-CD14 = ROOT / "data/cd14.nml"
 
 
 def summary(folder):
@@ -55,9 +53,7 @@ def test_two_lobes_are_equal(small_run):
 def test_eccentricity_loads_one_lobe_more(exe, tmp_path):
     """10 um towards theta = 0 raise the force there and lower it opposite; K_TS stays positive."""
     out = tmp_path / "e.out"
-    done = call(exe, CD14, *SMALL, "wave_generator.eccentricity=10e-6", "load.torque_steps=0", "--out", out, "-q")
-    assert done.returncode == 0, done.stderr
-    r = hdengine.load(out)
+    r = solve_small(exe, out, "wave_generator.eccentricity=10e-6", "load.torque_steps=0")
     force = (r.contact["pressure_pa"] * r.contact["area_m2"])[-1]
     side = np.cos(r.contact["theta_rad"][-1])
     assert force[side > 0.7].sum() > 1.05 * force[side < -0.7].sum()
@@ -156,10 +152,7 @@ def test_condensation_changes_nothing(exe, tmp_path, keys):
     results = []
     for method in ("condensed", "newton"):
         order = [f"solver.method={method}", *keys] if method == "condensed" else [*keys, "solver.method=newton", "solver.factors=exact"]
-        done = call(exe, CD14, *SMALL, *order, "solver.tolerance=3e-11", "--out",
-                    tmp_path / method, "-q")
-        assert done.returncode == 0, done.stderr
-        results.append(hdengine.load(tmp_path / method))
+        results.append(solve_small(exe, tmp_path / method, *order, "solver.tolerance=3e-11"))
     a, b = (r.contact for r in results)
     for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
         np.testing.assert_allclose(a[name], b[name], rtol=0, atol=1e-9 * b["pressure_pa"].max())
@@ -171,10 +164,7 @@ def test_symmetry_changes_nothing(exe, tmp_path):
     """Quarter, half and whole face give the same tractions to 1e-9 of the peak, in assembly and torque steps."""
     results = {}
     for symmetry in ("full", "half", "quarter"):
-        done = call(exe, CD14, *SMALL, f"solver.symmetry={symmetry}", "solver.tolerance=3e-11", "--out",
-                    tmp_path / symmetry, "-q")
-        assert done.returncode == 0, done.stderr
-        results[symmetry] = hdengine.load(tmp_path / symmetry)
+        results[symmetry] = solve_small(exe, tmp_path / symmetry, f"solver.symmetry={symmetry}", "solver.tolerance=3e-11")
         assert results[symmetry].summary["model"]["symmetry_assembly"] == symmetry
     for symmetry in ("half", "quarter"):
         for name in ("pressure_pa", "traction_theta_pa", "traction_z_pa"):
@@ -195,9 +185,7 @@ def test_symmetry_changes_nothing(exe, tmp_path):
 ], ids=lambda k: "-".join(k) if isinstance(k, list) else k)
 def test_no_symmetry_is_used_that_the_scene_lacks(exe, tmp_path, keys, assembly, torque):
     """A perturbation of 1 nm or one cell more takes away exactly the symmetry that it breaks; torque takes the mirrors."""
-    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", "--out", tmp_path / "s", "-q")
-    assert done.returncode == 0, done.stderr
-    model = summary(tmp_path / "s")["model"]
+    model = solve_small(exe, tmp_path / "s", *keys, "load.torque_steps=1").summary["model"]
     assert (model["symmetry_assembly"], model["symmetry_torque"]) == (assembly, torque)
 
 
@@ -300,8 +288,7 @@ def test_runs_in_threads_do_not_disturb_each_other():
 
 def test_scale_of_the_iteration_does_not_matter(exe, small_run, tmp_path):
     """The rotation does not depend on numerical parameters: a hundred times stricter tolerance changes it by < 1e-6."""
-    done = call(exe, CD14, *SMALL, "solver.tolerance=1e-10", "--out", tmp_path / "s.out", "-q")
-    assert done.returncode == 0, done.stderr
+    solve_small(exe, tmp_path / "s.out", "solver.tolerance=1e-10")
     a, b = (summary(f)["results"]["rotation_rad"] for f in (small_run, tmp_path / "s.out"))
     assert a == pytest.approx(b, rel=1e-6)
 
@@ -320,17 +307,13 @@ def test_quadratic_elements_agree_with_refined_linear_ones(exe, tmp_path):
     keys = {"hex20r": ["mesh.divisions=24", "mesh.band_facets=4"], "hex8i": ["mesh.divisions=72", "mesh.band_facets=12"]}
     results = []
     for element, mesh in keys.items():
-        done = call(exe, CD14, *SMALL, *mesh, f"mesh.element={element}", "--out", tmp_path / element, "-q")
-        assert done.returncode == 0, done.stderr
-        results.append(summary(tmp_path / element)["results"])
+        results.append(solve_small(exe, tmp_path / element, *mesh, f"mesh.element={element}").summary["results"])
     assert results[0]["normal_force_n"] == pytest.approx(results[1]["normal_force_n"], rel=0.05)
 
 
 def test_meshes_that_do_not_match(exe, small_run, tmp_path):
     """A ring of 20 divisions in a cup of 24: converged, pressure integrates to the reaction to 0.1 %."""
-    done = call(exe, CD14, *SMALL, "mesh.ring_divisions=20", "solver.method=newton", "solver.factors=exact", "--out", tmp_path / "n.out", "-q")
-    assert done.returncode == 0, done.stderr
-    s = summary(tmp_path / "n.out")
+    s = solve_small(exe, tmp_path / "n.out", "mesh.ring_divisions=20", "solver.method=newton", "solver.factors=exact").summary
     assert s["model"]["ordering_used"] == s["model"]["ordering_asked"] == "METIS (PERM_IN)"
     assert s["provenance"]["mumps"].startswith("5.")
     r = s["results"]

@@ -3,15 +3,14 @@
 import meshio
 import numpy as np
 import pytest
-from test_kinematics import CD14, solve
 
 import hdengine
-from conftest import SMALL, call
+from conftest import CD14, SMALL, call, solve_small
 
 
 @pytest.fixture(scope="module")
 def teeth(exe, tmp_path_factory):
-    return solve(exe, tmp_path_factory.mktemp("teeth") / "t.out", "load.torque_load=teeth", "load.torque=20",
+    return solve_small(exe, tmp_path_factory.mktemp("teeth") / "t.out", "load.torque_load=teeth", "load.torque=20",
                  "mesh.divisions=40")
 
 
@@ -23,7 +22,7 @@ def test_tooth_forces_balance(teeth):
 
 def test_teeth_press_on_the_lobes(exe, teeth, tmp_path):
     """The radial part, T tan(20 deg) / r, goes into the lobes: 50 to 100 % of it is seen there; without it nearly nothing."""
-    none = solve(exe, tmp_path / "z.out", "load.torque_load=teeth", "load.torque=20", "load.pressure_angle_deg=0",
+    none = solve_small(exe, tmp_path / "z.out", "load.torque_load=teeth", "load.torque=20", "load.pressure_angle_deg=0",
                  "mesh.divisions=40")
     radial = 20 / 17.927e-3 * np.tan(np.radians(20))
     gain = [r.steps["lobe_force_x_n"][-1] - r.steps["lobe_force_x_n"][0] for r in (teeth, none)]
@@ -38,7 +37,7 @@ def test_teeth_keep_the_two_lobes_equal(teeth):
 
 def test_formed_bodies_are_free_of_stress(exe, tmp_path):
     """Formed to the ellipse without interference there is no pressure, and the facets lie on the ellipse."""
-    r = solve(exe, tmp_path / "f.out", "wave_generator.shape=as_formed", "wave_generator.interference=0", "load.torque_steps=0",
+    r = solve_small(exe, tmp_path / "f.out", "wave_generator.shape=as_formed", "wave_generator.interference=0", "load.torque_steps=0",
               "mesh.divisions=48")
     assert r.contact["pressure_pa"].max() == 0
     x, y = r.contact["x_m"][-1], r.contact["y_m"][-1]
@@ -48,10 +47,9 @@ def test_formed_bodies_are_free_of_stress(exe, tmp_path):
 
 def test_the_formed_shape_fades_to_the_bottom(exe, tmp_path):
     """Behind the band the shape of a formed cup, 2 w from short to long axis, falls in proportion to what is left of the way to the bottom."""
-    done = call(exe, CD14, *SMALL, "wave_generator.shape=as_formed", "wave_generator.interference=0", "load.torque_steps=0", "mesh.wall_elements=6",
-                "--out", tmp_path / "f", "-q")
-    assert done.returncode == 0, done.stderr
-    grid, scene = meshio.read(next((tmp_path / "f").glob("bodies_*.vtu"))), hdengine.load(tmp_path / "f").scene
+    scene = solve_small(exe, tmp_path / "f", "wave_generator.shape=as_formed", "wave_generator.interference=0", "load.torque_steps=0",
+                        "mesh.wall_elements=6").scene
+    grid = meshio.read(next((tmp_path / "f").glob("bodies_*.vtu")))
     x, y, z = grid.points[np.unique(grid.cells[0].data[np.ravel(grid.cell_data["body"][0]) == 2])].T
     end, corner = scene["geometry.band_start"] + scene["geometry.band_length"], scene["geometry.cup_length"] - scene["geometry.bottom_thickness"]
     heights = [h for h in np.unique(z.round(7)) if end < h < corner]
@@ -62,7 +60,7 @@ def test_the_formed_shape_fades_to_the_bottom(exe, tmp_path):
 
 def test_formed_cup_holds_by_its_shape(exe, tmp_path):
     """Frictionless and formed, ring and cup interlock: pressure alone carries part of the torque; moments balance."""
-    r = solve(exe, tmp_path / "l.out", "wave_generator.shape=as_formed", "contact.mode=frictionless")
+    r = solve_small(exe, tmp_path / "l.out", "wave_generator.shape=as_formed", "contact.mode=frictionless")
     s = r.steps
     assert abs(s["friction_torque_nm"][-1]) > 1e-4 and abs(s["torque_balance_nm"][-1]) < 1e-8 * 5
 
@@ -70,15 +68,15 @@ def test_formed_cup_holds_by_its_shape(exe, tmp_path):
 def test_round_limit_of_the_formed_scene(exe, tmp_path):
     """With w = 0 pressed and as_formed are one scene: equal pressure and rotation to 1e-7."""
     keys = ["wave_generator.w=0", "solver.tolerance=1e-10"]
-    a = solve(exe, tmp_path / "a.out", *keys)
-    b = solve(exe, tmp_path / "b.out", *keys, "wave_generator.shape=as_formed")
+    a = solve_small(exe, tmp_path / "a.out", *keys)
+    b = solve_small(exe, tmp_path / "b.out", *keys, "wave_generator.shape=as_formed")
     np.testing.assert_allclose(a.contact["pressure_pa"], b.contact["pressure_pa"], atol=1e-7 * a.contact["pressure_pa"].max())
     assert a.steps["rotation_rad"][-1] == pytest.approx(b.steps["rotation_rad"][-1], rel=1e-6)
 
 
 def test_cone_moves_the_load_along_the_band(exe, small_run, tmp_path):
     """A cam that tapers as the flexspline cones lowers the force and takes pressure off the rear edge."""
-    r = solve(exe, tmp_path / "c.out", "wave_generator.cone_angle_deg=0.5")
+    r = solve_small(exe, tmp_path / "c.out", "wave_generator.cone_angle_deg=0.5")
     flat = hdengine.load(small_run)
     rows = [x.contact["pressure_pa"][-1].reshape(x.shape).sum(0) for x in (r, flat)]
     assert r.steps["normal_force_n"][-1] < flat.steps["normal_force_n"][-1]
@@ -87,13 +85,13 @@ def test_cone_moves_the_load_along_the_band(exe, small_run, tmp_path):
 
 def test_free_ring_is_held_softly(exe, tmp_path):
     """A ring that slides on the cam is held by soft springs: the scene converges; with a bearing support nothing takes the torque."""
-    solve(exe, tmp_path / "r.out", "wave_generator.ring_tangent=free", "contact.friction=0.5")
+    solve_small(exe, tmp_path / "r.out", "wave_generator.ring_tangent=free", "contact.friction=0.5")
     done = call(exe, CD14, *SMALL, "wave_generator.ring_tangent=free", "load.support=bearing", "--out", tmp_path / "x", "-q")
     assert done.returncode == 2 and "nothing takes the torque" in done.stderr
 
 
 def test_rim_ends_between_rows(exe, tmp_path):
     """The loaded rim ends where the scene says, not at a row of nodes: 7, 10 and 16 rows give one rotation of the whole cup to 1.5 %."""
-    rotation = [solve(exe, tmp_path / f"{rows}.out", f"mesh.band_facets={rows}", "wave_generator.ring_tangent=free")
+    rotation = [solve_small(exe, tmp_path / f"{rows}.out", f"mesh.band_facets={rows}", "wave_generator.ring_tangent=free")
                 .steps["rotation_rad"][-1] for rows in (7, 10, 16)]
     assert max(rotation) < 1.015 * min(rotation)  # the mesh itself: 1.2 %

@@ -5,9 +5,7 @@ import csv
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
-
-CD14 = ROOT / "data/cd14.nml"
+from conftest import CD14, SMALL, call
 
 
 def solve(exe, folder, *keys):

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call
+from conftest import CD14, ROOT, SMALL, call, solve_small, solved
 
-CD14 = ROOT / "data/cd14.nml"
 LARGE = ["solver.kinematics=nonlinear"]
 FORMED = ["wave_generator.shape=as_formed", "wave_generator.interference=5e-6"]
 
@@ -19,9 +18,7 @@ FORMED = ["wave_generator.shape=as_formed", "wave_generator.interference=5e-6"]
 def solve(exe, folder, *keys):
     """A small scene solved to 3e-11; with large displacements to 1e-9, as below that GMRES meets rounding and gives way to exact factors."""
     tolerance = "solver.tolerance=1e-9" if LARGE[0] in keys else "solver.tolerance=3e-11"
-    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=1", tolerance, "--out", folder, "-q")
-    assert done.returncode == 0, done.stderr
-    return hdengine.load(folder)
+    return solve_small(exe, folder, *keys, "load.torque_steps=1", tolerance)
 
 
 def assert_same(a, b, within=1e-9):
@@ -43,20 +40,15 @@ def test_factors_change_nothing(exe, tmp_path, keys):
 def test_round_bodies_take_few_steps(exe, tmp_path):
     """GMRES around the round bodies where these take GMRES too: 7 or 8 steps a correction of a formed shape, twice as many around
     faces that are solved to a hundredth only."""
-    done = call(exe, ROOT / "data/peer_hub.nml", "mesh.divisions=80", "mesh.band_facets=6", "mesh.wall_elements=13", "mesh.bottom_elements=13",
-                *FORMED, "solver.method=newton", "solver.factors=harmonic", "load.assembly_steps=1", "load.torque_steps=1", "--out",
-                tmp_path / "r", "-q")
-    assert done.returncode == 0, done.stderr
-    summary = hdengine.load(tmp_path / "r").summary
+    summary = solved(exe, tmp_path / "r", ROOT / "data/peer_hub.nml", "mesh.divisions=80", "mesh.band_facets=6", "mesh.wall_elements=13",
+                     "mesh.bottom_elements=13", *FORMED, "solver.method=newton", "solver.factors=harmonic", "load.assembly_steps=1", "load.torque_steps=1").summary
     assert summary["model"]["inner_iterations"] < 10 * summary["results"]["iterations"]
 
 
 def test_large_displacements_take_few_steps(exe, tmp_path):
     """GMRES around the round bodies turned with the walls: 5.2 steps a correction, 7.0 around bodies that stay as at rest; and no exact
     factors."""
-    done = call(exe, CD14, "mesh.divisions=60", "wave_generator.w=4e-4", *LARGE, "output.vtu=none", "--out", tmp_path / "r", "-q")
-    assert done.returncode == 0, done.stderr
-    summary = hdengine.load(tmp_path / "r").summary
+    summary = solved(exe, tmp_path / "r", CD14, "mesh.divisions=60", "wave_generator.w=4e-4", *LARGE, "output.vtu=none").summary
     assert 0 < summary["model"]["inner_iterations"] < 6 * summary["results"]["iterations"]
     assert "GMRES" in summary["model"]["solver"]
 
@@ -64,11 +56,8 @@ def test_large_displacements_take_few_steps(exe, tmp_path):
 def test_slip_at_short_cells_takes_few_steps(exe, tmp_path):
     """GMRES on the face where it slips under torque and cells at the edges are short: 43 steps a correction, 88 around the inverse of
     the compliance alone."""
-    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=128", "mesh.band_facets=16", "mesh.edge_length=1e-5", "load.torque=9.3",
-                "geometry.wall_thickness=0.315e-3", "load.assembly_steps=1", "load.torque_steps=1", "solver.method=condensed",
-                "wave_generator.ring_tangent=follow", "--out", tmp_path / "r", "-q")
-    assert done.returncode == 0, done.stderr
-    summary = hdengine.load(tmp_path / "r").summary
+    summary = solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", "mesh.divisions=128", "mesh.band_facets=16", "mesh.edge_length=1e-5",
+                     "load.torque=9.3", "geometry.wall_thickness=0.315e-3", "load.assembly_steps=1", "load.torque_steps=1", "solver.method=condensed", "wave_generator.ring_tangent=follow").summary
     assert 0 < summary["model"]["inner_iterations"] < 60 * summary["results"]["iterations"]
 
 
@@ -102,9 +91,7 @@ NAMES = {"condensed": "condensed by harmonics", "harmonic": "GMRES, condensed by
                                   ["solver.method=newton"]], ids=str)
 def test_the_solver_predicted_is_the_one_that_ran(exe, tmp_path, keys):
     """`predicted.solver` names the solver that ran, and MUMPS says which ordering it used: the one handed in."""
-    done = call(exe, CD14, *SMALL, *keys, "load.torque_steps=0", "--out", tmp_path / "r")
-    assert done.returncode == 0, done.stderr
-    s = json.loads((tmp_path / "r/summary.json").read_text())
+    s = solve_small(exe, tmp_path / "r", *keys, "load.torque_steps=0").summary
     assert s["model"]["solver"] == NAMES[s["predicted"]["solver"]]
     if "harmonics" not in s["model"]["solver"]:
         assert s["model"]["ordering_used"] == s["model"]["ordering_asked"] == "METIS (PERM_IN)"

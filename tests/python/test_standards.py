@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine import mesh, solid
 
 sys.path.insert(0, str(ROOT / "court"))
@@ -183,9 +183,7 @@ def test_halved_load_steps(exe, tmp_path):
     fields = []
     for factor in (1, 2):
         out = tmp_path / f"{factor}.out"
-        done = call(exe, ROOT / "data/cd14.nml", *SCENE, f"load.assembly_steps={3 * factor}", f"load.torque_steps={5 * factor}",
-                    "--out", out, "-q")
-        assert done.returncode == 0, done.stderr
+        solved(exe, out, ROOT / "data/cd14.nml", *SCENE, f"load.assembly_steps={3 * factor}", f"load.torque_steps={5 * factor}")
         fields.append(last_step(out))
     assert np.abs(fields[0] - fields[1]).max() < 5e-3 * fields[0].max()
 
@@ -222,8 +220,7 @@ def test_mirrored_eccentricity(exe, tmp_path):
     fields = []
     for angle in (0, 180):
         out = tmp_path / f"{angle}.out"
-        done = call(exe, ROOT / "data/cd14.nml", *SCENE, "contact.mode=frictionless", "wave_generator.eccentricity=10e-6",
-                    f"wave_generator.eccentricity_angle_deg={angle}", "load.torque=0", "--out", out, "-q")
-        assert done.returncode == 0, done.stderr
+        solved(exe, out, ROOT / "data/cd14.nml", *SCENE, "contact.mode=frictionless", "wave_generator.eccentricity=10e-6",
+               f"wave_generator.eccentricity_angle_deg={angle}", "load.torque=0")
         fields.append(last_step(out)[:, 0].reshape(40, 8))
     assert np.abs(fields[0] - np.roll(fields[1], 20, axis=0)).max() < 1e-8 * fields[0].max()

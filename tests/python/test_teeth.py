@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 from hdengine.catalogue import UNITS, stages
 from hdengine.figures.run import plot_teeth
 from hdengine.figures.study import plot_catalogue
@@ -17,9 +17,7 @@ MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "outpu
 
 def solve(exe, folder, *keys):
     """Steps and teeth of a small run."""
-    done = call(exe, ROOT / "data/teeth.nml", *MESH, *keys, "--out", folder, "--force", "-q")
-    assert done.returncode == 0, done.stderr
-    steps = hdengine.load(folder).steps
+    steps = solved(exe, folder, ROOT / "data/teeth.nml", *MESH, *keys).steps
     return steps[steps["torque_nm"] != 0], read_csv(folder / "teeth.csv")
 
 
@@ -134,9 +132,7 @@ def test_soft_balls_pull_with_their_stiffness(exe, tmp_path):
     """Frictionless and round, an eccentricity e on balls of 1e4 N/m together pulls the cup sideways by 1e4 e / 2, to 2 %."""
     keys = ["wave_generator.w=0", "wave_generator.eccentricity=1e-5", "wave_generator.ring_tangent=free", "contact.mode=frictionless",
             "wave_generator.ball_stiffness=1e4", "load.torque=0", "load.assembly_steps=1"]
-    done = call(exe, ROOT / "data/cd14.nml", *MESH, *keys, "--out", tmp_path / "e", "-q")
-    assert done.returncode == 0, done.stderr
-    c = {name: field[-1] for name, field in hdengine.load(tmp_path / "e").contact.items()}
+    c = {name: field[-1] for name, field in solved(exe, tmp_path / "e", ROOT / "data/cd14.nml", *MESH, *keys).contact.items()}
     assert (c["pressure_pa"] * c["area_m2"] * np.cos(c["theta_rad"])).sum() == pytest.approx(1e4 * 1e-5 / 2, rel=0.02)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, call, stopped_and_whole
+from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine.results import read_csv
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",
@@ -21,9 +21,7 @@ COLUMNS = (("loop", ("angle_rad", "stored_j", "dissipated_j", "dissipated_teeth_
 
 def solve(exe, folder, *keys):
     """Results and tables of a small drive."""
-    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", folder, "--force", "-q")
-    assert done.returncode == 0, done.stderr
-    results = json.loads((folder / "summary.json").read_text())["results"]
+    results = solved(exe, folder, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys).summary["results"]
     return {"results": results} | {name: read_csv(folder / f"{name}.csv") for name in ("loop", "balls", "teeth")}
 
 
@@ -132,8 +130,7 @@ def test_turned_drives_rub_too(exe, tmp_path):
     keys = [*MESH, RUB, "loop.torques=6,0", "load.torque_steps=2", "turning.positions=2"]
     tables = []
     for method in ("condensed", "newton"):
-        done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *keys, f"solver.method={method}", "--out", tmp_path / method, "-q")
-        assert done.returncode == 0, done.stderr
+        solved(exe, tmp_path / method, ROOT / "tests/cases/pressed_drive.nml", *keys, f"solver.method={method}")
         tables.append(read_csv(tmp_path / method / "turning.csv"))
     for column in ("turn_rad", "stiffness_nm_per_rad", "tooth_force_max_n"):
         np.testing.assert_allclose(tables[0][column], tables[1][column], rtol=1e-7)

@@ -1,17 +1,15 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The compliant interface law against closed forms of the exponential joint p = p_0 exp(x / h), k_t = 0.8 p / h.
 module test_interface
-  use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_tabulated_law, only: closure_table_t, new_closure_table, resolve_pressure, stiffness_at_pressure
   use hd_contact_law, only: contact_law_t, evaluate_law, frictional, open_state, slip_state, stick_state
   use hd_error, only: error_t
-  use hd_face, only: face_t
   use hd_kinds, only: dp
   use hd_micro_slip, only: sampled_shares
   use hd_problem, only: load_t, problem_t, state_t
   use hd_rate_law, only: asked_state, missed_work, rate_drive, rate_point_t, rate_slip, rate_stick
-  use test_contact, only: block, block_face, new_problem_of, solve
+  use hd_test_bodies, only: press_blocks, solve
   implicit none
   private
   public :: run_interface
@@ -258,35 +256,18 @@ contains
 
   !> Blocks whose meshes do not match, pressed by 80 MPa on an exponential joint, come closer by h ln(p / p_0) more than hard ones.
   subroutine pressed_blocks()
-    integer, parameter :: n1(3) = [2, 3, 4], n2(3) = [2, 5, 3]
     real(dp), parameter :: pressure = 80e6_dp
-    type(body_t) :: bodies(2)
-    type(face_t) :: slave, master, pushed
     type(problem_t) :: problem
     type(load_t) :: load
     type(state_t) :: state
     real(dp), allocatable :: x(:, :), exact(:)
-    real(dp) :: area
-    integer :: f
-    bodies(1) = block(n1, [0._dp, 0._dp, 0._dp], [1e-2_dp, 2e-2_dp, 2e-2_dp])
-    bodies(2) = block(n2, [1e-2_dp, 0._dp, 0._dp], [2e-2_dp, 2e-2_dp, 2e-2_dp])
-    slave = block_face(bodies(1), n1, 2)
-    master = block_face(bodies(2), n2, 0)
-    pushed = block_face(bodies(2), n2, 2)
-    master%nodes = master%nodes + bodies(1)%nodes()
-    pushed%nodes = pushed%nodes + bodies(1)%nodes()
-    call new_problem_of(bodies, slave, master, frictional, problem)
+    call press_blocks(pressure, .false., problem, load, x)
     problem%law%joint = exponential()
-    x = reshape([bodies(1)%x, bodies(2)%x], [3, problem%n])
-    problem%fixed = x < 1e-12_dp
-    allocate (load%force(3, problem%n), source=0._dp)
-    do f = 1, size(pushed%nodes, 2)
-      area = (pushed%chart(1, 2, f) - pushed%chart(1, 1, f))*(pushed%chart(2, 4, f) - pushed%chart(2, 1, f))
-      load%force(1, pushed%nodes(:, f)) = load%force(1, pushed%nodes(:, f)) - pressure*area/4
-    end do
     call solve(problem, spread(0._dp, 1, problem%mortar%n), load, state)
     exact = -pressure/200e9_dp*x(1, :)
-    exact(bodies(1)%nodes() + 1:) = exact(bodies(1)%nodes() + 1:) - h*log(pressure/p0)
+    associate (first => problem%bodies(1)%nodes())
+      exact(first + 1:) = exact(first + 1:) - h*log(pressure/p0)
+    end associate
     call check_close(maxval(abs(state%u(1, :) - exact))/1e-5_dp, 0._dp, 1e-10_dp, &
       'blocks pressed on an exponential joint come closer by its closure')
     call check_close(maxval(abs(state%traction(1, :) - pressure))/pressure, 0._dp, 1e-9_dp, &

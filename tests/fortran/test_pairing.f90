@@ -8,7 +8,7 @@ module test_pairing
   use hd_kinds, only: dp, pi
   use hd_mortar, only: add_nodal_forces, coupling_block, mortar_t, new_mortar, relative_displacement
   use hd_pairing, only: pair_faces, pairing_error, pairing_t
-  use test_contact, only: two_rings
+  use hd_test_bodies, only: two_rings
   implicit none
   private
   public :: run_pairing

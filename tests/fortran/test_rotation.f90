@@ -9,7 +9,7 @@ module test_rotation
   use hd_problem, only: use_lagrangian, internal_residual, load_t, new_problem, new_state, problem_t, state_t, update_tangent
   use hd_static, only: solve_static
   use hd_total_lagrangian, only: cell_response, cell_t, lanes, new_cell
-  use test_contact, only: block
+  use hd_test_bodies, only: block
   implicit none
   private
   public :: run_rotation

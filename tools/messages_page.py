@@ -29,7 +29,7 @@ ADVICE = {  # what to do, where the message says no more
     "linear_solver": "Hold the body: check `load.support` and `contact.mode`.",
     "memory": "Take a coarser mesh, or raise `mesh.memory_limit_mb`.",
     "stopped": "The same again with `--resume`."}
-WARNING_LISTS = ("lines", "plan%warnings", "run%record%warnings")
+WARNING_LISTS = ("lines", "plan%warnings", "record%warnings", "run%record%warnings")
 HEAD = """# Which warning means what: warnings and errors
 
 A **warning** does not stop a run. It stands at the end of the log, in `warnings` of `summary.json` and in the report. An **error** ends it with an exit code;

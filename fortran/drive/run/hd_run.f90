@@ -12,14 +12,14 @@ module hd_run
   use hd_gradient, only: gradient_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_up, sum_stiffness
   use hd_joint, only: joint_t, at_friction
-  use hd_joint_range, only: check_stiffness, range_warnings
+  use hd_joint_range, only: check_stiffness
   use hd_plausible, only: implausible
   use hd_model_comparison, only: compare_models
   use hd_load_path, only: place_t, operator(<), assembled, assembly_at, load_factor_at, path_end, torque_at, under_torque, at_peak
-  use hd_log, only: say, detail
+  use hd_last_words, only: judge_results
+  use hd_log, only: say
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_text, loop_t, read_loop, first_sense, book, write_loop, bottom_turn
-  use hd_loop_warnings, only: drive_warnings
+  use hd_loop, only: loop_t, first_sense, book, write_loop, bottom_turn
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
     write_teeth, write_grids, close_output
@@ -30,22 +30,19 @@ module hd_run
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_stress, only: stress_matrices_t
-  use hd_strength, only: book_stress, strength_text, strength_warnings
+  use hd_strength, only: book_stress
   use hd_summary, only: derivatives_t, record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
-  use hd_text, only: string_t, percent, push, rounded, to_text
+  use hd_text, only: string_t, push, to_text
   use hd_theory_error, only: theory_on, move_tangent
   use hd_timers, only: in_checkpoint, in_fields, in_gradient, in_newton, in_output, in_setup, &
     in_stiffness, in_stress, outside
-  use hd_tolerance_band, only: banded_values
-  use hd_twist_shares, only: twist_shares, part_names, in_contact
-  use hd_warning_list, only: numbered
+  use hd_twist_shares, only: twist_shares
   implicit none
   private
   public :: run_t, new_run, restore_run, differentiate_run, fit_run, accept, keep_checkpoint, kept_text, place_step, &
     close_run, leave_model
 
-  real(dp), parameter :: much_slip = 0.5_dp  !< share of K_TS by Eq. 45 on slipping points above which it is warned of
   real(dp), parameter :: at_largest = 1 - 1e-9_dp !< share of the largest torque from which a step has it
   real(dp), parameter :: rest = 50           !< from a checkpoint to the next, over what writing it took: 2 % of a run
 
@@ -234,30 +231,7 @@ contains
     call say(trim(line))
     if (run%scene%support%loop) call note_reference(run)
     stress = max(run%strength%flexspline, run%strength%ring)
-    if (run%writes) then
-      call write_step(run%output, run%step, run%sums, error)
-      if (run%scene%contact_table == 'all' .and. .not. allocated(error)) call write_facets(run%output, run%step, &
-        run%model%drive, run%facets, error)
-      if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
-      call run%record%timers%book(in_output)
-      if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%matrices, run%scene, &
-        run%model%drive, run%state, run%step%torque, error)
-      call run%record%timers%book(in_stress)
-      if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
-        run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
-      if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
-        .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
-        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
-      end if
-      if (.not. (allocated(error) .or. allocated(run%teeth))) then
-        call find_table_sizes(run%output, run%table_sizes, error)
-        run%table_sums = table_sums(run%output)
-        run%owed = run%mark_t
-        run%owes = .not. allocated(error)
-        call run%record%timers%book(in_output)
-        if (run%owes .and. (wall_seconds() >= run%due .or. .not. run%place < path_end(run%scene))) call keep_checkpoint(run, error)
-      end if
-    end if
+    if (run%writes) call write_tables(run, error)
     call run%record%timers%book(in_output)
     if (.not. allocated(run%gradient) .or. allocated(error)) return
     call run%gradient%book(run%step%loaded, .not. run%scene%support%loop .or. &
@@ -265,6 +239,34 @@ contains
       max(run%strength%flexspline, run%strength%ring) > stress, run%loop%fatigue)
     call run%record%timers%book(in_gradient)
   end subroutine accept
+
+  !> Enter a booked load step in all tables, with its stresses, and its state in a checkpoint when one is due.
+  subroutine write_tables(run, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(error_t), allocatable, intent(out) :: error  !< files
+    call write_step(run%output, run%step, run%sums, error)
+    if (run%scene%contact_table == 'all' .and. .not. allocated(error)) call write_facets(run%output, run%step, &
+      run%model%drive, run%facets, error)
+    if (allocated(run%teeth) .and. .not. allocated(error)) call write_teeth(run%output, run%step, run%teeth, error)
+    call run%record%timers%book(in_output)
+    if (.not. allocated(error)) call book_stress(run%strength, run%loop%fatigue, run%matrices, run%scene, &
+      run%model%drive, run%state, run%step%torque, error)
+    call run%record%timers%book(in_stress)
+    if (run%scene%support%loop .and. .not. allocated(error)) call write_loop(run%output, run%step, run%scene, &
+      run%model%drive, run%loop, run%sums%k_ts, run%sums%shares, error)
+    if (.not. allocated(error) .and. (run%scene%vtu == 'all' .or. (run%scene%vtu == 'last' .and. &
+      .not. (run%place < path_end(run%scene) .or. run%reference%known)))) then
+      call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
+    end if
+    if (.not. (allocated(error) .or. allocated(run%teeth))) then
+      call find_table_sizes(run%output, run%table_sizes, error)
+      run%table_sums = table_sums(run%output)
+      run%owed = run%mark_t
+      run%owes = .not. allocated(error)
+      call run%record%timers%book(in_output)
+      if (run%owes .and. (wall_seconds() >= run%due .or. .not. run%place < path_end(run%scene))) call keep_checkpoint(run, error)
+    end if
+  end subroutine write_tables
 
   !> Derivatives of the results of a run that is over.
   subroutine find_gradient(run)
@@ -469,7 +471,7 @@ contains
     call take_reference(run)
     call run%record%timers%book(in_fields)
     call find_gradient(run)
-    call judge_results(run)
+    call judge_results(run%scene, run%joint, run%mark_t, run%facets, run%sums, run%loop, run%record)
     call run%record%timers%book(in_fields)
     if (run%writes) then
       if ((run%scene%vtu == 'last' .and. run%reference%known) .or. (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. &
@@ -504,143 +506,4 @@ contains
     text = why//' after '//to_text(steps)//' load steps; '//trim(merge('their results are kept, --resume goes on', &
       '--resume begins with the first one      ', steps > 0))
   end function kept_text
-
-  !> Say what K_TS is, and warn where it or what it rests on leaves its range.
-  subroutine judge_results(run)
-    type(run_t), intent(inout) :: run  !< gets warnings
-    type(string_t), allocatable :: lines(:)
-    integer :: i
-    if (run%step%number == 0) return
-    if (run%strength%flexspline > 0) then
-      call strength_warnings(run%strength, run%scene, lines)
-      call warn(run, lines)
-      call say('stress    '//strength_text(run%strength, run%scene))
-    end if
-    if (run%scene%support%contact) call judge_contact(run)  ! else bonded: no joint
-    do i = 1, size(run%record%warnings)
-      call say('warning: '//numbered(run%record%warnings(i)%s))
-    end do
-  end subroutine judge_results
-
-  !> The same of the contact.
-  subroutine judge_contact(run)
-    type(run_t), intent(inout) :: run  !< gets warnings
-    type(string_t), allocatable :: lines(:)
-    call range_warnings(run%joint, maxval(run%facets%corner(1, :, :)), lines)
-    call warn(run, lines)
-    if (run%scene%support%loop) then
-      call drive_warnings(run%loop, run%scene, lines)
-      call warn(run, lines)
-    end if
-    call push_stiffness_warnings(run)
-    call judge_load_path(run)
-    if (run%scene%support%loop) then
-      call tell_drive(run)
-    else
-      call say('K_TS      '//rounded(run%sums%k_tangent)//' N m/rad, the tangent beside bonded faces')
-      call detail('          secant '//rounded(run%sums%k_secant)//', contact alone '//contact_text(run)//' N m/rad')
-    end if
-    associate (s => run%sums)
-      call detail('          Eq. 45 '//rounded(s%k_ts)//' N m/rad, as printed '//rounded(s%k_ts_paper)//' N; slipping: '// &
-        percent(s%slip_area)//' of the area, '//percent(s%slip_force)//' of the force, '//percent(s%slip_k_ts)//' of Eq. 45')
-    end associate
-  end subroutine judge_contact
-
-  !> Keep warnings for the summary.
-  subroutine warn(run, lines)
-    type(run_t), intent(inout) :: run        !< its record grows
-    type(string_t), intent(in) :: lines(:)   !< one each
-    integer :: i
-    do i = 1, size(lines)
-      call push(run%record%warnings, lines(i)%s)
-    end do
-  end subroutine warn
-
-  !> The answer of a whole drive: its readings with their band, what takes its twist at the reference step, what to quote.
-  subroutine tell_drive(run)
-    type(run_t), intent(in) :: run  !< run at its end
-    character(len=:), allocatable :: line, quote
-    type(string_t), allocatable :: keys(:)
-    real(dp), allocatable :: part(:)
-    integer :: i
-    associate (s => run%sums, band => run%record%band)
-      quote = 'variants beside each other; K1 to K3 with their band, which run.band finds'
-      if (allocated(band%input)) then
-        call say('drive     '//loop_text(run%loop, run%scene, band%bounds()))
-        call band%ranked(keys, part)
-        quote = 'K1 to K3 with these 95 % bands, made most by '//keys(1)%s//' ('//percent(part(1))//')'
-      else
-        call say('drive     '//loop_text(run%loop, run%scene))
-      end if
-      if (s%shares(1) == s%shares(1)) then  ! else no joint: none
-        line = 'twist     the contact takes '//percent(sum(s%shares(in_contact:)))//' at '//rounded(run%step%torque)//' N m:'
-        do i = in_contact, size(part_names)
-          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ';', i < size(part_names))
-        end do
-        do i = 1, in_contact - 1
-          line = line//' '//trim(part_names(i))//' '//percent(s%shares(i))//merge(',', ' ', i < in_contact - 1)
-        end do
-        call say(trim(line))
-        call detail('          K_TS '//rounded(s%k_tangent)//' N m/rad beside the bonded drive (Eq. 46), '// &
-          contact_text(run)//' of the contact alone')
-      end if
-      call say('quote     '//quote//'; no K_TS without its fit')
-      if (allocated(band%input)) call detail('band      '//band%text(banded_values(read_loop(run%loop, run%scene), s)))
-    end associate
-  end subroutine tell_drive
-
-  !> Stiffness of the contact alone, or that it has none.
-  function contact_text(run) result(text)
-    type(run_t), intent(in) :: run  !< run
-    character(len=:), allocatable :: text
-    text = 'none'
-    if (run%sums%k_contact > 0) text = rounded(run%sums%k_contact)
-  end function contact_text
-
-  !> Warnings of K_TS and of pressures.
-  subroutine push_stiffness_warnings(run)
-    type(run_t), intent(inout) :: run  !< gets warnings
-    logical :: hard                    !< the hardness is exceeded
-    associate (s => run%sums, scene => run%scene)
-      if (.not. s%normal_force > 0 .and. .not. scene%bonded()) call push(run%record%warnings, &
-        'nothing is in contact: K_TS is that of the supports alone. Raise '// &
-        'wave_generator.interference (or lower clearance) or wave_generator.w')
-      if (s%slip_k_ts > much_slip .and. .not. scene%support%loop) call push(run%record%warnings, percent(s%slip_k_ts)// &
-        ' of K_TS by Eq. 45 comes from points that slip, which Eq. 45 counts as if they held. Quote k_ts_bonded_nm_per_rad')
-      if (.not. run%certain) call push(run%record%warnings, 'the tangent K_TS is not certain: which points stick under a '// &
-        'further torque did not settle, or the linear solver did not reach its accuracy. Compare it with load.torque 1 % off')
-      hard = s%pressure_max > run%joint%asperity%hardness
-      if (hard .or. s%pressure_max > scene%yield_strength) call push(run%record%warnings, 'the peak pressure at a node, '// &
-        rounded(s%pressure_max)//' Pa, is above the '//trim(merge('hardness      ', 'yield strength', hard))//' '// &
-        to_text(merge(run%joint%asperity%hardness, scene%yield_strength, hard))//' Pa: '// &
-        'bodies are elastic here, and at the edge of the ring it grows without limit as cells shrink. Judge strength by '// &
-        'edge_line_load_n_per_m, '//rounded(s%edge_line_load)//' N/m on the last tenth of the band, which converges')
-      if (run%record%planned_tolerance > 0 .and. .not. scene%support%loop .and. .not. s%pressure_middle > 0) call push( &
-        run%record%warnings, 'the middle of the band is open: nothing is promised of its pressure. Read the normal force')
-    end associate
-  end subroutine push_stiffness_warnings
-
-  !> Say what each support carries, and warn of a wave generator that takes more of the torque than balls let it.
-  subroutine judge_load_path(run)
-    type(run_t), intent(inout) :: run  !< run
-    real(dp), parameter :: allowed = 2  !< times the torque over the ratio: losses of a real drive
-    real(dp), parameter :: unbalanced = 1e-3_dp  !< of the torque: what a reader of four digits sees
-    character(len=:), allocatable :: line
-    real(dp) :: real_one
-    if (run%step%number == 0 .or. .not. abs(run%step%torque) > 0) return
-    associate (t => run%sums%torque)
-      call say('torque    carried by the hub '//rounded(t%hub, run%step%torque)//', the wave generator '// &
-        rounded(t%wave_generator, run%step%torque)//', springs of the ring '//rounded(t%ring_springs, run%step%torque)//' N m')
-      if (abs(t%balance) > unbalanced*abs(run%step%torque)) call push(run%record%warnings, rounded(abs(t%balance))//' of '// &
-        to_text(run%step%torque)//' N m are out of balance: facets of formed faces do not meet. Raise mesh.divisions, or '// &
-        'leave mesh.ring_divisions at 0')
-      if (run%scene%support%loop) return  ! drive_warnings judges the whole loop
-      real_one = abs(run%step%torque)*2/run%scene%teeth
-      if (.not. abs(t%wave_generator) > allowed*real_one) return
-      line = 'the wave generator carries '//rounded(t%wave_generator)//' of '//to_text(run%step%torque)// &
-        ' N m; one that turns on balls carries about the torque over the ratio, '//rounded(real_one)//" N m. With support "// &
-        "'hub' and wave_generator.ring_tangent = 'free' the ring slides on the cam"
-    end associate
-    call push(run%record%warnings, line)
-  end subroutine judge_load_path
 end module hd_run

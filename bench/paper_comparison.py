@@ -12,8 +12,7 @@ import tempfile
 import numpy as np
 
 from common import solve, write_part
-from hdengine import load
-from hdengine.paper import comparison as paper
+from hdengine import load, paper
 
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 READINGS = {"eq45": "k_ts_nm_per_rad", "bonded": "k_ts_bonded_nm_per_rad"}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _engine
 from ._check import array, checked, fields, integer, integers, kind, number, word
@@ -32,7 +33,7 @@ class Body:
     mesh: Mesh
     young: float
     poisson: float
-    angle: object = 0.0
+    angle: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         n = len(kind(Mesh)("mesh", self.mesh).points)

@@ -8,7 +8,6 @@ import pytest
 
 import hdengine
 from hdengine import Joint, JointWarning, torsion
-from hdengine.paper import printed
 
 mpmath = pytest.importorskip("mpmath")
 from oracle import Oracle, mpf  # noqa: E402
@@ -16,11 +15,38 @@ from oracle import Oracle, mpf  # noqa: E402
 quiet = pytest.mark.filterwarnings("ignore::hdengine.JointWarning")
 
 
+def printed_loads(joint, s_l):
+    """Eq. 23-26 with the printed limits, which assume a largest spot above the last regime edge [N]."""
+    p = joint.asperity()[0]
+    s = np.array([0, 1, 7.1197, 205.3827, s_l / p["s_ec_m2"]])
+    power = np.array([1.5, 1.2544, 1.1021, 1.0])
+    factor = np.array([1, 1.1282, 1.4988, joint.hardness * p["s_ec_m2"] / p["f_ec_n"]]) * p["f_ec_n"]
+    return printed_sum(joint, s_l, factor, power, s[:-1], s[1:])
+
+
+def printed_stiffnesses(joint, s_l):
+    """Eq. 30, 33, 34 as printed: of the divergent Eq. 30 the finite part alone [N/m]."""
+    p, power, s = joint.asperity()[0], np.array([0.5, 0.3741, 0.2295]), np.array([np.inf, 1, 7.1197, 205.3827])
+    return printed_sum(joint, s_l, np.array([1.5, 1.5081, 1.7935]) * p["f_ec_n"] / p["eps_ec_m"], power, s[:-1], s[1:])
+
+
+def printed_sum(joint, s_l, factor, power, low, high):
+    """Terms (high^e - low^e) / e over spots in units of s_ec, psi by the printed fit of Eq. 17, which is up to 0.37 % off."""
+    d, unit = joint.fractal_dimension, joint.asperity()[0]["s_ec_m2"]
+    b, psi = (d - 1) / 2, 5.454 * np.exp(-(d - 1) / 0.628) + 1.499
+    return b * psi ** (1 - b) * (s_l / unit) ** b * factor * printed_integral(low, high, power - b)
+
+
+def printed_integral(low, high, e):
+    """Of sigma^(e-1), as one would write it."""
+    return (high**e - low**e) / e
+
+
 def test_power_difference():
     """(hi^e - lo^e)/e has no digits at e = 1e-14 and is 0/0 at 0; near D = 3, where the plastic exponent vanishes, ours keeps 13."""
-    assert abs(printed.power_integral(1.0, 2.0, 1e-14) / np.log(2) - 1) > 1e-3
+    assert abs(printed_integral(1.0, 2.0, 1e-14) / np.log(2) - 1) > 1e-3
     with pytest.raises(ZeroDivisionError):
-        printed.power_integral(1.0, 2.0, 0.0)
+        printed_integral(1.0, 2.0, 0.0)
     joint = Joint(fractal_dimension=3 - 2e-13, asperity_radius=5e-6)
     oracle = Oracle(joint)
     s = 1e4 * joint.asperity()[0]["s_ec_m2"]
@@ -32,9 +58,9 @@ def test_unclipped_limits(edge):
     """Below the last regime edge the printed sum of loads is negative; clipped, every part is at least 0 and the sum is positive. Far above it both agree."""
     joint = Joint(s_min=1e-20)
     s = 1e5 * joint.asperity()[0]["s_ec_m2"]
-    np.testing.assert_allclose(printed.load_parts(joint, s), joint.parts(s)["load_n"], rtol=1e-3)
+    np.testing.assert_allclose(printed_loads(joint, s), joint.parts(s)["load_n"], rtol=1e-3)
     s = min(edge, 4.0) * joint.asperity()[0]["s_ec_m2"]
-    assert printed.load_parts(joint, s).sum() < 0
+    assert printed_loads(joint, s).sum() < 0
     parts = joint.parts(s)["load_n"]
     assert np.all(parts >= 0) and parts.sum() > 0
 
@@ -43,7 +69,7 @@ def test_divergent_elastic_stiffness():
     """Eq. 30 as printed is negative; ours is positive and grows without bound as s_min goes to 0."""
     joint = Joint()
     s = 1e3 * joint.asperity()[0]["s_ec_m2"]
-    assert printed.stiffness_parts(joint, s)[0] < 0
+    assert printed_stiffnesses(joint, s)[0] < 0
     k = [replace(joint, s_min=m).parts(s)["k_n_n_per_m"].sum() for m in (1e-16, 1e-18, 1e-20, 1e-22)]
     assert np.all(np.diff(k) > 0) and k[-1] / k[0] > 10
 
@@ -89,8 +115,10 @@ def test_roughness_in_micrometres():
 def test_cube_root_of_slipping_spots():
     """With a shear strength for tau the cube root is NaN for every spot; ours takes the branch before the root."""
     joint = Joint()
-    s = joint.asperity()[0]["s_ec_m2"] * np.array([0.01, 0.1, 0.9])
-    assert np.isnan(printed.tangential_by_strength(joint, s, 480e6)).all()
+    p = joint.asperity()[0]
+    s = p["s_ec_m2"] * np.array([0.01, 0.1, 0.9])
+    with np.errstate(invalid="ignore"):
+        assert np.isnan((1 - 480e6 * s / (joint.friction * p["f_ec_n"] * (s / p["s_ec_m2"]) ** 1.5)) ** (1 / 3)).all()
     assert all(joint.asperity(area=x, tau=480e6)[2][2] == 0 for x in s)
     assert joint.asperity(area=s[2], tau=1e6)[2][2] > 0
 

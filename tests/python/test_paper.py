@@ -5,8 +5,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT
-from hdengine import torsion
-from hdengine.paper import comparison as paper
+from hdengine import paper, torsion
 
 SMALL = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.assembly_steps": 1}
 

@@ -15,7 +15,7 @@ from .._engine import InputError
 from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
-from ..paper.comparison import BORE, STATED, of_size
+from ..paper import BORE, STATED, of_size
 from ..views.labels import LABELS, LOOP, label
 from .style import new_axes, styled
 

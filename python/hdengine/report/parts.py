@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import paper
 from .._engine import FileError
 from ..catalogue import unit_of
 from ..contact import read_scene
 from ..elastic import joint_of_scene
 from ..files import read_json
-from ..paper import comparison as paper
 from ..results import Result, read_summary
 from ..studies.study import StudyResult, read_rows
 from ..surfaces.run import SurfaceResult

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import torsion
-from .._check import ROUNDING
-from .._types import RunLike, StudyLike
-from ..catalogue import UNITS
+from . import torsion
+from ._check import ROUNDING
+from ._types import RunLike, StudyLike
+from .catalogue import UNITS
 
 __all__: list[str] = []
 TORQUES_NM = (1.0, 3.0, 5.0)

@@ -21,7 +21,7 @@ from ._engine import EngineMemoryError, FileError, HdengineError, NotConvergedEr
 from .catalogue import UNITS
 from .contact import Run, doubts, given_keys, read_scene
 from .export import command as export_command
-from .files import check_folder
+from .files import check_file, check_folder
 from .prediction import command as joint_command
 from .results import Result, read_csv, read_summary
 from .studies import planner
@@ -176,6 +176,9 @@ def _plot(args):
 def _report(args):
     from .report import write_pdf, write_report
 
+    check_file(args.out, args.force)
+    if args.pdf and args.out:
+        check_file(Path(args.out).with_suffix(".pdf"), args.force)
     path = write_report(args.folder, args.out, args.picture, args.animation)
     print(f"written: {path}")
     if args.pdf:
@@ -184,6 +187,7 @@ def _report(args):
 
 
 def _export(args):
+    check_file(args.out, args.force)
     print(f"written: {export_command.export(Result(args.folder), args.to, args.out)}")
     return 0
 
@@ -288,8 +292,11 @@ def make_parser() -> argparse.ArgumentParser:
     report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")
     report.add_argument("--no-picture", action="store_true", help=argparse.SUPPRESS)  # the default, once was none
     report.add_argument("--animation", action="store_true", help="with the pressure step by step, as a GIF")
-    export_command.add_options(_command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
-                                        "export drive14.out --to mujoco --out joint.xml"))
+    export = _command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
+                      "export drive14.out --to mujoco --out joint.xml")
+    export_command.add_options(export)
+    for sub in (report, export):
+        sub.add_argument("--force", action="store_true", help="replace the file that --out names")
     sensitivity = _command(commands, "sensitivity", _sensitivity, "tornado, bands and shares of the variance of K_TS of a run",
                            "sensitivity cd14.out --drive")
     sensitivity.add_argument("folder", help="folder of a run")

@@ -7,6 +7,7 @@ import errno
 import io
 import json
 import os
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ _MARKS = ("summary.json", "study.json", "echo.nml", "record.json", "surface.json
 
 
 def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) -> None:
-    """Refuse a folder in which files would be overwritten.
+    """Refuse, before any work, a folder in which files would be overwritten, or cannot be written.
 
     Parameters
     ----------
@@ -37,7 +38,8 @@ def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) ->
     Raises
     ------
     FileError
-        The folder holds what another command wrote, or one of the files.
+        The folder holds what another command wrote, or one of the files, or something else than a file in its place; or it cannot be
+        made, or takes no files.
     """
     folder, names = Path(folder), list(names)
     for name in (m for m in _MARKS if m not in names):
@@ -46,6 +48,43 @@ def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) ->
     for name in names:
         if (folder / name).exists() and not force:
             raise FileError(f"'{folder}' holds {name} already: add --force to replace it, or choose another folder with --out")
+        _check_place(folder / name)
+    with _told(folder):
+        _takes_files(next(p for p in (folder.absolute() / "x").parents if os.path.lexists(p)))
+
+
+def check_file(path: PathLike | None, force: bool = False) -> None:
+    """Refuse, before any work, to replace a file that the user named, or to write one where none can be; None is not checked.
+
+    Raises
+    ------
+    FileError
+        It is there and `force` is not given, or something else than a file is, or its folder is not there or takes no files.
+    """
+    if path is None:
+        return
+    if Path(path).is_file() and not force:
+        raise FileError(f"'{path}' is there already: add --force to replace it, or choose another with --out")
+    _check_place(Path(path))
+    with _told(path):
+        _takes_files(Path(path).absolute().parent)
+
+
+def _check_place(path):
+    """Refuse the name of a folder, a link, a pipe or a device."""
+    if not path.name:
+        raise FileError(f"'{path}' is a folder, not the name of a file")
+    with _told(path):
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            raise OSError(errno.EINVAL, "it is no regular file: remove it, or choose another folder")
+
+
+def _takes_files(folder):
+    """Refuse what is no folder, or one in which no file can be made."""
+    if not folder.is_dir():
+        raise OSError(errno.ENOTDIR, f"'{folder}' is no folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OSError(errno.EACCES, f"no file can be made in '{folder}'")
 
 
 def write_folder(folder: PathLike, record: str, head: dict, files: dict, force: bool = False) -> list:
@@ -93,7 +132,7 @@ def write_files(files: Mapping[Path, Any]) -> None:
     Parameters
     ----------
     files : dict
-        Text, bytes or a matplotlib figure, by path.
+        Text, bytes, a matplotlib figure, or a function that writes the file at the path that it is given, by path.
 
     Raises
     ------
@@ -108,14 +147,11 @@ def write_files(files: Mapping[Path, Any]) -> None:
 def _parts(files):
     """Files under temporary names; at the end of the block they get their own, in order."""
     for path in files:
-        if not path.name:
-            raise FileError(f"'{path}' is a folder, not the name of a file")
+        _check_place(path)
     parts = {path: path.with_name(path.name + ".part") for path in files}
     try:
         for path, content in files.items():
             with _told(path):
-                if path.is_symlink() or (path.exists() and not path.is_file()):
-                    raise OSError(errno.EINVAL, "it is no regular file: remove it, or choose another folder")
                 _write(parts[path], _content(path, content))
         yield
         for path, part in parts.items():
@@ -134,6 +170,10 @@ def _content(path, content):
         return content.encode("utf-8", "replace")
     if isinstance(content, bytes):
         return content
+    if callable(content):
+        with tempfile.TemporaryDirectory() as folder:
+            content(Path(folder, path.name))
+            return Path(folder, path.name).read_bytes()
     drawn = io.BytesIO()
     content.savefig(drawn, format=path.suffix[1:])
     return drawn.getvalue()
@@ -201,7 +241,7 @@ def read_json(path: PathLike, *needed: str) -> dict:
     file = input_file(path, MOST_BYTES)
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as e:
+    except (OSError, ValueError, RecursionError) as e:
         raise FileError(f"'{path}' cannot be read: {getattr(e, 'strerror', None) or e}") from None
     if not isinstance(found, dict):
         raise FileError(f"'{path}' is not what hdengine writes: no JSON object")

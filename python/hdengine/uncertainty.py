@@ -17,7 +17,7 @@ from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
 from .elastic import joint_of_scene
-from .files import json_text, write_files
+from .files import check_file, json_text, write_files
 from .results import Result, facet_stiffness
 from .studies.progress import Progress
 from .studies.study import Study, StudyResult
@@ -457,6 +457,7 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     from .views.run import reference_step
 
     result = Result(folder)
+    check_file(result.folder / "sensitivity.json", force=True)
     field = ContactField(result, reference_step(result))
     if not field.k_ts() > 0:
         raise InputError(f"K_TS of '{folder}' by Eq. 45 is {field.k_ts():g}: nothing to vary; valid: above 0. "

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What other programs get of a run: MuJoCo twists as the law says, CalculiX finds the run's forces on its mesh."""
+import os
 import re
 import shutil
 import subprocess
@@ -23,6 +24,22 @@ def drive(tmp_path_factory):
     """A small whole drive over a loop that goes through 0 both ways, faces bonded."""
     out = tmp_path_factory.mktemp("export") / "d.out"
     return hdengine.run(ROOT / "tests/cases/pressed_drive.nml", out, **KEYS, contact__mode="bonded", loop__torques=[14, -14, 14])
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "size", "pipe"])
+def test_damaged_grids_are_one_error(small_run, tmp_path, damage, capsys):
+    """A grid of the run that is cut, states another size or is a pipe ends the export of a deck with code 3 and its name."""
+    pytest.importorskip("meshio")
+    run = shutil.copytree(small_run, tmp_path / "r")
+    grid = max(run.glob("bodies_*.vtu"))
+    whole = grid.read_bytes()
+    grid.unlink()
+    if damage == "pipe":
+        os.mkfifo(grid)
+    else:
+        grid.write_bytes({"empty": b"", "cut": whole[:5000], "size": re.sub(rb'NumberOfPoints="\d+', b'NumberOfPoints="99999999999', whole)}[damage])
+    assert main(["export", str(run), "--to", "inp"]) == 3
+    assert f"error: '{grid}' " in capsys.readouterr().err and not (run / "deck.inp").exists()
 
 
 def table(path):

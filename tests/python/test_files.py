@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 import hdengine
 from conftest import CD14, ROOT, call
+from hdengine.cli import main
 
 WORDS = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=1", "load.torque_steps=1"]
 SURFACE = ["surface.nx=32", "surface.ny=24", "surface.ridges=3"]
@@ -96,6 +98,45 @@ def test_a_full_disk_leaves_no_half_report(small_run, tmp_path):
         assert done.returncode == 3 and done.stderr.count("error: ") == 1 and out in done.stderr and "Traceback" not in done.stderr, done.stderr
         assert ((tmp_path / out).read_bytes() if (tmp_path / out).exists() else None) == left
     assert sorted(path.name for path in tmp_path.iterdir()) == ["r.html"]
+
+
+@pytest.mark.parametrize("command, last, work", [
+    ("record", "scene.nml", "record.Record.numbers"), ("joint", "joint.png", "prediction.command.predict"),
+    ("teeth", "gaps.png", "teeth.command.tooth_gaps"), ("surface map", "specimen_bearing.png", "surfaces.texture.texture")])
+def test_an_unusable_place_is_found_before_the_work(tmp_path, command, last, work, monkeypatch, capsys):
+    """A file in the place of the folder, or above it, and a link in the place of an output are refused before anything is computed."""
+    words = {"surface map": ["surface", str(ROOT / "data/specimen_bearing.sdf"), "--out", "r"]}.get(command) or [
+        str(word) for word in commands("", tmp_path)[command][len(FILL):]]
+    monkeypatch.setattr(f"hdengine.{work}", lambda *_, **__: pytest.fail("work was done"))
+    (tmp_path / "file").write_text("mine\n")
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r" / last).symlink_to(tmp_path / "file")
+    for out in ("file", "file/below", "r"):
+        assert main([str(tmp_path / out) if word == "r" else word for word in words] + ["--force"]) == 3
+        assert capsys.readouterr().err.count("error: ") == 1
+    assert (tmp_path / "file").read_text() == "mine\n"
+
+
+def test_a_named_file_is_replaced_with_force_alone(small_run, tmp_path, capsys):
+    """A report and a deck go to a file that is there already, as one of the run itself, with --force alone; a folder that is not there is told
+    before the work."""
+    mine = tmp_path / "mine"
+    mine.write_text("mine\n")
+    for words in (["report", str(small_run)], ["export", str(small_run), "--to", "inp"]):
+        assert main([*words, "--out", str(mine)]) == 3 and "add --force" in capsys.readouterr().err
+        assert main([*words, "--out", str(tmp_path / "none/mine")]) == 3 and "no folder" in capsys.readouterr().err
+    assert mine.read_text() == "mine\n"
+    assert main(["report", str(small_run), "--out", str(mine), "--force"]) == 0 and mine.read_text().startswith("<!")
+
+
+def test_pictures_follow_no_links(small_run, tmp_path):
+    """The moving picture of a report neither follows a link nor waits for a pipe, as figures do not."""
+    (tmp_path / "outside").write_text("mine\n")
+    for kind in ("link", "pipe"):
+        run = shutil.copytree(small_run, tmp_path / f"r {kind}")
+        special(run / "steps.gif", kind, tmp_path / "outside")
+        assert main(["report", str(run), "--animation"]) == 3 and not (run / "report.html").exists()
+    assert (tmp_path / "outside").read_text() == "mine\n"
 
 
 def special(place, kind, outside):

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 
+from .._check import input_file
 from .._engine import FileError
 from .._types import PathLike, RunLike
+from ..files import write_files
 from .run import pressure_top
 
 __all__: list[str] = []
@@ -52,7 +55,9 @@ def draw_cup(result: RunLike, path: PathLike, size: tuple = (1400, 1000)) -> flo
     except ImportError:
         raise PictureError("PyVista is not installed: pip install 'hdengine[report]'") from None
     try:
-        grid, face = pyvista.read(bodies), pyvista.read(contact)
+        grid, face = (pyvista.read(input_file(path)) for path in (bodies, contact))
+    except FileError:
+        raise
     except Exception as e:
         raise FileError(f"'{bodies}' cannot be read: {e}") from None
     largest = np.linalg.norm(grid["displacement_m"], axis=1).max()
@@ -74,6 +79,6 @@ def draw_cup(result: RunLike, path: PathLike, size: tuple = (1400, 1000)) -> flo
     plotter.add_text(f"displacements x {scale:g}", color="black", font_size=14, position="upper_left")
     plotter.camera_position = [(35, -75, -45), (0, 0, 7), (0, 0, -1)]
     plotter.camera.zoom(1.15)
-    plotter.screenshot(str(path))
+    write_files({Path(path): lambda made: plotter.screenshot(str(made))})
     plotter.close()
     return scale

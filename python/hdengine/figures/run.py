@@ -223,7 +223,7 @@ def animate(result: RunLike, path: PathLike, most: int = 25) -> Path:
         load, torque = result.steps["load_factor"][i], result.torque_nm[i]
         axes[0].set_title(f"torque {torque:.3g} N m" if torque else f"assembly, {100 * load:.0f} %", fontsize=13)
 
-    FuncAnimation(figure, show, frames.tolist()).save(Path(path), PillowWriter(fps=3), dpi=80)
+    write_files({Path(path): lambda made: FuncAnimation(figure, show, frames.tolist()).save(made, PillowWriter(fps=3), dpi=80)})
     return Path(path)
 
 

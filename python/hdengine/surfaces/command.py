@@ -55,8 +55,8 @@ def run_surface(args: argparse.Namespace) -> int:
     if args.pair and len(args.files) != 2:
         raise InputError(f"--pair takes two files, got {len(args.files)}")
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
-    check_folder(out, ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml"], args.force)
     specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
+    check_folder(out, folder.files_of(specimens, args.pair), args.force)
     textures = [texture.texture(s, form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers,
                                 fill=args.fill, seams=args.seams)
                 for s in specimens]

@@ -77,6 +77,12 @@ def write(folder: PathLike, specimens: Sequence[Specimen], fits: Sequence[Fit], 
     return write_folder(folder, "surface.json", {"kind": "surfaces", "surfaces": surfaces}, files, force)
 
 
+def files_of(specimens: Sequence[Specimen], pair: bool) -> list:
+    """Names of what `write` leaves in a folder."""
+    drawn = [*_names([s.name for s in specimens]), *["joint_surface"] * pair]
+    return ["surface.json", "structure.csv", "spectrum.csv", "material_ratio.csv", "scene.nml", *(f"{name}.png" for name in drawn)]
+
+
 def _names(names):
     """Names that differ from each other and from what else lies in the folder, fit to be part of a file's."""
     out: list[str] = []

@@ -64,7 +64,7 @@ contains
       case ('-q'); command%level = quiet
       case ('-v'); command%level = verbose
       case default
-        if (word(1:1) == '-') then
+        if (index(word, '-') == 1) then
           call unknown_option(word, error)
         else if (index(word, '=') > 0) then
           call push(command%assignments, word)
@@ -101,9 +101,8 @@ contains
     character(len=:), allocatable :: word
     integer :: n
     call get_command_argument(i, length=n)
-    allocate (character(len=max(1, n)) :: word)
-    word(:) = ' '
-    call get_command_argument(i, word)
+    allocate (character(len=n) :: word)
+    if (n > 0) call get_command_argument(i, word)
   end function argument
 
   !> Error for an option that does not exist.

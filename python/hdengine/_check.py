@@ -6,9 +6,11 @@ name, the value seen and what is valid.
 """
 import contextlib
 import functools
+import importlib
 import inspect
 import operator
 import os
+import re
 import stat
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +23,7 @@ from ._engine import FileError, InputError
 MOST_BYTES = 2**30  # of a file that is read as a whole, as in the engine
 ROUNDING = 1e-9     # relative, or in the unit of a table: numbers that differ by less are one
 HUGE = 1e300        # beyond: no number that anything is computed with
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)  # in a foreign text; float takes 1_0 and the digits of all scripts
 F = TypeVar("F", bound=Callable)
 
 
@@ -221,6 +224,14 @@ def input_file(path, most=None):
     if most is not None and found.st_size > most:
         raise FileError(f"'{path}' holds {found.st_size} bytes; valid: up to {most}")
     return Path(path)
+
+
+def package(name, what, extra):
+    """A package that need not be installed; InputError with the way to it where it is not."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise InputError(f"{what} needs {name}: pip install 'hdengine[{extra}]'") from None
 
 
 def kind(*classes, optional=False):

@@ -249,7 +249,9 @@ def _assignments(keys):
     for group, value in keys.items():
         parts = {f"{group}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {group.replace("__", ".", 1): value}
         for key, v in parts.items():
-            name = key.strip().lower()
+            name = str(key).strip().lower()
+            if {"\n", "\r", "\0", "="} & set(name):
+                raise _engine.InputError(f"key {key!r}: valid is group.key, as load.torque")
             if name in lines:
                 raise _engine.InputError(f"'{name}' is given twice: write it once, as load__torque=3 or load={{'torque': 3}}")
             lines[name] = f"{key}={_text(v)}"

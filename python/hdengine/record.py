@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._check import array, checked, fields, flag, integer, kind, mapping, number, word
+from ._check import MOST_BYTES, NUMBER, array, checked, fields, flag, input_file, integer, kind, mapping, number, seen, word
 from ._check import path as a_path
-from ._engine import InputError
+from ._engine import FileError, InputError
 from ._types import PathLike
 from .catalogue import UNITS, Unit, stages
 from .files import check_folder, csv_text, write_folder
-from .results import read_csv
 from .smoothing import Spline
 
 if TYPE_CHECKING:
@@ -24,16 +23,34 @@ if TYPE_CHECKING:
 __all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
 FEWEST = 20      # readings of a record
+MOST = 1e9       # N m, rad: beyond, no bench reads
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
 
 
-def _is_number(text):
-    """Whether a cell holds a number."""
+def _table(path):
+    """Names of the columns of a table that someone else wrote, and its rows as (line, cells); `#` begins a line of comment."""
+    file = input_file(path, MOST_BYTES)
     try:
-        float(text)
-        return True
-    except ValueError:
-        return False
+        text = file.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as why:
+        raise FileError(f"'{path}' cannot be read: {getattr(why, 'strerror', None) or 'it is no text in UTF-8'}") from None
+    if "\0" in text:
+        raise FileError(f"'{path}' holds bytes that are no text: save it as UTF-8")
+    rows = [(i, [cell.strip() for cell in line.split(",")]) for i, line in enumerate(text.split("\n"), 1)
+            if line.strip() and not line.lstrip().startswith("#")]
+    return (rows[0][1], rows[1:]) if rows else ([""], [])
+
+
+def _column(path, names, rows, name):
+    """Numbers of a column."""
+    at, found = names.index(name), []
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise InputError(f"'{path}', line {line}: {len(cells)} cells; valid: {len(names)}, as the line of names")
+        if not NUMBER.fullmatch(cells[at]):
+            raise InputError(f"'{path}', line {line}: column {name}: {seen(cells[at])}; valid: a number")
+        found.append(float(cells[at]))
+    return np.array(found)
 
 
 @dataclass
@@ -84,8 +101,8 @@ class Record:
         No rising and falling branch that cross zero torque.
     """
 
-    @checked(torque_nm=array((None,)), angle_rad=array((None,)), torque_error_nm=number(least=0), angle_error_rad=number(least=0),
-             pieces=integer(1, 1000))
+    @checked(torque_nm=array((None,), least=-MOST, most=MOST), angle_rad=array((None,), least=-MOST, most=MOST),
+             torque_error_nm=number(least=0, most=MOST), angle_error_rad=number(least=0, most=MOST), pieces=integer(1, 1000))
     def __init__(self, torque_nm: ArrayLike, angle_rad: ArrayLike, torque_error_nm: float = 0.05,
                  angle_error_rad: float = 2 * ARCSEC, pieces: int = 12) -> None:
         self.torque_nm, self.angle_rad = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
@@ -107,22 +124,18 @@ class Record:
     @checked(path=a_path)
     def read(cls, path: PathLike, **errors: Any) -> Record:
         """Record of a CSV table with columns torque_nm and angle_rad or angle_arcsec."""
-        table = read_csv(path)
-        names = table.dtype.names or ()
-        if "torque_nm" not in names or not {"angle_rad", "angle_arcsec"} & set(names):
-            head = Path(path).read_text(errors="replace").lstrip().split("\n", 1)[0].strip()
-            raise InputError(f"'{path}' begins with '{head[:80]}'; needed: a line of names, torque_nm and angle_rad or angle_arcsec"
-                             ", with commas between them")
-        if not len(table):
+        names, rows = _table(path)
+        angles = [name for name in ("angle_rad", "angle_arcsec") if name in names]
+        if "torque_nm" not in names or not angles:
+            raise InputError(f"'{path}' begins with '{','.join(names)[:80]}'; needed: a line of names, torque_nm and angle_rad or "
+                             "angle_arcsec, with commas between them")
+        if not rows:
             raise InputError(f"'{path}' holds no reading below its line of names")
-        if {"angle_rad", "angle_arcsec"} <= set(names):
-            raise InputError(f"'{path}' has both angle_rad and angle_arcsec: leave out one")
-        for name in {"torque_nm", "angle_rad", "angle_arcsec"} & set(names):
-            if table[name].dtype.kind not in "fi":
-                wrong = next(i for i, v in enumerate(table[name]) if not _is_number(v))
-                raise InputError(f"'{path}', column {name}: '{table[name][wrong]}' in row {wrong + 1} is no number")
-        angle = table["angle_rad"] if "angle_rad" in names else table["angle_arcsec"] * ARCSEC
-        return cls(table["torque_nm"], angle, **errors)
+        for name in names:
+            if names.count(name) > 1 or (len(angles) == 2 and name in angles):
+                raise InputError(f"'{path}' has {name} twice, or both angle_rad and angle_arcsec: leave out one")
+        torque, angle = (_column(path, names, rows, name) for name in ("torque_nm", angles[0]))
+        return cls(torque, angle * (ARCSEC if angles[0] == "angle_arcsec" else 1), **errors)
 
     def _split(self):
         """Slices between turning points of the torque; a reversal counts once it exceeds a tenth of the range."""

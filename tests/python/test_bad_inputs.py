@@ -323,6 +323,7 @@ def test_output_is_a_file(exe, tmp_path):
     (["--chekc"], "error: unknown option '--chekc'\n      did you mean '--check'?  valid: --check, --plan, --explain, --force, "
      "--resume, --help, --out, --version, --license, --citation, --allow-implausible, -q, -v\n"),
     (["a.nml", "b.nml"], "error: two input files: 'a.nml' and 'b.nml'; valid: one\n"),
+    (["a.nml", "--out", ""], "error: --out needs a value; see hdengine.x --help\n"),
     (["--out"], "error: --out needs a value; see hdengine.x --help\n"),
     (["--explain", "frcition"], None),
 ])
@@ -402,8 +403,9 @@ def test_long_lines_are_whole(tmp_path):
 @pytest.mark.parametrize("words, text, where", [
     (["joint.model=table", "joint.table_file={}"], "pressure_pa,k_n_pa_per_m\n1e5,1e12\n1e7,nan\n", "line 3: column k_n_pa_per_m: 'nan'"),
     (["joint.model=spectrum", "joint.spectrum_file={}"], "q_per_m,height_variance_m2\n1e4,1e-14\n1e5,NaN\n", "line 3: column height_variance_m2: 'NaN'"),
+    (["joint.model=table", "joint.table_file={}"], "pressure_pa,k_n_pa_per_m,k_n_pa_per_m\n1e5,1e12,2e12\n1e7,2e12,3e12\n", "column 'k_n_pa_per_m' stands twice"),
     (["wave_generator.cam=table", "wave_generator.cam_file={}"], "theta_deg,radius_m\n0,0.0165\nNaN,0.0165\n", "line 3: column theta_deg: 'NaN'"),
-    (["record", "{}"], "torque_nm,angle_arcsec\n0.1,1\n0.2,nan\n0.3,3\n", "angle_rad[1] = nan"),
+    (["record", "{}"], "torque_nm,angle_arcsec\n0.1,1\n0.2,nan\n0.3,3\n", "line 3: column angle_arcsec: 'nan'"),
     (["surface", "{}", "--unit", "m"], "0,nan\n1e-6,nan\n2e-6,nan\n", "every point is NaN")])
 def test_nan_in_tables_is_named(exe, tmp_path, words, text, where):
     """A table with a NaN for a number, or a map of nothing else, is an error of one line that says where."""

@@ -75,8 +75,31 @@ def test_columns_are_named(tmp_path):
 def test_gaps_are_no_readings(tmp_path):
     """An empty cell among whole numbers is refused, not read as -1."""
     (tmp_path / "r.csv").write_text("torque_nm,angle_arcsec\n" + "".join(f"{t},{'' if i == 30 else 2 * t}\n" for i, t in enumerate(range(-40, 41))))
-    with pytest.raises(hdengine.InputError, match=r"angle_rad\[30\] = nan"):
+    with pytest.raises(hdengine.InputError, match=r"line 32: column angle_arcsec: ''"):
         Record.read(tmp_path / "r.csv")
+
+
+@pytest.mark.parametrize("cell", ["0x10", "1_0", "1+2j", "True", "\u0661", "\uff11", "\u22121", "1e400j", "'1'", "1 2", "nan", "=1+1", "1d0", "."])
+def test_readings_are_numbers_as_they_stand(tmp_path, cell):
+    """A cell that Python or numpy takes for a number, and a table of numbers has not, is refused with its line, column and text."""
+    lines = (ROOT / "data/torque_record.csv").read_text().splitlines()
+    (tmp_path / "r.csv").write_text("\n".join([lines[0], "# a word of the bench", *lines[1:40], f"{cell},1", *lines[40:]]), encoding="utf-8")
+    with pytest.raises(hdengine.InputError, match=re.escape(f"line 42: column torque_nm: {cell!r}" if cell != "'1'" else "line 42: column torque_nm")):
+        Record.read(tmp_path / "r.csv")
+
+
+def test_tables_of_readings_are_whole_texts(tmp_path):
+    """A column that stands twice, a row of another length and a byte of 0 anywhere are refused: two torques gave K1 = 0."""
+    lines = (ROOT / "data/torque_record.csv").read_text().splitlines()
+    for rows, says in (([f"torque_nm,{lines[0]}", *(f"0,{line}" for line in lines[1:])], "torque_nm twice"),
+                       ([*lines[:2400], f"{lines[2400]},7", *lines[2401:]], "line 2401: 3 cells"),
+                       ([*lines[:2400], "\0", *lines[2400:]], "no text")):
+        (tmp_path / "r.csv").write_text("\n".join(rows))
+        with pytest.raises(hdengine.HdengineError, match=says):
+            Record.read(tmp_path / "r.csv")
+    for name in ("--torque-error", "--angle-error"):
+        assert main(["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "o"), name, "1e300"]) == 2
+    assert not (tmp_path / "o").exists()
 
 
 def test_spline_reproduces_cubics():

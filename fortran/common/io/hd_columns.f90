@@ -30,7 +30,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< missing, no header, a row that does not fit
     character(len=:), allocatable :: text, line
     type(string_t), allocatable :: cells(:)
-    integer :: at, number, rows, i
+    integer :: at, number, rows, i, k
     columns%path = path
     call read_text(path, text, error)
     if (allocated(error)) return
@@ -46,6 +46,10 @@ contains
         allocate (columns%names(size(cells)))
         do i = 1, size(cells)
           columns%names(i)%s = trim(adjustl(cells(i)%s))
+          if (count([(columns%names(k)%s == columns%names(i)%s, k=1, i)]) == 1) cycle
+          call raise(error, code_input, columns%place(number)//"column '"//printable(columns%names(i)%s)// &
+            "' stands twice; keep one")
+          return
         end do
         columns%header_line = number
         rows = min(line_count(text(at:)), (len(text) - at)/(2*size(cells)) + 2)   ! a cell takes a digit and what parts it

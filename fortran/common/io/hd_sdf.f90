@@ -148,30 +148,36 @@ contains
     type(header_t), intent(out) :: h                  !< header
     real(dp), allocatable, intent(out) :: z(:, :)     !< heights [m]
     character(len=:), allocatable, intent(out) :: why !< what is wrong, '' if nothing
-    character(len=:), allocatable :: line, word
+    character(len=:), allocatable :: line, word, key, known
     integer :: at, equal, i, j, number
     logical :: ok
     at = 1
     number = 0
+    known = ' '
     do while (at <= len(text))
       call next_line(text, at, line)
       number = number + 1
       if (index(adjustl(line), '*') == 1) exit
       equal = index(line, '=')
       if (equal == 0) cycle
-      ok = .true.
       word = trim(adjustl(line(equal + 1:)))
-      select case (lower(trim(adjustl(line(:equal - 1)))))
+      key = lower(trim(adjustl(line(:equal - 1))))
+      select case (key)
       case ('numpoints'); call to_number(word, h%nx, ok)
       case ('numprofiles'); call to_number(word, h%ny, ok)
       case ('xscale'); call to_number(word, h%dx, ok)
       case ('yscale'); call to_number(word, h%dy, ok)
       case ('zscale'); call to_number(word, h%dz, ok)
+      case default; cycle
       end select
-      if (.not. ok) then
-        why = 'line '//to_text(number)//': '//trim(adjustl(line(:equal - 1)))//" is '"//printable(word)//"'; valid: a number"
+      why = ''
+      if (.not. ok) why = " is '"//printable(word)//"'; valid: a number"
+      if (index(known, ' '//key//' ') > 0) why = ' stands twice; keep one'
+      if (len(why) > 0) then
+        why = 'line '//to_text(number)//': '//trim(adjustl(line(:equal - 1)))//why
         return
       end if
+      known = known//key//' '
     end do
     why = fault_of(h, (len(text, int64) - at + 2)/2)     ! a digit and a blank each
     if (len(why) > 0) return

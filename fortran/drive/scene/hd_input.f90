@@ -13,7 +13,7 @@ module hd_input
   use hd_surface_scene, only: surface_scene_t
   use hd_support, only: support_of
   use hd_system, only: path_kind, path_file
-  use hd_text, only: string_t, push, to_text, lower, suggestion, split, next_word
+  use hd_text, only: string_t, push, to_text, lower, suggestion, split, next_word, printable
   use hd_unit, only: in_unit
   implicit none
   private
@@ -163,7 +163,7 @@ contains
             call assign_words(table%rows(row), words, what, hint)
           end if
         end if
-        if (len(what) > 0) call push(faults, 'error: '//what//nl//'  --> '//s//nl//'      '//hint)
+        if (len(what) > 0) call push(faults, 'error: '//printable(what)//nl//'  --> '//printable(s)//nl//'      '//hint)
       end associate
     end do
   end subroutine apply_assignments

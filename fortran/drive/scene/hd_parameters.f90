@@ -359,7 +359,7 @@ contains
     character(len=:), allocatable, intent(out) :: what   !< mistake
     character(len=:), allocatable, intent(out) :: hint   !< valid values
     type(string_t), allocatable :: plain(:)
-    real(dp) :: x(100)
+    real(dp), allocatable :: x(:)
     integer(i8) :: n, wanted
     integer :: i
     what = ''
@@ -372,6 +372,8 @@ contains
       call assign_text(p, words, what, hint)
       return
     end if
+    allocate (x(1))
+    if (associated(p%reals)) x = p%reals
     plain = words
     do i = 1, size(words)
       plain(i)%s = in_unit(words(i)%s, p%unit)
@@ -411,7 +413,10 @@ contains
     s = words(1)%s
     s = unquoted(s)
     if (size(p%choices) > 0) s = lower(s)
-    if (size(words) > 1) then
+    if (scan(s, char(10)//char(13)) > 0) then
+      what = "'"//p%key//"' has a line end: '"//s//"'"
+      hint = 'valid: one line'
+    else if (size(words) > 1) then
       what = "'"//p%key//"' takes 1 value(s), "//to_text(size(words))//' found'
       hint = 'put a text with blanks between quotes'
     else if (len(s) > len(p%text)) then

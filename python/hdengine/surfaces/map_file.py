@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from .._check import MOST_BYTES, input_file, seen
+from .._check import MOST_BYTES, NUMBER, input_file, seen
 from .._engine import FileError, InputError
 from .._types import Spacing
 from . import plain, roughness
@@ -269,7 +269,7 @@ def _plain(path, table, unit, spacing):
 
 def _number(word, place):
     """A number of a text: digits, a point, an exponent; ValueError with its line or key for all else, also what `float` takes."""
-    if not plain.NUMBER.fullmatch(word):
+    if not NUMBER.fullmatch(word):
         raise ValueError(f"{place}: {seen(word)}; valid: a number")
     return float(word)
 
@@ -278,14 +278,19 @@ def _load_text(path):
     """Text form of ISO 25178-71, metres: lines 'key = value' up to a star, then numbers, or BAD or NaN, up to a star."""
     head, *parts = re.split(r"(?<!\S)\*", input_file(path, MOST_BYTES).read_text(errors="replace"), maxsplit=2)
     body = parts[0] if parts else ""
-    keys = {k.strip().lower(): v.strip() for k, _, v in (line.partition("=") for line in head.splitlines()) if v}
+    keys: dict[str, list] = {k: [] for k in ("numpoints", "numprofiles", "xscale", "yscale", "zscale")}
+    for key, _, value in (line.partition("=") for line in head.splitlines()):
+        keys.get(key.strip().lower(), []).append(value.strip())
     try:
-        nx, ny, dx, dy, dz = (_number(keys.get(k, ""), k) for k in ("numpoints", "numprofiles", "xscale", "yscale", "zscale"))
+        for key, values in keys.items():
+            if len(values) != 1:
+                raise ValueError(f"{key} stands {len(values)} times; valid: once")
+        nx, ny, dx, dy, dz = (_number(values[0], key) for key, values in keys.items())
         z = [np.nan if word.lower() in ("bad", "nan") else _number(word, f"line {number}")
              for number, line in enumerate(body.split("\n"), head.count("\n") + 1) for word in line.split()]
     except ValueError as e:
         raise FileError(f"{path.name} is a damaged surface data file (ISO 25178-71): {e}") from e
-    if len(z) != nx * ny or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
+    if len(z) != nx * ny or nx % 1 or ny % 1 or min(nx, ny) < 1 or not (dx > 0 and dz > 0 and (dy > 0 or ny == 1)):
         raise FileError(f"{path.name} states {nx:g} x {ny:g} points and holds {len(z)}, or a scale is not positive: damaged or cut")
     heights = np.reshape(z, (int(ny), int(nx))) * dz
     return heights if ny > 1 else heights[0], (dy if ny > 1 else dx, dx), []

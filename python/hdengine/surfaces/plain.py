@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .._check import NUMBER
 from .._engine import FileError
 
 __all__: list[str] = []
 _ROW = re.compile(r"[\d\s,;.eE+-]+", re.ASCII)
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _HOLES = ("bad", "nan")  # the words of SDF and of C
 _UNITS = re.compile(r"#\s*(Lateral|Value) units:\s*(\S+)")  # of Gwyddion's XYZ export
 _VALUED = re.compile(r"#[^:=]*[:=]\s*[-+.\d]")  # a comment that gives a size: of a matrix, which SurfaceTopography reads

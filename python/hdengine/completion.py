@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ._engine import InputError
+from ._check import package
 from .contact import read_scene
 
 __all__: list[str] = []
@@ -19,10 +19,7 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     InputError
         shtab is not installed.
     """
-    try:
-        import shtab
-    except ImportError:
-        raise InputError("completion needs shtab: pip install 'hdengine[completion]'") from None
+    shtab = package("shtab", "completion", "completion")
     keys = " ".join(f"{key}=" for key in read_scene())
     words = {"bash": f'_hdengine_keys() {{ compgen -W "{keys}" -- "$1"; compopt -o nospace 2>/dev/null; }}',
              "zsh": f"_hdengine_keys() {{ compadd -S '' -- {keys} }}"}

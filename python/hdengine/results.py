@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from . import _engine, torsion
-from ._check import checked, flag, input_file, integer, integers, seen
+from ._check import checked, flag, input_file, integer, integers, package, seen
 from ._check import path as a_path
 from ._check import text as a_text
 from ._engine import FileError, InputError, NotConvergedError
@@ -418,9 +418,7 @@ class Result:
         FileError
             The run has no such table.
         """
-        import pandas
-
-        return pandas.DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
+        return package("pandas", "a frame", "tables").DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
 
     def dataset(self) -> Any:
         """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).
@@ -428,8 +426,7 @@ class Result:
         band_z_m is the distance from the front edge of the band; z_m is the axial place of a facet from the opening, as in
         contact.csv. Every variable has units and a long_name.
         """
-        import xarray
-
+        xarray = package("xarray", "a dataset", "tables")
         theta, edges = np.arange(self.shape[0]) + 0.5, self.row_edges()
         axes = ("step", "theta_rad", "band_z_m")
         fields = {name: (axes, column.reshape(-1, *self.shape), _described(name)) for name, column in self.contact.items()

@@ -36,6 +36,20 @@ def study(tmp_path, monkeypatch):
     return "s.toml"
 
 
+@pytest.mark.parametrize("words, what", [(["--collect"], "no file"), (["--shard", "2/2"], "no regular file")])
+def test_parts_are_files(tmp_path, words, what, capsys):
+    """A pipe in the place of a part is refused at once, when parts are collected and when it is solved; so are brackets in brackets."""
+    (tmp_path / "s.toml").write_text("[fixed]\nload.torque = 2\n")
+    (tmp_path / "o").mkdir()
+    os.mkfifo(tmp_path / "o/part-2.jsonl")
+    assert main(["study", str(tmp_path / "s.toml"), "--out", str(tmp_path / "o"), *words]) == 3
+    assert what in capsys.readouterr().err
+    (tmp_path / "o/part-2.jsonl").unlink()
+    (tmp_path / "o/part-2.jsonl").write_text("[" * 100_000 + "\n")
+    assert main(["study", str(tmp_path / "s.toml"), "--out", str(tmp_path / "o"), *words]) == 3
+    assert "is not as a shard left it" in capsys.readouterr().err
+
+
 def test_parts_make_the_table_of_one_machine(study, tmp_path):
     """Three shards, one of them killed in the middle of a line and started again: table and description byte for byte."""
     assert main(["study", study, "--out", "one", "-q"]) == 0

@@ -264,9 +264,11 @@ def test_axes():
     ("title = 'a'\n", "outside of a table.*s.toml:1"), ("[grid]\nload.torque = true\n", "holds True.*s.toml:2"),
     ("[grid]\nload.torque = []\n", "has no value"), ("[grid]\nload.torque = 1\nload.torque = 2\n", "s.toml:3"),
     ("[grid]\nload.torque = [1979-05-27]\n", "valid: numbers and texts"),
+    ("[fixed]\na.b = " + 5000 * "[" + "\n", "s.toml:2"), ("[fixed]\nmesh.divisions = " + 5000 * "9" + "\n", "s.toml:2"),
+    ("[grid]\n" + "".join(f"a.b{i} = {[*range(100)]}\n" for i in range(4)), "100000000 points; valid: up to 1000000"),
 ])
 def test_faults_of_study_files(tmp_path, text, what):
-    """A study that is no valid TOML, or holds what a study has not, is refused with its file and line."""
+    """A study that is no valid TOML, holds what a study has not, or more points than it may, is refused with its file and line."""
     (tmp_path / "s.toml").write_text(text)
     with pytest.raises(hdengine.InputError, match=f"(?s){what}"):
         Study.read(tmp_path / "s.toml")

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .._engine import FileError, InputError
+from .._check import input_file, package
+from .._engine import FileError, HdengineError
 from .._types import RunLike
 from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
@@ -28,10 +29,11 @@ HAT = 1.2       # radius of the bottom over that of the bore from which on it is
 def _grid(path):
     """A grid that the run wrote."""
     try:
-        import meshio
-    except ImportError:
-        raise InputError("a CalculiX deck needs meshio, which reads the run's grids: pip install 'hdengine[export]'") from None
-    return meshio.read(path)
+        return package("meshio", "a CalculiX deck", "export").read(input_file(path))
+    except HdengineError:
+        raise
+    except (Exception, SystemExit):   # meshio ends Python on a file of which it knows no end
+        raise FileError(f"'{path}' cannot be read: it is no grid as a run leaves it") from None
 
 
 class _Mesh:

@@ -17,9 +17,11 @@ from pathlib import Path
 from typing import IO, Any
 
 from .. import _engine
+from .._check import input_file
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike
 from ..contact import read_scene
+from ..files import check_file
 from .progress import Progress
 from .study import Study, StudyResult
 from .workers import solve_all
@@ -38,7 +40,7 @@ def number_of(text: str) -> tuple[int, int]:
     InputError
         It is none, or I is not one of 1 to N.
     """
-    found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
+    found = re.fullmatch(r"([0-9]{1,6})/([0-9]{1,6})", text)
     if not found or not 1 <= int(found[1]) <= int(found[2]):
         raise InputError(f"--shard '{text}' must be I/N, shard I of N, as 1/8 to 8/8")
     return int(found[1]), int(found[2])
@@ -103,7 +105,7 @@ def _lines(path: Path, file: IO[bytes], head: dict[str, Any]) -> Iterator[tuple[
             end += len(line)
             if i:
                 yield end, entry["point"], entry["rows"]
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             raise FileError(f"'{path}' line {i + 1} is not as a shard left it: add --force to solve its points anew") from None
 
 
@@ -136,6 +138,7 @@ def run_shard(study: Study, out: PathLike, number: int, shards: int, jobs: int =
     path = Path(out, f"part-{number}.jsonl")
     path.parent.mkdir(parents=True, exist_ok=True)
     head = _head(study.identity(), shards)
+    check_file(path, force=True)
     with open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+b") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -212,7 +215,7 @@ def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
     rows = _Rows()
     head: dict[str, Any] = {}
     for _, path in sorted(paths.items()):
-        with open(path, "rb") as file:
+        with open(input_file(path), "rb") as file:
             head = head or _head(identity, _shards_of(path, file))
             for _, point, found in _lines(path, file, head):
                 rows.add(point, found)
@@ -234,7 +237,7 @@ def _shards_of(path, file):
     """Number of shards that the head of a part names."""
     try:
         shards = json.loads(file.readline())["shards"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise FileError(f"'{path}' line 1 is not as a shard left it: submit the shard again with --force") from None
     file.seek(0)
     return shards

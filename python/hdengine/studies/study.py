@@ -7,6 +7,7 @@ import hashlib
 import io
 import itertools
 import json
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import MOST_BYTES, ROUNDING, alike, checked, fields, flag, input_file, integer, mapping, number, text
+from .._check import MOST_BYTES, ROUNDING, alike, checked, fields, flag, input_file, integer, mapping, number, package, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
-from ..files import json_text, write_files
+from ..files import json_text, read_json, write_files
 from ..results import preformatted
 from ..views.labels import LOOP
 from . import study_file
@@ -30,6 +31,7 @@ from .workers import solve_all
 
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
+MOST_POINTS = 10**6
 WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 
 
@@ -91,6 +93,9 @@ class Study:
                     raise InputError(f"'{key}' in [{name}] has no value")
                 if key in self.fixed or (name == "grid" and key in self.together):
                     raise InputError(f"'{key}' stands in two groups of the study")
+        count = math.prod(len(v) for v in self.grid.values()) * max([1, *lengths.values()])
+        if count > MOST_POINTS:
+            raise InputError(f"the study has {count} points; valid: up to {MOST_POINTS}")
 
     def _in_si(self, key, value):
         """A number with its unit as the number that the engine takes it for; all else as it is."""
@@ -293,12 +298,12 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     cause = "study.json"
     for name in ("study.json", "study.json.part"):
         try:
-            summary = json.loads((folder / name).read_text(encoding="utf-8"))
+            summary = read_json(folder / name)
             if summary.get("checksum", _checksum(summary)) == _checksum(summary):
                 if summary.get("table_sha256", table) == table:
                     return summary
                 cause = "study.csv"
-        except (OSError, ValueError, AttributeError):
+        except FileError:
             pass
     raise FileError(f"'{folder / cause}' is not as the study left it (its checksum differs): add --force to solve all points anew")
 
@@ -383,9 +388,7 @@ class StudyResult:
 
     def frame(self) -> Any:
         """The table as a pandas.DataFrame (needs pandas)."""
-        import pandas
-
-        return pandas.read_csv(self.folder / "study.csv")
+        return package("pandas", "a frame", "tables").read_csv(self.folder / "study.csv")
 
     def dataset(self) -> Any:
         """Solved rows as an xarray.Dataset over the swept keys and the torque (needs pandas and xarray).
@@ -393,6 +396,7 @@ class StudyResult:
         Keys that change side by side make no grid: they become coordinates along the dimension `point`. With rows = 'last' the
         torque is a variable, as every point has one; so it is of whole drives, whose loop passes a torque twice.
         """
+        package("xarray", "a dataset", "tables")
         varied = [k for k in self.summary["swept"] if len({str(r.get(k)) for r in self.rows}) > 1]
         frame = self.frame().query("status == 'done'").drop(columns=["reason", "code", "status"], errors="ignore")
         frame["torque_nm"] = frame["torque_nm"].round(9)

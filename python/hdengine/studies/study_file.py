@@ -52,7 +52,7 @@ def read(path: PathLike) -> dict[str, dict[str, list]]:
     text = _text(path)
     try:
         tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as e:
+    except (ValueError, RecursionError) as e:   # RecursionError: brackets in brackets
         line = re.search(r"line (\d+)", str(e))
         raise InputError(f"{e}\n  --> {path}:{line.group(1) if line else len(text.splitlines())}") from None
     groups = {name: _lists(path, text, name, keys) for name, keys in tables.items()}
@@ -72,7 +72,7 @@ def _text(path):
     """A text file."""
     path = input_file(path, MOST_BYTES)
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None
 

@@ -23,7 +23,7 @@ from ._engine import FileError, InputError
 MOST_BYTES = 2**30  # of a file that is read as a whole, as in the engine
 ROUNDING = 1e-9     # relative, or in the unit of a table: numbers that differ by less are one
 HUGE = 1e300        # beyond: no number that anything is computed with
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)  # in a foreign text; float takes 1_0 and the digits of all scripts
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)  # float takes 1_0 and all scripts
 F = TypeVar("F", bound=Callable)
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from ._check import checked, flag, integer
-from ._engine import FileError, InputError
+from ._engine import InputError
 from ._types import Value
 from .catalogue import UNITS
 from .contact import given_keys, read_scene, run
-from .files import write_files
+from .files import check_file, write_files
 from .teeth.pairs import tooth_gaps
 from .teeth.profile import Involute
 
@@ -167,7 +167,7 @@ def _namelist(groups):
         if isinstance(x, (list, tuple)):
             return ", ".join(map(value, x))
         if isinstance(x, str):
-            return x if SHORT.fullmatch(x) else f"'{x}'"
+            return x if SHORT.fullmatch(x) else "'" + x.replace("'", "''") + "'"
         return f"{x:.6g}"
     return "".join(f"&{group}\n" + "".join(f"  {key} = {value(x)}\n" for key, x in keys.items()) + "/\n"
                    for group, keys in groups.items())
@@ -187,10 +187,7 @@ def write_drive(args: argparse.Namespace) -> int:
     """Write the namelist of a drive; returns 0."""
     name = f"drive{args.size}" + (f"_{args.ratio}" if args.ratio != 100 else "") + ("_hat" if args.hat else "")
     path = Path(args.out or f"{name}.nml")
-    if path.exists() and not args.force:
-        raise FileError(f"'{path}' is there already: add --force to replace it, or choose another name with --out")
-    if not path.absolute().parent.is_dir():
-        raise FileError(f"'{path}' cannot be written: no folder '{path.parent}'")
+    check_file(path, args.force)
     groups = as_built(args.size, args.ratio, args.hat, **given_keys(args.assignments))
     whole = f"Whole drive of size {args.size}, ratio {args.ratio}" + ", silk hat" * args.hat
     made = f"hdengine new {args.size}" + f" --ratio {args.ratio}" * (args.ratio != 100) + " --hat" * args.hat

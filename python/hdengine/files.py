@@ -38,8 +38,8 @@ def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) ->
     Raises
     ------
     FileError
-        The folder holds what another command wrote, or one of the files, or something else than a file in its place; or it cannot be
-        made, or takes no files.
+        The folder holds what another command wrote, one of the files, or something else in its place; or it cannot be made, or
+        takes no files.
     """
     folder, names = Path(folder), list(names)
     for name in (m for m in _MARKS if m not in names):

@@ -418,7 +418,8 @@ class Result:
         FileError
             The run has no such table.
         """
-        return package("pandas", "a frame", "tables").DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
+        pandas = package("pandas", "a frame", "tables")
+        return pandas.DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
 
     def dataset(self) -> Any:
         """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).

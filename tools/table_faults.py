@@ -67,7 +67,7 @@ def balance_faults(steps, facets, balls, teeth, summary):
     for step in steps:
         here = [t[t["step"] == step["step"]] if t is not None else None for t in (balls, teeth)]
         contact, hub = resultants(facets, step["step"], around), np.array([step["hub_force_x_n"], step["hub_force_y_n"]])
-        cup, gross, applied = contact, 0.0, 0.0
+        cup, gross, moment = contact, 0.0, 0.0
         if here[1] is not None and len(here[1]):
             t, angle = here[1], np.radians(scene["load.pressure_angle_deg"])
             out = -t["force_n"] * np.sin(angle) - t["friction_n"] * np.cos(angle)
@@ -75,9 +75,14 @@ def balance_faults(steps, facets, balls, teeth, summary):
             c, s = np.cos(t["theta_rad"]), np.sin(t["theta_rad"])
             gross = np.hypot(out, way).sum()
             cup = contact + [(out * c - way * s).sum(), (out * s + way * c).sum()]
-            applied = abs(-way.sum() * (radius + scene["geometry.rim_thickness"]) - step["torque_nm"])
-        if applied > left + large * scene["wave_generator.w"] / radius * top:  # flanks move by w
-            found.append(f"step {step['step']}: the flanks' moment is off by {applied:.1e} N m")
+            moment = t["moment_nm"].sum()
+            if not large and (off := abs(t["moment_nm"] - way * (radius + scene["geometry.rim_thickness"])).max()) > 1e-6 * top:
+                found.append(f"step {step['step']}: the moment of a flank is off by {off:.1e} N m")
+        if here[1] is not None:
+            found += [f"step {step['step']}: moments on the {part} are off by {off:.1e} N m" for part, off in (
+                ("cup", abs(step["friction_torque_nm"] + moment + step["torque_nm"] - step["hub_torque_nm"])),
+                ("ring", large * abs(step["friction_torque_nm"] + step["wave_generator_torque_nm"] + step["ring_spring_torque_nm"]
+                                     + step["torque_balance_nm"]))) if off > scene["solver.tolerance"] * most * radius]
         if not large and (off := np.linalg.norm(cup - hub)) > near * gross + apart + own * np.linalg.norm(hub):
             found.append(f"step {step['step']}: lateral forces on the cup are off by {off:.1e} N of {gross:.1e} N")
         if here[0] is not None and len(here[0]) and not large:

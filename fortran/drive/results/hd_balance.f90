@@ -9,7 +9,7 @@ module hd_balance
   use hd_strut, only: push
   implicit none
   private
-  public :: support_torques_t, moment_on_cam, support_torques, body_resultant, contact_torque
+  public :: support_torques_t, moment_on_cam, strut_moment, support_torques, body_resultant, contact_torque
 
   integer, parameter :: block = 4000   !< nodes whose forces are summed one behind the other
 
@@ -84,18 +84,40 @@ contains
     end associate
   end function forces_of_cam
 
-  !> Moment of the ring on a cam without balls: of what it takes tangentially, and to first order of what presses on its slopes
-  !> [N m].
-  function moment_on_cam(drive, load, state) result(m)
+  !> Moment of the ring on the wave generator: cam, balls and cage as one body. With large displacements of the forces on the ring's
+  !> inner face as they act, balls along the normals of the deformed face. Small ones leave faces round, and balls no lever: to
+  !> first order of what presses on the cam's slopes, besides what a cam without balls takes tangentially [N m].
+  function moment_on_cam(drive, load, state, force) result(m)
     type(drive_t), intent(in) :: drive   !< whole drive
     type(load_t), intent(in) :: load     !< load of the step
     type(state_t), intent(in) :: state   !< converged state
-    real(dp) :: m, force(3, size(drive%inner)), total(3), r(3, drive%problem%n)
-    call internal_residual(drive%problem, load, state, r)
-    force = forces_of_cam(drive, load, state, r)
-    total = nodes_resultant(drive, state, drive%inner, force, drive%b_ring)
-    m = sum(force(1, :)*drive%slope) - total(3)
+    real(dp), intent(in) :: force(:)     !< of the struts [N]
+    real(dp) :: m, of_cam(3, size(drive%inner)), total(3), r(3, drive%problem%n)
+    integer :: i
+    if (drive%balls > 0 .and. allocated(drive%problem%lagrangian)) then
+      m = -sum([(strut_moment(drive, state, i, force(i), drive%b_ring), i=1, drive%balls)])
+    else if (drive%balls > 0) then
+      m = sum(force(:drive%balls)*drive%slope)
+    else
+      call internal_residual(drive%problem, load, state, r)
+      of_cam = forces_of_cam(drive, load, state, r)
+      total = nodes_resultant(drive, state, drive%inner, of_cam, drive%b_ring)
+      m = -total(3)
+      if (.not. allocated(drive%problem%lagrangian)) m = m + sum(of_cam(1, :)*drive%slope)
+    end if
   end function moment_on_cam
+
+  !> Moment about the axis of a strut on the nodes of a body [N m].
+  real(dp) function strut_moment(drive, state, i, force, b) result(m)
+    type(drive_t), intent(in) :: drive   !< whole drive
+    type(state_t), intent(in) :: state   !< converged state
+    integer, intent(in) :: i             !< strut
+    real(dp), intent(in) :: force        !< its force [N]
+    integer, intent(in) :: b             !< body
+    real(dp) :: total(3)
+    total = nodes_resultant(drive, state, drive%problem%struts(i)%node, -force*drive%problem%struts(i)%weight, b)
+    m = total(3)
+  end function strut_moment
 
   !> Sums along x and y [N] and moment about the axis [N m] of forces on nodes of one body, added up in blocks of one length
   !> whatever the number of threads.

@@ -13,7 +13,7 @@ module hd_loop
   use hd_problem, only: state_t, load_t, forces_at, strut_closings
   use hd_scene, only: scene_t
   use hd_tabulated_law, only: closure_table_t, stiffness_at_pressure
-  use hd_balance, only: moment_on_cam
+  use hd_balance, only: moment_on_cam, strut_moment
   use hd_text, only: rounded, to_text
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -35,7 +35,7 @@ module hd_loop
     real(dp) :: dissipated_contact = 0, dissipated_teeth = 0  !< of which by contact and flanks [J]
     real(dp) :: stored = 0, stored_assembled = 0          !< energy of bodies, balls, teeth and joint [J]
     real(dp) :: joint = 0                                 !< of that what a rough joint took since the assembly [J]
-    real(dp) :: wave_generator_torque = 0                 !< moment of the balls on the cam, at the last step [N m]
+    real(dp) :: wave_generator_torque = 0                 !< that it takes, at the last step [N m]
     real(dp) :: wave_generator_torque_max = 0             !< largest amount of all steps [N m]
     real(dp) :: ball_force_max = 0, tooth_force_max = 0   !< of all steps [N]
     real(dp) :: lift = 0                                  !< way of a loaded pair of teeth out of mesh since the assembly [m]
@@ -46,6 +46,7 @@ module hd_loop
     real(dp), allocatable :: turned_stiffness(:)          !< there, from half to all of the torque [N m/rad]
     type(fatigue_t) :: fatigue                            !< of the flexspline
     real(dp), allocatable :: force(:), closing(:)         !< of all struts at the last step [N], [m]
+    real(dp), allocatable :: flank_moment(:)              !< of the flanks on the rim, friction included, at the last step [N m]
     real(dp), allocatable, private :: traction(:, :), slip(:, :), gap(:)   !< at the last step
     integer, allocatable, private :: contact(:)                    !< state of the points there
   end type loop_t
@@ -90,11 +91,10 @@ contains
       loop%closing = closing
       loop%force = force
       n = drive%balls
-      if (n > 0) then
-        loop%wave_generator_torque = sum(loop%force(:n)*drive%slope)
-      else
-        loop%wave_generator_torque = moment_on_cam(drive, load, state)
-      end if
+      loop%wave_generator_torque = moment_on_cam(drive, load, state, force)
+      loop%flank_moment = [(strut_moment(drive, state, i, force(i), drive%b_cup), i=n + 1, n + drive%flanks)]
+      if (allocated(problem%rub)) loop%flank_moment = loop%flank_moment + &
+        [(strut_moment(drive, state, i, force(i), drive%b_cup), i=n + drive%flanks + 1, size(force))]
       if (.not. step%loaded) then
         loop%torque = [0._dp]
         loop%angle = [0._dp]
@@ -439,6 +439,7 @@ contains
         call output%teeth%add(teeth(i)/max(sum(teeth), tiny(1._dp)))
         call output%teeth%add(loop%closing(n + i))
         call output%teeth%add(rub(i))
+        call output%teeth%add(loop%flank_moment(i))
         call output%teeth%end_row(error)
       end do
     end associate

@@ -93,8 +93,8 @@ contains
     do i = 1, size(part_names)
       shares = shares//',share_'//trim(part_names(i))
     end do
-    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,flank,force_n,share,closing_m,friction_n', &
-      error)
+    call output%teeth%open(folder//'/teeth.csv', place//',tooth,theta_rad,flank,force_n,share,closing_m,friction_n,'// &
+      'moment_nm', error)
     if (.not. allocated(error)) call output%loop%open(folder//'/loop.csv', place//',angle_rad,work_j,stored_j,dissipated_j,'// &
       'dissipated_teeth_j,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,'// &
       'balls_loaded,pairs_loaded'//shares, error)

@@ -24,6 +24,8 @@ __all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
 FEWEST = 20      # readings of a record
 MOST = 1e9       # N m, rad: beyond, no bench reads
+SIDE = 4         # of a branch before and behind zero torque
+MOST_PLACES = 40  # at which the torque may pass zero that are tried
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
 
 
@@ -82,6 +84,55 @@ class Curve:
                      for y in (self.stiffness_nm_per_rad, self.low_nm_per_rad, self.high_nm_per_rad))
 
 
+class _Branch:
+    """Angle over the torque of a branch: one spline until the torque passes zero and one behind, for play lies between them.
+
+    Parameters
+    ----------
+    torque_nm, angle_rad : ndarray (n,)
+        In the order of time.
+    sense : int
+        1: the torque rises, -1: it falls.
+    pieces : int
+        Intervals of either spline.
+    error_nm : float
+        The torque passes zero where it reads so much at most; of these places the one with the least cross-validation score.
+    like : _Branch, optional
+        Fit of nearly the same readings, whose place and penalties are taken.
+
+    Attributes
+    ----------
+    place : int
+        Readings before the passage.
+    parts : list of Spline
+    fitted : ndarray (n,)
+        At the readings [rad].
+    residual : float
+        Standard deviation of the readings about it [rad].
+    """
+
+    def __init__(self, torque_nm, angle_rad, sense, pieces, error_nm=0.0, like=None):
+        self.sense, self.low, self.high, n = sense, torque_nm.min(), torque_nm.max(), len(torque_nm)
+        ends = np.sort([torque_nm[:-1], torque_nm[1:]], axis=0)
+        places = [like.place] if like else [k for k in 1 + np.flatnonzero((ends[0] <= error_nm) & (ends[1] >= -error_nm))
+                                            if SIDE <= k <= n - SIDE]
+        if not places:
+            raise InputError(f"a branch needs {SIDE} readings on either side of zero torque")
+        best = np.inf
+        for k in places[::1 + len(places) // MOST_PLACES]:
+            parts = [Spline(torque_nm[s], angle_rad[s], pieces, penalty) for s, penalty in zip(
+                (slice(k), slice(k, n)), (part.penalty for part in like.parts) if like else (None, None))]
+            fitted = np.concatenate([part(torque) for part, torque in zip(parts, np.split(torque_nm, [k]))])
+            free = max(n - sum(part.freedom for part in parts), 1)
+            square = np.sum((angle_rad - fitted)**2)
+            if square / free**2 < best:
+                best, self.place, self.parts, self.fitted, self.residual = square / free**2, k, parts, fitted, np.sqrt(square / free)
+
+    def __call__(self, torque_nm, derivative=0):
+        """Angle or its derivative by the torque; at zero what is left of before [rad]."""
+        return np.where(self.sense * np.asarray(torque_nm) <= 0, *(part(torque_nm, derivative) for part in self.parts))
+
+
 class Record:
     """Readings of a test bench in the order of time: output torque and angle, the input held.
 
@@ -93,7 +144,7 @@ class Record:
         Largest error of the instruments. Default: those of Hu et al. (2023), 0.05 N m and 2 arcsec. The band takes each
         error as a straight line over the range whose ends lie anywhere within these limits, and adds the scatter of the readings.
     pieces : int
-        Intervals of the smoothing spline angle(torque) of each branch; its curvature may jump at zero torque.
+        Intervals of the smoothing splines angle(torque) of each branch, on either side of zero torque.
 
     Raises
     ------
@@ -117,7 +168,7 @@ class Record:
             if not sense * (self.angle_rad[part][-1] - self.angle_rad[part][0]) > 0:
                 raise InputError(f"the angle does not {'rise' if sense > 0 else 'fall'} with the torque: turn the sign of one, "
                                  "or look whether the columns are what their names say")
-        self._fits = {sense: Spline(self.torque_nm[part], self.angle_rad[part], pieces, 0.0)
+        self._fits = {sense: _Branch(self.torque_nm[part], self.angle_rad[part], sense, pieces, torque_error_nm)
                       for sense, part in ((1, self.up), (-1, self.down))}
 
     @classmethod
@@ -179,9 +230,9 @@ class Record:
             fits = {}
             for sense, part in ((1, self.up), (-1, self.down)):
                 fit = self._fits[sense]
-                clean = fit(np.clip(self.torque_nm[part], fit.low, fit.high)) - self.angle_rad[part] + angle[part]
+                clean = fit.fitted - self.angle_rad[part] + angle[part]
                 noise = generator.normal(0, fit.residual, len(clean))
-                fits[sense] = Spline(torque[part], clean + noise, self.pieces, 0.0, fit.penalty)
+                fits[sense] = _Branch(torque[part], clean + noise, sense, self.pieces, like=fit)
             drawn.append(fits)
         return drawn
 
@@ -220,7 +271,7 @@ class Record:
         Parameters
         ----------
         unit : catalogue.Unit, optional
-            Its T1 and T2 are used for K1, K2, K3 (chords of the middle curve from zero torque); default: size 14.
+            Its T1 and T2 are used for K1, K2, K3 (chords of the rise from zero torque, as of a run's loop); default: size 14.
         rated_torque_nm : float, optional
             Lost motion is the turn of the middle curve between -4 % and +4 % of it; default: the highest torque.
 
@@ -235,7 +286,7 @@ class Record:
 
         def evaluate(fits):
             zero = np.zeros(1)
-            turn = self._angle("middle", fits, torque)
+            turn = fits[1](torque)
             ends = self._angle("middle", fits, np.array([-four, four]))
             return [float(abs(fits[1](zero) - fits[-1](zero))[0]), ends[1] - ends[0],
                     *stages(torque, turn - turn[0], unit.t1_nm, unit.t2_nm)]

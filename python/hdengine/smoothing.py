@@ -48,8 +48,6 @@ class Spline:
     ----------
     x, y : array_like (n,)
     pieces : int
-    kink : float, optional
-        Where the second derivative may jump.
     penalty : float, optional
         Weight of the squared second differences; default: the one with the least generalised cross-validation score.
 
@@ -62,12 +60,11 @@ class Spline:
         Effective number of parameters.
     """
 
-    def __init__(self, x: ArrayLike, y: ArrayLike, pieces: int = 24, kink: float | None = None,
-                 penalty: float | None = None) -> None:
+    def __init__(self, x: ArrayLike, y: ArrayLike, pieces: int = 24, penalty: float | None = None) -> None:
         x, y = np.asarray(x, float), np.asarray(y, float)
-        self.low, self.high, self.pieces, self.kink = x.min(), x.max(), pieces, kink
-        b = self._columns(x, 0)
-        d = np.diff(np.eye(pieces + 3, b.shape[1]), 2, axis=0)
+        self.low, self.high, self.pieces = x.min(), x.max(), pieces
+        b = basis(x, self.low, self.high, pieces)
+        d = np.diff(np.eye(pieces + 3), 2, axis=0)
         normal, right, rough = b.T @ b, b.T @ y, d.T @ d
         trials = [penalty] if penalty is not None else np.trace(normal) / (pieces + 3) * 10.0**np.arange(-6, 5, 0.5)
         best = np.inf
@@ -81,14 +78,6 @@ class Spline:
                 best, self.penalty, self.coefficients, self.freedom = score, trial, c, freedom
                 self.residual = np.sqrt(square / max(len(x) - freedom, 1))
 
-    def _columns(self, x, derivative):
-        """B-splines and the function with a kink in its slope."""
-        b = basis(x, self.low, self.high, self.pieces, derivative)
-        if self.kink is None:
-            return b
-        size, u = (self.high - self.low)**2 / 4, np.asarray(x, float) - self.kink
-        return np.column_stack([b, u * np.abs(u) / size if derivative == 0 else 2 * np.abs(u) / size])
-
     def __call__(self, x: Any, derivative: int = 0) -> Any:
         """Value, or first derivative."""
-        return self._columns(x, derivative) @ self.coefficients
+        return basis(x, self.low, self.high, self.pieces, derivative) @ self.coefficients

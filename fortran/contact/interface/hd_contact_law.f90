@@ -9,7 +9,8 @@
 !> A rough joint takes the same form. Its pressure P(x) over the closure x = -gap gives  p - P(x*) = 0  with x* from
 !> P(x*) + c x* = p^ (the resolvent; max(0, p^) is its limit for a stiff joint). Shear follows the slip with the stiffness
 !> k_t(p) from the last step's tau_0 until Coulomb's bound:  tau - proj((k_t tau^ + c tau_0) / (k_t + c); mu P(x*)) = 0.
-!> Where the table knows how k_t falls as shear grows, the projection shortens by that slip too (hd_micro_slip): a radial return.
+!> Where the table knows how k_t falls as shear grows, the projection shortens by that slip too (hd_micro_slip): a radial return. It
+!> slips so as the shear comes nearer to its bound, not as it grows with that (Mindlin and Deresiewicz 1953, doi:10.1115/1.4010702).
 !>
 !> A point that slipped along e_0 = tau_0/|tau_0| when the step began and slips by s = -|s| d turns meanwhile: d is the direction in
 !> the middle of the step, 2 d - e_0 that at its end (error of second order; d itself would be implicit Euler, of first order).
@@ -128,8 +129,8 @@ contains
     trial = t(2:) - share*turned
     by_p = share*flexibility_slope*(share*turned - matmul(turn, t(2:) - anchor(2:)))
     size = norm2(trial)
-    call limit_shear(law, p, size, norm2(anchor(2:)), share*flexibility, share**2*flexibility_slope/law%scale, shear, by_size, &
-      shear_by_p, state)
+    call limit_shear(law, p, size, anchor, share*flexibility, share**2*flexibility_slope/law%scale, shear, by_size, shear_by_p, &
+      state)
     tangent = one
     if (shear >= size) then
       r(2:) = share*turned
@@ -145,23 +146,25 @@ contains
     dw(2:, 1) = by_p*pressure_slope*law%scale
   end subroutine add_friction
 
-  !> Shear under a trial shear: itself while it does not grow, shortened by micro-slip, or the bound.
-  pure subroutine limit_shear(law, p, trial, start, rigid, by_rigid, shear, by_trial, by_p, state)
+  !> Shear under a trial shear: itself while it comes no nearer to its bound, shortened by micro-slip, or the bound.
+  pure subroutine limit_shear(law, p, trial, anchor, rigid, by_rigid, shear, by_trial, by_p, state)
     type(contact_law_t), intent(in) :: law      !< law
     real(dp), intent(in) :: p                   !< pressure [Pa]
-    real(dp), intent(in) :: trial, start        !< trial shear, and shear when the step began [Pa]
+    real(dp), intent(in) :: trial               !< trial shear [Pa]
+    real(dp), intent(in) :: anchor(3)           !< traction when the step began [Pa]
     real(dp), intent(in) :: rigid, by_rigid     !< c / (k_t + c), 1 for the hard law, and its derivative by p [1/Pa]
     real(dp), intent(out) :: shear              !< shear [Pa]
     real(dp), intent(out) :: by_trial, by_p     !< its derivatives
     integer, intent(out) :: state               !< stick or slip
-    real(dp) :: bound
+    real(dp) :: bound, left
     bound = law%friction*p
     shear = min(trial, bound)
     by_trial = merge(1, 0, trial <= bound)
     by_p = merge(0._dp, law%friction, trial <= bound)
-    if (allocated(law%joint) .and. start < min(trial, bound)) then
-      if (allocated(law%joint%micro)) call return_shear(law%joint%micro, p, bound, start, trial, rigid, by_rigid, shear, &
-        by_trial, by_p)
+    if (allocated(law%joint)) then
+      left = max(0._dp, law%friction*anchor(1) - norm2(anchor(2:)))
+      if (allocated(law%joint%micro) .and. left > 0 .and. bound - left < trial) call return_shear(law%joint%micro, p, bound, left, &
+        trial, rigid, by_rigid, shear, by_trial, by_p)
     end if
     state = merge(slip_state, stick_state, shear >= bound .and. shear < trial)
   end subroutine limit_shear

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Slip of a joint before it slides: the asperities give way one after the other as the shear q nears its bound B = mu p.
 !>
-!> While q grows, dq/du = k_t(p, q), which falls from k_t(p, 0); while it does not, k_t(p, 0). So the slip beyond the elastic one is
-!>   B / k_t(p, 0) [g(p, q/B) - g(p, q_0/B)],   g(p, y) = int_0^y (k_t(p, 0) / k_t(p, y' B) - 1) dy',
-!> along the shear, with q_0 where the step began. g is a cubic Hermite function of z = 1 - (1 - y)^(1/3) (exact for one sphere,
+!> While q grows at one p, dq/du = k_t(p, q), which falls from k_t(p, 0); while it does not, k_t(p, 0). What it grows along with its
+!> bound it grows with k_t(p, 0) (Mindlin and Deresiewicz 1953). So the slip beyond the elastic one is
+!>   B / k_t(p, 0) [g(p, q/B) - g(p, y_0)],   g(p, y) = int_0^y (k_t(p, 0) / k_t(p, y' B) - 1) dy',
+!> along the shear; where the step began q was (1 - y_0) B below its bound of then. g is a cubic Hermite function of z = 1 - (1 - y)^(1/3) (exact for one sphere,
 !> Mindlin's k_t ~ (1 - y)^(1/3): g = 3/2 z^2 - z^3) and linear in ln p, constant outside its pressures.
 module hd_micro_slip
   use hd_kinds, only: dp
@@ -79,12 +80,12 @@ contains
     by_log_p = merge((values(2) - values(1))/h, 0._dp, part > 0 .and. part < 1)
   end subroutine evaluate
 
-  !> Shear q that grows from q_0 under the trial shear: q + h B [g(q/B) - g(q_0/B)] = trial, at most B.
-  pure subroutine return_shear(table, p, bound, start, trial, h, by_h, q, by_trial, by_p)
+  !> Shear q that comes nearer to its bound under the trial shear: q + h B [g(q/B) - g(y_0)] = trial, at most B.
+  pure subroutine return_shear(table, p, bound, left, trial, h, by_h, q, by_trial, by_p)
     type(micro_slip_t), intent(in) :: table  !< table
     real(dp), intent(in) :: p                !< pressure, > 0 [Pa]
     real(dp), intent(in) :: bound            !< B = mu p, > 0 [Pa]
-    real(dp), intent(in) :: start            !< q_0, below bound and trial [Pa]
+    real(dp), intent(in) :: left             !< to the bound when the step began, > 0 and more than from trial to bound [Pa]
     real(dp), intent(in) :: trial            !< trial shear, below what reaches the bound or not [Pa]
     real(dp), intent(in) :: h                !< share of the slip that the trial shear sees, c / (k_t + c)
     real(dp), intent(in) :: by_h             !< dh/dp [1/Pa]
@@ -92,7 +93,7 @@ contains
     real(dp), intent(out) :: by_trial, by_p  !< its derivatives; at the bound 0 and mu
     real(dp) :: z, z0, y0, g, g0, gz, gz0, gp, gp0, low, high, r, slope, by_y0
     integer :: k
-    y0 = start/bound
+    y0 = max(0._dp, 1 - left/bound)
     z0 = 1 - (1 - y0)**(1/3._dp)
     call evaluate(table, log(p), z0, g0, gz0, gp0)
     call evaluate(table, log(p), 1._dp, g, gz, gp)
@@ -115,7 +116,7 @@ contains
     end do
     q = bound*(1 - (1 - z)**3)
     by_trial = 3*(1 - z)**2/slope
-    by_y0 = gz0/(3*(1 - z0)**2)
-    by_p = q/p - by_trial*(bound*(by_h*(g - g0) + h*(gp - gp0 + by_y0*y0)/p) + trial/p)
+    by_y0 = merge(gz0*(1 - z0)/3, 0._dp, y0 > 0)  ! times p dy_0/dp = 1 - y_0
+    by_p = q/p - by_trial*(bound*(by_h*(g - g0) + h*(gp - gp0 - by_y0)/p) + trial/p)
   end subroutine return_shear
 end module hd_micro_slip

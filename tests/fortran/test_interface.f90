@@ -24,6 +24,7 @@ contains
     call law_tangent(mindlin())
     call shear_loop()
     call mindlin_curve()
+    call raised_bound()
     call turning_shear()
     call asked_states()
     call pressed_blocks()
@@ -107,7 +108,7 @@ contains
     do k = 1, 5
       t = cases(:3, k)
       w = cases(4:6, k)
-      before = [0._dp, cases(7:, k)]
+      before = [0.8_dp*t(1), cases(7:, k)]
       call evaluate_law(law, t, w, before, lead(:, k), r, dw, dt, state)
       seen(state) = seen(state) + 1
       do i = 1, 3
@@ -182,6 +183,32 @@ contains
     call converge(law, [-8*h, 0.06_dp*last, 0.08_dp*last], t, state)
     call check_close(norm2(t(2:))/p, 0.3_dp*(1 - 0.15_dp), 1e-9_dp, 'unloaded, the joint goes back with k_t')
   end subroutine mindlin_curve
+
+  !> A shear at its bound stays there while the pressure raises that by more or fewer steps and the point slips on; as far as it does
+  !> not slip, the shear stays behind (Mindlin and Deresiewicz 1953).
+  subroutine raised_bound()
+    type(contact_law_t) :: law
+    real(dp) :: t(3), p, way, worst(2)
+    integer :: i, k, n, state
+    law = contact_law_t(frictional, 0.3_dp, 1e13_dp)
+    law%joint = mindlin()
+    worst = 0
+    do k = 1, 2
+      do n = 1, 41, 20
+        p = p0*exp(8._dp)
+        way = merge(0.5_dp, 0.1_dp, k == 1)*h  ! to stay at the bound takes 0.3 dp/k_t, up to 0.083 h
+        t = [p, 0.3_dp*p, 0._dp]
+        state = slip_state
+        do i = 1, n
+          call converge(law, [-(8 + 0.2_dp*i/n)*h, -way/n, 0._dp], t, state)
+        end do
+        call check(state == slip_state, 'a point slides on under a pressure that rises')
+        worst(k) = max(worst(k), abs(t(2)/(0.3_dp*t(1)) - 1))
+      end do
+    end do
+    call check_close(worst(1), 0._dp, 1e-9_dp, 'the shear of a sliding point follows its bound, whatever the steps')
+    call check_close(worst(2), 0._dp, 1e-9_dp, 'it does so as soon as the slip makes up for the rise')
+  end subroutine raised_bound
 
   !> Tractions of a point whose gap and slip are given.
   subroutine converge(law, w, t, state)

@@ -98,6 +98,13 @@ def test_shares_of_the_twist_are_those_of_the_loop(exe, tmp_path, torque):
     assert contact == pytest.approx(1 / (found["k_ts_bonded_nm_per_rad"] * slope), rel=3e-3)
 
 
+def test_eq_45_of_a_joint_does_not_depend_on_the_steps(exe, tmp_path):
+    """With the joint as contact law all points slide at the rated torque, by few steps or many: 10 and 40 a leg gave 90 and 268 N m/rad for drive14."""
+    few, many = (loop(exe, tmp_path / "run", "contact.law=joint", f"load.torque_steps={n}") for n in (5, 40))
+    for name in ("k_ts_nm_per_rad", "slip_share_force", "slip_share_k_ts", "k_ts_bonded_nm_per_rad"):
+        assert many[name] == pytest.approx(few[name], rel=0.01), name
+
+
 def test_no_softer_part_stiffens_the_contact(exe, tmp_path):
     """A softer body moves the forces, so by 1 % at most; beside the bonded drive, whose gaps close, a softer ring is stiffer by 5 %."""
     stiff, *soft = (loop(exe, tmp_path / "run", "loop.torques=30", *key) for key in (

@@ -66,7 +66,7 @@ module hd_loop
 contains
 
   !> Book a converged step. A point that slips works with its shear: the mean of both ends of the step, or where it stuck at the
-  !> beginning that of the end, for before it slips it does not move.
+  !> beginning, or slips back, that of the end, for before that it does not move.
   subroutine book(loop, scene, drive, load, state, step)
     type(loop_t), intent(inout) :: loop     !< grows
     type(scene_t), intent(in) :: scene      !< scene
@@ -101,7 +101,8 @@ contains
       else
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
-          if (loop%contact(i) == slip_state) shear = (shear + loop%traction(2:, i))/2
+          if (loop%contact(i) == slip_state .and. dot_product(loop%traction(2:, i), state%slip(:, i) - loop%slip(:, i)) < 0) &
+            shear = (shear + loop%traction(2:, i))/2
           given = 0
           if (allocated(problem%law%joint)) call give_way(problem%law%joint, problem%mortar%area(i), loop%traction(:, i), &
             state%traction(:, i), state%gap(i) - loop%gap(i), given, loop%joint)

@@ -125,8 +125,8 @@ class _Branch:
             fitted = np.concatenate([part(torque) for part, torque in zip(parts, np.split(torque_nm, [k]))])
             free = max(n - sum(part.freedom for part in parts), 1)
             square = np.sum((angle_rad - fitted)**2)
-            if square / free**2 < best:
-                best, self.place, self.parts, self.fitted, self.residual = square / free**2, k, parts, fitted, np.sqrt(square / free)
+            if (score := square / free**2) < best:
+                best, self.place, self.parts, self.fitted, self.residual = score, k, parts, fitted, np.sqrt(square / free)
 
     def __call__(self, torque_nm, derivative=0):
         """Angle or its derivative by the torque; at zero what is left of before [rad]."""

@@ -4,8 +4,9 @@
 !> While q grows at one p, dq/du = k_t(p, q), which falls from k_t(p, 0); while it does not, k_t(p, 0). What it grows along with its
 !> bound it grows with k_t(p, 0) (Mindlin and Deresiewicz 1953). So the slip beyond the elastic one is
 !>   B / k_t(p, 0) [g(p, q/B) - g(p, y_0)],   g(p, y) = int_0^y (k_t(p, 0) / k_t(p, y' B) - 1) dy',
-!> along the shear; where the step began q was (1 - y_0) B below its bound of then. g is a cubic Hermite function of z = 1 - (1 - y)^(1/3) (exact for one sphere,
-!> Mindlin's k_t ~ (1 - y)^(1/3): g = 3/2 z^2 - z^3) and linear in ln p, constant outside its pressures.
+!> along the shear; where the step began q was (1 - y_0) B below its bound of then. g is a cubic Hermite function of
+!> z = 1 - (1 - y)^(1/3) (exact for one sphere, Mindlin's k_t ~ (1 - y)^(1/3): g = 3/2 z^2 - z^3) and linear in ln p, constant
+!> outside its pressures.
 module hd_micro_slip
   use hd_kinds, only: dp
   implicit none

@@ -101,8 +101,9 @@ contains
       else
         do i = 1, problem%mortar%n - problem%mortar%rigid
           shear = state%traction(2:, i)
-          if (loop%contact(i) == slip_state .and. dot_product(loop%traction(2:, i), state%slip(:, i) - loop%slip(:, i)) < 0) &
+          if (loop%contact(i) == slip_state .and. dot_product(loop%traction(2:, i), state%slip(:, i) - loop%slip(:, i)) < 0) then
             shear = (shear + loop%traction(2:, i))/2
+          end if
           given = 0
           if (allocated(problem%law%joint)) call give_way(problem%law%joint, problem%mortar%area(i), loop%traction(:, i), &
             state%traction(:, i), state%gap(i) - loop%gap(i), given, loop%joint)

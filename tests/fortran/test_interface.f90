@@ -184,8 +184,8 @@ contains
     call check_close(norm2(t(2:))/p, 0.3_dp*(1 - 0.15_dp), 1e-9_dp, 'unloaded, the joint goes back with k_t')
   end subroutine mindlin_curve
 
-  !> A shear at its bound stays there while the pressure raises that by more or fewer steps and the point slips on; as far as it does
-  !> not slip, the shear stays behind (Mindlin and Deresiewicz 1953).
+  !> A shear at its bound stays there while the pressure raises that by more or fewer steps and the point slips on; where it does
+  !> not slip as far, the shear stays behind (Mindlin and Deresiewicz 1953).
   subroutine raised_bound()
     type(contact_law_t) :: law
     real(dp) :: t(3), p, way, worst(2)

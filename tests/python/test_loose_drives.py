@@ -77,6 +77,12 @@ def test_hysteresis_grows_with_friction_of_the_contact(exe, tmp_path):
     assert max(lost) < 1.1 * min(lost)
 
 
+def test_a_step_over_a_reversal_gives_no_heat_back(exe, tmp_path):
+    """Points that slip back within one load step do so under the shear of its end: 40 to 2 N m in one gave half of all heat back."""
+    loop(exe, tmp_path / "run", "loop.torques=40,2", "load.torque_steps=1", "wave_generator.clearance=40e-6")
+    assert np.diff(read_csv(tmp_path / "run/loop.csv")["dissipated_j"]).min() >= 0
+
+
 def test_friction_of_the_flanks_heats_and_leaves_hysteresis(exe, tmp_path):
     """Hysteresis is the width at T = 0, where play leaves no flank under force: their friction takes energy and leaves the width."""
     without, some, much = (loop(exe, tmp_path / "run", f"load.tooth_friction={mu}") for mu in (0, 0.1, 0.2))

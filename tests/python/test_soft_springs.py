@@ -40,11 +40,12 @@ def test_it_is_the_cup_of_the_direct_solver(exe, tmp_path, keys, ours, tolerance
     assert found["k_ts_bonded_nm_per_rad"] == pytest.approx(direct["k_ts_bonded_nm_per_rad"], rel=1e-5)
 
 
-@pytest.mark.parametrize("keys", [["mesh.divisions=64", "mesh.band_facets=12"], EDGES[:1] + ["contact.law=joint_elastic"]], ids=str)
+@pytest.mark.parametrize("keys", [["mesh.divisions=64", "mesh.band_facets=12"], EDGES + ["load.assembly_steps=3"]], ids=str)
 def test_it_takes_no_more_steps_than_a_held_cup(exe, tmp_path, keys):
     """GMRES takes at most 1.8 times as many steps as with the bottom held, in all corrections of Newton's method and all sets of states of
-    the tangent together (1.61 and 1.21 here; rounding decides how many sets there are), and no load step is halved. With the springs in its
-    compliance it took up to five times as many, 2.07 times with edge cells here."""
+    the tangent together (1.61 and 1.06 here; rounding decides how many sets there are), and no load step is halved. With the springs in its
+    compliance it took up to five times as many, 2.07 times with edge cells. Those have three steps of assembly: after one it is chance
+    whether the first step of the torque is halved, by this law or joint_elastic."""
     free, held = (solve(exe, tmp_path / s, *keys, "solver.method=condensed", support=s) for s in ("bearing", "hub"))
     assert 0 < free["model"]["inner_iterations"] < 1.8 * held["model"]["inner_iterations"]
     assert free["results"]["cut_backs"] == 0

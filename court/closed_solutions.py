@@ -391,7 +391,7 @@ def lame(inner, outer, element, layers=3, swap=False, interference=10e-6, start=
             b.angle = b.angle + np.pi
     n0 = len(bodies[0].mesh.points)
     sol = solid.contact(bodies, *faces, fixed, gap=np.full(len(polar), -interference), mode="frictionless", element=element,
-                        period=period)
+                        period=period, tolerance=1e-12)
     exact, inward, outward = lame_exact(interference)
     on = sol.area > 0
     p = sol.traction[0, on, 0]

@@ -82,8 +82,8 @@ module hd_newton
   !> and where points touch, that they do not hold it; Newton's method passes through the former
   real(dp), parameter :: small = 1e-6_dp
   real(dp), parameter :: half = 0.5_dp          !< of the tolerance, which the last correction aims at
-  real(dp), parameter :: exact = 1e-9_dp        !< accuracy of a correction that is taken whole,
-  real(dp), parameter :: searched = 1e-5_dp     !< and of one whose length is searched, for a line search fails on a rougher one
+  real(dp), parameter :: whole = 1e-5_dp        !< accuracy of a correction that is taken whole,
+  real(dp), parameter :: searched = 1e-9_dp     !< and of one whose length is searched, for a line search fails on a rougher one
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
   real(dp), parameter :: rounding = 10*epsilon(1._dp)  !< of forces, over that product: none in the bodies is seen
   real(dp), parameter :: useless = 1._dp        !< backward error of a correction that is not taken
@@ -237,7 +237,7 @@ contains
       call update_struts(problem, load, state%u)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
-      solver%accuracy = merge(exact, searched, search)
+      solver%accuracy = merge(searched, whole, search)
       if (allocated(problem%pairing) .and. .not. search) then
         ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do
         solver%accuracy = max(solver%accuracy, min(tenth, max(here%merit, half*options%tolerance/here%merit)))

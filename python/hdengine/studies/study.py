@@ -25,9 +25,7 @@ from ..contact import read_scene
 from ..files import json_text, read_json, write_files
 from ..results import preformatted
 from ..views.labels import LOOP
-from . import study_file
 from .progress import Progress
-from .workers import solve_all
 
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
@@ -117,6 +115,8 @@ class Study:
         InputError, FileError
             With file and line, or with the valid names.
         """
+        from . import study_file
+
         groups = study_file.read(path)
         if not groups:
             raise InputError(f"'{path}' holds no study: it has none of the tables [{'], ['.join(study_file.GROUPS)}]")
@@ -199,6 +199,8 @@ class Study:
             The folder holds another study, rows of another version, or tables that are not as a study left them; or another
             process is at work in it.
         """
+        from .workers import solve_all  # multiprocessing, which takes a tenth of the time of import hdengine
+
         out = Path(out)
         scene = self.check()
         identity = self.identity()

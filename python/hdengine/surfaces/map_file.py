@@ -11,7 +11,6 @@ from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -177,6 +176,8 @@ def _softgauge(path, unit, spacing):
 
     A file may hold filtered profiles too, in <ANALYSIS>; they are another curve and are left out.
     """
+    from xml.etree import ElementTree
+
     text = re.sub(r"<\?.*?\?>|<!DOCTYPE[^>]*>", "", path.read_text(errors="replace"), flags=re.S)
     try:
         data: Any = ElementTree.fromstring(text).find("DATAFILE")

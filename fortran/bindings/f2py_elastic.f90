@@ -30,6 +30,31 @@ subroutine spectrum_joint(q, height, e_star, hardness, pressure, with_gap, k, ar
   call tell(error, status, message)
 end subroutine spectrum_joint
 
+!> The same without the gap from the continuum of Eq. 1, for test_prediction: surface holds D, G, L, L_s.
+subroutine fractal_joint(surface, e_star, hardness, pressure, k, area, m, status, message)
+  use, intrinsic :: iso_c_binding, only: c_int, c_double
+  use hd_error, only: error_t
+  use hd_persson, only: contact_at
+  use hd_roughness_spectrum, only: power_spectrum_t, fractal_spectrum
+  use hd_status, only: tell
+  implicit none
+  integer(c_int), intent(in) :: m
+  real(c_double), intent(in) :: surface(4), e_star, hardness, pressure(m)
+  real(c_double), intent(out) :: k(m), area(m)
+  integer(c_int), intent(out) :: status
+  character(len=8192), intent(out) :: message
+  !f2py integer(c_int), intent(hide), depend(pressure) :: m = len(pressure)
+  !f2py threadsafe
+  type(power_spectrum_t) :: spectrum
+  type(error_t), allocatable :: error
+  real(c_double) :: variance(m)
+  k = 0
+  area = 0
+  call fractal_spectrum(surface(1), surface(2), surface(3), surface(4), spectrum, error)
+  if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area, variance)
+  call tell(error, status, message)
+end subroutine fractal_joint
+
 !> Stiffness per area of a law; `derivatives` holds dK_N/dP, dK_T/dP, dK_T/dq.
 subroutine elastic_facets(table_p, table_n, table_t, mu, pressure, shear, k_n, k_t, derivatives, n, m, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double

@@ -261,7 +261,7 @@ def test_namelist_generates_the_surface(exe, tmp_path):
 
 
 @pytest.mark.parametrize("change, says", [
-    ("surface.shortest_wavelength=1", "must not exceed the length"), ("surface.dx=0", "dx"), ("surface.gamma=1", "gamma"),
+    ("surface.shortest_wavelength=5e-3", "must not exceed the length"), ("surface.dx=0", "dx"), ("surface.gamma=1", "gamma"),
     ("surface.fractal_dimension=3", "fractal_dimension"), ("surface.gamma=1.0000000001", "more than 100000000 waves"),
     ("surface.tolerance=1e-14", "1e-13"),
 ], ids=lambda v: v.split("=")[0])

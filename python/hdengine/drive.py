@@ -95,15 +95,12 @@ def _scene(size, ratio, hat):
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 
 
-def _gaps(groups, size, ratio):
+def _gaps(groups, size, ratio, angle):
     """Clearances of the teeth: an involute rack of 20 degrees on the rim of the assembled drive, the closest pair with its play."""
     module = 2.54e-3 * size / (2 * ratio)
-    play = PLAY * size / 14 * math.cos(math.radians(_pressure_angle(ratio)))
-    assembly = {group: dict(keys) for group, keys in groups.items()}
-    assembly["loop"]["torques"] = "0,0"
-    assembly["load"]["torque_steps"] = 1
-    assembly["run"]["band"] = False
-    assembly["output"] = {"vtu": "last"}
+    play = PLAY * size / 14 * math.cos(math.radians(angle))
+    assembly = groups | {"loop": {"torques": "0,0"}, "load": groups["load"] | {"torque_steps": 1}, "run": {"band": False},
+                         "turning": {}, "output": {"vtu": "last"}}
     with tempfile.TemporaryDirectory() as folder:
         run("", f"{folder}/rim", show=False, **cast("SceneKeys", assembly))
         keys = tooth_gaps(Involute(module=module), f"{folder}/rim", least_gap=play).keys()
@@ -148,16 +145,19 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
     if size not in KNOWN:
         raise InputError(f"size = {size}: must be one of {', '.join(map(str, KNOWN))}")
     groups = _scene(size, ratio, hat)
+    given: dict[str, dict[str, Any]] = {}
     for name, value in keys.items():
         group, _, key = name.lower().replace("__", ".", 1).partition(".")
-        groups.setdefault(group, {}).update({k.lower(): v for k, v in value.items()} if isinstance(value, dict) else {key: value})
-    if "interference" in groups["wave_generator"]:
+        given.setdefault(group, {}).update({k.lower(): v for k, v in value.items()} if isinstance(value, dict) else {key: value})
+    if "interference" in given.get("wave_generator", {}):
         del groups["wave_generator"]["clearance"]
-    teeth = read_scene("", **cast("SceneKeys", groups))["load.teeth"]
-    if teeth != 2 * ratio:
-        raise InputError(f"load.teeth = {teeth} with ratio = {ratio}: must be twice that; give the ratio alone")
+    for group, known in given.items():
+        groups[group] = groups.get(group, {}) | known
+    scene = read_scene("", **cast("SceneKeys", groups))
+    if scene["load.teeth"] != 2 * ratio:
+        raise InputError(f"load.teeth = {scene['load.teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
     if not groups["load"].keys() & {"tooth_gaps", "tooth_clearance"}:
-        groups["load"] |= _gaps(groups, size, ratio)
+        groups["load"] |= _gaps(groups, size, ratio, scene["load.pressure_angle_deg"])
     return {group: members for group, members in groups.items() if members}
 
 

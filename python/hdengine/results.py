@@ -9,6 +9,7 @@ import html
 import io
 import itertools
 import mmap
+import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -540,8 +541,6 @@ class Result:
             The equations behind the derivatives could not be solved.
         """
         if "gradient" not in self.summary:
-            import tempfile
-
             with tempfile.TemporaryDirectory() as folder:
                 handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0, 1)
                 try:

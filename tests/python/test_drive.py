@@ -538,6 +538,10 @@ def test_what_is_known_of_a_drive_takes_its_place():
     pressed = hdengine.as_built(20, 80, mesh=mesh, wave_generator={"interference": 5e-6}, geometry__wall_thickness="0.6 mm")
     assert pressed["geometry"]["wall_thickness"] == "0.6 mm" and "clearance" not in pressed["wave_generator"]
     assert pressed["load"]["tooth_gaps"] != plain["load"]["tooth_gaps"] and pressed["loop"] == plain["loop"]
+    asked = hdengine.as_built(20, 80, mesh=mesh, run={"tolerance": 0.1, "gradient": True}, turning={"positions": 3}, output__positions="0.1 mm")
+    assert asked["load"] == plain["load"] and asked["run"]["tolerance"] == 0.1  # what a run is asked for does not touch its assembly
+    both = hdengine.as_built(20, 80, wave_generator={"interference": 0.0, "clearance": 2e-6}, load={"tooth_clearance": 1e-5})
+    assert both["wave_generator"]["clearance"] == 2e-6
     assert hdengine.as_built(20, 80, load={"tooth_clearance": 1e-5})["load"].keys() & {"tooth_gaps", "tooth_gaps_back"} == set()
     for args, keys, what in (((21,), {}, "size = 21: must be one of 11, 14"), ((20, 29), {}, "ratio"), ((20,), {"mesh": {"division": 3}}, "mesh.division"),
                              ((20,), {"wave_generator__w": -1}, "wave_generator.w"),

@@ -538,7 +538,7 @@ def test_what_is_known_of_a_drive_takes_its_place():
     pressed = hdengine.as_built(20, 80, mesh=mesh, wave_generator={"interference": 5e-6}, geometry__wall_thickness="0.6 mm")
     assert pressed["geometry"]["wall_thickness"] == "0.6 mm" and "clearance" not in pressed["wave_generator"]
     assert pressed["load"]["tooth_gaps"] != plain["load"]["tooth_gaps"] and pressed["loop"] == plain["loop"]
-    asked = hdengine.as_built(20, 80, mesh=mesh, run={"tolerance": 0.1, "gradient": True}, turning={"positions": 3}, output__positions="0.1 mm")
+    asked = hdengine.as_built(20, 80, mesh=mesh, run={"tolerance": 0.1}, turning={"positions": 3})
     assert asked["load"] == plain["load"] and asked["run"]["tolerance"] == 0.1  # what a run is asked for does not touch its assembly
     both = hdengine.as_built(20, 80, wave_generator={"interference": 0.0, "clearance": 2e-6}, load={"tooth_clearance": 1e-5})
     assert both["wave_generator"]["clearance"] == 2e-6

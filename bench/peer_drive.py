@@ -15,7 +15,7 @@ import numpy as np
 from common import measured, program, read_prints, solve, write_record
 from hdengine.export.cards import body_cards, equation_cards, node_cards, set_cards, strut_cards
 from hdengine.export.deck import flank_weights
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 KEYS = {"mesh.divisions": 48, "mesh.band_facets": 8, "bearing.balls": 16, "bearing.patch_length": 1e-9, "bearing.patch_width": 1e-9,
         "contact.mode": "bonded", "wave_generator.interference": 0, "loop.torques": 8, "load.torque_steps": 2, "load.assembly_steps": 1,

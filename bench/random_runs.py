@@ -24,7 +24,7 @@ from statistics import median
 import numpy as np
 
 from common import DATA, ONE_THREAD, ROOT, program, write_part
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 sys.path.insert(0, str(ROOT / "tools"))
 from table_faults import faults, tables  # noqa: E402

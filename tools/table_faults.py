@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 
 def contact_faults(facets, steps, summary):

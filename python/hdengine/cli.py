@@ -23,11 +23,12 @@ from .contact import Run, doubts, given_keys, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
 from .prediction import command as joint_command
-from .results import Result, read_csv, read_summary
+from .results import Result, read_summary
 from .studies import planner
 from .surfaces.command import add_options, run_surface
 from .surfaces.run import SurfaceResult
 from .surfaces.run import _run as _run_surface_alone
+from .table_file import read_csv
 from .teeth import command as teeth_command
 
 __all__: list[str] = []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT, call, solved
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 TABLES = ("steps", "contact", "balls", "teeth")
 

@@ -177,7 +177,7 @@ def test_record_writes_a_folder(tmp_path, monkeypatch, capsys):
     found = json.loads((out / "record.json").read_text())
     value, low, high = found["value_low_high"]["k1_nm_per_rad"]
     assert low < value < high and (out / "record.png").is_file()
-    assert hdengine.results.read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
+    assert hdengine.table_file.read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
     assert hdengine.read_scene(out / "scene.nml")["load.torque"] == pytest.approx(found["torque_max_nm"], rel=1e-5)
     (out / "summary.json").write_text("{}")
     assert cli.main(["record", str(ROOT / "data/torque_record.csv"), "--force"]) == 3 and "summary.json" in capsys.readouterr().err

@@ -11,7 +11,7 @@ import pytest
 import hdengine
 from conftest import ROOT, call, solved
 from hdengine import cli
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 from hdengine.torsion import torsional_stiffness
 
 R = 17.5e-3  # bore of size 14 [m]

@@ -6,7 +6,7 @@ import pytest
 import hdengine
 from conftest import ROOT, call, solved
 from hdengine.report.sketch import draw_scene
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none", "load.torque_steps=2",
          "loop.torques=8"]

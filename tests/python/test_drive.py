@@ -13,7 +13,7 @@ from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine import cli, load
 from hdengine.catalogue import UNITS, unit
 from hdengine.figures.run import plot_run
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 from hdengine.views.run import loop_of
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT, solved
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 sys.path.insert(0, str(ROOT / "bench"))
 import random_runs  # noqa: E402

@@ -12,8 +12,8 @@ from conftest import ROOT, call
 from hdengine.catalogue import UNITS
 from hdengine.cli import main
 from hdengine.record import ARCSEC, Record
-from hdengine.results import read_csv
 from hdengine.smoothing import Spline, basis
+from hdengine.table_file import read_csv
 
 sys.path.insert(0, str(ROOT / "data"))
 import make_torque_record as bench  # noqa: E402

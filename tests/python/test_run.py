@@ -376,7 +376,7 @@ def test_tables_are_read_alike(text, tmp_path):
     """The fast reader gives the names, types and values of numpy's genfromtxt: whole numbers, words, gaps, a column that turns."""
     path = tmp_path / "t.csv"
     path.write_text(text)
-    slow, fast = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")), hdengine.results.read_csv(path)
+    slow, fast = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")), hdengine.table_file.read_csv(path)
     assert slow.dtype == fast.dtype
     for name in slow.dtype.names:
         np.testing.assert_array_equal(slow[name], fast[name])
@@ -386,7 +386,7 @@ def test_a_word_among_numbers_is_refused(tmp_path):
     """A column of whole numbers that ends in a word is no table."""
     (tmp_path / "t.csv").write_text("a,b\n" + 25 * "1,2\n" + "word,3\n")
     with pytest.raises(hdengine.HdengineError, match="is no table"):
-        hdengine.results.read_csv(tmp_path / "t.csv")
+        hdengine.table_file.read_csv(tmp_path / "t.csv")
 
 
 def test_one_step_is_read_alone(small_run, tmp_path):

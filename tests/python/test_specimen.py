@@ -17,8 +17,8 @@ from conftest import ROOT
 from hdengine import roughness, specimen
 from hdengine.cli import main
 from hdengine.files import write_folder
-from hdengine.results import read_csv
 from hdengine.surfaces import folder, texture
+from hdengine.table_file import read_csv
 
 SURFACES = ROOT.parent / "shared/surfaces"
 KNOWN = roughness.Ridges(0.5e-3, 1e-6)

@@ -9,8 +9,8 @@ from hdengine.catalogue import UNITS, stages
 from hdengine.figures.run import plot_teeth
 from hdengine.figures.study import plot_catalogue
 from hdengine.report import write_report
-from hdengine.results import read_csv
 from hdengine.studies import workers
+from hdengine.table_file import read_csv
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "output.vtu=none"]
 

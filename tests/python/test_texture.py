@@ -9,9 +9,9 @@ import pytest
 import hdengine
 from conftest import ROOT, call
 from hdengine.cli import main
-from hdengine.results import read_csv
 from hdengine.surfaces import form, gaussian, texture
 from hdengine.surfaces.specimen import Specimen, clean, read, save
+from hdengine.table_file import read_csv
 
 SURFACES = ROOT.parent / "shared/surfaces"
 STEP = (1.5e-6, 1e-6)

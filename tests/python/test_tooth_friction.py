@@ -7,7 +7,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT, call, solved, stopped_and_whole
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "bearing.balls=12", "load.tooth_pairs=12", "output.vtu=none",
         "load.torque_steps=4"]

@@ -10,7 +10,7 @@ import pytest
 import hdengine
 from conftest import ROOT
 from hdengine.cli import main
-from hdengine.results import read_csv
+from hdengine.table_file import read_csv
 from hdengine.teeth.gap import flank_gap
 from hdengine.teeth.pairs import tooth_gaps
 from hdengine.teeth.profile import DoubleArc, Involute, involute_angle

@@ -13,7 +13,8 @@ from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import _assignments
 from ..files import write_files
-from ..results import read_csv, read_summary
+from ..results import read_summary
+from ..table_file import read_csv
 from .roughness import Fit, Ridges
 from .specimen import JointSurface, Specimen
 

@@ -93,9 +93,9 @@ def by_program(exe, folder, name, known, lot):
     command = [os.fsencode(w.format(f=path, g=folder / "good.nml", p=path.parent, d="{d}")).replace(b"{d}", text) for w in words]
     try:
         done = subprocess.run([os.fsencode(exe), *command, b"--out", os.fsencode(out), b"-q", *([] if "--resume" in words else [b"--force"])],
-                              capture_output=True, timeout=20, stdin=subprocess.DEVNULL)
+                              capture_output=True, timeout=100, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
-        return "no end within 20 s"
+        return "no end within 100 s"
     said = (done.stdout + done.stderr).decode(errors="replace")
     if done.returncode not in (0, 2, 3, 4, 5, 6, 7) or any(word in said for word in WORST):
         return f"code {done.returncode}: {said[-600:]}"
@@ -108,7 +108,7 @@ def by_package(folder, name, lot):
             "specimen": (folder / "a.sdf", "s.sdf", specimen.read)}
     source, place, reader = good[name]
     (folder / place).write_bytes(changed(source.read_bytes()[:4000], lot))
-    start = time.monotonic()
+    start = time.process_time()  # a busy machine is no fault
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -117,7 +117,7 @@ def by_package(folder, name, lot):
         pass
     except Exception as error:  # noqa: BLE001  (which is what is looked for)
         return f"{type(error).__name__}: {error}"
-    return "" if time.monotonic() - start < 20 else "no end within 20 s"
+    return "" if time.process_time() - start < 20 else "no end within 20 s"
 
 
 def by_process(build, folder, known, many, seed):

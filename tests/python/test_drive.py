@@ -183,12 +183,12 @@ def test_matrix_gives_the_same_numbers(exe, tmp_path):
 
 def test_a_larger_mesh_takes_stored_answers(exe, tmp_path):
     """From 6000 nodes on the condensed form takes its right-hand sides from stored answers to balls and flanks, and GMRES most products
-    in single precision: it gives the matrix's solution all the same."""
+    in single precision: it gives the matrix's solution all the same, in fewer than 40 steps per iteration of Newton's."""
     keys = ["mesh.divisions=72", "mesh.band_facets=12", "load.torque_steps=1", "load.assembly_steps=1", "loop.torques=8",
             "solver.tolerance=1e-10"]
     ours, other = solve(exe, tmp_path / "c", *keys), solve(exe, tmp_path / "n", *keys, "solver.method=newton", "solver.factors=exact")
     model = json.loads((tmp_path / "c/summary.json").read_text())["model"]
-    assert model["dof"] > 18000 and model["inner_iterations"] > 0
+    assert model["dof"] > 18000 and 0 < model["inner_iterations"] < 40 * ours[0]["iterations"]
     for table, column in ((1, "angle_rad"), (1, "stored_j"), (2, "force_n"), (3, "force_n")):
         a, b = ours[table][column], other[table][column]
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * abs(a).max(), err_msg=column)
@@ -273,17 +273,6 @@ def test_a_bottom_that_the_contact_holds(exe, tmp_path, mode):
     assert results["cut_backs"] == 0 and results["iterations"] < 15 * 43 and abs(loop["torque_nm"]).max() == pytest.approx(14)
     force = np.asarray(teeth["force_n"])
     assert force[np.asarray(teeth["step"]) == 4].max() == 0 and (mode == "bonded" or force.max() > 0)
-
-
-def test_gmres_meets_no_struts(exe, tmp_path):
-    """On a mesh where GMRES is the cheaper, its numbers are those of the matrix, in fewer than 40 steps per iteration of Newton's."""
-    keys = ["mesh.divisions=48", "mesh.band_facets=8", "loop.torques=8,-3", "load.torque_steps=1", "solver.tolerance=1e-11"]
-    ours, other = (solve(exe, tmp_path / name, *keys, *more) for name, more in (("c", []), ("n", ["solver.method=newton"])))
-    model = json.loads((tmp_path / "c/summary.json").read_text())["model"]
-    assert 0 < model["inner_iterations"] < 40 * ours[0]["iterations"]
-    for table, column in ((1, "angle_rad"), (1, "stored_j"), (2, "force_n"), (3, "force_n")):
-        a, b = ours[table][column], other[table][column]
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * abs(a).max(), err_msg=column)
 
 
 @pytest.mark.parametrize("rows", [2, 9, 23])
@@ -466,17 +455,17 @@ def test_many_balls_become_an_even_spring(exe, tmp_path):
 
 def shipped(exe, folder, name, *keys):
     """K1, K2, K3 [N m/rad] and results of a shipped drive on a coarse mesh."""
-    r = solved(exe, folder, ROOT / f"data/{name}.nml", "mesh.divisions=64", "mesh.band_facets=7", "load.torque_steps=8", "run.band=.false.",
+    r = solved(exe, folder, ROOT / f"data/{name}.nml", "mesh.divisions=48", "mesh.band_facets=6", "load.torque_steps=8", "run.band=.false.",
                *keys).summary["results"]
     assert min(r["flexspline_yield_safety"], r["ring_yield_safety"]) > 1, (name, r["flexspline_yield_safety"], r["ring_yield_safety"])
     return np.array([r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)]), r
 
 
 def test_shipped_drives_are_those_of_the_catalogue(exe, tmp_path):
-    """K1, K2, K3 of sizes 17, 20 and 40 lie within 25 % of the catalogue's and so do K2/K1, K3/K1; of size 14, which the
+    """K1, K2, K3 of sizes 17 and 40 lie within 25 % of the catalogue's and so do K2/K1, K3/K1; of size 14, which the
     catalogue makes softer than its size, within 30 %; no input was fitted to them. The catalogue's lie in their 95 % bands. Hysteresis and lost
     motion stay below an arc minute."""
-    for size, of_k, of_ratio in ((14, 0.3, 0.3), (17, 0.25, 0.25), (20, 0.25, 0.25), (40, 0.25, 0.25)):
+    for size, of_k, of_ratio in ((14, 0.3, 0.3), (17, 0.25, 0.25), (40, 0.25, 0.25)):
         k, r = shipped(exe, tmp_path / str(size), f"drive{size}", "run.band=auto")
         over = k / UNITS[size].slopes
         low, high = (np.array([r[f"k{i}_nm_per_rad_{end}"] for i in (1, 2, 3)]) / k for end in ("low", "high"))
@@ -488,10 +477,11 @@ def test_shipped_drives_are_those_of_the_catalogue(exe, tmp_path):
 
 
 def test_other_ratios_and_the_hat(exe, tmp_path):
-    """Ratio 50 over 100 is that of the catalogue (0.81, 0.72, 0.79 of size 20) within 15 %, the silk hat has the cup's K1 and K2
+    """Size 20 lies within 25 % of the catalogue, and ratio 50 over 100 is that of it (0.81, 0.72, 0.79) within 15 %; the silk hat has the cup's K1 and K2
     within 10 %, ratios 30 and 160 run."""
     k, _ = shipped(exe, tmp_path / "100", "drive20")
     half, _ = shipped(exe, tmp_path / "50", "drive20_50")
+    np.testing.assert_allclose(k, UNITS[20].slopes, rtol=0.25)
     np.testing.assert_allclose(half / k, [13 / 16, 18 / 25, 23 / 29], rtol=0.15)
     cup, _ = shipped(exe, tmp_path / "14", "drive14")
     hat, _ = shipped(exe, tmp_path / "hat", "drive14_hat")
@@ -523,7 +513,7 @@ def test_any_size_and_ratio_is_built(tmp_path):
     """Sizes and ratios that no file has: K1, K2, K3 within 30 % of the catalogue's on a coarse mesh. The report's figure takes the values of
     that ratio; those of ratio 100 stood beside ratio 50."""
     mesh = {"mesh": {"divisions": 48, "band_facets": 6}, "load": {"torque_steps": 8}, "run": {"band": False}}
-    for size, ratio in ((58, 120), (32, 50), (90, 100)):
+    for size, ratio in ((58, 120), (32, 50)):
         result = hdengine.run("", tmp_path / f"{size}", **hdengine.as_built(size, ratio, **mesh))
         known = unit(size, ratio)
         assert abs(np.array([result.k1, result.k2, result.k3]) / known.slopes - 1).max() < 0.3, (size, ratio, result)
@@ -540,9 +530,9 @@ def test_what_is_known_of_a_drive_takes_its_place():
     assert pressed["load"]["tooth_gaps"] != plain["load"]["tooth_gaps"] and pressed["loop"] == plain["loop"]
     asked = hdengine.as_built(20, 80, mesh=mesh, run={"tolerance": 0.1}, turning={"positions": 3})
     assert asked["load"] == plain["load"] and asked["run"]["tolerance"] == 0.1  # what a run is asked for does not touch its assembly
-    both = hdengine.as_built(20, 80, wave_generator={"interference": 0.0, "clearance": 2e-6}, load={"tooth_clearance": 1e-5})
+    both = hdengine.as_built(20, 80, mesh=mesh, wave_generator={"interference": 0.0, "clearance": 2e-6}, load={"tooth_clearance": 1e-5})
     assert both["wave_generator"]["clearance"] == 2e-6
-    assert hdengine.as_built(20, 80, load={"tooth_clearance": 1e-5})["load"].keys() & {"tooth_gaps", "tooth_gaps_back"} == set()
+    assert hdengine.as_built(20, 80, mesh=mesh, load={"tooth_clearance": 1e-5})["load"].keys() & {"tooth_gaps", "tooth_gaps_back"} == set()
     for args, keys, what in (((21,), {}, "size = 21: must be one of 11, 14"), ((20, 29), {}, "ratio"), ((20,), {"mesh": {"division": 3}}, "mesh.division"),
                              ((20,), {"wave_generator__w": -1}, "wave_generator.w"),
                              ((20,), {"load.teeth": 300}, "load.teeth = 300 with ratio = 100")):
@@ -553,7 +543,7 @@ def test_what_is_known_of_a_drive_takes_its_place():
 def test_every_size_grows_stiffer_and_is_drawn(exe, tmp_path):
     """K2 grows from size 11 to 40; hdengine plot draws loop, twist, loads and life of one."""
     k = [shipped(exe, tmp_path / str(size), f"drive{size}", "load.torque_steps=4", "mesh.divisions=32", "mesh.band_facets=4")[0][1]
-         for size in (11, 14, 17, 20, 25, 32, 40)]
+         for size in (11, 17, 25, 40)]
     assert np.all(np.diff(k) > 0)
     names = {p.name for p in plot_run(load(tmp_path / "40"))}
     assert {"loop.png", "twist.png", "loads.png", "fatigue.png"} <= names

@@ -48,7 +48,7 @@ def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, m
 def test_slopes_are_in_proportion_to_all_forces(tmp_path, scene, steps):
     """Dimensions alone: sum of p dK/dp over all keys of forces and stiffnesses is K, for K1 to K3 of a loose drive; the teeth, which are
     open until the torque comes, have their part of it. T2 of drive17 is the torque of a load step: K2 missed by 27 %."""
-    found = hdengine.run(ROOT / "data" / scene, tmp_path / "run", mesh={"divisions": 40, "band_facets": 6}, load={"torque_steps": steps},
+    found = hdengine.run(ROOT / "data" / scene, tmp_path / "run", mesh={"divisions": 40, "band_facets": 5}, load={"torque_steps": steps},
                          output={"vtu": "none"}, run__band=False)
     keys = ("material.flexspline_e", "material.ring_e", "bearing.ball_e", "load.tooth_stiffness", "load.torque", "loop.torque_1", "loop.torque_2", "loop.rated_torque")
     for i in (1, 2, 3):

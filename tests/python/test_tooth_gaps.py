@@ -39,7 +39,7 @@ def arc(centre, radius, first, last, points):
 
 def test_concentric_involutes_keep_an_even_clearance():
     """Teeth as many as spaces on a round rim: every flank is m (x2 - x1) sin(alpha) clear, to 1 nm; a smaller x2 interferes as far."""
-    for alpha, more in ((20.0, 0.05), (25.0, -0.05), (30.0, 0.05)):
+    for alpha, more in ((20.0, 0.05), (30.0, -0.05)):
         found = tooth_gaps(Involute(M, alpha, x1=1.8, x2=1.8 + more), SCENE, spline_teeth=200, **ROUND)
         want = M * more * np.sin(np.radians(alpha))
         np.testing.assert_allclose([found.table["gap_m"], found.table["gap_back_m"]], want, rtol=0, atol=1e-9)

@@ -44,8 +44,23 @@ def test_site_builds_without_warnings(built):
 
 # Widths beyond the window and cards that overlap, of pages in frames of 1280 and 390 pixels, as JSON.
 LOOK = """<!DOCTYPE html><html><body><script>
-const pages = %s, found = [];
-let left = 2 * pages.length;
+const pages = %s, questions = %s, found = [], hits = {};
+let left = 2 * pages.length + questions.length;
+function done() {
+  if (!--left) document.body.innerText = 'looked: ' + JSON.stringify([found, hits]) + ' end';
+}
+for (const question of questions) {
+  const frame = document.createElement('iframe');
+  const read = wait => {
+    const links = [...frame.contentDocument.querySelectorAll('li[class^=kind-] > a')];
+    if (links.length < 3 && wait) return setTimeout(read, 100, wait - 1);
+    hits[question] = links.slice(0, 3).map(link => link.pathname);
+    done();
+  };
+  frame.onload = () => read(100);
+  frame.src = 'search.html?q=' + encodeURIComponent(question);
+  document.body.append(frame);
+}
 for (const page of pages) for (const width of [1280, 390]) {
   const frame = document.createElement('iframe');
   frame.style.width = width + 'px';
@@ -59,7 +74,7 @@ for (const page of pages) for (const width of [1280, 390]) {
     }));
     for (const image of root.querySelectorAll('.sphx-glr-thumbcontainer img'))
       if (image.closest('a')) found.push(`${page} at ${width}: a thumbnail in a link of its own`);
-    if (!--left) document.body.innerText = 'looked: ' + JSON.stringify(found);
+    done();
   };
   frame.src = page;
   document.body.append(frame);
@@ -81,18 +96,15 @@ def test_a_browser_finds_its_way(built):
 def look(chromium, html):
     """What is wider than it may be, and whether each question finds its page."""
     pages = ["index.html", "gallery/index.html", "start/first_run.html", "howto/robot.html", "reference/errors.html", "evidence/drive.html"]
-    (html / "look.html").write_text(LOOK % json.dumps(pages))
+    (html / "look.html").write_text(LOOK % (json.dumps(pages), json.dumps([*QUESTIONS])))
     handler = functools.partial(QuietHandler, directory=str(html))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-
-        def dom(page):
-            return subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=15000", "--dump-dom",
-                                   f"http://127.0.0.1:{server.server_port}/{page}"], capture_output=True, text=True, timeout=100).stdout
-        wide = json.loads(re.search(r"looked: (\[.*?\])<", dom("look.html"), re.S)[1])
-        hits = {q: re.findall(r'class="kind-\w+"><a href="([^"#?]+)', dom("search.html?q=" + q.replace(" ", "+")))[:3] for q in QUESTIONS}
+        seen = subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=30000", "--dump-dom",
+                               f"http://127.0.0.1:{server.server_port}/look.html"], capture_output=True, text=True, timeout=200).stdout
         server.shutdown()
-    return wide, {question: QUESTIONS[question] in found for question, found in hits.items()}
+    wide, hits = json.loads(re.search(r"looked: (.*) end", seen, re.S)[1])
+    return wide, {question: f"/{QUESTIONS[question]}" in found for question, found in hits.items()}
 
 
 class QuietHandler(http.server.SimpleHTTPRequestHandler):

@@ -60,6 +60,21 @@ def test_values_with_units(tmp_path, key, written, plain):
     assert hdengine.read_scene(tmp_path / "a.nml")[key] == hdengine.read_scene(**{key: written})[key] == plain
 
 
+@pytest.mark.parametrize("key, value, says_nothing", [
+    ("wave_generator.clearance", 0.0, {"wave_generator.interference": 0.0}), ("wave_generator.clearance", 5e-6, {"wave_generator.interference": 0.0}),
+    ("wave_generator.interference", 5e-6, {"wave_generator.clearance": 0.0}),
+    ("load.tooth_clearance", 2e-5, {"load.tooth_gaps": [0.0], "load.tooth_gaps_back": [0.0]})])
+def test_of_two_keys_for_one_thing_the_later_one_counts(key, value, says_nothing):
+    """A fit, or a clearance of the teeth, that is given beside a file takes the place of what the file gives by the other key: a clearance of 0
+    left the default's interference of 10 um, and an interference or a parabola beside the file's other key did nothing."""
+    scene = hdengine.read_scene(ROOT / "data/drive14.nml", **{key: value})
+    assert {name: scene[name] for name in (key, *says_nothing)} == {key: value, **says_nothing}
+    assert hdengine.read_scene(ROOT / "data/drive14.nml")["wave_generator.interference"] == 0
+    for clearance, left in ((0.0, 3e-6), (5e-6, 0.0)):  # both in one source
+        both = hdengine.read_scene(wave_generator={"clearance": clearance, "interference": 3e-6})
+        assert (both["wave_generator.clearance"], both["wave_generator.interference"]) == (clearance, left)
+
+
 def test_lists_with_units(tmp_path):
     """Each number of a list may have its unit, in a file, in an assignment and from Python."""
     (tmp_path / "a.nml").write_text("&load tooth_pairs = 4, tooth_gaps = '2 um', 3e-6, '4um', '0.005 mm' /\n")

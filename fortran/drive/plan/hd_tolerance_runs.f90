@@ -244,7 +244,6 @@ contains
     s%ring_facets = 0
     s%through_wall = 1
     s%through_ring = 1
-    if (s%clearance > 0) s%interference = 0  ! its lower end is 0
   end function coarsened
 
   !> Inputs that have a tolerance and a part in the drive; those that leave mesh and factors as they are come first.

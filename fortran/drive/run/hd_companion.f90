@@ -99,6 +99,7 @@ contains
     is_real = .not. (zero .and. (index(p%meaning, '0: ') > 0 .or. associated(p%count)))
     if (p%key == 'clearance' .and. p%group == 'wave_generator') is_real = is_real .and. (.not. zero .or. &
       .not. scene%interference > 0)  ! it would take the place of an interference
+    if (p%key == 'interference') is_real = is_real .and. .not. scene%clearance > 0
   end function is_real
 
   !> The drive with a key changed, upwards if that is valid and can be meshed. What is read at the torque of a step is read on the

@@ -32,9 +32,12 @@ contains
     type(namelist_t) :: list
     type(parameter_table_t) :: table
     type(string_t), allocatable :: slips(:)
-    integer :: i
+    integer :: i, row(4)
+    logical :: given(4)
     allocate (list%faults(0))
     call new_table(scene, table)
+    row = [find_parameter(table, 'wave_generator', 'clearance'), find_parameter(table, 'wave_generator', 'interference'), &
+      find_parameter(table, 'load', 'tooth_gaps'), find_parameter(table, 'load', 'tooth_clearance')]
     if (holds_study(trim(path))) then
       call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
         'the Python package')
@@ -45,7 +48,12 @@ contains
       if (allocated(error)) return
       call apply_file(list, table)
     end if
+    given = table%rows(row)%given
+    call settle_pairs(scene, given)
+    table%rows(row)%given = .false.
     call apply_assignments(assignments, list%faults, table)
+    call settle_pairs(scene, table%rows(row)%given)
+    table%rows(row)%given = table%rows(row)%given .or. given
     if (size(list%faults) == 0 .and. len_trim(scene%joint_from_fit) > 0) then
       call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
       if (allocated(error)) return
@@ -64,6 +72,20 @@ contains
     end if
     if (.not. scene%planned_tolerance > 0 .and. scene%kinematics_open()) scene%kinematics = 'linear'
   end subroutine read_scene
+
+  !> Two keys may say one thing: where a source, a file or what is given beside it, has one alone, the other says nothing. Where it
+  !> has both, a clearance counts more than an interference, and a list of gaps more than the clearance of the outermost teeth.
+  pure subroutine settle_pairs(scene, given)
+    type(scene_t), intent(inout) :: scene  !< scene
+    logical, intent(in) :: given(4)        !< by the source: clearance, interference; tooth_gaps, tooth_clearance
+    if (given(2) .and. .not. given(1)) scene%clearance = 0
+    if ((given(1) .and. .not. given(2)) .or. scene%clearance > 0) scene%interference = 0
+    if (given(3) .or. .not. given(4)) return
+    scene%gap_count = 1
+    scene%gap_back_count = 1
+    scene%gaps(1) = 0
+    scene%gaps_back(1) = 0
+  end subroutine settle_pairs
 
   !> A file describes a study, many scenes, if it ends in .toml.
   pure logical function holds_study(path)

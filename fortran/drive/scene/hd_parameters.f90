@@ -147,8 +147,9 @@ contains
       'radial interference of ring and flexspline', closed=.true.)
     call tolerate(t, 0.5_dp, 'value', 'estimate')
     call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
-      'radial clearance of the bearing in the flexspline before it is bent; above 0 it takes the place of interference. H7 '// &
-      'bore and normal bearing: 0 to 18 um to 50 mm, 0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
+      'radial clearance of the bearing in the flexspline before it is bent. It and interference are one fit: where a file, or '// &
+      'the keys given beside it, hold one of them alone, the other is 0. H7 bore and normal bearing: 0 to 18 um to 50 mm, '// &
+      '0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
     ! of two even zones, 25 and 11 um wide to 50 mm, 95 % of the sums lie within 0.79 of the ends
     call tolerate(t, 0.79_dp, 'value', 'ISO 286 H7, ISO 492')
   end subroutine add_wave_generator_keys
@@ -186,8 +187,8 @@ contains
       'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
     call tolerate(t, 0.3_dp, 'value', 'spread of ISO 6336 figures')
     call add_list(t, 'load', 'tooth_gaps', 'load', s%gaps, s%gap_count, 'm', 0._dp, big, &
-      'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv, in the place of '// &
-      'tooth_clearance; 0: none is given')
+      'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv at tooth_phase 0, linear '// &
+      'between them at others; in the place of tooth_clearance; 0: none is given')
     call tolerate(t, 1e-6_dp/17.5e-3_dp, 'bore', 'estimate')
     call add_list(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, s%gap_back_count, 'm', 0._dp, big, &
       'clearance of the other flank of every pair, that a negative torque presses, where it differs from tooth_gaps; as many '// &

@@ -12,6 +12,7 @@ import hdengine
 from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine import cli, load
 from hdengine.catalogue import UNITS, unit
+from hdengine.drive import _scene
 from hdengine.figures.run import plot_run
 from hdengine.table_file import read_csv
 from hdengine.views.run import loop_of
@@ -519,6 +520,13 @@ def test_any_size_and_ratio_is_built(tmp_path):
         assert abs(np.array([result.k1, result.k2, result.k3]) / known.slopes - 1).max() < 0.3, (size, ratio, result)
         angle, torque = loop_of(result).stated
         assert np.interp(known.t1_nm, torque, angle) == pytest.approx(np.degrees(known.t1_nm / known.k1_nm_per_rad) * 60)
+
+
+@pytest.mark.parametrize("size, clearance", [(14, 9e-6), (40, 12.5e-6), (58, 14.5e-6), (65, 16.25e-6), (80, 19e-6), (90, 19e-6)])
+def test_the_fit_is_that_of_the_standards(size, clearance):
+    """Mean clearance of a bore to H7 (ISO 286: 25, 35, 40, 40, 46, 46 um) and a bearing of normal class (ISO 492: 11, 15, 18, 25, 30, 30 um); above
+    150 mm it was that of class 6."""
+    assert _scene(size, 100, False)["wave_generator"]["clearance"] == pytest.approx(clearance)
 
 
 def test_what_is_known_of_a_drive_takes_its_place():

@@ -38,9 +38,9 @@ contains
     type(scene_t), intent(in) :: scene       !< scene
     integer, intent(in), optional :: side    !< 1: flanks that a positive torque presses, 2: the others; default: their mean
     real(dp) :: gap(scene%tooth_pairs)
-    if (scene%gap_count <= 1) then
+    if (scene%gap_count <= 1 .and. .not. scene%gaps(1) > 0) then
       gap = scene%tooth_clearance*(2*places(scene)/max(1, scene%tooth_pairs/2 - 1))**2
-    else if (scene%gap_back_count <= 1) then
+    else if (scene%gap_back_count <= 1 .and. .not. scene%gaps_back(1) > 0) then
       gap = listed(scene, scene%gaps)
     else if (present(side)) then
       gap = merge(listed(scene, scene%gaps), listed(scene, scene%gaps_back), side == 1)

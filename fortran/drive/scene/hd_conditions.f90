@@ -49,6 +49,8 @@ contains
       'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
     call need(faults, s%cam == 'cosine' .or. s%lobes == 2, 'wave_generator.lobes', real(s%lobes, dp), &
       "cam = 'cosine' or lobes", 2._dp)
+    call need(faults, s%lobes == 2 .or. .not. (s%support%struts .or. s%support%against_teeth .or. s%torque_load == 'teeth'), &
+      'wave_generator.lobes', real(s%lobes, dp), '2 with teeth, which are in mesh at both ends of one long axis')
     call ask(faults, (s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.cam', s%cam, &
       "'table' together with wave_generator.cam_file, the file of the table; other cams without that file")
     call need(faults, (s%perimeter == 'given') .eqv. s%perimeter_length > 0, 'wave_generator.perimeter_length', &
@@ -76,6 +78,8 @@ contains
     call need(faults, s%gap_back_count == s%gap_count .or. (s%gap_back_count == 1 .and. .not. s%gaps_back(1) > 0), &
       'number of load.tooth_gaps_back', real(s%gap_back_count, dp), 'none, or as many values as load.tooth_gaps', &
       real(s%gap_count, dp))
+    call need(faults, s%support%struts .or. s%support%against_teeth .or. .not. abs(s%tooth_phase) > 0, 'load.tooth_phase', &
+      s%tooth_phase, "0, but with load.support = 'drive' or 'teeth'")
     call need(faults, s%tooth_pairs <= s%teeth, 'load.tooth_pairs', real(s%tooth_pairs, dp), 'not above teeth', real(s%teeth, dp))
     call need(faults, s%clearance < small*s%bore_radius, 'wave_generator.clearance', s%clearance, &
       'smaller than a tenth of bore_radius', small*s%bore_radius)

@@ -175,7 +175,7 @@ contains
     if (slips_alone) return
     if (.not. abs(s%w) > 0 .and. s%cam /= 'table') call push(lines, 'wave_generator.w = 0: the cup stays round, '// &
       'no drive. Check it: usual are 0.1 to 4 times the wall')
-    if (modulo(s%teeth, 2) == 1 .and. s%lobes == 2 .and. (s%support%struts .or. s%support%against_teeth)) call push(lines, &
+    if (modulo(s%teeth, 2) == 1 .and. (s%support%struts .or. s%support%against_teeth)) call push(lines, &
       'load.teeth = '//to_text(s%teeth)//' is odd: with two lobes both ends of the long axis are in mesh alike only with an '// &
       'even number. Check it')
     if (s%rim_thickness < s%wall_thickness) call push(lines, 'geometry.rim_thickness = '//to_text(s%rim_thickness)// &

@@ -415,6 +415,27 @@ def test_clearances_of_single_pairs(exe, tmp_path):
     assert last["force_n"][-1] == 0 < last["force_n"][3]
     done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "load.tooth_gaps=1e-6,2e-6", "--out", tmp_path / "d")
     assert done.returncode == 2 and "as many values as pairs" in done.stderr
+    pair = ["load.tooth_pairs=2", *keys[1:]]  # a list of one value, which counted as none
+    three, four = (solve(exe, tmp_path / "e", *pair, f"load.tooth_gaps={gaps}")[1]["angle_rad"] for gaps in ("9e-6", "9e-6,9e-6"))
+    np.testing.assert_allclose(three, four, rtol=1e-9)
+
+
+def test_where_no_tooth_pushes_there_is_no_tangent(exe, tmp_path):
+    """Between the flanks the bottom turns freely: no K_TS and no shares there, which were those of a residual; elsewhere there are."""
+    keys = ["load.tooth_clearance=2e-5", "load.torque_steps=2", "loop.torques=6,0,-6", "load.tangent_steps=all"]
+    _, loop, *_ = solve(exe, tmp_path / "a", *keys)
+    loop = loop[loop["phase"] == "torque"]
+    free = loop["pairs_loaded"] == 0
+    k_ts = read_csv(tmp_path / "a/steps.csv")["k_ts_bonded_nm_per_rad"][-len(loop):]
+    assert free.any() and np.isnan(k_ts[free]).all() and np.isnan(loop["share_cup"][free]).all() and (k_ts[~free] > 0).all()
+
+
+@pytest.mark.parametrize("torque, number", [(1.0, 1), (4.0, 2), (7.0, None)])
+def test_a_rise_that_ends_within_a_chord_is_said(exe, tmp_path, torque, number):
+    """K1 of a loop that ends below T1 is another chord than a catalogue's, and so is K2 below T2: the run says which and where it ends."""
+    text = warnings_of(exe, tmp_path / "r", f"loop.torques={torque}", "load.torque_steps=2")[1]
+    assert ("the rise ends at" in text) == (number is not None)
+    assert number is None or f"the rise ends at {torque} N m, below loop.torque_{number} = " in text and f": K{number} is" in text
 
 
 def test_clearances_of_both_flanks(exe, tmp_path):

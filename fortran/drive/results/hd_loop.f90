@@ -18,7 +18,8 @@ module hd_loop
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
   private
-  public :: loop_t, readings_t, book, read_loop, first_sense, lost_at, loop_text, write_loop, bottom_turn, store_loop, recall_loop
+  public :: loop_t, readings_t, book, engaged, read_loop, first_sense, lost_at, loop_text, write_loop, bottom_turn, store_loop, &
+    recall_loop
 
   !> A ball that comes or goes between two steps.
   type :: jump_t
@@ -56,6 +57,7 @@ module hd_loop
     real(dp) :: k(3) = 0             !< K1, K2, K3 [N m/rad]
     real(dp) :: hysteresis = 0       !< width of the loop at no torque [rad]
     real(dp) :: lost_motion = 0      !< turn of the loop's middle between -4 and 4 % of the rated torque [rad]
+    real(dp) :: top = 0              !< amount of the torque at which the rise ends [N m]
     logical :: has_hysteresis = .false., has_lost_motion = .false.
   end type readings_t
 
@@ -202,6 +204,13 @@ contains
       sin(scene%pressure_angle_deg*pi/180)
   end function lifted
 
+  !> A pair of teeth pushes at the last step: else the bottom turns freely, and a stiffness there is one of rounding.
+  pure logical function engaged(loop, drive)
+    type(loop_t), intent(in) :: loop    !< booked steps
+    type(drive_t), intent(in) :: drive  !< its model
+    engaged = any(loop%force(drive%balls + 1:drive%balls + drive%flanks) > rounding*loop%tooth_force_max)
+  end function engaged
+
   !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the ways to the nearest flanks of both
   !> sides [rad].
   pure real(dp) function free_turn(scene, force, closing, most) result(play)
@@ -273,7 +282,8 @@ contains
     call find_rise(sense*torque, .false., first, last)
     top = last
     if (scene%history == 'loop') call find_rise(sense*torque, .true., first, last)
-    place = [0._dp, scene%torque_1, scene%torque_2, sense*torque(last)]
+    r%top = sense*torque(last)
+    place = [0._dp, scene%torque_1, scene%torque_2, r%top]
     do i = 1, 4
       turn(i) = sense*between(sense*torque(first:last), angle(first:last), min(place(i), place(4)))
     end do

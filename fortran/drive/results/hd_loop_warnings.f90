@@ -2,7 +2,7 @@
 !> What the user of a whole drive is warned of when its loop has ended.
 module hd_loop_warnings
   use hd_kinds, only: dp
-  use hd_loop, only: loop_t
+  use hd_loop, only: loop_t, read_loop, readings_t
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
@@ -21,7 +21,9 @@ contains
     type(scene_t), intent(in) :: scene                    !< scene
     type(string_t), allocatable, intent(out) :: lines(:)  !< one each
     character(len=:), allocatable :: cause
+    type(readings_t) :: found
     real(dp) :: lossless, fitting
+    integer :: i
     allocate (lines(0))
     lossless = maxval(abs(loop%torque))*2/scene%teeth
     fitting = 2*(scene%bore_radius + scene%rim_thickness)/scene%teeth
@@ -50,6 +52,14 @@ contains
     if (any(between_steps(loop, scene))) call push(lines, 'the first rise has no load step up to '// &
       to_text(scene%torque_1)//' N m or none from there to '//to_text(scene%torque_2)//' N m: K1 and K2 are chords of longer '// &
       'steps. Raise load.torque_steps')
+    found = read_loop(loop, scene)
+    associate (ends => [scene%torque_1, scene%torque_2])
+      i = count(ends <= found%top) + 1  ! the chord in which it ends
+      if (i <= 2) then
+        if (found%k(i) > 0) call push(lines, 'the rise ends at '//to_text(found%top)//' N m, below loop.torque_'//to_text(i)// &
+          ' = '//to_text(ends(i))//' N m: K'//to_text(i)//' is the chord to there, a catalogue''s is not. Raise load.torque')
+      end if
+    end associate
     if (allocated(loop%fatigue%safety)) then
       if (minval(loop%fatigue%safety) < 1) call push(lines, "the cup's least safety by Goodman is "// &
         rounded(minval(loop%fatigue%safety))//', below 1: fatigue.csv holds the place. A sharp step of the wall lowers it on '// &

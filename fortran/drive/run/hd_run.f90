@@ -19,7 +19,7 @@ module hd_run
   use hd_last_words, only: judge_results
   use hd_log, only: say
   use hd_fatigue, only: write_fatigue
-  use hd_loop, only: loop_t, first_sense, book, write_loop, bottom_turn
+  use hd_loop, only: loop_t, first_sense, book, engaged, write_loop, bottom_turn
   use hd_model, only: model_t, fit_model, hand_on, give_back
   use hd_output, only: output_t, step_t, open_output, reopen_output, find_table_sizes, table_sums, write_step, write_facets, &
     write_teeth, write_grids, close_output
@@ -367,7 +367,7 @@ contains
     call update_tangent(run%model%drive%problem, run%state%u)
     if (run%scene%support%struts) then  ! balls and teeth that push change from step to step, and with them the glued drive
       run%flexibility%known = .false.
-      if (.not. run%step%loaded) return
+      if (.not. (run%step%loaded .and. engaged(run%loop, run%model%drive))) return
       sense = sign(1._dp, run%step%torque)
       load%displacement(2, run%model%drive%hub) = run%state%u(2, run%model%drive%hub)
       call update_struts(run%model%drive%problem, load, run%state%u)

@@ -13,7 +13,7 @@ import pytest
 import hdengine
 from conftest import ROOT
 from hdengine.cli import main
-from hdengine.export.deck import _Mesh
+from hdengine.export.deck import _grid, _Mesh, to_deck
 from hdengine.export.law import joint_law
 
 KEYS = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2}
@@ -134,6 +134,18 @@ def test_calculix_finds_the_forces(drive, tmp_path):
     assert 8 * sums["HUB"][:, 1].sum() == pytest.approx(14000, rel=1e-3)
     balls = drive.balls["force_n"][drive.balls["step"] == drive.steps["step"][-1]]
     assert abs(sums["GROUND"][:, 0]).max() == pytest.approx(balls.max(), rel=0.02)
+
+
+def test_a_deck_has_the_friction_of_the_flanks(tmp_path):
+    """The forces on the rim turn it by the torque of the run, friction of the flanks included."""
+    pytest.importorskip("meshio")
+    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "d.out", **KEYS, load__tooth_friction=0.2, loop__torques=[14])
+    assert abs(run.teeth["friction_n"]).max() > 1
+    cards = to_deck(run).partition("*CLOAD, OP=NEW\n")[2].partition("*")[0].split()
+    place = _grid(max(run.folder.glob("bodies_*.vtu"))).points
+    moment = sum({"1": -place[int(n) - 1][1], "2": place[int(n) - 1][0]}.get(d, 0.0) * float(f)
+                 for n, d, f in (line.split(",") for line in " ".join(cards).replace(", ", ",").split()))
+    assert -moment == pytest.approx(14, rel=1e-6)
 
 
 def test_slanted_sides_look_outwards_by_their_cosine():

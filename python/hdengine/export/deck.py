@@ -127,13 +127,15 @@ def _rim_forces(run, mesh, step):
     torque = float(run.torque_nm[step])
     if scene["load.support"] in ("drive", "teeth"):
         table = run.teeth[run.teeth["step"] == run.steps["step"][step]]
-        pairs = [(row["theta_rad"], row["force_n"], row["flank"]) for row in table if row["force_n"] > 0]
+        rubbed = "friction_n" in table.dtype.names
+        pairs = [(row["theta_rad"], row["force_n"], row["friction_n"] if rubbed else 0.0, row["flank"]) for row in table
+                 if row["force_n"] > 0]
         sense = -1.0
     elif scene["load.torque_load"] == "teeth":
         half = scene["load.tooth_pairs"] // 2
         places = (np.arange(half) - (half - 1) / 2) * 2 * np.pi / scene["load.teeth"]
         force = torque / (scene["load.tooth_pairs"] * arm * np.cos(alpha))
-        pairs, sense = [(a, force, 1) for a in np.r_[places, places + np.pi]], 1.0
+        pairs, sense = [(a, force, 0.0, 1) for a in np.r_[places, places + np.pi]], 1.0
     else:
         for s in rim:
             part = min(1.0, (scene["geometry.rim_length"] - mesh.z[s].min()) / np.ptp(mesh.z[s]))
@@ -143,10 +145,10 @@ def _rim_forces(run, mesh, step):
     if pairs:
         rows = flank_weights(points, np.unique(mesh.sides[rim]), np.array([p[0] for p in pairs]), scene["mesh.divisions"],
                              scene["geometry.rim_length"], arm)
-        for (_, force, flank), row in zip(pairs, rows):
+        for (_, force, rub, flank), row in zip(pairs, rows):
             for n, weight in row.items():
-                radial[n] -= force * np.sin(alpha) * weight
-                around[n] += sense * flank * force * np.cos(alpha) * weight
+                radial[n] -= (force * np.sin(alpha) + rub * np.cos(alpha)) * weight
+                around[n] += sense * flank * (force * np.cos(alpha) - rub * np.sin(alpha)) * weight
     return np.stack([radial * np.cos(theta) - around * np.sin(theta), radial * np.sin(theta) + around * np.cos(theta),
                      np.zeros(len(points))], 1)
 

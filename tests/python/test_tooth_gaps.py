@@ -157,12 +157,10 @@ def test_envelope_meets_the_equation_of_contact(double_arc):
     assert len(way) > 50 and way.min() > -3e-7 and np.mean(way < 3e-7) > 0.5
 
 
-def test_a_later_wave_is_a_place_between(involute):
-    """Half a pitch of load.tooth_phase puts the pairs half way: the clearances lie between those of their neighbours' places."""
+def test_a_turned_scene_has_the_lists_of_one_at_rest(involute):
+    """The engine goes along the lists by load.tooth_phase; lists that are turned by it too would be turned twice."""
     turned = tooth_gaps(Involute(M, x2=involute.facts["x2"]), SCENE, **{"load.tooth_phase": 0.5})
-    outer = involute.table["place_pitches"][:20] > 2
-    first, moved = involute.table["gap_m"][:20][outer], turned.table["gap_m"][:20][outer]
-    assert np.all(moved[:-1] > first[:-1]) and np.all(moved[:-1] < first[1:])
+    assert turned.keys() == involute.keys()
 
 
 def test_lines_are_a_scene(involute, tmp_path):

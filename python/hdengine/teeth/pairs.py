@@ -134,8 +134,8 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
     """Clearance of every pair of a scene along the flanks' normals, without load, from profile and deformed rim.
 
     The rim's neutral line lies on the wave generator and keeps its length, or the rim is that of a run. Teeth are rigid and stand
-    along its normals. Pairs stand where the scene has them (`load.teeth`, `load.tooth_pairs`, `load.tooth_phase`), the spaces
-    symmetric about the long axis.
+    along its normals. Pairs (`load.teeth`, `load.tooth_pairs`) and spaces stand symmetric about the long axis, as a scene's
+    lists have them: the engine goes between their places where `load.tooth_phase` turns the pairs.
 
     Parameters
     ----------
@@ -195,8 +195,7 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
     else:
         space = _conjugate(rim, tooth, spaces, lift, points, least_gap or 0.0)
         facts |= {"tangent_deg": profile.tangent_deg}
-    places = scene["load.tooth_phase"] + np.arange(scene["load.tooth_pairs"] // 2)
-    places = places - (len(places) - 1) / 2
+    places = np.arange(half := scene["load.tooth_pairs"] // 2) - (half - 1) / 2
     table = _table(rim, tooth, space, places, spaces)
     least = min(_closest(rim, tooth, space, turn, spaces), float(table["gap_m"].min()), float(table["gap_back_m"].min()))
     return ToothGaps(profile, table, tooth, space, least, bottom, facts, _outlines(rim, tooth, space, places, spaces),

@@ -226,7 +226,7 @@ def _record(args):
     check_folder(out, Record.FILES, args.force)
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
-    numbers = record.numbers(UNITS[args.size], args.rated_torque)
+    numbers = record.numbers(UNITS[args.size], args.rated_torque or drive.KNOWN[args.size].rated)
     for name, values in numbers.items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)
@@ -307,7 +307,7 @@ def make_parser() -> argparse.ArgumentParser:
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
     record.add_argument("--size", type=int, choices=tuple(UNITS), default=14, help="size whose T1 and T2 are used")
-    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m]")
+    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m] (default: the size's)")
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")

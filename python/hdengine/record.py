@@ -26,6 +26,8 @@ FEWEST = 20      # readings of a record
 MOST = 1e9       # N m, rad: beyond, no bench reads
 SIDE = 4         # of a branch before and behind zero torque
 MOST_PLACES = 40  # at which the torque may pass zero that are tried
+PEAK = 2e-2      # momentary torque of catalogues over the cube of the size [N m]
+OVERLOAD = 5     # times that: beyond, the unit or the size is another
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
 
 
@@ -279,8 +281,17 @@ class Record:
         -------
         dict
             hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad]; each (value, low, high).
+
+        Raises
+        ------
+        InputError
+            The torques are no such size's.
         """
         unit = unit or UNITS[14]
+        top, peak = abs(self.torque_nm).max(), PEAK * unit.size**3
+        if top > OVERLOAD * peak:
+            raise InputError(f"the record goes to {top:.4g} N m, drives of size {unit.size} to {peak:.2g} N m for a moment: give its "
+                             f"size; or did you mean {top / 1e3:.4g} N m ({top:.4g} mN m)?")
         torque = np.linspace(0, min(f.high for f in self._fits.values()), 400)
         four = 0.04 * (rated_torque_nm or self.torque_nm.max())
 

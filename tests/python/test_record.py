@@ -145,8 +145,19 @@ def test_command(tmp_path, capsys):
     assert main(words) == 0 and "k1" in capsys.readouterr().out
     found = json.loads((tmp_path / "r/record.json").read_text())
     assert found["status"] == "complete" and {p.name for p in (tmp_path / "r").iterdir()} == {"record.json", *found["files"]}
+    rated = Record.read(ROOT / "data/torque_record.csv").numbers(rated_torque_nm=7.8, draws=2)  # of the size, as in a run; not the record's 5 N m
+    assert found["value_low_high"]["lost_motion_rad"][0] == rated["lost_motion_rad"][0]
     assert main(words) == 3 and "--force" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0
+
+
+def test_torques_of_no_such_size_are_refused():
+    """A record in mN m read as N m had K1 to K3 of its first readings; the message names the torque in N m, and the size."""
+    turn = np.concatenate([np.linspace(0, 5, 20), np.linspace(5, -5, 40), np.linspace(-5, 5, 40)])
+    milli = Record(1e3 * turn, turn / 5e3)
+    with pytest.raises(hdengine.InputError, match=r"goes to 5000 N m, drives of size 14 to 55 .* did you mean 5 N m \(5000 mN m\)"):
+        milli.numbers(draws=2)
+    assert milli.numbers(UNITS[90], draws=2)["k1_nm_per_rad"][0] == pytest.approx(5e6, rel=1e-3)
 
 
 def test_tables_that_say_something_else_are_refused(tmp_path):

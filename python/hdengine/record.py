@@ -290,8 +290,8 @@ class Record:
         unit = unit or UNITS[14]
         top, peak = abs(self.torque_nm).max(), PEAK * unit.size**3
         if top > OVERLOAD * peak:
-            raise InputError(f"the record goes to {top:.4g} N m, drives of size {unit.size} to {peak:.2g} N m for a moment: give its "
-                             f"size; or did you mean {top / 1e3:.4g} N m ({top:.4g} mN m)?")
+            raise InputError(f"the record goes to {top:.4g} N m, drives of size {unit.size} to {peak:.2g} N m for a moment: "
+                             f"give its size; or did you mean {top / 1e3:.4g} N m ({top:.4g} mN m)?")
         torque = np.linspace(0, min(f.high for f in self._fits.values()), 400)
         four = 0.04 * (rated_torque_nm or self.torque_nm.max())
 

@@ -97,7 +97,7 @@ class Joint:
     @classmethod
     @checked(scene=mapping, friction=number(least=0, optional=True))
     def of_scene(cls, scene: dict, friction: float | None = None) -> Joint:
-        """Joint of a scene, as the engine makes it.
+        """Statistical joint (hu2023) of a scene, as the engine makes it, whatever its joint.model; `Result.joint` is of its model.
 
         Parameters
         ----------

@@ -57,7 +57,7 @@ contains
       i = count(ends <= found%top) + 1  ! the chord in which it ends
       if (i <= 2) then
         if (found%k(i) > 0) call push(lines, 'the rise ends at '//to_text(found%top)//' N m, below loop.torque_'//to_text(i)// &
-          ' = '//to_text(ends(i))//' N m: K'//to_text(i)//' is the chord to there, a catalogue''s is not. Raise load.torque')
+          ' = '//to_text(ends(i))//' N m: K'//to_text(i)//' is the chord to there, a catalogue''s is not. Raise the torque')
       end if
     end associate
     if (allocated(loop%fatigue%safety)) then

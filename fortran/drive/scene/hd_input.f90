@@ -32,12 +32,13 @@ contains
     type(namelist_t) :: list
     type(parameter_table_t) :: table
     type(string_t), allocatable :: slips(:)
-    integer :: i, row(4)
-    logical :: given(4)
+    integer :: i, row(6)
+    logical :: given(6)
     allocate (list%faults(0))
     call new_table(scene, table)
     row = [find_parameter(table, 'wave_generator', 'clearance'), find_parameter(table, 'wave_generator', 'interference'), &
-      find_parameter(table, 'load', 'tooth_gaps'), find_parameter(table, 'load', 'tooth_clearance')]
+      find_parameter(table, 'load', 'tooth_gaps'), find_parameter(table, 'load', 'tooth_clearance'), &
+      find_parameter(table, 'loop', 'torques'), find_parameter(table, 'load', 'torque')]
     if (holds_study(trim(path))) then
       call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
         'the Python package')
@@ -74,17 +75,22 @@ contains
   end subroutine read_scene
 
   !> Two keys may say one thing: where a source, a file or what is given beside it, has one alone, the other says nothing. Where it
-  !> has both, a clearance counts more than an interference, and a list of gaps more than the clearance of the outermost teeth.
+  !> has both, a clearance counts more than an interference, and a list more than the one number that makes it.
   pure subroutine settle_pairs(scene, given)
     type(scene_t), intent(inout) :: scene  !< scene
-    logical, intent(in) :: given(4)        !< by the source: clearance, interference; tooth_gaps, tooth_clearance
+    logical, intent(in) :: given(6)        !< by the source: clearance, interference; tooth_gaps, tooth_clearance; torques, torque
     if (given(2) .and. .not. given(1)) scene%clearance = 0
     if ((given(1) .and. .not. given(2)) .or. scene%clearance > 0) scene%interference = 0
-    if (given(3) .or. .not. given(4)) return
-    scene%gap_count = 1
-    scene%gap_back_count = 1
-    scene%gaps(1) = 0
-    scene%gaps_back(1) = 0
+    if (given(4) .and. .not. given(3)) then
+      scene%gap_count = 1
+      scene%gap_back_count = 1
+      scene%gaps(1) = 0
+      scene%gaps_back(1) = 0
+    end if
+    if (given(6) .and. .not. given(5)) then
+      scene%torque_count = 1
+      scene%torques(1) = 0
+    end if
   end subroutine settle_pairs
 
   !> A file describes a study, many scenes, if it ends in .toml.

@@ -390,6 +390,16 @@ def test_large_displacements_of_a_drive(exe, tmp_path):
         assert near <= abs(large/small - 1) < far
 
 
+def test_pairs_of_large_displacements_are_where_they_belong(exe, tmp_path):
+    """K1 to K3 of a coarse size 14 are those of pairs within 1e-8 rad and 1e-8 of the radius of their places and a tolerance of 1e-10."""
+    done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=44", "mesh.band_facets=6", "solver.kinematics=nonlinear", "output.vtu=none",
+                "run.band=.false.", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "r/summary.json").read_text())["results"]
+    for name, value in {"k1": 5857.622575, "k2": 7328.450041, "k3": 6469.786142}.items():
+        assert found[f"{name}_nm_per_rad"] == pytest.approx(value, rel=5e-8)
+
+
 def test_large_displacements_without_friction_are_told_what_is_missing(exe, tmp_path):
     """Nothing resists the ring's turn then: a drive that does not converge is told so."""
     done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "solver.kinematics=nonlinear", "contact.mode=frictionless", "solver.max_cuts=0",

@@ -37,7 +37,7 @@ contains
     type(pairing_t), intent(in) :: pairing      !< faces
     real(dp), intent(in) :: u(:, :)             !< displacements (3, nodes) [m]
     type(mortar_t), intent(inout) :: mortar     !< coupling before, then anew
-    logical, intent(in), optional :: again      !< in rounds, where fewer searches do: not the first, it goes on from before
+    logical, intent(in), optional :: again      !< in rounds, where one search does: not the first, it goes on from before
     type(mortar_t) :: new
     real(dp) :: shift(2, pairing%rest%n), frames(3, 3, pairing%rest%n), y(3), base(3)
     integer :: first, i, j, n
@@ -46,11 +46,13 @@ contains
     new = pairing%rest
     shift = 0
     first = 1
-    if (present(again)) first = merge(searches, searches - 1, again)
-    if (first == searches) then
-      new = mortar
-      new%val = pairing%sign*new%val
-      shift = mortar%shift
+    if (present(again)) then
+      first = searches
+      if (again) then
+        new = mortar
+        new%val = pairing%sign*new%val
+        shift = mortar%shift
+      end if
     end if
     do i = first, searches
       do j = 1, n

@@ -29,6 +29,7 @@ module hd_newton
     integer :: full_steps = 12         !< undamped iterations before the line search sets in
     real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
     real(dp) :: torque = 0             !< amount of the torque [N m]
+    logical :: rough = .false.         !< pairs will be moved, and equilibrium between them need not be near
     logical :: anew = .false.          !< the step goes another way than the last: its beginning is no solution, however near
   end type newton_options_t
 
@@ -81,7 +82,6 @@ module hd_newton
   real(dp), parameter :: clear = 1e-3_dp   !< residual at which what a body does is seen: where all is open, that it flies away,
   !> and where points touch, that they do not hold it; Newton's method passes through the former
   real(dp), parameter :: small = 1e-6_dp
-  real(dp), parameter :: half = 0.5_dp          !< of the tolerance, which the last correction aims at
   real(dp), parameter :: whole = 1e-5_dp        !< accuracy of a correction that is taken whole,
   real(dp), parameter :: searched = 1e-9_dp     !< and of one whose length is searched, for a line search fails on a rougher one
   real(dp), parameter :: unstrained = 1e-7_dp   !< share of stiffness times displacement that is a force at least
@@ -96,9 +96,11 @@ module hd_newton
   real(dp), parameter :: inner_tolerance = 1e-3_dp  !< of a softened problem
   integer, parameter :: few = 10                    !< iterations in which a step that begins within the tolerance finds its states
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
-  real(dp), parameter :: first_tolerance = 1e-5_dp  !< residual of the first of them, whose pairs are the guess's
-  real(dp), parameter :: turn_left = 1e-5_dp        !< turn of normals that may be left [rad],
-  real(dp), parameter :: way_left = 1e-5_dp         !< and way of pairs, over the radius;
+  !> share of its first residual, and residual, that a round before the last leaves: what is left moves pairs by a hundredth of it
+  real(dp), parameter :: gain = 0.03_dp, loose = 1e-3_dp
+  real(dp), parameter :: sought = 1e-8_dp           !< turn of normals [rad] and way of pairs, over the radius, that is sought in
+  integer, parameter :: few_pairings = 3            !< so many rounds,
+  real(dp), parameter :: bearable = 1e-5_dp         !< and what may be left in more of them;
   real(dp), parameter :: moment_left = 1e-3_dp      !< moment of the pressure by that way, over the torque,
   real(dp), parameter :: rounding_left = 1e-8_dp    !< unless the way over the radius is as short as this
 
@@ -125,46 +127,45 @@ contains
     integer :: k
     allocate (history(0))
     round = options
-    if (allocated(problem%pairing)) then
-      round%tolerance = max(options%tolerance, first_tolerance)
-      paired = state%u
-    end if
+    if (allocated(problem%pairing)) paired = state%u
     share = 1
     stay = .false.
     do k = 1, most_pairings
       if (allocated(paired) .and. .not. stay) call pair_bodies(problem, paired, again=k > 1)
+      round%rough = allocated(paired) .and. .not. stay .and. k < few_pairings
       call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
       if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
       history = [history, more(merge(2, 1, stay):)]
       if (allocated(error) .or. .not. (converged .and. allocated(problem%pairing))) return
-      stay = pairs_stay(problem, options, state)
-      if (stay .and. round%tolerance <= options%tolerance) return
-      round = options
-      if (stay) cycle
       moved = state%u - paired
-      if (allocated(before)) share = share*sum(before*(before - moved))/max(sum((before - moved)**2), tiny(1._dp))  ! Aitken's
+      if (allocated(before) .and. .not. stay) share = share*sum(before*(before - moved))/ &
+        max(sum((before - moved)**2), tiny(1._dp))  ! Aitken's
       sliding = share > 2  ! pairs move on by more than half of their last way
-      if (sliding) exit
+      stay = pairs_stay(problem, options, state, merge(bearable, sought, sliding .or. k > few_pairings))
+      sliding = sliding .and. .not. stay
+      if (sliding .or. (stay .and. (more(size(more))%residual <= options%tolerance .or. .not. round%rough))) exit
+      if (stay) cycle
       share = min(1._dp, max(least_share, share))
       paired = paired + share*moved
       before = moved
     end do
-    converged = .false.
+    converged = stay .and. k <= most_pairings
   end subroutine iterate
 
   !> Pairs are still those of the faces, as near as matters.
-  logical function pairs_stay(problem, options, state)
+  logical function pairs_stay(problem, options, state, moved)
     type(problem_t), intent(in) :: problem         !< problem
     type(newton_options_t), intent(in) :: options  !< torque
     type(state_t), intent(in) :: state             !< equilibrium between its pairs
+    real(dp), intent(in) :: moved                  !< turn of normals [rad] and way of pairs, over the radius, that may be left
     real(dp) :: apart, turned
     integer :: i
     call pairing_error(problem%pairing, problem%mortar, state%u, state%traction(1, :), apart, turned)
-    pairs_stay = turned <= turn_left .and. apart <= way_left*problem%pairing%radius
+    pairs_stay = turned <= moved .and. apart <= moved*problem%pairing%radius
     if (allocated(problem%placing)) then
       do i = 1, problem%placing%struts
         if (problem%strut_rate(i) > 0) pairs_stay = pairs_stay .and. &
-          abs(problem%placing%foot(i, state%u) - problem%strut_foot(i)) <= way_left
+          abs(problem%placing%foot(i, state%u) - problem%strut_foot(i)) <= moved
       end do
     end if
     if (pairs_stay .and. options%torque > 0) pairs_stay = apart <= rounding_left*problem%pairing%radius .or. &
@@ -188,6 +189,7 @@ contains
     type(iteration_t) :: row
     type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
+    real(dp) :: tolerance
     logical :: search
     type(ahead_t) :: ahead
     integer(int64) :: start, now, rate
@@ -212,6 +214,8 @@ contains
         here%r_u = here%r_u + du
       end if
     end if
+    tolerance = options%tolerance
+    if (options%rough) tolerance = max(tolerance, min(loose, gain*here%merit))
     do
       call system_clock(now)
       row%residual = here%merit
@@ -227,8 +231,8 @@ contains
       sliding = here%merit <= max(options%tolerance, merge(clear, small, row%open == problem%mortar%n))
       if (sliding) sliding = largest(size(state%u), state%u) > options%runaway
       if (sliding) return
-      converged = (here%merit <= options%tolerance .or. here%forceless) .and. .not. here%law%softness > 0
-      if (options%anew .and. history(1)%residual <= options%tolerance) converged = converged .and. &
+      converged = (here%merit <= tolerance .or. here%forceless) .and. .not. here%law%softness > 0
+      if (options%anew .and. history(1)%residual <= tolerance) converged = converged .and. &
         row%iteration > 0 .and. (row%changes == 0 .or. row%iteration >= few)
       if (converged) where (spread(here%contact == open_state, 1, 3)) state%traction = 0
       if (converged .or. row%iteration >= options%max_iterations .or. here%merit /= here%merit) return
@@ -238,10 +242,7 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      if (allocated(problem%pairing) .and. .not. search) then
-        ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do
-        solver%accuracy = max(solver%accuracy, min(tenth, max(here%merit, half*options%tolerance/here%merit)))
-      end if
+      if (options%rough .and. .not. search) solver%accuracy = tenth  ! pairs move the residual up again
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)

@@ -37,7 +37,7 @@ module hd_fft
   integer, parameter :: rows_of_part = 8      !< parts begin at multiples of 16 bytes, as FFTW asks
   integer, parameter :: long_rows = 30000     !< numbers from which two threads are worth waking
 
-  !> Plans of the NUFFT stay for the next call: making them costs more than a small transform.
+  !> Plans of the NUFFT and of single rows stay for the next call: making them costs more than a small transform.
   type :: kept_t
     integer :: key(6) = 0          !< what was asked for
     type(fft_plan_t) :: plan
@@ -179,7 +179,11 @@ contains
     type(fft_plan_t), intent(out) :: p                  !< plan
     type(error_t), allocatable, intent(out) :: error    !< no plan
     call lock_planner()
-    p%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], 1, n / 2 + 1, FFTW_ESTIMATE)
+    p = kept_plan([5, n, count, 0, 0, 0])
+    if (.not. c_associated(p%plan)) then
+      p%plan = fftw_plan_many_dft_r2c(1, [n], count, a, [n], 1, n, s, [n / 2 + 1], 1, n / 2 + 1, FFTW_ESTIMATE)
+      call keep_plan([5, n, count, 0, 0, 0], p)
+    end if
     call unlock_planner()
     call check_plan(p, n, error)
   end subroutine plan_forward_real

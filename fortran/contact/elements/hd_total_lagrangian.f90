@@ -16,8 +16,8 @@ module hd_total_lagrangian
   use hd_hexahedron, only: element_points, elasticity_matrix, nodes_per_element, points
   implicit none
   private
-  public :: hd_large_strain, cell_t, total_lagrangian_t, new_total_lagrangian, new_cell, cell_response, cell_stress, nodal_turns, &
-    lanes, unity
+  public :: hd_large_strain, cell_t, total_lagrangian_t, strains_t, new_total_lagrangian, new_cell, cell_response, cell_stress, &
+    nodal_turns, lanes, unity
 
   integer, parameter :: lanes = 8  !< sectors at once
   real(dp), parameter :: unity(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -36,8 +36,12 @@ module hd_total_lagrangian
   type :: total_lagrangian_t
     type(cell_t), allocatable :: cells(:)       !< (cells)
     integer, allocatable :: place(:, :, :, :)   !< of their blocks in the tangent (nodes, nodes, cells, sectors)
-    real(dp), allocatable :: kept(:, :, :)      !< as of hd_large_strain, where the tangent is (15 lanes points, cells, groups)
   end type total_lagrangian_t
+
+  !> What products of a body's tangent need of its displacements.
+  type :: strains_t
+    real(dp), allocatable :: kept(:, :, :)      !< as of hd_large_strain (15 lanes points, cells, groups)
+  end type strains_t
 
   interface
     subroutine hd_large_strain(most, nodes, modes, lambda, mu, turn, g, weight, eased, pushed, at, u, stress, energy, f, k, v, &

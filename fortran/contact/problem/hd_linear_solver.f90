@@ -19,6 +19,7 @@ module hd_linear_solver
     real(dp) :: accuracy = 1e-9_dp             !< relative residual of a correction that an inner iteration may leave
     real(dp) :: backward = -1                  !< backward error of the last correction, -1: not known
     integer :: inner = 0                       !< steps of an inner iteration so far
+    logical :: goes_on = .false.               !< the load step that begins is the last one, between other pairs
     integer :: sides = 1                       !< right-hand sides that a matrix is expected to meet
     integer :: most_images = 4                 !< images of the part that is solved, at most: 1, 2 or 4
     type(symmetry_t) :: symmetry               !< used in this load step

@@ -12,7 +12,7 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
-    apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
+    strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
@@ -133,7 +133,9 @@ contains
     do k = 1, most_pairings
       if (allocated(paired) .and. .not. stay) call pair_bodies(problem, paired, again=k > 1)
       round%rough = allocated(paired) .and. .not. stay .and. k < few_pairings
+      solver%goes_on = k > 2  ! in the first round the bodies may come from rest
       call settle(problem, solver, round, load, previous, state, more, converged, sliding, error)
+      solver%goes_on = .false.
       if (size(history) > 0) more%iteration = more%iteration + history(size(history))%iteration
       history = [history, more(merge(2, 1, stay):)]
       if (allocated(error) .or. .not. (converged .and. allocated(problem%pairing))) return
@@ -200,7 +202,6 @@ contains
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
     if (allocated(problem%lagrangian)) guess = state
-    call update_tangent(problem, state%u)
     call prescribe(problem, load, state%u)
     allocate (du, mold=state%u)
     allocate (dt, mold=state%traction)
@@ -208,6 +209,7 @@ contains
     call linearise(problem, load, previous, state, here)
     ! prescribed displacements alone would strain the cells at the support beyond use: the first correction is linear in them
     if (allocated(problem%lagrangian)) then
+      call update_tangent(problem, guess%u)
       if (any(abs(state%u - guess%u) > 0)) then
         call internal_residual(problem, load, guess, here%r_u)
         call apply_stiffness(problem, state%u - guess%u, du)
@@ -242,7 +244,9 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      if (options%rough .and. .not. search) solver%accuracy = tenth  ! pairs move the residual up again
+      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again
+      if (allocated(problem%pairing) .and. .not. search) solver%accuracy = &
+        max(whole, min(tenth, max(here%merit, tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough))))
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
@@ -271,7 +275,7 @@ contains
 
   !> Answer of a linear problem (bonded contact) to a load: one Newton step from rest.
   subroutine respond(problem, solver, load, factorise, state, error)
-    type(problem_t), intent(in) :: problem               !< problem
+    type(problem_t), intent(inout) :: problem            !< problem; its strains follow
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
     type(load_t), intent(in) :: load                     !< load
     logical, intent(in) :: factorise                     !< the solver has not met this problem's law yet
@@ -316,7 +320,7 @@ contains
 
   !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
   subroutine globalise(problem, load, previous, iteration, state, here, global, period)
-    type(problem_t), intent(in) :: problem            !< problem
+    type(problem_t), intent(inout) :: problem         !< problem; its strains follow
     type(load_t), intent(in) :: load                  !< load
     type(state_t), intent(in) :: previous             !< beginning of the load step
     integer, intent(in) :: iteration                  !< iterations so far
@@ -395,7 +399,7 @@ contains
 
   !> Take the Newton step, shortened where that lowers the residual if `search` is set.
   subroutine take_newton_step(problem, load, previous, du, dt, search, state, here, damping)
-    type(problem_t), intent(in) :: problem            !< problem
+    type(problem_t), intent(inout) :: problem         !< problem; its strains follow
     type(load_t), intent(in) :: load                  !< load
     type(state_t), intent(in) :: previous             !< beginning of the load step
     real(dp), intent(in) :: du(:, :), dt(:, :)        !< Newton correction
@@ -440,7 +444,7 @@ contains
 
   !> Residuals, derivatives of the law and the relative residual of an iterate.
   subroutine linearise(problem, load, previous, state, here)
-    type(problem_t), intent(in) :: problem          !< problem
+    type(problem_t), intent(inout) :: problem       !< problem; its strains follow
     type(load_t), intent(in) :: load                !< load
     type(state_t), intent(in) :: previous           !< beginning of the load step
     type(state_t), intent(inout) :: state           !< iterate; gets its gap and slip
@@ -451,6 +455,7 @@ contains
     if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
     call gap_and_slip(problem, load, previous, state)
     call apply_law(problem, previous, state, here)
+    call strain_bodies(problem, state%u)
     call internal_residual(problem, load, state, here%r_u)
     allocate (force(3, problem%n))
     !$omp parallel do schedule(static) if(size(force) > many)

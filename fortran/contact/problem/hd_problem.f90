@@ -6,7 +6,7 @@ module hd_problem
   use hd_body, only: body_t, sector_stiffness, cell_nodes
   use hd_hexahedron, only: points
   use hd_block_matrix, only: block_matrix_t, graph_from_cells, cell_places, add_cell, largest_diagonal, multiply
-  use hd_total_lagrangian, only: total_lagrangian_t, new_total_lagrangian, cell_response, lanes
+  use hd_total_lagrangian, only: total_lagrangian_t, strains_t, new_total_lagrangian, cell_response, lanes
   use hd_sector_matrix, only: sector_matrix_t, new_sector_matrix, add_product
   use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_contact_law, only: contact_law_t
@@ -16,9 +16,10 @@ module hd_problem
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
   private
-  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, stiffness_blocks, &
-    add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, keep_state, move_state, &
-    pair_bodies, update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, strut_forces, forces_at
+  public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, strain_bodies, &
+    stiffness_blocks, add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, &
+    keep_state, move_state, pair_bodies, update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, &
+    strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
 
@@ -32,6 +33,8 @@ module hd_problem
                                                !< for revolved bodies only where a solver asked for it, values where it needs them
     type(total_lagrangian_t), allocatable :: lagrangian(:)  !< of each body, if displacements may be large
     real(dp), allocatable :: tangent_at(:, :)  !< displacements of their tangent (3, n) [m]
+    type(strains_t), allocatable :: strains(:) !< of each body there, where no matrix of the tangent is kept,
+    real(dp), allocatable :: elastic(:, :)     !< and their forces (3, n) [N]
     real(dp) :: largest = 0                    !< largest entry of their stiffness at rest [N/m]
     logical, allocatable :: fixed(:, :)        !< prescribed dofs (3, n)
     real(dp), allocatable :: spring(:, :)      !< springs to the ground, part of the stiffness (3, n) [N/m]
@@ -260,7 +263,7 @@ contains
     real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
     integer :: b, i
     if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
-      call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u)
+      call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u, strains=problem%strains)
       f = f + problem%spring*u
       return
     end if
@@ -300,7 +303,9 @@ contains
     real(dp), intent(out) :: r(:, :)        !< (3, n) [N]
     real(dp), allocatable :: forces(:)
     integer :: i
-    if (allocated(problem%lagrangian)) then
+    if (strained_at(problem, state%u)) then
+      r = problem%elastic + problem%spring*state%u
+    else if (allocated(problem%lagrangian)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, state%u, r)
       r = r + problem%spring*state%u
     else
@@ -407,35 +412,38 @@ contains
   subroutine update_tangent(problem, u)
     type(problem_t), intent(inout) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
-    if (.not. allocated(problem%lagrangian)) return
+    call strain_bodies(problem, u)
+    if (.not. (allocated(problem%lagrangian) .and. allocated(problem%stiffness%val))) return
     problem%tangent_at = u
-    if (allocated(problem%stiffness%val)) then
-      call assemble_tangent(problem, problem%stiffness)
-    else
-      call keep_strains(problem)
-    end if
+    call assemble_tangent(problem, problem%stiffness)
   end subroutine update_tangent
 
-  !> Keep what the products of the tangent need of all cells.
-  subroutine keep_strains(problem)
-    type(problem_t), intent(inout) :: problem  !< gets kept of its bodies
-    real(dp), allocatable :: v(:, :, :)
-    integer :: b, c, groups, s
-    do b = 1, size(problem%bodies)
-      associate (body => problem%bodies(b), lagrangian => problem%lagrangian(b))
-        groups = (body%sectors + lanes - 1)/lanes
-        if (.not. allocated(lagrangian%kept)) allocate (lagrangian%kept(15*lanes*points, size(body%cells, 2), 0:groups - 1))
-        !$omp parallel do schedule(static) private(v, c) if(body%sectors*size(body%cells, 2) > long_loop)
-        do s = 0, groups - 1
-          v = group_field(body, problem%first(b), lanes*s, problem%tangent_at)
-          do c = 1, size(body%cells, 2)
-            call cell_response(lagrangian%cells(c), body%cells(:, c), v, keep=lagrangian%kept(:, c, s))
-          end do
-        end do
-        !$omp end parallel do
-      end associate
-    end do
-  end subroutine keep_strains
+  !> Forces of the bodies under large displacements, and what products of the tangent need of all cells, unless they are there.
+  subroutine strain_bodies(problem, u)
+    type(problem_t), intent(inout) :: problem  !< gets tangent_at, elastic, strains, if no matrix is kept
+    real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
+    integer :: b
+    if (.not. allocated(problem%lagrangian) .or. allocated(problem%stiffness%val)) return
+    if (strained_at(problem, u)) return
+    if (.not. allocated(problem%strains)) then
+      allocate (problem%strains(size(problem%bodies)), problem%elastic(3, problem%n))
+      do b = 1, size(problem%bodies)
+        associate (body => problem%bodies(b))
+          allocate (problem%strains(b)%kept(15*lanes*points, size(body%cells, 2), 0:(body%sectors - 1)/lanes))
+        end associate
+      end do
+    end if
+    problem%tangent_at = u
+    call sum_cells(problem%bodies, problem%first, problem%lagrangian, u, problem%elastic, keep=problem%strains)
+  end subroutine strain_bodies
+
+  !> Forces and strains are those of given displacements.
+  pure logical function strained_at(problem, u) result(yes)
+    type(problem_t), intent(in) :: problem  !< problem
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    yes = allocated(problem%strains)
+    if (yes) yes = all(abs(u - problem%tangent_at) <= 0)
+  end function strained_at
 
   !> Energy of the bodies under large displacements [J].
   real(dp) function strain_energy(problem, u) result(e)
@@ -486,14 +494,16 @@ contains
 
   !> Nodal forces and tangent of all cells under large displacements, or its product. Sectors go in groups. A group shares nodes
   !> with its neighbours only, so every other one may run beside the rest, with the same bits for any number of threads.
-  subroutine sum_cells(bodies, first, lagrangian, u, f, tangent, along)
+  subroutine sum_cells(bodies, first, lagrangian, u, f, tangent, along, strains, keep)
     type(body_t), intent(in) :: bodies(:)                      !< bodies of one element kind
     integer, intent(in) :: first(:)                            !< nodes before each
     type(total_lagrangian_t), intent(in) :: lagrangian(:)      !< their cells at rest
     real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
     real(dp), intent(out) :: f(:, :)                           !< forces (3, n) [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
-    real(dp), intent(in), optional :: along(:, :)              !< f gets the tangent times this (3, n) [m]
+    real(dp), intent(in), optional :: along(:, :)              !< f gets the tangent times this (3, n) [m],
+    type(strains_t), intent(in), optional :: strains(:)        !< by what is kept of u
+    type(strains_t), intent(inout), optional :: keep(:)        !< gets that
     integer :: b, even, groups, s, turn
     f = 0
     do b = 1, size(bodies)
@@ -502,7 +512,13 @@ contains
       do turn = 0, 2
         !$omp parallel do schedule(static) if(bodies(b)%sectors*size(bodies(b)%cells, 2) > long_loop)
         do s = merge(even, turn, turn == 2), merge(groups, even, turn == 2) - 1, 2
-          call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent, along)
+          if (present(keep)) then
+            call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, keep=keep(b)%kept(:, :, s))
+          else if (present(strains)) then
+            call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, along=along, kept=strains(b)%kept(:, :, s))
+          else
+            call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent, along)
+          end if
         end do
         !$omp end parallel do
       end do
@@ -510,7 +526,7 @@ contains
   end subroutine sum_cells
 
   !> Nodal forces and tangent of a group of sectors, or its product.
-  subroutine sum_group(body, first, lagrangian, sector, u, f, tangent, along)
+  subroutine sum_group(body, first, lagrangian, sector, u, f, tangent, along, kept, keep)
     type(body_t), intent(in) :: body                           !< body
     integer, intent(in) :: first                               !< nodes before it
     type(total_lagrangian_t), intent(in) :: lagrangian         !< its cells at rest
@@ -518,13 +534,15 @@ contains
     real(dp), intent(in) :: u(:, :)                            !< displacements (3, n) [m]
     real(dp), intent(inout) :: f(:, :)                         !< forces (3, n), added to [N]
     type(block_matrix_t), intent(inout), optional :: tangent   !< added to
-    real(dp), intent(in), optional :: along(:, :)              !< as of sum_cells
+    real(dp), intent(in), optional :: along(:, :)              !< as of sum_cells, like the next two
+    real(dp), intent(in), optional :: kept(:, :)               !< (15 lanes points, cells)
+    real(dp), intent(inout), optional :: keep(:, :)            !< the same
     real(dp), allocatable :: v(:, :, :), part(:, :, :), way(:, :, :), ke(:, :, :)  ! absent arguments where they are not there
     integer :: a, b, c, l, many
     many = min(lanes, body%sectors - sector)
     if (present(tangent)) allocate (ke(lanes, 3*size(body%cells, 1), 3*size(body%cells, 1)))
     if (present(along)) way = group_field(body, first, sector, along)
-    if (present(along) .and. allocated(lagrangian%kept)) then
+    if (present(kept)) then
       allocate (v(lanes, 3, 0), part(lanes, 3, size(way, 3)))
     else
       v = group_field(body, first, sector, u)
@@ -532,10 +550,12 @@ contains
     end if
     part = 0
     do c = 1, size(body%cells, 2)
-      if (size(v) > 0) then
-        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, ke, way)
+      if (present(kept)) then
+        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, along=way, kept=kept(:, c))
+      else if (present(keep)) then
+        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, keep=keep(:, c))
       else
-        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, along=way, kept=lagrangian%kept(:, c, sector/lanes))
+        call cell_response(lagrangian%cells(c), body%cells(:, c), v, part, ke, way)
       end if
       do l = 1, merge(many, 0, present(tangent))
         call add_cell(tangent, lagrangian%place(:, :, c, sector + l - 1), ke(l, :, :))

@@ -75,7 +75,7 @@ contains
     type(state_t), intent(in) :: state                !< state at its beginning
     type(error_t), allocatable, intent(out) :: error  !< symmetry asked for is not there, memory
     if (allocated(self%exact)) return
-    if (allocated(self%turn)) deallocate (self%turn)
+    if (allocated(self%turn) .and. .not. self%goes_on) deallocate (self%turn)
     self%near%most_images = self%most_images
     self%near%demanded = self%demanded
     if (allocated(self%round)) then
@@ -140,8 +140,8 @@ contains
     deallocate (round%mortar%turn, round%mortar%carry, round%mortar%offset)
   end subroutine follow_pairs
 
-  !> Rotations of the nodes, once in a load step, and what they leave between faces and multipliers. Nodes that are held stay, those
-  !> that are held along the axis turn about it.
+  !> Rotations of the nodes, once or twice in a load step, and what they leave between faces and multipliers. Nodes that are held
+  !> stay, those that are held along the axis turn about it.
   subroutine turn_along(self, problem)
     class(newton_krylov_t), intent(inout) :: self     !< gets turn, frame
     type(problem_t), intent(in) :: problem            !< problem with large displacements
@@ -281,10 +281,14 @@ contains
     real(dp), intent(in) :: r_u(:, :), r_c(:, :)   !< [N], [Pa]
     real(dp), intent(out) :: x(:)                  !< [N]
     real(dp) :: f(size(r_u, 1), size(r_u, 2))
+    integer :: i, j
     f = merge(0._dp, r_u, problem%fixed)
     if (problem%wheel_turns) f(2, problem%wheel) = sum(r_u(2, problem%wheel))/size(problem%wheel)  ! one unknown of its nodes
-    x(:size(r_u)) = pack(f, .true.)
-    x(size(r_u) + 1:) = pack(spread(max(problem%mortar%area, tiny(1._dp)), 1, 3)*r_c, .true.)
+    x(:size(r_u)) = reshape(f, [size(f)])
+    do j = 1, size(r_c, 2)
+      i = size(r_u) + 3*j
+      x(i - 2:i) = max(problem%mortar%area(j), tiny(1._dp))*r_c(:, j)
+    end do
   end subroutine pack_residual
 
   !> Displacements and tractions of a vector.
@@ -322,26 +326,27 @@ contains
     real(dp), intent(out), contiguous :: y(:)         !< correction
     type(error_t), allocatable, intent(out) :: error  !< solver failure
     real(dp), allocatable :: r_u(:, :), r_c(:, :), u(:, :), t(:, :)
-    integer :: j
+    integer :: i, j
     associate (p => self%problem, s => self%solver)
       allocate (r_u(3, p%n), r_c(3, p%mortar%n), u(3, p%n), t(3, p%mortar%n))
-      call unpack_correction(-x, r_u, r_c)
-      r_c = r_c/spread(max(p%mortar%area, tiny(1._dp)), 1, 3)
-      if (allocated(s%turn)) then
-        do j = 1, p%n
-          r_u(:, j) = r_u(1, j)*s%turn(1, :, j) + r_u(2, j)*s%turn(2, :, j) + r_u(3, j)*s%turn(3, :, j)
-        end do
-      end if
+      do j = 1, p%n
+        r_u(:, j) = -x(3*j - 2:3*j)
+        if (allocated(s%turn)) r_u(:, j) = r_u(1, j)*s%turn(1, :, j) + r_u(2, j)*s%turn(2, :, j) + r_u(3, j)*s%turn(3, :, j)
+      end do
+      do j = 1, p%mortar%n
+        i = 3*(p%n + j)
+        r_c(:, j) = -x(i - 2:i)/max(p%mortar%area(j), tiny(1._dp))
+      end do
       call s%near%solve(self%round, r_u, r_c, u, t, error)
-      if (allocated(s%turn)) then
-        do j = 1, p%n
-          u(:, j) = s%turn(:, 1, j)*u(1, j) + s%turn(:, 2, j)*u(2, j) + s%turn(:, 3, j)*u(3, j)
-        end do
-        do j = 1, p%mortar%n
-          t(:, j) = matmul(s%frame(:, :, j), t(:, j))
-        end do
-      end if
-      y = [reshape(u, [size(u)]), reshape(t, [size(t)])]
+      do j = 1, p%n
+        if (allocated(s%turn)) u(:, j) = s%turn(:, 1, j)*u(1, j) + s%turn(:, 2, j)*u(2, j) + s%turn(:, 3, j)*u(3, j)
+        y(3*j - 2:3*j) = u(:, j)
+      end do
+      do j = 1, p%mortar%n
+        i = 3*(p%n + j)
+        if (allocated(s%turn)) t(:, j) = matmul(s%frame(:, :, j), t(:, j))
+        y(i - 2:i) = t(:, j)
+      end do
     end associate
   end subroutine approximate_newton
 

@@ -14,7 +14,8 @@ module hd_ball_patch
   public :: ball_patch_t
 
   integer, parameter :: samples = 12   !< of a patch along either side
-  integer, parameter :: searches = 4   !< for a point; each leaves a strain's share of what was left
+  integer, parameter :: searches = 4   !< for a point; each leaves a strain's share of what was left,
+  real(dp), parameter :: settled = 1e-10_dp   !< and no more are made after a change as small as this [rad]
 
   !> Patches of all balls, in the middle of the ring.
   type, extends(placing_t) :: ball_patch_t
@@ -40,8 +41,10 @@ contains
     real(dp), intent(out) :: shift                 !< [m]
     real(dp), intent(in), optional :: u(:, :)      !< displacements (3, nodes of all bodies), if they may be large [m]
     real(dp) :: theta, z, xi(2), g(2), v(2), n(size(self%face%nodes, 1))
+    real(dp) :: turn
     integer :: j, k, l, a, f
     shift = 0
+    turn = 0
     strut%node = [integer ::]
     strut%weight = reshape([real(dp) ::], [3, 0])
     do l = 1, samples
@@ -50,7 +53,7 @@ contains
         z = self%z + self%width*((j - 0.5_dp)/samples - 0.5_dp)
         g = [1, 0]
         if (present(u)) then
-          call follow_face(self, u, theta, z, v, g, f, xi)
+          call follow_face(self, u, theta, z, turn, v, g, f, xi)
           shift = shift + (dot_product(g, v) - (hypot(self%radius + v(1), v(2)) - self%radius))/samples**2
         else
           call find_facet(self, theta, z, f, xi)
@@ -74,38 +77,50 @@ contains
     class(ball_patch_t), intent(in) :: self   !< patches
     integer, intent(in) :: i                  !< which ball
     real(dp), intent(in) :: u(:, :)           !< displacements (3, nodes of all bodies) [m]
-    real(dp) :: v(2), g(2), xi(2)
+    real(dp) :: turn, v(2), g(2), xi(2)
     integer :: f
-    call follow_face(self, u, self%theta(i), self%z, v, g, f, xi, theta)
+    turn = 0
+    call follow_face(self, u, self%theta(i), self%z, turn, v, g, f, xi)
+    theta = self%theta(i) - turn
   end function material_angle
 
   !> The point of the deformed face at an angle in space: its displacement, how its distance from the axis follows displacements,
   !> and its facet.
-  pure subroutine follow_face(patch, u, theta, z, v, g, facet, xi, at)
+  pure subroutine follow_face(patch, u, theta, z, turn, v, g, facet, xi)
     type(ball_patch_t), intent(in) :: patch      !< patches
     real(dp), intent(in) :: u(:, :)              !< displacements (3, nodes of all bodies) [m]
     real(dp), intent(in) :: theta, z             !< angle in space [rad], place along the axis at rest [m]
+    real(dp), intent(inout) :: turn              !< guess of how far it has come round the axis, then that [rad]
     real(dp), intent(out) :: v(2)                !< u_r, u_theta [m]
     real(dp), intent(out) :: g(2)                !< dr/du
     integer, intent(out) :: facet                !< facet
     real(dp), intent(out) :: xi(2)               !< place on it
-    real(dp), intent(out), optional :: at        !< its angle at rest [rad]
     real(dp), parameter :: h = 0.5_dp
-    real(dp) :: turn, slope(2), normal(2)
-    integer :: i, n
-    n = size(patch%face%nodes, 1)
-    turn = 0
+    real(dp) :: before, slope(2), normal(2)
+    integer :: i
     do i = 1, searches
       call find_facet(patch, theta - turn, z, facet, xi)
-      associate (corner => u(:2, patch%first + patch%face%nodes(:, facet)))
-        v = matmul(corner, shape_facet(n, xi))
-        slope = matmul(corner, shape_facet(n, [xi(1) + h, xi(2)]) - shape_facet(n, [xi(1) - h, xi(2)]))/(2*h)*patch%sectors/pi
-      end associate
-      if (i < searches) turn = atan2(v(2), patch%radius + v(1))
+      v = mean(xi)
+      if (i == searches) exit
+      before = turn
+      turn = atan2(v(2), patch%radius + v(1))
+      if (abs(turn - before) <= settled) exit
     end do
+    slope = (mean([xi(1) + h, xi(2)]) - mean([xi(1) - h, xi(2)]))/(2*h)*patch%sectors/pi
     normal = [patch%radius + v(1) + slope(2), v(2) - slope(1)]
     g = normal/dot_product(normal, [cos(turn), sin(turn)])
-    if (present(at)) at = theta - turn
+  contains
+    !> Displacement at a place of the facet.
+    pure function mean(at) result(w)
+      real(dp), intent(in) :: at(2)  !< place
+      real(dp) :: w(2), n(size(patch%face%nodes, 1))
+      integer :: k
+      n = shape_facet(size(n), at)
+      w = 0
+      do k = 1, size(n)
+        w = w + n(k)*u(:2, patch%first + patch%face%nodes(k, facet))
+      end do
+    end function mean
   end subroutine follow_face
 
   !> The facet at a place, and the place on it.

@@ -44,7 +44,7 @@ contains
   !> Place the teeth and find the responses of the structure; `assembled` is the state in which they touch.
   subroutine new_teeth(scene, drive, solver, assembled, teeth, error)
     type(scene_t), intent(in) :: scene                    !< scene
-    type(drive_t), intent(in) :: drive                    !< its problem, bonded, hub held
+    type(drive_t), intent(inout) :: drive                 !< its problem, bonded, hub held
     class(linear_solver_t), intent(inout) :: solver       !< of the whole face
     type(state_t), intent(in) :: assembled                !< end of the assembly
     type(teeth_t), intent(out) :: teeth                   !< ready for torques

@@ -245,7 +245,7 @@ def theory(contact):
             p = law.pressures(spectrum.slope_rms, (contact,))
             k, area, _ = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, law.E_STAR, 1e15)
             seen, facts = of_map(z, law.DX)
-            model, reason = choose([facts], p, area, seen.waves)
+            model, reason = choose(facts, p, area, seen.waves)
             if model != "spectrum":
                 return REFUSED, f"boundary elements: {reason}"
             space = HalfSpace(z, law.DX, law.E_STAR, law.RATIO)

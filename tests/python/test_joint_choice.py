@@ -36,7 +36,7 @@ P = np.array([1e6, 1e7, 1e8])
     ({"isotropy": 0.2}, [0.01, 0.05, 0.3], 500, 7.0, "spectrum", "E* times slope is 7 hardnesses: nearly all contact yields")])
 def test_choice_and_its_reason(facts, area, waves, steepness, model, words):
     """The planner takes what holds for the surface and the pressures, and says why and from where the theory would do."""
-    found = choose([{**FINE, **facts}], P, np.array(area), waves, steepness)
+    found = choose({**FINE, **facts}, P, np.array(area), waves, steepness)
     assert found[0] == model and words in found[1]
 
 
@@ -47,6 +47,31 @@ def test_independent_waves():
     assert even.waves == pytest.approx(40)
     assert Spectrum(q, np.r_[1.0, np.full(9, 1e-9)], np.ones(10)).waves == pytest.approx(1, abs=1e-6)
     assert even.between(longest=2 * np.pi / 1.5).waves == pytest.approx(36)
+
+
+def test_unlike_spacings_are_no_lay():
+    """Rows eight times as far apart as points see fewer short waves, which is no lay; a lay stays one."""
+    z, dx = hdengine.surface.periodic(512, 512e-6, 2.5, 1e-11, 2e-6, 1), 1e-6
+    for heights, spacing in ((z[::8], (8 * dx, dx)), (z[:, ::8], (dx, 8 * dx))):
+        assert of_map(heights, spacing)[1]["isotropy"] > 0.8
+    grooves = z[0] + 0.2 * z
+    assert of_map(grooves[::8], (8 * dx, dx))[1]["isotropy"] < 0.2 > of_map(grooves.T[:, ::8], (dx, 8 * dx))[1]["isotropy"]
+
+
+def test_a_smooth_face_decides_nothing():
+    """A second face a thousandth as rough changes neither the waves nor the doubts nor the band, whatever its size, lay or skewness; two alike maps
+    hold the waves of one."""
+    first, wide = rough(128, 0.8, 16, 4, 1), rough(512, 0.8, 512, 4, 2)
+    alone = predict((first, DX), pressure=[1e7, 1e8], model="spectrum")
+    smooth = -np.tile(wide[0] ** 2, (512, 1)) * 1e-3 * first.std() / wide[0].var()
+    assert abs(of_map(smooth, DX)[1]["skewness"]) > 0.7 and of_map(smooth, DX)[1]["isotropy"] < 0.6
+    for maps in (((first, DX), (smooth, DX)), ((smooth, DX), (first, DX))):
+        both = predict(*maps, pressure=[1e7, 1e8], model="spectrum")
+        assert both.waves == pytest.approx(alone.waves, rel=1e-3) and both.outside == alone.outside
+        for name in ("k_n_pa_per_m", "k_n_pa_per_m_low", "k_n_pa_per_m_high"):
+            assert both.table[name] == pytest.approx(alone.table[name], rel=0.05)
+    pair = predict((first, DX), (rough(128, 0.8, 16, 4, 3), DX), pressure=[1e7, 1e8], model="spectrum")
+    assert pair.waves == pytest.approx(alone.waves, rel=0.1)
 
 
 def test_scatter_is_that_of_the_record():

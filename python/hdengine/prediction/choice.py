@@ -51,13 +51,13 @@ def half_width_of(area: np.ndarray, waves: float, crests: float = 1.0) -> np.nda
     return np.hypot(1.96 * scatter_of(area, waves), by_crests)
 
 
-def doubts(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> list[str]:
+def doubts(facts: dict, pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> list[str]:
     """Where the theory is outside its validity, and why.
 
     Parameters
     ----------
-    facts : list of dict
-        Of each map (`of_map`).
+    facts : dict
+        Of the map (`of_map`), of two of their sum (`of_sum`).
     pressure, area : ndarray
         Pressures [Pa] and the true contact that the theory expects.
     waves : float
@@ -69,13 +69,13 @@ def doubts(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: flo
     if steepness > STEEP:
         found.append(f"E* times slope is {steepness:.2g} hardnesses: nearly all contact yields, where the error is not known and "
                      "boundary elements may not converge")
-    lay, skew = min(f["isotropy"] for f in facts), max((f["skewness"] for f in facts), key=abs)
+    lay, skew, crests = (facts[key] for key in ("isotropy", "skewness", "crests"))
     if lay < LAY:
         found.append(f"the surface has a lay (slopes differ by {lay**-0.5:.1f} in two directions), the theory takes the mean of "
                      "all directions, and k_N may differ by a factor of 3")
     if abs(skew) > SKEW:
         found.append(f"skewness {skew:.2f}: not the heights of random waves, which the theory takes")
-    elif not WORN < (crests := max((f["crests"] for f in facts), key=lambda x: abs(np.log(x)))) < PEAKED:
+    elif not WORN < crests < PEAKED:
         found.append(f"crests {crests:.2f} times as high as those of random waves, which the theory takes")
     half = 1.96 * scatter_of(area, waves)
     if half.max() > TRUST:
@@ -86,7 +86,7 @@ def doubts(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: flo
     return found
 
 
-def choose(facts: list[dict], pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> tuple[str, str]:
+def choose(facts: dict, pressure: np.ndarray, area: np.ndarray, waves: float, steepness: float = 0.0) -> tuple[str, str]:
     """Theory or boundary elements, with the reason; arguments as of `doubts`.
 
     Returns

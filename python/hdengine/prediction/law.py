@@ -21,7 +21,7 @@ from ..surfaces.specimen import Specimen
 from . import half_space, patches
 from .bodies import Bodies
 from .choice import LAY, choose, doubts, half_width_of, scatter_of
-from .spectrum import Spectrum, bands, of_map
+from .spectrum import Spectrum, bands, of_map, of_sum
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,7 +127,7 @@ class Prediction:
             The folder holds such files, or what another command wrote, or cannot be written.
         """
         spectrum = {"q_per_m": self.spectrum.q, "height_variance_m2": self.spectrum.height_variance, "c_m4": self.spectrum.c,
-                    "waves_per_m2": self.spectrum.modes / (max(len(self.facts), 1) * self.map_area)}
+                    "waves_per_m2": self.spectrum.modes / self.map_area}
         record = {"model": self.model, "patch": self.patch, "reason": self.reason, "notes": self.notes,
                   "outside_validity": self.outside, "surfaces": self.facts,
                   "e_star_pa": self.bodies.e_star, "k_t_over_k_n": self.bodies.ratio, "hardness_pa": self.bodies.hardness,
@@ -207,24 +207,26 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
         raise InputError(f"loaded area of {loaded:g} m^2; valid: above 0")
     found = _facts_of(pairs, names, longest)
     raw = [s for s, _ in found]
-    clean = [_denoise(s, f["noise_variance_m2"], m[0].size) for (s, f), m in zip(found, pairs)]
-    spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
+    areas = [np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs]
+    one_map = min(areas)
+    clean = [_denoise(s, f["noise_variance_m2"], m[0].size).of_area(one_map / a) for (s, f), m, a in zip(found, pairs, areas)]
     facts = [f for _, f in found]
+    whole = of_sum(sum(clean[1:], clean[0]), facts)
+    spectrum, noisy = (sum(s[1:], s[0]).between(longest) for s in (clean, raw))
     k_n, area, gap = stiffness_from_spectrum(spectrum.q, spectrum.height_variance, p, bodies.e_star, bodies.hardness)
-    waves = spectrum.waves / len(pairs)  # the sum of two spectra counts the waves of both maps
-    one_map = min(np.size(z) * spacing[0] * spacing[1] for z, spacing in pairs)
+    waves = spectrum.waves
     alone = scatter_of(area, waves)
     waves *= (loaded or one_map) / one_map   # those of a contact of so many patches
-    against = facts, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness
+    against = whole, p, area, waves, bodies.e_star * spectrum.slope_rms / bodies.hardness
     wanted, reason = choose(*against)
     if free and not model:
         model = wanted = "boundary_elements"
         reason = "a free patch was asked for"
     elif model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
-    rises = not all(f["rolls_off"] for f in facts)   # a contact larger than the map has longer waves in any case
+    rises = not whole["rolls_off"]   # a contact larger than the map has longer waves in any case
     longer = (rises or bool(loaded and loaded > one_map)) and longest > min(_length(m) for m in pairs)
-    notes = _notes(facts, spectrum, longer)
+    notes = _notes(facts, spectrum, rises, longer)
     if loaded is not None:
         notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / one_map:.3g} times the map",)
     spread = (spectrum, noisy if any(f["noise_variance_m2"] for f in facts) else None,
@@ -257,7 +259,7 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
             parts = _spread(*spread)
     outside: tuple[str, ...] = ()
     if wanted == "spectrum":
-        law = half_width_of(area, waves, _crests(facts))
+        law = half_width_of(area, waves, whole["crests"])
         parts["law"] = (law,) * 4
         outside = tuple(doubts(*against))
         notes += (f"k_N by theory lies within {_percent(law.min())} to {_percent(law.max())} of boundary elements (95 of 100 "
@@ -296,12 +298,6 @@ def _pair(m, number):
     if not (0 < dy < np.inf and 0 < dx < np.inf):
         raise InputError(f"map {number} has a spacing of {dy:g}, {dx:g} m; valid: above 0")
     return heights, (dy, dx)
-
-
-def _crests(facts):
-    """Height of the crests of the sum of independent heights, over that of random waves."""
-    h = np.array([f["h_rms_m"] for f in facts])
-    return float(np.sqrt(((h * [f["crests"] for f in facts])**2).sum() / (h**2).sum()))
 
 
 def _percent(log):
@@ -347,13 +343,13 @@ def _denoise(spectrum, noise, points):
     return Spectrum(spectrum.q, left, spectrum.modes) if noise else spectrum
 
 
-def _notes(facts, spectrum, longer):
+def _notes(facts, spectrum, rises, longer):
     """Sentences on what decides the law."""
     notes, parts = [], spectrum.height_variance.cumsum() / spectrum.height_variance.sum()
     half = 2e6 * np.pi / spectrum.q[min(int(np.searchsorted(parts, 0.5)), len(parts) - 1)]
     notes.append(f"half of the height variance lies above wavelengths of {half:.3g} um: the longest decide k_N at light load")
     for i, f in enumerate(facts, 1):
-        if not f["rolls_off"]:
+        if rises and not f["rolls_off"]:
             what = ("waves longer than it would lower k_N; the band counts one more octave" if longer
                     else "the longest wave that counts (--longest) decides k_N")
             notes.append(f"map {i} has no roll-off: {what}")
@@ -381,7 +377,7 @@ def _spread(spectrum, noisy, longer, p, bodies, k_n, area, draws, seed, whole=Fa
     """What widens the band, by name: half widths (95 %) of ln k_N downwards and upwards, and of ln A. `whole`: of boundary
     elements, which take the map with its noise, and whose quarters tell its sampling."""
     rng = np.random.default_rng(seed)
-    freedom = np.maximum(spectrum.modes, 1)
+    freedom = np.maximum(spectrum.freedom, 1)
 
     def change(q, h, modulus=1.0, hardness=1.0):
         hard = max(bodies.hardness * hardness, SOFTEST * p[-1])

@@ -16,7 +16,7 @@ from ..surfaces.composite import resample
 from ..surfaces.specimen import Specimen
 from . import half_space
 from .bodies import Bodies
-from .spectrum import SMALLEST, bands, level, waves
+from .spectrum import SMALLEST, averaged, bands, level, waves
 
 __all__: list[str] = []
 FEWEST = 64      # points a side to which the bound of time may take a map
@@ -216,9 +216,7 @@ def _quarters(z):
 
 def _averaged(z, spacing, points):
     """Map averaged over blocks to at most `points` a side."""
-    by = [max(1, -(-n // points)) for n in z.shape]
-    n, m = (s // b * b for s, b in zip(z.shape, by))
-    return z[:n, :m].reshape(n // by[0], by[0], m // by[1], by[1]).mean((1, 3)), tuple(d * b for d, b in zip(spacing, by))
+    return averaged(z, spacing, [max(1, -(-n // points)) for n in z.shape])
 
 
 def _shortened(z, spacing, longest):

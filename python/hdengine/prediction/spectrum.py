@@ -2,16 +2,21 @@
 """The power spectrum of a height map as the joint needs it, and what in the map speaks against it."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from .._check import ROUNDING
 from .._engine import InputError
 
 __all__: list[str] = []
 PER_OCTAVE = 16  # bands of a spectrum
 SMALLEST = 16     # points a side
 _MOST_HOLES = 0.2   # of the points
+_TINY = np.finfo(float).tiny
 _FLAT = 1e-12       # rms height over the largest height that rounding makes
 _LINE = 4           # points of a spectrum that a slope is laid through, at least
 _LONG = 1.9, 8.0    # of the lowest frequency: the waves between them tell a roll-off; longer ones levelling takes
@@ -29,12 +34,19 @@ class Spectrum:
     height_variance : ndarray (bands,)
         Variance of the heights in it [m^2].
     modes : ndarray (bands,)
-        Waves of the map in it: the variance is known to sqrt(2 / modes).
+        Waves of the map in it.
+    freedom : ndarray (bands,), optional
+        Squares that the variance is the mean of, which is known to sqrt(2 / freedom). Default: modes.
     """
 
     q: np.ndarray = field(repr=False)
     height_variance: np.ndarray = field(repr=False)
     modes: np.ndarray = field(repr=False)
+    freedom: np.ndarray = field(repr=False, default=cast(Any, None))
+
+    def __post_init__(self) -> None:
+        if self.freedom is None:
+            object.__setattr__(self, "freedom", self.modes)
 
     @property
     def h_rms(self) -> float:
@@ -49,7 +61,7 @@ class Spectrum:
     @property
     def waves(self) -> float:
         """Independent waves: of equal variance, so many would hold the heights as these do. Few long ones may hold most of it."""
-        return float(self.height_variance.sum()**2 / (self.height_variance**2 / np.maximum(self.modes, 1)).sum())
+        return float(self.height_variance.sum()**2 / (self.height_variance**2 / np.maximum(self.modes, _TINY)).sum())
 
     @property
     def c(self) -> np.ndarray:
@@ -59,9 +71,22 @@ class Spectrum:
         return self.height_variance / (np.pi * np.diff(edges**2))
 
     def __add__(self, other: Spectrum) -> Spectrum:
-        """Spectrum of the equivalent surface: variances of independent surfaces add."""
-        return bands(np.concatenate([self.q, other.q]), np.concatenate([self.height_variance, other.height_variance]),
-                     np.concatenate([self.modes, other.modes]))
+        """Spectrum of the equivalent surface of two on one area: variances of independent surfaces add.
+
+        The waves of a band are those of the map that holds its height; so is how well it is known (Satterthwaite 1946).
+        """
+        q, h, modes = (np.concatenate([getattr(s, name) for s in (self, other)]) for name in ("q", "height_variance", "modes"))
+        both = bands(q, h, modes)
+        place = np.split(np.unique(_numbers(q), return_inverse=True)[1], [len(self.q)])
+        share, m, f = (np.stack([np.bincount(at, getattr(s, name), len(both.q)) for at, s in zip(place, (self, other))])
+                       for name in ("height_variance", "modes", "freedom"))
+        share /= np.maximum(both.height_variance, _TINY)
+        doubt = (share**2 / np.maximum(f, 1)).sum(0)
+        return Spectrum(both.q, both.height_variance, (share * m).sum(0), 1 / np.maximum(doubt, _TINY))
+
+    def of_area(self, share: float) -> Spectrum:
+        """The spectrum on a share of the map's area, which holds so many of its waves; it is known as well as before."""
+        return Spectrum(self.q, self.height_variance, self.modes * share, self.freedom)
 
     def between(self, longest: float = np.inf, shortest: float = 0.0) -> Spectrum:
         """The spectrum of wavelengths from `shortest` to `longest` [m].
@@ -75,17 +100,22 @@ class Spectrum:
         if keep.sum() < 2:
             raise InputError(f"wavelengths from {shortest:g} to {longest:g} m hold {keep.sum()} bands of the spectrum; valid: two "
                              f"or more of those from {2 * np.pi / self.q[-1]:.3g} to {2 * np.pi / self.q[0]:.3g} m (--longest)")
-        return Spectrum(self.q[keep], self.height_variance[keep], self.modes[keep])
+        return Spectrum(self.q[keep], self.height_variance[keep], self.modes[keep], self.freedom[keep])
 
 
 def bands(q: np.ndarray, variance: np.ndarray, modes: np.ndarray | None = None) -> Spectrum:
     """Spectrum of single waves, or of spectra set side by side, gathered in narrow bands."""
     modes = np.ones(len(q)) if modes is None else modes
-    number = np.rint(np.log2(q / q.min()) * PER_OCTAVE).astype(int)
+    number = _numbers(q)
     h, m, qh, qm = (np.bincount(number, x) for x in (variance, modes, q * variance, q * modes))
     filled = m > 0
     h, m, qh, qm = h[filled], m[filled], qh[filled], qm[filled]
     return Spectrum(np.where(h > 0, qh / np.where(h > 0, h, 1), qm / m), h, m)
+
+
+def _numbers(q):
+    """Numbers of the bands of wavenumbers."""
+    return np.rint(np.log2(q / q.min()) * PER_OCTAVE).astype(int)
 
 
 def level(heights: np.ndarray) -> tuple[np.ndarray, float]:
@@ -164,6 +194,12 @@ def waves(z: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.n
     return qy, qx, power
 
 
+def averaged(z: np.ndarray, spacing: tuple[float, float], by: Sequence[int]) -> tuple[np.ndarray, tuple]:
+    """A map averaged over blocks of so many (rows, points), and its spacing."""
+    n, m = (s // b * b for s, b in zip(z.shape, by))
+    return z[:n, :m].reshape(n // by[0], by[0], m // by[1], by[1]).mean((1, 3)), tuple(d * b for d, b in zip(spacing, by))
+
+
 def crests(z: np.ndarray) -> float:
     """Height of the crests, from where a tenth of the points is higher to where one in two hundred is, over that of random waves.
 
@@ -188,6 +224,7 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     spectrum : Spectrum
     facts : dict
         holes, skewness, kurtosis, crests (`crests`), isotropy (smaller over larger principal variance of the slope),
+        slope_moments (its mean squares and products, rows first),
         noise_variance_m2 (white noise that the spectrum's end shows, 0: none), rolls_off (the map is longer than its longest waves
         that matter).
 
@@ -200,21 +237,51 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     if not z.std() > _FLAT * np.nanmax(np.abs(heights)):
         raise InputError("the map is flat: no roughness, no joint")
     qy, qx, power = waves(z, spacing)
-    moments = np.array([[(power * a * b).sum() for a in (qy, qx)] for b in (qy, qx)])
+    finest = min(qy.max(), qx.max())    # of both directions: of unlike spacings one sees shorter waves
+    alike = power * (np.maximum(qy, qx) <= finest * (1 + ROUNDING))
+    moments = np.array([[(alike * a * b).sum() for a in (qy, qx)] for b in (qy, qx)])
     # the even continuation makes the mixed moment positive whatever the lay: take it from the gradients
-    gy, gx = np.gradient(z, *spacing)
-    both = max((gy**2).mean() * (gx**2).mean(), np.finfo(float).tiny)
+    even, steps = averaged(z, spacing, [max(1, round(max(spacing) / d)) for d in spacing])
+    gy, gx = np.gradient(even, *steps)
+    both = max((gy**2).mean() * (gx**2).mean(), _TINY)
     moments[0, 1] = moments[1, 0] = (gy * gx).mean() * np.sqrt(moments[0, 0] * moments[1, 1] / both)
-    small, large = np.linalg.eigvalsh(moments)
     q = np.hypot(qy, qx)
-    inside = (q > 0) & (q <= min(qy.max(), qx.max()))  # a whole quarter circle of directions
+    inside = (q > 0) & (q <= finest)  # a whole quarter circle of directions
     spectrum = bands(q[inside], power[inside])
     w = z / z.std()
     facts = {"holes": holes, "skewness": float((w**3).mean()), "kurtosis": float((w**4).mean()), "crests": crests(z),
-             "isotropy": float(small / large),
+             "isotropy": isotropy(moments), "slope_moments": moments.tolist(),
              "h_rms_m": float(z.std()), "slope_rms": spectrum.slope_rms, "noise_variance_m2": _noise(spectrum, z.size),
              "rolls_off": _rolls_off(spectrum)}
     return spectrum, facts
+
+
+def isotropy(moments: ArrayLike) -> float:
+    """Smaller over larger principal value of mean squares and products of the slope."""
+    small, large = np.linalg.eigvalsh(moments)
+    return float(small / large)
+
+
+def of_sum(spectrum: Spectrum, facts: list[dict]) -> dict:
+    """What is to be said of the sum of independent maps: those that hold the height decide.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of the sum.
+    facts : list of dict
+        Of each map (`of_map`).
+
+    Returns
+    -------
+    dict
+        skewness, crests, isotropy, rolls_off.
+    """
+    h, skew, high = np.array([[f[key] for key in ("h_rms_m", "skewness", "crests")] for f in facts]).T
+    rms = np.sqrt((h**2).sum())
+    return {"skewness": float((skew * (h / rms)**3).sum()), "crests": float(np.sqrt(((high * h / rms)**2).sum())),
+            "isotropy": isotropy(np.sum([f["slope_moments"] for f in facts], axis=0)),
+            "rolls_off": all(f["rolls_off"] for f in facts) or (len(facts) > 1 and _rolls_off(spectrum))}
 
 
 def _noise(spectrum, points):

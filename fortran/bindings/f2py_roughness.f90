@@ -79,7 +79,7 @@ end subroutine surface_level
 
 !> Steps of stitching levelled (mend > 0), wrong points taken for holes (mask > 0), holes filled (fill > 0), in place; numbers of
 !> wrong points, of seams across x and y; the largest step.
-subroutine surface_clean(z, nx, ny, mend, mask, fill, found, step, status, message)
+subroutine surface_clean(z, nx, ny, dx, dy, mend, mask, fill, found, step, status, message)
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_cleaning, only: clean_map
   use hd_error, only: error_t
@@ -89,6 +89,7 @@ subroutine surface_clean(z, nx, ny, mend, mask, fill, found, step, status, messa
   implicit none
   integer(c_int), intent(in) :: nx, ny, mend, mask, fill
   real(c_double), intent(inout) :: z(nx, ny)
+  real(c_double), intent(in) :: dx, dy
   integer(c_int), intent(out) :: found(3)
   real(c_double), intent(out) :: step
   integer(c_int), intent(out) :: status
@@ -98,8 +99,8 @@ subroutine surface_clean(z, nx, ny, mend, mask, fill, found, step, status, messa
   type(error_t), allocatable :: error
   type(seams_t) :: seams
   found = 0
-  call check_map(z, 1._c_double, 1._c_double, error)
-  if (.not. allocated(error)) call clean_map(z, mend > 0, mask > 0, fill > 0, seams, found(1))
+  call check_map(z, dx, dy, error)
+  if (.not. allocated(error)) call clean_map(z, [dx, dy], mend > 0, mask > 0, fill > 0, seams, found(1))
   found(2:) = seams%count
   step = seams%largest
   call tell(error, status, message)

@@ -6,6 +6,7 @@ module hd_fit_entry
   use hd_expectation, only: band_spectrum_t
   use hd_measurement, only: measure, measurement_t
   use hd_named_values, only: named_list_t
+  use hd_observation, only: anisotropy
   use hd_structure_fit, only: fit_options_t, fit_t
   use hd_wave_sum, only: ridges_t
   implicit none
@@ -62,6 +63,7 @@ contains
     call enter('of_spectrum', 0._dp)
     call enter('tilt_x', m%tilt(1))
     call enter('tilt_y', m%tilt(2))
+    call enter('anisotropy', anisotropy(m%o))
     call enter('verdict', real(m%verdict%kind, dp))
     call enter('size', real(min(size(m%o%s), room), dp))
     call enter_faults(m, names, numbers)
@@ -150,8 +152,6 @@ contains
     n = min(size(m%o%s), size(curves, 1))
     call enter_column(names, 'tau', m%o%tau(:n), curves)
     call enter_column(names, 's', m%o%s(:n), curves)
-    call enter_column(names, 's_x', m%o%s_x, curves)
-    call enter_column(names, 's_y', m%o%s_y, curves)
     if (allocated(m%fit%curve)) then
       call enter_column(names, 'model', m%fit%curve(:n), curves)
       call enter_column(names, 'model_error', m%fit%sd_curve(:n), curves)

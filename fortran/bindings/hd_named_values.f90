@@ -28,8 +28,8 @@ module hd_named_values
     'cov_9,rms,rms_expected,misfit,chi2,freedom,tilt_x,tilt_y,verdict,size,d_low,d_high,ln_g_low,ln_g_high,'// &
     'd_low_sampling,d_high_sampling,ln_g_low_sampling,ln_g_high_sampling,of_spectrum,spikes,holes,probe,fold,f_lo,f_hi,'// &
     'axis_x,axis_y,range_d_1,range_low_1,range_high_1,range_d_2,range_low_2,range_high_2,seams_x,seams_y,seam_step,'// &
-    'jitter_x,jitter_y,wrong_from,clumps_from'
-  character(len=*), parameter :: fit_curve_names = 'tau,s,model,model_error,sample_error,s_x,s_y'
+    'jitter_x,jitter_y,wrong_from,clumps_from,anisotropy'
+  character(len=*), parameter :: fit_curve_names = 'tau,s,model,model_error,sample_error'
   character(len=*), parameter :: fit_ring_names = 'frequency,power,modes,model'
 
   !> The names of a list, and the first one asked for that it does not hold.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from hdengine import roughness, surface
+from hdengine import roughness, specimen, surface
 
 D, G, LENGTH = 2.5304, 2.4248e-7, 0.5e-3
 KNOWN = roughness.Ridges(LENGTH, 1e-6)
@@ -139,6 +139,21 @@ def test_anisotropy_is_reported():
     f = roughness.fit(z, 1e-6)
     assert f.anisotropy < 0.8
     assert 0.9 < roughness.fit(waves(D, 40, 2), 1e-6).anisotropy < 1.1
+
+
+def test_rows_far_apart():
+    """An isotropic map with points four to sixteen times as far apart one way has no wrong points and S alike both ways at equal distances, and so has
+    the map turned by a quarter; a wrong point is found, a hole filled from what is near."""
+    z = surface.periodic(512, 512e-6, 2.3, 1e-10, 2e-6, 1)
+    for far in (4, 16):
+        fits = [roughness.fit(z[:, ::far], (1e-6, far * 1e-6), lags=(1, 8)), roughness.fit(z[:, ::far].T, (far * 1e-6, 1e-6), lags=(1, 8))]
+        for fit in fits:
+            assert fit.verdict == "fractal" and fit.spikes == 0 and 0.6 < fit.anisotropy < 1.7
+        assert fits[0].fractal_dimension == pytest.approx(fits[1].fractal_dimension, abs=1e-9)
+    rows = z[:, ::16].copy()
+    rows[300, 20] += 6 * np.diff(rows, 2, axis=0).std()
+    found, spikes = specimen.clean(specimen.Specimen(rows, (1e-6, 16e-6)), fill=True)
+    assert spikes == 1 and abs(found.heights[300, 20] - z[300, 320]) < np.diff(z, axis=0).std()
 
 
 def test_rectangles_and_holes():

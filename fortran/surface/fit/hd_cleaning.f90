@@ -21,8 +21,9 @@ module hd_cleaning
 contains
 
   !> Clean a map in place; its plane stays.
-  subroutine clean_map(z, mend, mask, fill, seams, spikes, seen)
+  subroutine clean_map(z, spacing, mend, mask, fill, seams, spikes, seen)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
+    real(dp), intent(in) :: spacing(2)                !< dx, dy [m]
     logical, intent(in) :: mend                       !< level the tiles between steps of stitching
     logical, intent(in) :: mask                       !< take wrong points for holes
     logical, intent(in) :: fill                       !< fill holes, with what bends least
@@ -39,14 +40,14 @@ contains
     flat = z
     call level_plane(flat, tilt)
     if (.not. allocated(seams%x)) seams%x = [integer ::]
-    if (mask) call mask_spikes(flat, spikes, seams%x, least)
+    if (mask) call mask_spikes(flat, spacing, spikes, seams%x, least)
     if (present(seen)) seen = least
     hole = .not. abs(flat) <= huge(tilt)
     where (hole) z = ieee_value(tilt(1), ieee_quiet_nan)
     if (.not. fill .or. .not. any(hole)) return
     at = findloc(hole, .false.)
     offset = z(at(1), at(2)) - flat(at(1), at(2))
-    call fill_holes(flat, hole)
+    call fill_holes(flat, spacing, hole)
     do j = 1, size(z, 2)
       do i = 1, size(z, 1)
         if (hole(i, j)) z(i, j) = flat(i, j) + offset + tilt(1) * (i - at(1)) + tilt(2) * (j - at(2))

@@ -112,7 +112,7 @@ contains
     flat = map%z
     if (level) call level_plane(flat, tilt)
     hole = .not. abs(flat) <= huge(tilt)
-    call fill_holes(flat, hole)
+    call fill_holes(flat, [dx, dy], hole)
     b%holes = b%holes + int(count(hole, kind=i8))
     if (level) call level_plane(flat, tilt)
     call new_ring_table(flat, dx, dy, t, error)
@@ -126,7 +126,7 @@ contains
         if (t%leak(k) > offsets) call remove_offsets(flat, k, map%seams)
         if (axis(k) <= offsets) map%seams%jitter(k) = 0   ! of a smooth map, whose long waves leak along the axes: no jitter
       end do
-      call fill_holes(flat, hole)
+      call fill_holes(flat, [dx, dy], hole)
       call new_ring_table(flat, dx, dy, t, error)
       if (allocated(error)) return
       do k = 1, 2
@@ -152,7 +152,7 @@ contains
     if (allocated(error)) return
     call new_ring_table(mock, dx, dy, full, error)
     if (allocated(error)) return
-    call fill_holes(mock, hole)
+    call fill_holes(mock, [dx, dy], hole)
     call new_ring_table(mock, dx, dy, filled, error)
     if (allocated(error)) return
     t%p = t%p * full%p / filled%p

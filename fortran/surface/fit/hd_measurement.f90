@@ -106,7 +106,7 @@ contains
     call level_plane(flat, tilt)
     clean%z = z
     if (level) clean%z = flat
-    call clean_map(clean%z, .true., mask, .false., clean%seams, clean%spikes, clean%seen)
+    call clean_map(clean%z, [dx, dy], .true., mask, .false., clean%seams, clean%spikes, clean%seen)
     if (level .and. clean%spikes + sum(clean%seams%count) > 0) call level_plane(clean%z, rest)
     call observe(clean%z, dx, dy, first, last, level, diagonals, o, error)
     if (allocated(error)) return

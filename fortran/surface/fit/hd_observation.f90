@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> What a fit looks at: S over a window of short lags, rows and columns together, and where it comes from.
 module hd_observation
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_text, only: to_text
   use hd_structure_function, only: structure_line, check_map
   implicit none
   private
-  public :: observation_t, observe, level_plane, add_observation, directions, fewest_lags
+  public :: observation_t, observe, level_plane, add_observation, anisotropy, directions, fewest_lags
 
   integer, parameter :: fewest_lags = 4       !< of a window: three unknowns and one to judge them by
   real(dp), parameter :: one_line = 1e-12_dp  !< determinant over its largest value of points that lie on a line but for rounding
@@ -26,7 +27,7 @@ module hd_observation
     real(dp), allocatable :: share(:, :)          !< shares of the directions (4, n)
     real(dp), allocatable :: tau(:)               !< lag [m]
     real(dp), allocatable :: s(:)                 !< S [m^2]
-    real(dp), allocatable :: s_x(:), s_y(:)       !< S along rows and along columns at the lags of the window [m^2]
+    real(dp), allocatable :: s_x(:), s_y(:)       !< S along rows and along columns over equal distances [m^2]
   end type observation_t
 
 contains
@@ -110,7 +111,6 @@ contains
     square = abs(dx - dy) <= equal * dx
     if (last > (o%ny - 1) / 2) then
       call add_lags(z, [1], [(i, i=first, last)], o, error)
-      o%s_y = o%s
     else if (.not. square) then
       call add_lags(z, [1], [(i, i=first, last)], o, error)
       if (.not. allocated(error)) call add_lags(z, [2], [(i, i=first, last)], o, error)
@@ -121,7 +121,34 @@ contains
       end if
     end if
     if (.not. allocated(error)) o%filled = o%filled / size(o%lag)
+    if (allocated(error) .or. o%ny == 1 .or. (square .and. last <= (o%ny - 1) / 2)) return
+    call compare_directions(z, first, last, o, error)
   end subroutine observe
+
+  !> S along rows and along columns over lags of the coarser spacing; along the finer one between two lags by a power law.
+  subroutine compare_directions(z, first, last, o, error)
+    real(dp), intent(in), contiguous :: z(:, :)       !< heights (nx, ny) [m]
+    integer, intent(in) :: first, last                !< window in points
+    type(observation_t), intent(inout) :: o           !< s_x and s_y are set
+    type(error_t), allocatable, intent(out) :: error  !< memory
+    real(dp), allocatable :: place(:), s(:, :), high(:), pairs(:)
+    real(dp) :: ratio(2)
+    integer :: i, n
+    ratio = max(o%dx, o%dy) / [o%dx, o%dy]
+    where (abs(ratio - 1) <= equal) ratio = 1
+    n = count([(all(ceiling(i * ratio) <= max(1, (shape(z) - 1) / 2)), i=first, last)])
+    allocate (s(n, 2), high(n), pairs(n))
+    do i = 1, 2
+      place = ratio(i) * [(n, n=first, first + size(high) - 1)]
+      call structure_line(z, directions(:, i), floor(place), s(:, i), pairs, error)
+      if (.not. allocated(error)) call structure_line(z, directions(:, i), ceiling(place), high, pairs, error)
+      if (allocated(error)) return
+      where (ceiling(place) > floor(place)) s(:, i) = s(:, i) * &
+        (high / s(:, i))**(log(place / floor(place)) / log(real(ceiling(place), dp) / floor(place)))
+    end do
+    o%s_x = s(:, 1)
+    o%s_y = s(:, 2)
+  end subroutine compare_directions
 
   !> Append entries pooled over directions. `filled` counts shares of pairs and is divided by the entries at the end.
   subroutine add_lags(z, which, lags, o, error)
@@ -164,7 +191,9 @@ contains
     type(observation_t), intent(inout) :: o           !< first map, then the sum
     type(observation_t), intent(in) :: other          !< second map
     type(error_t), allocatable, intent(out) :: error  !< spacings differ
-    real(dp) :: first(size(o%lag)), first_x(size(o%s_x)), first_y(size(o%s_y))
+    real(dp) :: first(size(o%lag))
+    real(dp), allocatable :: first_x(:), first_y(:)
+    integer :: n
     logical :: fit
     fit = size(o%lag) == size(other%lag) .and. abs(o%dx - other%dx) <= equal * o%dx .and. abs(o%dy - other%dy) <= equal * o%dy
     if (.not. fit) then
@@ -173,13 +202,27 @@ contains
       return
     end if
     first = o%s
-    first_x = o%s_x
-    first_y = o%s_y
+    if (allocated(o%s_y)) then
+      first_x = o%s_x
+      first_y = o%s_y
+    end if
     if (real(other%nx, dp) * other%ny < real(o%nx, dp) * o%ny) o = other
     o%parts = sum((first**2 + other%s**2) / (first + other%s)**2) / size(first)
     o%filled = min(o%filled, other%filled)
     o%s = first + other%s
-    o%s_x = first_x + other%s_x
-    o%s_y = first_y + other%s_y
+    if (.not. (allocated(first_y) .and. allocated(other%s_y))) return
+    n = min(size(first_y), size(other%s_y))
+    o%s_x = first_x(:n) + other%s_x(:n)
+    o%s_y = first_y(:n) + other%s_y(:n)
   end subroutine add_observation
+
+  !> Mean ratio of S along rows and along columns over equal distances; NaN of a single line.
+  pure real(dp) function anisotropy(o)
+    type(observation_t), intent(in) :: o  !< the observation
+    anisotropy = ieee_value(anisotropy, ieee_quiet_nan)
+    if (.not. allocated(o%s_y)) return
+    associate (good => o%s_x <= huge(anisotropy) .and. o%s_y > 0)
+      if (any(good)) anisotropy = sum(o%s_x / o%s_y, good) / count(good)
+    end associate
+  end function anisotropy
 end module hd_observation

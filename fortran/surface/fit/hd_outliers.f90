@@ -18,6 +18,7 @@ module hd_outliers
   real(dp), parameter :: settled = 1e-6_dp    !< change of a filled height over the range of all that no spectrum sees
   real(dp), parameter :: texture = 0.005_dp   !< share of points beyond which spikes must stand alone or in clumps to be spikes
   real(dp), parameter :: jittery = 0.7_dp     !< change of the median step over that of steps from which on rows jitter
+  real(dp), parameter :: slender = 1.5_dp     !< ratio of the spacings beyond which neighbours are those along the finer one
   integer, parameter :: clump = 6             !< most wrong points of a clump, in seven points each way
   real(dp), parameter :: far_out = 6          !< a spike's distance from its neighbours, in standard deviations of that distance
 
@@ -25,8 +26,9 @@ contains
 
   !> Points far from those around them become holes: single ones by their neighbours, clumps by the rings at twice and three times
   !> the distance. Far: beyond six robust standard deviations, half of it from all around but one. Jitter of rows does not count.
-  subroutine mask_spikes(z, found, seams, least)
+  subroutine mask_spikes(z, spacing, found, seams, least)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
+    real(dp), intent(in) :: spacing(2)                !< dx, dy [m]
     integer, intent(out) :: found                     !< points masked
     integer, intent(in) :: seams(:)                   !< last points before steps of stitching across x
     real(dp), intent(out) :: least(2)                 !< height from which on single points, clumps are far [m]
@@ -48,7 +50,7 @@ contains
       if (any(reach(:pass - 1) == reach(pass))) then
         if (.not. any(bad)) cycle                       ! nothing has changed since
       end if
-      call find_far_points(work, reach(pass), bad, limit)
+      call find_far_points(work, half_ring(reach(pass), line_of(shape(z), spacing)), bad, limit)
       if (reach(pass) == 1 .and. pass == 1) least(1) = limit
       if (reach(pass) == maxval(reach)) least(2) = limit
       where (bad) work = ieee_value(1._dp, ieee_quiet_nan)
@@ -93,19 +95,18 @@ contains
   end function change
 
   !> Points beyond six robust standard deviations of those with as many pairs around them (at edges and holes pairs are missing).
-  subroutine find_far_points(z, reach, bad, limit)
+  subroutine find_far_points(z, step, bad, limit)
     real(dp), intent(in), contiguous :: z(:, :)       !< heights [m]
-    integer, intent(in) :: reach                      !< 1: neighbours; 2, 3: rings around them
+    integer, intent(in) :: step(:, :)                 !< to one of each pair of neighbours
     logical, intent(out) :: bad(:, :)                 !< those
     real(dp), intent(out) :: limit                    !< how far they stand at least, of most points [m]
     integer, parameter :: enough = 200                !< points to tell a deviation by
     real(dp), parameter :: rounding = 100 * epsilon(1._dp)    !< of heights a plane was taken off, over the largest
     real(dp), allocatable :: away(:, :), near(:, :), wide(:, :)
-    integer, allocatable :: pairs(:, :), step(:, :)
+    integer, allocatable :: pairs(:, :)
     real(dp) :: scale, least, whole
     integer :: i, j, k
     allocate (away(size(z, 1), size(z, 2)), near(size(z, 1), size(z, 2)), pairs(size(z, 1), size(z, 2)))
-    step = half_ring(reach, size(z, 2) == 1)
     i = maxval(abs(step(1, :)))
     j = maxval(step(2, :))
     allocate (wide(1 - i:size(z, 1) + i, 1 - j:size(z, 2) + j), source=ieee_value(scale, ieee_quiet_nan))
@@ -129,15 +130,28 @@ contains
     limit = far_out * whole
   end subroutine find_far_points
 
-  !> Steps to one of each pair of opposite points: of a map on the square ring at a distance, of a line the next two.
+  !> Direction along which the neighbours of a point lie, 1: x, 2: y; 0: they lie around it. Of unlike spacings those along the
+  !> coarser one are too far to tell anything.
+  pure integer function line_of(n, spacing) result(line)
+    integer, intent(in) :: n(2)               !< points along x and y
+    real(dp), intent(in) :: spacing(2)        !< dx, dy [m]
+    line = merge(1, 0, n(2) == 1 .or. spacing(2) > slender * spacing(1))
+    if (n(2) > 1 .and. spacing(1) > slender * spacing(2)) line = 2
+  end function line_of
+
+  !> Steps to one of each pair of opposite points: on the square ring at a distance, along a line the next two.
   pure function half_ring(reach, line) result(step)
-    integer, intent(in) :: reach              !< distance of the ring
-    logical, intent(in) :: line               !< a single row
+    integer, intent(in) :: reach              !< 1: neighbours; 2, 3: rings around them
+    integer, intent(in) :: line               !< direction, 0: ring
     integer, allocatable :: step(:, :)
     integer :: k, l
     allocate (step(2, 0))
-    if (line) step = reshape([2 * reach - 1, 0, 2 * reach, 0], [2, 2])
-    do l = 0, merge(-1, reach, line)
+    if (line > 0) then
+      step = spread([2 * reach - 1, 2 * reach], 1, 2)
+      step(3 - line, :) = 0
+      return
+    end if
+    do l = 0, reach
       do k = merge(1, -reach, l == 0), reach
         if (max(abs(k), l) == reach) step = reshape([step, k, l], [2, size(step, 2) + 1])
       end do
@@ -233,14 +247,16 @@ contains
   end function median
 
   !> Fill holes with what bends least: each the mean of its neighbours (Laplace), relaxed until settled.
-  subroutine fill_holes(z, hole)
+  subroutine fill_holes(z, spacing, hole)
     real(dp), intent(inout), contiguous :: z(:, :)    !< heights (nx, ny) [m]
+    real(dp), intent(in) :: spacing(2)                !< dx, dy [m]
     logical, intent(in) :: hole(:, :)                 !< points to fill
     integer, allocatable :: at(:, :)
-    real(dp) :: total, new, change
+    real(dp) :: total, new, change, all_of, weight(4)
     logical, allocatable :: known(:, :)
     integer :: i, j, k, n, pass
     if (.not. any(hole)) return
+    weight = (minval(spacing) / [spacing, spacing])**2
     allocate (at(2, count(hole, kind=i8)))
     k = 0
     do j = 1, size(z, 2)
@@ -256,9 +272,9 @@ contains
       n = 0
       do k = 1, size(at, 2)
         if (known(at(1, k), at(2, k))) cycle
-        call around(at(1, k), at(2, k), new, i)
-        if (i == 0) cycle
-        z(at(1, k), at(2, k)) = new / i
+        call around(at(1, k), at(2, k), new, all_of)
+        if (.not. all_of > 0) cycle
+        z(at(1, k), at(2, k)) = new / all_of
         known(at(1, k), at(2, k)) = .true.
         n = n + 1
       end do
@@ -268,28 +284,27 @@ contains
     do pass = 1, 200
       change = 0
       do k = 1, size(at, 2)
-        call around(at(1, k), at(2, k), total, n)
-        new = z(at(1, k), at(2, k)) + relaxed * (total / n - z(at(1, k), at(2, k)))
+        call around(at(1, k), at(2, k), total, all_of)
+        new = z(at(1, k), at(2, k)) + relaxed * (total / all_of - z(at(1, k), at(2, k)))
         change = max(change, abs(new - z(at(1, k), at(2, k))))
         z(at(1, k), at(2, k)) = new
       end do
       if (change < settled * (maxval(z) - minval(z))) exit
     end do
   contains
-    !> Sum and number of known neighbours.
-    subroutine around(i, j, total, n)
-      integer, intent(in) :: i, j         !< place
-      real(dp), intent(out) :: total      !< sum
-      integer, intent(out) :: n           !< number
-      integer, parameter :: side(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
+    !> Sum of known neighbours, each by its weight, and of the weights.
+    subroutine around(i, j, total, all_of)
+      integer, intent(in) :: i, j               !< place
+      real(dp), intent(out) :: total, all_of    !< sums
+      integer, parameter :: side(2, 4) = reshape([1, 0, 0, 1, -1, 0, 0, -1], [2, 4])
       integer :: l
       total = 0
-      n = 0
+      all_of = 0
       do l = 1, 4
         if (i + side(1, l) < 1 .or. i + side(1, l) > size(z, 1) .or. j + side(2, l) < 1 .or. j + side(2, l) > size(z, 2)) cycle
         if (.not. known(i + side(1, l), j + side(2, l))) cycle
-        total = total + z(i + side(1, l), j + side(2, l))
-        n = n + 1
+        total = total + weight(l) * z(i + side(1, l), j + side(2, l))
+        all_of = all_of + weight(l)
       end do
     end subroutine around
   end subroutine fill_holes

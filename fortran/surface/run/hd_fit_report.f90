@@ -10,7 +10,7 @@ module hd_fit_report
   use hd_memory, only: need_memory
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
-  use hd_observation, only: fewest_lags
+  use hd_observation, only: fewest_lags, anisotropy
   use hd_roughness, only: roughness_t, new_roughness
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
@@ -301,7 +301,7 @@ contains
         call json%add('band_m', f%band)
         call json%add('tilt', f%tilt)
         call json%add('levelled', o%levelled)
-        if (allocated(o%s_y)) call json%add('anisotropy', sum(o%s_x / max(o%s_y, tiny(1._dp))) / size(o%s_x))
+        if (anisotropy(o) >= 0) call json%add('anisotropy', anisotropy(o))
         call json%finish()
       end associate
     end do

@@ -90,7 +90,7 @@ class Fit:
     misfit: float                           #: rms of ln S the model itself is off by
     chi2: float                             #: of a weighted fit
     freedom: int                            #: degrees of freedom
-    anisotropy: float                       #: mean ratio of S along rows and along columns; nan for a profile
+    anisotropy: float                       #: mean ratio of S along rows and along columns over equal distances; nan for a profile
     tilt: tuple                             #: slope of the least-squares plane along x and y
     levelled: bool                          #: that plane was taken off
     tau_m: np.ndarray = field(repr=False)       #: lags [m]

@@ -272,7 +272,7 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
         band = (1 / v["f_hi"], 1 / v["f_lo"])
     elif model == "spectrum":
         model = "profile" if profile else "isotropic"
-    result = _result(v, curves, text, model, weighted, surface, lags, band, level, profile, dx, dy)
+    result = _result(v, curves, text, model, weighted, surface, lags, band, level, dx, dy)
     return result if np.isnan(rings["frequency"][0]) else replace(result, **_spectrum(v, rings))
 
 
@@ -297,13 +297,10 @@ def _interval(v, kind=""):
     return tuple(d), tuple(np.exp(np.clip(ln_g, -600, 600)).tolist())
 
 
-def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, profile, dx, dy):
+def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, dx, dy):
     """Pack what the engine returns."""
     name, _, reason = text.partition("\n")
     cov = np.reshape([v[f"cov_{i}"] for i in range(1, 10)], (3, 3))
-    count = lags[1] - lags[0] + 1
-    with np.errstate(all="ignore"):
-        anisotropy = float("nan") if profile else float(np.mean(curves["s_x"][:count] / curves["s_y"][:count]))
     tau, s, curve, curve_error, sample_error = (curves[key][:int(v["size"])] for key in
                                                 ("tau", "s", "model", "model_error", "sample_error"))
     return Fit(
@@ -316,7 +313,7 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, prof
         ensemble="random phases" if model == "ridges" else "Gaussian field",
         band_m=tuple(band), rms=v["rms"], rms_expected=v["rms_expected"], misfit=v["misfit"], chi2=v["chi2"],
         freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,
-        anisotropy=anisotropy,
+        anisotropy=float(v["anisotropy"]),
         tilt=(v["tilt_x"] / dx, v["tilt_y"] / dy), levelled=bool(levelled), tau_m=tau, s_m2=s, curve_m2=curve,
         curve_error=curve_error, sample_error=sample_error, spikes=int(v["spikes"]),
         wrong_from_m=(float(v["wrong_from"]), float(v["clumps_from"])),

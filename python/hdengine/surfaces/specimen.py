@@ -197,7 +197,8 @@ def clean(specimen: Specimen, outliers: bool = True, fill: bool = False, seams: 
         The map holds no height.
     """
     z = np.array(roughness._map(specimen.heights), order="F", copy=True)
-    (found, across_x, across_y), step = _engine.call("surface_clean", z, int(seams), int(outliers), int(fill))
+    dy, dx = specimen.spacing
+    (found, across_x, across_y), step = _engine.call("surface_clean", z, dx, dy, int(seams), int(outliers), int(fill))
     holes = int(np.sum(~np.isfinite(specimen.heights))) + int(found)
     notes = [f"{across_x} seams across x and {across_y} across y levelled, steps up to {step:.3g} m"] * bool(across_x + across_y)
     notes += [f"{found} outliers taken for holes"] * bool(found) + [f"{holes} holes filled"] * (fill and holes > 0)

@@ -361,9 +361,7 @@ def _orderly():
 def _for_the_shell(message):
     """Advice in Python's words as options: unit="um" becomes --unit um."""
     message = re.sub(r'unit=\("(\w+)", "(\w+)"\)', r"--unit \1,\2", message)
-    message = re.sub(r'unit=["\']([^"\']+)["\']', r"--unit \1", message)
-    message = message.replace("spacing= in m", "--spacing in m (hdengine joint: --dx)")
-    return message.replace("leave out spacing=", "leave out --spacing")
+    return re.sub(r'unit=["\']([^"\']+)["\']', r"--unit \1", message)
 
 
 class _Stream:

@@ -268,6 +268,9 @@ def test_unit_and_spacing_go_to_the_map_that_lacks_them(tmp_path, capsys):
     assert len(json.loads((tmp_path / "o/joint.json").read_text())["surfaces"]) == 2
     assert cli.main(["joint", sdf, "--dx", "5e-6", *rest, "--force"]) == 2
     assert "leave out --dx" in capsys.readouterr().err
+    assert cli.main(["surface", sdf, str(tmp_path / "a.npy"), "--dx", "5e-6", "--dy", "4e-6", "--unit", "um", "--out", str(tmp_path / "s")]) == 0
+    assert json.loads((tmp_path / "s/surface.json").read_text())["surfaces"]["a"]["spacing_m"] == [4e-6, 5e-6]
+    assert cli.main(["surface", sdf, "--dy", "5e-6", "--out", str(tmp_path / "n")]) == 2 and "with --dx" in capsys.readouterr().err
 
 
 def test_closure_is_the_approach():

@@ -274,6 +274,19 @@ def test_plain_tables_are_read_as_they_stand(tmp_path):
     assert np.isnan(s.heights).sum() == 40 and np.nanmax(abs(s.heights * 1e6 - whole)) < 1e-12 and "40 of 600 places" in s.notes[-1]
 
 
+def test_tables_without_positions(tmp_path):
+    """Bare heights, a column or a matrix with blanks, commas or semicolons, are read with their holes, also a row of holes; they ask for a spacing."""
+    for separator in (" ", ",", "; "):
+        for z in (np.array(Z[:40])[:, None], np.reshape(Z, (20, 10))):
+            z = z.copy()
+            z[7] = np.nan
+            (tmp_path / "a.csv").write_text("".join(separator.join(map(str, row)) + "\n" for row in z.tolist()))
+            s = specimen.read(tmp_path / "a.csv", unit="um", spacing=(2e-6, 1e-6))
+            assert np.allclose(s.heights * 1e6, z.squeeze(), equal_nan=True) and s.spacing[1] == 1e-6
+            with pytest.raises(hdengine.InputError, match="no lateral size"):
+                specimen.read(tmp_path / "a.csv", unit="um")
+
+
 @pytest.mark.parametrize("text, says", [
     (lines([*zip(X[:30], Z), (X[30], "***"), *zip(X[31:], Z)]), r"line 31: '15 \*\*\*'"),
     (lines(zip([*X[:50], *X[50:56][::-1], *X[56:]], Z)), r"line 52: position 27 behind 27\.5"),

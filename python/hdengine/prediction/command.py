@@ -10,7 +10,7 @@ import numpy as np
 
 from .._engine import InputError
 from ..files import check_folder
-from ..surfaces import specimen
+from ..surfaces.command import add_reading, read_maps
 from .bodies import Bodies
 from .law import FILES, PATCHES, PRESSURES, predict
 from .spectrum import SMALLEST
@@ -25,9 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     b = Bodies()
     parser.add_argument("maps", nargs="+", metavar="MAP",
                         help="one or two height maps: .sdf, .npy (with --dx), or what SurfaceTopography reads")
-    parser.add_argument("--unit", help="unit of those maps that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
-    parser.add_argument("--dx", "--spacing", type=float, help="spacing of those maps that state no size, as .npy [m]")
-    parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
+    add_reading(parser)
     parser.add_argument("--model", choices=("spectrum", "boundary_elements"), help="default: by the surface, the reason is said")
     parser.add_argument("--patch", choices=PATCHES, default=PATCHES[0],
                         help="boundary elements: the map goes on evenly, or nothing touches outside it (asks for them)")
@@ -48,53 +46,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
-def read_maps(paths: list, unit: str | tuple[str, str] | None = None, dx: float | None = None, dy: float | None = None) -> list:
-    """Height maps of files. Unit and spacing go to those that do not state them.
-
-    Parameters
-    ----------
-    paths : list of path-like
-    unit : str or (str, str), optional
-    dx, dy : float, optional
-        Spacing of files that state no size [m].
-
-    Returns
-    -------
-    list of Specimen
-
-    Raises
-    ------
-    InputError, FileError
-        As `specimen.read`; a profile; a unit or a spacing that no file lacks.
-    """
-    spacing = None if dx is None else (dy or dx, dx)
-    for word in (unit,) if isinstance(unit, str) else unit or ():
-        if word not in specimen.METRES:
-            raise InputError(f"--unit {word}: valid: {', '.join(specimen.METRES)}")
-    offers = [(unit, spacing), (unit, None), (None, spacing), (None, None)]
-    found, lacking = [], [offers[0]]
-    for path in paths:
-        refusal = None
-        for offer in dict.fromkeys(offers):
-            try:
-                found.append(specimen.read(path, *offer))
-                lacking.append(offer)
-                break
-            except InputError as why:
-                refusal = refusal or why
-        else:
-            raise InputError(str(refusal).replace("spacing=", "--dx")) from None
-    for i, option in enumerate(("--unit", "--dx")):
-        if lacking[0][i] is not None and all(offer[i] is None for offer in lacking[1:]):
-            stated = "its unit" if i == 0 else "its size"
-            raise InputError(f"{' and '.join(Path(p).name for p in paths)} states {stated}: leave out {option}")
-    for path, s in zip(paths, found):
-        if s.heights.ndim != 2:
-            raise InputError(f"{Path(path).name} holds a profile of {s.heights.size} points; valid: a map, numbers in two "
-                             "dimensions")
-    return found
-
-
 def _say(text, replaces):
     """A line on stderr; one that replaces another is written at a terminal only."""
     if sys.stderr.isatty():
@@ -105,9 +56,6 @@ def _say(text, replaces):
 
 def run_joint(args: argparse.Namespace) -> int:
     """Read, predict, write, print; returns 0."""
-    unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
-    if isinstance(unit, tuple) and len(unit) != 2:
-        raise InputError(f"--unit {args.unit}: one unit, or two as lateral,height")
     if len(args.maps) > 2:
         raise InputError(f"a joint has one or two maps, got {len(args.maps)}")
     pressure = list(PRESSURES)
@@ -116,7 +64,7 @@ def run_joint(args: argparse.Namespace) -> int:
             pressure = [float(x) for x in args.pressure.split(",")]
         except ValueError:
             raise InputError(f"--pressure {args.pressure}: numbers in Pa joined by commas, as 10e6,50e6") from None
-    for name in ("dx", "dy", "longest", "seconds", "loaded_area", "e1", "e2", "hardness"):
+    for name in ("longest", "seconds", "loaded_area", "e1", "e2", "hardness"):
         value = getattr(args, name)
         if value is not None and not value > 0:
             raise InputError(f"--{name.replace('_', '-')} {value:g}: valid: above 0")
@@ -127,7 +75,11 @@ def run_joint(args: argparse.Namespace) -> int:
         raise InputError(f"--points {args.points}: valid: {SMALLEST} to {MOST_POINTS}")
     check_folder(args.out, FILES, args.force)
     seconds = args.seconds or (np.inf if args.model or args.patch == "free" else 120.0)
-    maps = read_maps(args.maps, unit, args.dx, args.dy)
+    maps = read_maps(args.maps, args)
+    for path, s in zip(args.maps, maps):
+        if s.heights.ndim != 2:
+            raise InputError(f"{Path(path).name} holds a profile of {s.heights.size} points; valid: a map, numbers in two "
+                             "dimensions")
     found = predict(*maps, pressure=pressure, model=args.model, longest=args.longest, points=args.points, seconds=seconds,
                     loaded=args.loaded_area, patch=args.patch, say=_say,
                     bodies=Bodies(args.e1, args.nu1, args.e2, args.nu2, args.hardness))

@@ -18,8 +18,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("files", nargs="+", help="SDF files (ISO 25178-71), or any that SurfaceTopography reads")
     parser.add_argument("--pair", action="store_true", help="also the equivalent surface of two files, S_1 + S_2")
-    parser.add_argument("--unit", help="unit of files that state none: um, or lateral,height: mm,um")
-    parser.add_argument("--spacing", "--dx", type=float, help="distance of points [m] of files that state no size")
+    add_reading(parser)
     parser.add_argument("--lags", type=int, nargs=2, metavar=("FIRST", "LAST"), help="window in points")
     parser.add_argument("--noise", default="0", help="rms of white instrument noise [m], or 'fit'")
     parser.add_argument("--model", choices=("spectrum", "ridges", "paper"), help="default: by what is known")
@@ -37,9 +36,64 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace earlier results")
 
 
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Options of commands that read height maps."""
+    parser.add_argument("--unit", help="unit of those maps that state none: um, or lateral,height: mm,um; heights of .npy (else m)")
+    parser.add_argument("--dx", "--spacing", type=float, help="spacing of those maps that state no size, as .npy [m]")
+    parser.add_argument("--dy", type=float, help="spacing along the columns, if it differs from --dx [m]")
+
+
+def read_maps(paths: list, args: argparse.Namespace) -> list:
+    """Maps and profiles of files. The unit and spacing of the options go to those that do not state them.
+
+    Parameters
+    ----------
+    paths : list of path-like
+    args : Namespace
+        Options of `add_reading`.
+
+    Returns
+    -------
+    list of Specimen
+
+    Raises
+    ------
+    InputError, FileError
+        As `specimen.read`; a unit or a spacing that no file lacks.
+    """
+    unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
+    for word in (unit,) if isinstance(unit, str) else unit or ():
+        if word not in specimen.METRES or len(unit) > 2 and not isinstance(unit, str):
+            raise InputError(f"--unit {args.unit}: valid: {', '.join(specimen.METRES)}, or two as lateral,height")
+    for name in ("dx", "dy"):
+        value = getattr(args, name)
+        if value is not None and not 0 < value < np.inf:
+            raise InputError(f"--{name} {value:g}: valid: above 0")
+    if args.dy and not args.dx:
+        raise InputError(f"--dy {args.dy:g}: valid: with --dx")
+    spacing = None if args.dx is None else (args.dy or args.dx, args.dx)
+    offers = [(unit, spacing), (unit, None), (None, spacing), (None, None)]
+    found, lacking = [], [offers[0]]
+    for path in paths:
+        refusal = None
+        for offer in dict.fromkeys(offers):
+            try:
+                found.append(specimen.read(path, *offer))
+                lacking.append(offer)
+                break
+            except InputError as why:
+                refusal = refusal or why
+        else:
+            raise InputError(str(refusal).replace("spacing=", "--dx")) from None
+    for i, option in enumerate(("--unit", "--dx")):
+        if lacking[0][i] is not None and all(offer[i] is None for offer in lacking[1:]):
+            stated = "its unit" if i == 0 else "its size"
+            raise InputError(f"{' and '.join(Path(p).name for p in paths)} states {stated}: leave out {option}")
+    return found
+
+
 def run_surface(args: argparse.Namespace) -> int:
     """Read, fit, judge, write; returns 0."""
-    unit = tuple(args.unit.split(",")) if args.unit and "," in args.unit else args.unit
     known = None
     if args.ridges:
         try:
@@ -55,7 +109,7 @@ def run_surface(args: argparse.Namespace) -> int:
     if args.pair and len(args.files) != 2:
         raise InputError(f"--pair takes two files, got {len(args.files)}")
     out = args.out or f"{Path(args.files[0]).stem or 'surface'}.out"
-    specimens = [specimen.read(f, unit, args.spacing) for f in args.files]
+    specimens = read_maps(args.files, args)
     check_folder(out, folder.files_of(specimens, args.pair), args.force)
     textures = [texture.texture(s, form=args.form, s_filter=args.s_filter, l_filter=args.l_filter, outliers=args.outliers,
                                 fill=args.fill, seams=args.seams)

@@ -251,12 +251,16 @@ def _plain(path, table, unit, spacing):
     lateral, height, notes = _scales(path, stated, unit)
     notes += _cut(path)
     columns = table.values.shape[1]
-    if columns == 1 and spacing is None:
+    sized = columns in (2, 3)
+    if not sized and spacing is None:
         raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    if columns > 1 and spacing is not None:
+    if sized and spacing is not None:
         raise InputError(f"{path.name} states its size: leave out spacing=")
     if columns == 1:
         return _profile(path, None, table.values[:, 0], lateral, height, spacing, notes)
+    if columns > 3:
+        dx, dy = roughness._spacing(spacing)
+        return table.values * height, (dy, dx), notes
     if columns == 2:
         x, z, more = plain.profile(path, table)
         return _profile(path, x * lateral, z, 1.0, height, None, notes + more)

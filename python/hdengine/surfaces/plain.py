@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plain text of numbers: heights in one column, a profile in two, points of a map in three."""
+"""Plain text of numbers: heights in one column, a profile in two, points of a map in three, the map itself in more."""
 from __future__ import annotations
 
 import re
@@ -43,7 +43,7 @@ def _row(line):
         except ValueError:
             return None
     found = [float("nan") if w.lower() in _HOLES else float(w) if NUMBER.fullmatch(w) else None for w in words]
-    return None if None in found or all(x != x for x in found) else found
+    return None if None in found else found
 
 
 def is_text(path: Path) -> bool:
@@ -54,7 +54,7 @@ def is_text(path: Path) -> bool:
 
 
 def read_table(path: Path) -> Table | None:
-    """Read one to three columns of numbers; None for what has more columns, or headers, which other readers know.
+    """Read columns of numbers; None for what has headers, which other readers know.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def read_table(path: Path) -> Table | None:
             units.update(_UNITS.findall(line))
             continue
         row = _row(line)
-        if row is not None:
+        if row is not None and (rows or any(x == x for x in row)):      # a row of holes begins nothing: names of columns do
             if "," in line and re.search(r"\d,\d", line) and (";" in line or re.search(r"\d\s+[-+.\d]", line)):
                 raise FileError(f"{path.name}, line {number}: {_short(line)} has decimal commas or two separators; valid: "
                                 "decimal points, one separator")
@@ -85,7 +85,7 @@ def read_table(path: Path) -> Table | None:
                             "NaN for a hole")
         else:
             return None
-    if not rows or len(rows[0]) > 3 or len(header) > 1 or valued:
+    if not rows or (len(rows[0]) > 3 and (header or len({len(row) for row in rows}) > 1)) or len(header) > 1 or valued:
         return None
     for row, number in zip(rows, lines):
         if len(row) != len(rows[0]):

@@ -80,9 +80,10 @@ def read(path: PathLike, unit: str | tuple[str, str] | None = None, spacing: Spa
          channel: int | None = None) -> Specimen:
     """Read a height map or profile.
 
-    SDF (ISO 25178-71, `save` writes it; BCR), .npy, .npz and text of one to three columns (heights; x and height; x, y and
-    height) are read as they are; every other format by the package SurfaceTopography (`pip install hdengine[io]`): VK4, VK6,
-    X3P, OPD, PLU, AL3D, SUR, matrices of text and more. Nothing is guessed: a unit or size that the file lacks must be given.
+    SDF (ISO 25178-71, `save` writes it; BCR), .npy, .npz and text of bare numbers (heights; x and height; x, y and height; a
+    matrix of four columns or more) are read as they are; every other format by the package SurfaceTopography (`pip install
+    hdengine[io]`): VK4, VK6, X3P, OPD, PLU, AL3D, SUR and more. Nothing is guessed: a unit or size that the file lacks must be
+    given.
 
     Parameters
     ----------

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .._check import ROUNDING
 from .._engine import InputError
@@ -80,7 +79,7 @@ class Spectrum:
         place = np.split(np.unique(_numbers(q), return_inverse=True)[1], [len(self.q)])
         share, m, f = (np.stack([np.bincount(at, getattr(s, name), len(both.q)) for at, s in zip(place, (self, other))])
                        for name in ("height_variance", "modes", "freedom"))
-        share /= np.maximum(both.height_variance, _TINY)
+        share = share / np.maximum(both.height_variance, _TINY)
         doubt = (share**2 / np.maximum(f, 1)).sum(0)
         return Spectrum(both.q, both.height_variance, (share * m).sum(0), 1 / np.maximum(doubt, _TINY))
 
@@ -256,7 +255,7 @@ def of_map(heights: np.ndarray, spacing: tuple[float, float]) -> tuple[Spectrum,
     return spectrum, facts
 
 
-def isotropy(moments: ArrayLike) -> float:
+def isotropy(moments: np.ndarray) -> float:
     """Smaller over larger principal value of mean squares and products of the slope."""
     small, large = np.linalg.eigvalsh(moments)
     return float(small / large)

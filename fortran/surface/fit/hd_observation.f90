@@ -221,8 +221,8 @@ contains
     type(observation_t), intent(in) :: o  !< the observation
     anisotropy = ieee_value(anisotropy, ieee_quiet_nan)
     if (.not. allocated(o%s_y)) return
-    associate (good => o%s_x <= huge(anisotropy) .and. o%s_y > 0)
-      if (any(good)) anisotropy = sum(o%s_x / o%s_y, good) / count(good)
+    associate (both => o%s_x <= huge(anisotropy) .and. o%s_y > 0)
+      if (any(both)) anisotropy = sum(o%s_x / o%s_y, both) / count(both)
     end associate
   end function anisotropy
 end module hd_observation

@@ -161,8 +161,8 @@ contains
   end function low_power
 
   !> What folds back into a ring from above the grid: of detail down to half the finer spacing, and down to a fifth (two cells along
-  !> it, more along the coarser one; a line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power: no surface and no instrument
-  !> has it.
+  !> it, more along the coarser one; a line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power:
+  !> no surface and no instrument has it.
   function folded_of(t, ring, slopes, spacing) result(v)
     type(ring_table_t), intent(in) :: t       !< rings
     integer, intent(in) :: ring               !< which

@@ -71,6 +71,8 @@ def test_of_two_keys_for_one_thing_the_later_one_counts(key, value, says_nothing
     assert {name: scene[name] for name in (key, *says_nothing)} == {key: value, **says_nothing}
     assert hdengine.read_scene(ROOT / "data/drive14.nml")["wave_generator.interference"] == 0
     assert hdengine.read_scene(ROOT / "tests/cases/pressed_drive.nml", load__torque=3.0)["loop.torques"] == [0]
+    gaps = hdengine.read_scene(ROOT / "data/drive14.nml")["load.tooth_gaps"]  # a list alone is that of both flanks
+    assert hdengine.read_scene(ROOT / "data/drive14.nml", load__tooth_gaps=gaps)["load.tooth_gaps_back"] == [0.0]
     for clearance, left in ((0.0, 3e-6), (5e-6, 0.0)):  # both in one source
         both = hdengine.read_scene(wave_generator={"clearance": clearance, "interference": 3e-6})
         assert (both["wave_generator.clearance"], both["wave_generator.interference"]) == (clearance, left)

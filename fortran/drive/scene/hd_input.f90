@@ -32,13 +32,14 @@ contains
     type(namelist_t) :: list
     type(parameter_table_t) :: table
     type(string_t), allocatable :: slips(:)
-    integer :: i, row(6)
-    logical :: given(6)
+    integer :: i, row(7)
+    logical :: given(7)
     allocate (list%faults(0))
     call new_table(scene, table)
     row = [find_parameter(table, 'wave_generator', 'clearance'), find_parameter(table, 'wave_generator', 'interference'), &
       find_parameter(table, 'load', 'tooth_gaps'), find_parameter(table, 'load', 'tooth_clearance'), &
-      find_parameter(table, 'loop', 'torques'), find_parameter(table, 'load', 'torque')]
+      find_parameter(table, 'loop', 'torques'), find_parameter(table, 'load', 'torque'), &
+      find_parameter(table, 'load', 'tooth_gaps_back')]
     if (holds_study(trim(path))) then
       call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
         'the Python package')
@@ -75,16 +76,19 @@ contains
   end subroutine read_scene
 
   !> Two keys may say one thing: where a source, a file or what is given beside it, has one alone, the other says nothing. Where it
-  !> has both, a clearance counts more than an interference, and a list more than the one number that makes it.
+  !> has both, a clearance counts more than an interference, and a list more than the one number that makes it. Gaps of the teeth
+  !> that come alone are those of both flanks.
   pure subroutine settle_pairs(scene, given)
     type(scene_t), intent(inout) :: scene  !< scene
-    logical, intent(in) :: given(6)        !< by the source: clearance, interference; tooth_gaps, tooth_clearance; torques, torque
+    logical, intent(in) :: given(7)  !< by the source: clearance, interference; tooth_gaps, tooth_clearance; torques, torque; back
     if (given(2) .and. .not. given(1)) scene%clearance = 0
     if ((given(1) .and. .not. given(2)) .or. scene%clearance > 0) scene%interference = 0
     if (given(4) .and. .not. given(3)) then
       scene%gap_count = 1
-      scene%gap_back_count = 1
       scene%gaps(1) = 0
+    end if
+    if (any(given(3:4)) .and. .not. given(7)) then
+      scene%gap_back_count = 1
       scene%gaps_back(1) = 0
     end if
     if (given(6) .and. .not. given(5)) then

@@ -160,35 +160,40 @@ contains
     end do
   end function low_power
 
-  !> What folds back into a ring from above the grid: of detail down to half the spacing, and down to a fifth (two cells each way; a
-  !> line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power: no surface and no instrument
-  !> has it.
+  !> What folds back into a ring from above the grid: of detail down to half the finer spacing, and down to a fifth (two cells along
+  !> it, more along the coarser one; a line: a seventeenth, eight). Near D = 3 detail of any fineness would hold most of the power:
+  !> no surface and no instrument has it.
   function folded_of(t, ring, slopes, spacing) result(v)
     type(ring_table_t), intent(in) :: t       !< rings
     integer, intent(in) :: ring               !< which
     real(dp), intent(in) :: slopes(:)         !< n
     real(dp), intent(in) :: spacing           !< unit of the probe [m]
     real(dp) :: v(blurs, 2, size(slopes))
-    integer, parameter :: angles = 6, most = 24 * angles * 3
+    integer, parameter :: angles = 6, most_cells = 40
     real(dp), parameter :: weight(3) = weight_3 / 2
-    real(dp) :: f2(most), share(most), power(most, size(slopes)), through(most, blurs), f, a, low, high, fx, fy
-    logical :: near(most)
-    integer :: i, j, k, p, q, n
+    real(dp), allocatable :: f2(:), share(:), power(:, :), through(:, :)
+    logical, allocatable :: near(:)
+    real(dp) :: finer, f, a, low, high, fx, fy
+    integer :: cells(2), i, j, k, p, q, n
+    finer = merge(t%step(1), minval(t%step), t%dim == 1)
+    cells = merge([8, 0], min(nint(2 * t%step / finer), most_cells), t%dim == 1)
+    n = 3 * merge(1, angles, t%dim == 1) * (product(2 * cells + 1) - 1)
+    allocate (f2(n), share(n), near(n), power(n, size(slopes)), through(n, blurs))
     n = 0
     do i = 1, 3
       f = t%f(ring) * exp(gauss_3(i) * sqrt(3 * t%width2(ring)))
       low = acos(min(1._dp, 0.5_dp / (t%step(1) * f)))       ! directions whose waves the grid holds
       high = asin(min(1._dp, 0.5_dp / (t%step(2) * f)))
       if (t%dim == 1) then
-        do p = -8, 8
+        do p = -cells(1), cells(1)
           if (p /= 0) call add(f + p / t%step(1), 0._dp, weight(i))
         end do
         cycle
       end if
       do k = 1, angles
         a = low + (k - 0.5_dp) * (high - low) / angles
-        do q = -2, 2
-          do p = -2, 2
+        do q = -cells(2), cells(2)
+          do p = -cells(1), cells(1)
             fx = f * cos(a) + p / t%step(1)
             fy = f * sin(a) + q / t%step(2)
             if (p /= 0 .or. q /= 0) call add(fx, fy, weight(i) / angles)
@@ -197,13 +202,13 @@ contains
       end do
     end do
     do j = 1, size(slopes)
-      power(:n, j) = share(:n) * exp(-0.5_dp * slopes(j) * log(f2(:n)))
+      power(:, j) = share * exp(-0.5_dp * slopes(j) * log(f2))
     end do
     do j = 1, blurs
-      through(:n, j) = exp(-(2 * pi * (j - 1) * most_blur * spacing / (blurs - 1))**2 * f2(:n))
+      through(:, j) = exp(-(2 * pi * (j - 1) * most_blur * spacing / (blurs - 1))**2 * f2)
     end do
-    v(:, 2, :) = matmul(transpose(through(:n, :)), power(:n, :)) + tiny(f)
-    v(:, 1, :) = matmul(transpose(through(:n, :) * spread(merge(1._dp, 0._dp, near(:n)), 2, blurs)), power(:n, :)) + tiny(f)
+    v(:, 2, :) = matmul(transpose(through), power) + tiny(f)
+    v(:, 1, :) = matmul(transpose(through * spread(merge(1._dp, 0._dp, near), 2, blurs)), power) + tiny(f)
   contains
     !> One wave finer than the grid.
     subroutine add(fx, fy, weight)
@@ -211,7 +216,7 @@ contains
       n = n + 1
       f2(n) = fx**2 + fy**2
       share(n) = weight
-      near(n) = abs(fx) * t%step(1) <= 1 .and. abs(fy) * t%step(2) <= 1
+      near(n) = max(abs(fx), abs(fy)) * finer <= 1
     end subroutine add
   end function folded_of
 

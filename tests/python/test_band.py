@@ -72,7 +72,6 @@ def of_input(banded, key):
 
 
 @pytest.mark.parametrize("key, ends", [
-    ("contact.friction", ("contact.friction=0.05", "contact.friction=0.15")),
     ("load.pressure_angle_deg", ("load.pressure_angle_deg=17", "load.pressure_angle_deg=23")),
     ("wave_generator.clearance", ("wave_generator.clearance=1.89e-6", "wave_generator.clearance=16.11e-6")),
     ("load.spline", ("load.spline=rigid",))])

@@ -23,9 +23,9 @@ def test_hertz_line():
 
 @pytest.mark.full
 def test_hertz_sphere():
-    """Eight cells in the radius: load, radius and peak of Hertz's point contact within 1 %."""
-    r = cc.sphere(8)
-    assert max(abs(r[k]) for k in ("load", "radius", "peak")) < 0.01
+    """Six cells in the radius: load and peak of Hertz's point contact within 0.5 %, the radius within 1.5 %."""
+    r = cc.sphere(6)
+    assert max(abs(r[k]) for k in ("load", "peak")) < 0.005 and abs(r["radius"]) < 0.015
 
 
 @pytest.mark.parametrize("matching", (True, False))

@@ -58,6 +58,7 @@ def test_unlike_spacings_are_no_lay():
     assert of_map(grooves[::8], (8 * dx, dx))[1]["isotropy"] < 0.2 > of_map(grooves.T[:, ::8], (dx, 8 * dx))[1]["isotropy"]
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_a_smooth_face_decides_nothing():
     """A second face a thousandth as rough changes neither the waves nor the doubts nor the band, whatever its size, lay or skewness; two alike maps
     hold the waves of one."""

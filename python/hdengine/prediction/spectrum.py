@@ -283,10 +283,15 @@ def of_sum(spectrum: Spectrum, facts: list[dict]) -> dict:
             "rolls_off": all(f["rolls_off"] for f in facts) or (len(facts) > 1 and _rolls_off(spectrum))}
 
 
+def _per_wave(spectrum):
+    """Height variance of a wave [m^2]; 0 where no wave is."""
+    return spectrum.height_variance / np.where(spectrum.modes > 0, spectrum.modes, 1)
+
+
 def _noise(spectrum, points):
     """Variance of white noise over all points that a flat end of the spectrum shows [m^2]; 0 where it still falls."""
     last = spectrum.q > spectrum.q[-1] / 2
-    per_wave = spectrum.height_variance / spectrum.modes
+    per_wave = _per_wave(spectrum)
     if last.sum() < _LINE or not np.all(per_wave[last] > 0):
         return 0.0
     fall = np.polyfit(np.log(spectrum.q[last]), np.log(per_wave[last]), 1, w=np.sqrt(spectrum.modes[last]))[0]
@@ -300,7 +305,7 @@ def _rolls_off(spectrum):
     0.8, 94 % of those with a roll-off at a third of the map or less are told, and 87 to 100 % of those without one.
     """
     first = (spectrum.q > _LONG[0] * spectrum.q[0]) & (spectrum.q < _LONG[1] * spectrum.q[0])
-    per_wave = spectrum.height_variance / spectrum.modes
+    per_wave = _per_wave(spectrum)
     use = first & (per_wave > 0)
     if use.sum() < _LINE:
         return False

@@ -6,6 +6,7 @@ import pytest
 import hdengine
 from conftest import ROOT
 from hdengine import paper, torsion
+from hdengine.figures.study import plot_study
 
 SMALL = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.assembly_steps": 1}
 
@@ -47,8 +48,6 @@ def test_rows_of_the_papers_own_curves_agree():
 
 def test_series_of_a_study(tmp_path):
     """The study of Fig. 10 puts K_TS and K_FTS of each torque in series, softer than both; its figure and rows are made."""
-    from hdengine.figures.study import plot_study
-
     study = hdengine.Study.read(ROOT / "data/fig10_series.toml")
     study.fixed.update(SMALL | {"load.torque_steps": 2})
     result = study.run(tmp_path / "s", show=False)
@@ -59,6 +58,20 @@ def test_series_of_a_study(tmp_path):
         assert r["k_wts_nm_per_rad"] < r["k_fts_nm_per_rad"] < r["k_ts_nm_per_rad"]
     assert plot_study(result)[0].stat().st_size > 10000
     assert [r.quantity for r in paper.of_study(result)] == ["K_WTS at 0.5 N m, theory and test", "K_WTS, highest measured"]
+
+
+def test_series_of_each_point_with_its_own_contact(tmp_path):
+    """Beside another swept key a point against the teeth goes with the contact of its own value: all had the K_TS of the last one. A clearance that is
+    fixed is that of the rows: it was 0."""
+    ends = {"load.support": ["hub", "teeth"], "contact.mode": ["frictional", "bonded"], "wave_generator.ring_tangent": ["follow", "free"]}
+    study = hdengine.Study(ROOT / "data/cd14.nml", {"wave_generator.w": [0.15e-3, 0.25e-3]}, ends,
+                           SMALL | {"load.torque_steps": 1, "load.tooth_clearance": 1e-5}, figure={"kind": "series"})
+    result = study.run(tmp_path / "s", show=False)
+    contact = {r["wave_generator.w"]: r["k_ts_nm_per_rad"] for r in result.select(5.0, load__support="hub")}
+    assert len(set(contact.values())) == 2
+    assert {r["wave_generator.w"]: r["k_ts_nm_per_rad"] for r in result.series()} == contact
+    assert {r["tooth_clearance_m"] for r in result.series()} == {1e-5}
+    assert plot_study(result)[0].stat().st_size > 10000
 
 
 def test_friction_of_the_torque_step():

@@ -186,13 +186,17 @@ def plot_series(result: StudyLike) -> Figure:
     """K_TS, K_FTS and K_WTS (Eq. 46) over the torque, beside catalogue and paper (Fig. 10); a matplotlib figure."""
     rows, unit = result.series(), UNITS[14]
     figure, axis = new_axes(figsize=(9, 5.6))
-    for i, clearance in enumerate(sorted({r["tooth_clearance_m"] for r in rows})):
-        chosen = sorted((r for r in rows if r["tooth_clearance_m"] == clearance), key=lambda r: r["torque_nm"])
+    if not rows:
+        raise InputError("figure: kind = 'series' needs points without and with load.support = 'teeth', alike in all other keys")
+    swept = [k for k in rows[0] if "." in k]
+    for i, line in enumerate(dict.fromkeys((r["tooth_clearance_m"], *(r[k] for k in swept)) for r in rows)):
+        chosen = sorted((r for r in rows if (r["tooth_clearance_m"], *(r[k] for k in swept)) == line), key=lambda r: r["torque_nm"])
         t, contact, teeth, drive = (np.array([r[c] for r in chosen]) for c in (
             "torque_nm", "k_ts_nm_per_rad", "k_fts_nm_per_rad", "k_wts_nm_per_rad"))
-        name = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "teeth closed at the start"
-        if i == 0:
-            axis.semilogy(t, contact, "s-", color="C2", ms=4, label="$K_{TS}$, contact (Eq. 45)")
+        name = ", ".join([f"outermost teeth {1e6 * line[0]:g} µm open" if line[0] else "teeth closed at the start",
+                          *map(_name, swept, line[1:])])
+        if i == 0 or swept:
+            axis.semilogy(t, contact, "s-", color="C2", ms=4, label="$K_{TS}$, contact (Eq. 45)" if i == 0 else None)
         axis.semilogy(t, teeth, "^--", color=f"C{i}", ms=5, label=f"$K_{{FTS}}$, {name}")
         axis.semilogy(t, drive, "o-", color=f"C{i}", ms=4, label=f"$K_{{WTS}}$ (Eq. 46), {name}")
     if of_size(result.summary["scene"]):
@@ -212,11 +216,12 @@ def plot_series(result: StudyLike) -> Figure:
 def plot_catalogue(result: StudyLike) -> Figure:
     """K_FTS of several sizes, a line per clearance of the outermost teeth, beside the catalogue; a matplotlib figure."""
     figure, axis = new_axes(figsize=(9, 5))
-    clearances = sorted({r.get("load.tooth_clearance", 0.0) for r in result.rows})
+    fixed = result.summary["scene"]["load.tooth_clearance"]
+    clearances = sorted({r.get("load.tooth_clearance", fixed) for r in result.rows})
     own = [14 * r["geometry.bore_radius"] / BORE for r in result.rows]
     sizes = [size for size in UNITS if min(own) - 1 < size < max(own) + 1]
     for clearance, style in zip(clearances, ("o-", "s--", "^:", "v-.")):
-        rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", 0.0) == clearance),
+        rows = sorted((r for r in result.rows if r["status"] == "done" and r.get("load.tooth_clearance", fixed) == clearance),
                       key=lambda r: r["geometry.bore_radius"])
         text = f"outermost teeth {1e6 * clearance:g} µm open" if clearance else "closed at the start"
         axis.loglog([14 * r["geometry.bore_radius"] / BORE for r in rows], [r["k_fe_secant_nm_per_rad"] for r in rows],

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import _engine, torsion
-from .._check import MOST_BYTES, ROUNDING, alike, checked, fields, flag, input_file, integer, mapping, number, package, text
+from .._check import MOST_BYTES, alike, checked, fields, flag, input_file, integer, mapping, number, package, text
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
@@ -30,6 +30,10 @@ from .progress import Progress
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
 MOST_POINTS = 10**6
+CLEARANCE = "load.tooth_clearance"
+# keys in which a cup against its teeth differs from its contact, which does not feel the others
+OF_TEETH = ("load.support", "contact.mode", "wave_generator.ring_tangent", CLEARANCE, "load.tooth_gaps", "load.tooth_gaps_back",
+            "load.tooth_stiffness")
 WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 
 
@@ -372,20 +376,25 @@ class StudyResult:
     def series(self) -> list:
         """K_TS, K_FTS and both in series (Eq. 46) at every torque, for each point against the teeth.
 
+        A point against the teeth goes with the one of the contact that has its values of all other swept keys.
+
         Returns
         -------
         list of dict
-            tooth_clearance_m, torque_nm, k_ts_nm_per_rad, k_fts_nm_per_rad (torque over rotation), k_wts_nm_per_rad.
+            tooth_clearance_m, torque_nm, k_ts_nm_per_rad, k_fts_nm_per_rad (torque over rotation), k_wts_nm_per_rad; the swept
+            keys that both have.
         """
         done = [r for r in self.rows if r["status"] == "done" and r["torque_nm"] > 0]
-        contact = {r["torque_nm"]: r["k_ts_nm_per_rad"] for r in done if r.get("load.support") != "teeth"}
+        both = [k for k in self.summary["swept"] if k not in OF_TEETH]
         rows = []
         for r in done:
-            near = [k for t, k in contact.items() if abs(t - r["torque_nm"]) < ROUNDING]
-            if r.get("load.support") == "teeth" and near:
+            contact = [c["k_ts_nm_per_rad"] for c in done if c.get("load.support") != "teeth"
+                       and all(alike(c.get(k), r.get(k)) for k in (*both, "torque_nm"))]
+            if r.get("load.support") == "teeth" and contact:
                 k = r["k_fe_secant_nm_per_rad"]
-                rows.append({"tooth_clearance_m": r.get("load.tooth_clearance", 0.0), "torque_nm": r["torque_nm"],
-                             "k_ts_nm_per_rad": near[0], "k_fts_nm_per_rad": k, "k_wts_nm_per_rad": torsion.series(near[0], k)})
+                rows.append({"tooth_clearance_m": r.get(CLEARANCE, self.summary["scene"][CLEARANCE]), "torque_nm": r["torque_nm"],
+                             "k_ts_nm_per_rad": contact[0], "k_fts_nm_per_rad": k, "k_wts_nm_per_rad": torsion.series(contact[0], k),
+                             **{key: r[key] for key in both}})
         return rows
 
     def frame(self) -> Any:

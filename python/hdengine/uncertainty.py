@@ -45,6 +45,7 @@ DRIVE = {
     "material.flexspline_e": (205e9, 213e9, "2 %"),
     "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
 }
+OF_SECTIONS = [f"geometry.{name}" for name in ("bore_radius", "wall_thickness", "rim_thickness", "cup_length", "bottom_thickness")]
 SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
 
 
@@ -58,7 +59,7 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
     """Ranges of JOINT or DRIVE, which are those of CD-14, about the values of a scene.
 
     D moves with the scene's, what is of its size or its surface is in proportion to it; friction, eccentricity and moduli stay. A
-    clearance, from 0 to twice its value, takes the place of the interference.
+    clearance, from 0 to twice its value, takes the place of the interference. What cup.sections settle has no range.
 
     Parameters
     ----------
@@ -80,7 +81,8 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
         elif key.startswith(("joint.", "geometry.", "wave_generator.w", "wave_generator.interference")):
             low, high = (end * (own[key] / known[key]) for end in (low, high))
         found[key] = low, high, why
-    return {key: ends for key, ends in found.items() if ends[0] < ends[1]}
+    settled = OF_SECTIONS if any(own["cup.sections_r"]) else []
+    return {key: ends for key, ends in found.items() if ends[0] < ends[1] and key not in settled}
 
 
 class ContactField:
@@ -392,7 +394,7 @@ def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) 
     Parameters
     ----------
     curves : dict
-        Of `drive_curves`. Beyond a place that failed a curve is level.
+        Of `drive_curves`. Beyond a place that failed a curve is level; a key of which no place but the scene's was solved has none.
     ranges : dict
         Of the same keys.
 
@@ -402,6 +404,8 @@ def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) 
     """
     generator, found = np.random.default_rng(seed), {}
     for key, curve in curves.items():
+        if len(curve[0]) < 2:
+            continue
         low, high = ranges[key][:2]
         at = generator.standard_normal(draws) if isinstance(low, str) else low + (high - low) * generator.random(draws)
         found[key] = np.maximum(_follow(curve, at), 1e-9)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["as_built"]
 RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are too high to be bent in; above, too fine
 # diameters up to [m], widths of the tolerances of the bore (H7) and of the bearing (normal class) [m]
-WIDTHS = ((50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6), (180e-3, 40e-6, 25e-6),
-          (250e-3, 46e-6, 30e-6))
+WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
+          (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
 PLAY = 1e-6         # of the closest pair of teeth of size 14, round the axis [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 

@@ -148,8 +148,8 @@ contains
     call tolerate(t, 0.5_dp, 'value', 'estimate')
     call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
       'radial clearance of the bearing in the flexspline before it is bent. It and interference are one fit: where a file, or '// &
-      'the keys given beside it, hold one of them alone, the other is 0. H7 bore and normal bearing: 0 to 18 um to 50 mm, '// &
-      '0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
+      'the keys given beside it, hold one of them alone, the other is 0. H7 bore and normal bearing: 0 to 15 um to 30 mm, '// &
+      '0 to 18 um to 50 mm, 0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
     ! of two even zones, 25 and 11 um wide to 50 mm, 95 % of the sums lie within 0.79 of the ends
     call tolerate(t, 0.79_dp, 'value', 'ISO 286 H7, ISO 492')
   end subroutine add_wave_generator_keys

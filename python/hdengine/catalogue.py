@@ -52,6 +52,19 @@ _STATED = {11: (0.8, 2.0, (2.7, 3.4, 4.4), (2.2, 3.0, 3.2)), 14: (2, 6.9, (4.7, 
 UNITS, AT_50 = ({size: Unit(size, t1, t2, *(1e3 * k for k in stated[i])) for size, (t1, t2, *stated) in _STATED.items()}
                 for i in (0, 1))
 
+# Rated torques [N m] at 2000 rpm at these ratios, 0 where none is stated: HFUC and, divided by 1.3, CSG of the same project.
+_RATIOS = (30, 50, 80, 100, 120, 160)
+_RATED = {11: (0, 3.5, 0, 5), 14: (4, 5.4, 7.8, 7.8), 17: (8.8, 16, 22, 24, 24), 20: (15, 25, 34, 40, 40, 40),
+          25: (27, 39, 63, 67, 67, 67), 32: (54, 76, 118, 137, 137, 137), 40: (0, 137, 206, 265, 294, 294),
+          45: (0, 176, 313, 353, 402, 402), 50: (0, 122, 372, 470, 529, 529), 58: (0, 176, 549, 696, 745, 745),
+          65: (0, 245, 745, 951, 951, 951), 80: (0, 436, 1320, 1700, 1990, 1990), 90: (0, 590, 1550, 2270, 2570, 2700)}
+
+
+def rated_torque(size: int, ratio: int = 100) -> float:
+    """Rated torque of a size, linear between the ratios at which catalogues state it, level beyond them [N m]."""
+    known = [(at, torque) for at, torque in zip(_RATIOS, _RATED[size]) if torque]
+    return float(np.interp(ratio, *np.transpose(known)))
+
 
 @checked(size=integer(), ratio=integer(least=1))
 def unit(size: int, ratio: int = 100) -> Unit | None:
@@ -60,7 +73,7 @@ def unit(size: int, ratio: int = 100) -> Unit | None:
     Parameters
     ----------
     size : int
-        Pitch diameter of the circular spline in tenths of an inch.
+        Pitch diameter of the flexspline in tenths of an inch.
     ratio : int
 
     Returns

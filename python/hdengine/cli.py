@@ -18,7 +18,7 @@ import numpy as np
 
 from . import _engine, completion, drive
 from ._engine import EngineMemoryError, FileError, HdengineError, NotConvergedError, StoppedError
-from .catalogue import UNITS
+from .catalogue import UNITS, rated_torque
 from .contact import Run, doubts, given_keys, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
@@ -226,7 +226,7 @@ def _record(args):
     check_folder(out, Record.FILES, args.force)
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
-    numbers = record.numbers(UNITS[args.size], args.rated_torque or drive.KNOWN[args.size].rated)
+    numbers = record.numbers(UNITS[args.size], args.rated_torque or rated_torque(args.size))
     for name, values in numbers.items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)

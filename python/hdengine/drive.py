@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from ._check import checked, flag, integer
 from ._engine import InputError
 from ._types import Value
-from .catalogue import UNITS
+from .catalogue import UNITS, rated_torque
 from .contact import given_keys, read_scene, run
 from .files import check_file, write_files
 from .teeth.pairs import tooth_gaps
@@ -36,7 +36,7 @@ SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a va
 class Known(NamedTuple):
     """What is known of a size."""
 
-    rated: float            # torque at ratio 100, above T2, so that a loop reaches K3 [N m]
+    torque: float           # of the loop, rated at ratio 100 or 1.15 T2, so that it reaches K3 [N m]
     spline: float = 0.0     # outer diameter of the circular spline [mm]; 0: in proportion to size 20
     clamp: float = 0.0      # half the screws' circle and half a screw head [mm]; 0: likewise
 
@@ -89,10 +89,10 @@ def _scene(size, ratio, hat):
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
         "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s}, "contact": {"friction": 0.1},
-        "load": {"support": "drive", "torque": known.rated, "torque_steps": 10, "teeth": 2 * ratio,
+        "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
                  "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},
-        "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": known.rated}}
+        "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": rated_torque(size, ratio)}}
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 
 
@@ -117,7 +117,7 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
     Parameters
     ----------
     size : int
-        11, 14, 17, 20, 25, 32, 40, 45, 50, 58, 65, 80 or 90: pitch diameter of the circular spline in tenths of an inch.
+        11, 14, 17, 20, 25, 32, 40, 45, 50, 58, 65, 80 or 90: pitch diameter of the flexspline in tenths of an inch.
     ratio : int
         30 to 200; half the teeth of the flexspline.
     hat : bool

@@ -560,6 +560,13 @@ def test_the_fit_is_that_of_the_standards(size, clearance):
     assert _scene(size, 100, False)["wave_generator"]["clearance"] == pytest.approx(clearance)
 
 
+@pytest.mark.parametrize("size, ratio, torque", [(14, 50, 5.4), (20, 30, 15), (20, 50, 25), (20, 65, 29.5), (20, 200, 40), (40, 30, 137), (90, 100, 2270)])
+def test_lost_motion_is_read_at_the_rated_torque_of_the_ratio(size, ratio, torque):
+    """Catalogues rate size 20 at 15, 25 and 40 N m at ratios 30, 50 and 100: all were read at 4 % of the last, and ratio 30 had 2.5' in place of 1.3'."""
+    scene = _scene(size, ratio, False)
+    assert scene["loop"]["rated_torque"] == pytest.approx(torque) and scene["load"]["torque"] > scene["loop"]["torque_2"]
+
+
 def test_what_is_known_of_a_drive_takes_its_place():
     """A key that is given replaces the table's and the teeth are those of that drive; a wrong one is named, and so is a size that is none."""
     mesh = {"divisions": 24, "band_facets": 3}

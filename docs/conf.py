@@ -80,6 +80,14 @@ def link_figures(app, tree, page):
             link += image
 
 
+def off_menu(app, tree):
+    """The menu beside each page ends at the page that lists the API: its 88 names would be three fifths of the menu."""
+    for node in [*tree.findall(autosummary.autosummary_toc)]:
+        node.parent.remove(node)
+    if app.env.docname.startswith("reference/api/"):
+        app.env.metadata[app.env.docname]["orphan"] = True
+
+
 def setup(app):
     """Keep the log of the gallery's runs quiet, draw the vector figures that the pages show, write the pages that are made of the sources."""
     logging.getLogger("hdengine").setLevel(logging.WARNING)
@@ -88,4 +96,5 @@ def setup(app):
     for name in ("draw", "diagrams"):
         importlib.import_module(name).draw_all(HERE / "figures")
     app.connect("doctree-resolved", link_figures)
+    app.connect("doctree-read", off_menu, priority=1)
     app.connect("build-finished", fortran_pages)

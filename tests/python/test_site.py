@@ -35,6 +35,7 @@ def test_site_builds_without_warnings(built):
     loads = re.compile(r"""<(?:script|link rel="stylesheet"|link)[^>]*(?:src|href)="https?://[^"]*\.(?:js|css)""")
     pages = [*html.rglob("*.html")]
     assert [str(page) for page in pages if loads.search(page.read_text())] == [] and len(pages) > 500
+    assert (html / "index.html").read_text().count('class="toctree-l') < 80  # of the menu, which lists no name of the API
     notebooks = {path.stem: path for path in (html / "_downloads").rglob("*.ipynb")}
     assert sorted(notebooks) == sorted(path.stem for path in (ROOT / "examples").glob("*.py"))
     for name, path in notebooks.items():

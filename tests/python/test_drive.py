@@ -538,7 +538,7 @@ def test_shipped_drives_are_written_by_the_command(name, args, tmp_path, monkeyp
         else:
             assert value == stated
     assert cli.main(["new", *args]) == cli.main(["new", *args, "--out", "none/x.nml"]) == hdengine.FileError.code
-    assert cli.main(["new", *args, "run.title=it's 'so'", "--out", "t.nml"]) == 0 and hdengine.read_scene("t.nml")["run.title"] == "it's 'so'"
+    assert cli.main(["new", *args, "run.title=it's 'so'", "mesh.divisions=24", "mesh.band_facets=3", "--out", "t.nml"]) == 0 and hdengine.read_scene("t.nml")["run.title"] == "it's 'so'"
 
 
 def test_any_size_and_ratio_is_built(tmp_path):

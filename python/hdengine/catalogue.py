@@ -39,18 +39,18 @@ class Unit:
         return np.sign(torque_nm) * sum(parts)
 
 
-# T1, T2 [N m]; K1, K2, K3 [kN m/rad] at ratios from 80 on, then at 50. Sizes 14 to 40 from ratio 80: Harmonic Drive CHA manual,
-# p. 50, with which the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree. The others: typed from catalogues by the project
-# AimanHaidar/harmonic-drive-selector, whose figures agree with the manual's where both exist.
-_STATED = {11: (0.8, 2.0, (2.7, 3.4, 4.4), (2.2, 3.0, 3.2)), 14: (2, 6.9, (4.7, 6.1, 7.1), (3.4, 4.7, 5.7)),
-           17: (3.9, 12, (10, 14, 16), (8.1, 11, 13)), 20: (7, 25, (16, 25, 29), (13, 18, 23)),
-           25: (14, 48, (31, 50, 57), (25, 34, 44)), 32: (29, 108, (67, 110, 120), (54, 78, 98)),
+# T1, T2 [N m]; K1, K2, K3 [kN m/rad] at ratios from 80 on, then at 50 and at 30. Sizes 14 to 40 from ratio 80: Harmonic Drive CHA
+# manual, p. 50, with which the CHA-14A-E manual, p. 54, and Schaeffler TPI 275 agree. The others: typed from catalogues by the
+# project AimanHaidar/harmonic-drive-selector, whose figures agree with the manual's where both exist.
+_STATED = {11: (0.8, 2.0, (2.7, 3.4, 4.4), (2.2, 3.0, 3.2)), 14: (2, 6.9, (4.7, 6.1, 7.1), (3.4, 4.7, 5.7), (1.9, 2.4, 3.4)),
+           17: (3.9, 12, (10, 14, 16), (8.1, 11, 13), (3.4, 4.4, 6.7)), 20: (7, 25, (16, 25, 29), (13, 18, 23), (5.7, 7.1, 11)),
+           25: (14, 48, (31, 50, 57), (25, 34, 44), (10, 13, 21)), 32: (29, 108, (67, 110, 120), (54, 78, 98), (24, 30, 49)),
            40: (54, 196, (130, 200, 230), (100, 140, 180)), 45: (76, 275, (180, 290, 330), (150, 200, 260)),
            50: (108, 382, (250, 400, 440), (200, 280, 340)), 58: (168, 598, (400, 610, 710), (310, 440, 540)),
            65: (235, 843, (540, 880, 980), (440, 610, 780)), 80: (430, 1570, (1000, 1620, 1850), (810, 1150, 1450)),
            90: (618, 2260, (1450, 2300, 2630), (1180, 1620, 2060))}
-UNITS, AT_50 = ({size: Unit(size, t1, t2, *(1e3 * k for k in stated[i])) for size, (t1, t2, *stated) in _STATED.items()}
-                for i in (0, 1))
+UNITS, AT_50, AT_30 = ({size: Unit(size, t1, t2, *(1e3 * k for k in stated[i]))
+                        for size, (t1, t2, *stated) in _STATED.items() if i < len(stated)} for i in range(3))
 
 # Rated torques [N m] at 2000 rpm at these ratios, 0 where none is stated: HFUC and, divided by 1.3, CSG of the same project.
 _RATIOS = (30, 50, 80, 100, 120, 160)
@@ -68,7 +68,7 @@ def rated_torque(size: int, ratio: int = 100) -> float:
 
 @checked(size=integer(), ratio=integer(least=1))
 def unit(size: int, ratio: int = 100) -> Unit | None:
-    """What catalogues state of a size at a ratio; None where they state nothing: a size between, a ratio below 80 that is not 50.
+    """What catalogues state of a size at a ratio; None where they state nothing: a size between, a ratio below 80 but 30 and 50.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def unit(size: int, ratio: int = 100) -> Unit | None:
     -------
     Unit or None
     """
-    return UNITS.get(size) if ratio >= SAME_ABOVE else AT_50.get(size) if ratio == 50 else None
+    return (UNITS if ratio >= SAME_ABOVE else {50: AT_50, 30: AT_30}.get(ratio, {})).get(size)
 
 
 def unit_of(scene: dict) -> Unit | None:

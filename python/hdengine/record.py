@@ -28,6 +28,8 @@ SIDE = 4         # of a branch before and behind zero torque
 MOST_PLACES = 40  # at which the torque may pass zero that are tried
 PEAK = 2e-2      # momentary torque of catalogues over the cube of the size [N m]
 OVERLOAD = 5     # times that: beyond, the unit or the size is another
+DRIFT = 0.1      # of the hysteresis, by which a loop that closes may miss its beginning
+CLOSED = 0.02    # of the range of torque, by which ends of branches may differ that meet
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
 
 
@@ -280,7 +282,9 @@ class Record:
         Returns
         -------
         dict
-            hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad]; each (value, low, high).
+            hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad], closing_rad (by how much the
+            later branch ends beyond the beginning of the other, where both have one torque: drift, half of which the hysteresis
+            holds); each (value, low, high), NaN beyond the torques.
 
         Raises
         ------
@@ -294,17 +298,21 @@ class Record:
                              f"give its size; or did you mean {top / 1e3:.4g} N m ({top:.4g} mN m)?")
         torque = np.linspace(0, min(f.high for f in self._fits.values()), 400)
         four = 0.04 * (rated_torque_nm or self.torque_nm.max())
+        later = 1 if self.up.start > self.down.start else -1
+        ends = [f.high if later > 0 else f.low for f in self._fits.values()]
+        turned = np.array([later * min(later * end for end in ends)])
+        meet = 1 if np.ptp(ends) < CLOSED * np.ptp(self.torque_nm) else np.nan
 
         def evaluate(fits):
             zero = np.zeros(1)
             turn = fits[1](torque)
-            ends = self._angle("middle", fits, np.array([-four, four]))
-            return [float(abs(fits[1](zero) - fits[-1](zero))[0]), ends[1] - ends[0],
-                    *stages(torque, turn - turn[0], unit.t1_nm, unit.t2_nm)]
+            lost = self._angle("middle", fits, np.array([-four, four]))
+            return [float(abs(fits[1](zero) - fits[-1](zero))[0]), lost[1] - lost[0],
+                    *stages(torque, turn - turn[0], unit.t1_nm, unit.t2_nm), meet * (fits[later](turned) - fits[-later](turned))[0]]
         sample = np.array([evaluate(fits) for fits in self._draws(draws, seed)])
         tail = 50 * (1 - share)
         low, high = np.percentile(sample, [tail, 100 - tail], axis=0)
-        names = ("hysteresis_rad", "lost_motion_rad", "k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad")
+        names = ("hysteresis_rad", "lost_motion_rad", "k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "closing_rad")
         return {n: (float(v), float(a), float(b)) for n, v, a, b in zip(names, evaluate(self._fits), low, high)}
 
     FILES = ("record.json", "curve.csv", "record.png", "scene.nml")  #: that `write` leaves in a folder

@@ -560,6 +560,11 @@ def test_the_fit_is_that_of_the_standards(size, clearance):
     assert _scene(size, 100, False)["wave_generator"]["clearance"] == pytest.approx(clearance)
 
 
+def test_the_catalogue_states_ratio_30():
+    """Sizes 14 to 32 have K1 to K3 at ratio 30, larger ones have not; we said that none has."""
+    assert list(unit(20, 30).slopes) == [5700, 7100, 11000] and unit(40, 30) is None and unit(20, 31) is None
+
+
 @pytest.mark.parametrize("size, ratio, torque", [(14, 50, 5.4), (20, 30, 15), (20, 50, 25), (20, 65, 29.5), (20, 200, 40), (40, 30, 137), (90, 100, 2270)])
 def test_lost_motion_is_read_at_the_rated_torque_of_the_ratio(size, ratio, torque):
     """Catalogues rate size 20 at 15, 25 and 40 N m at ratios 30, 50 and 100: all were read at 4 % of the last, and ratio 30 had 2.5' in place of 1.3'."""

@@ -107,9 +107,9 @@ def stages(torque_nm: ArrayLike, angle_rad: ArrayLike, t1_nm: float, t2_nm: floa
         [N m/rad]; a chord that the data end within is taken to their end, one beyond them is NaN.
     """
     t, a = np.asarray(torque_nm), np.asarray(angle_rad)
-    if t.shape != a.shape or np.any(np.diff(t) < 0) or not t2_nm > t1_nm:
+    if t.shape != a.shape or np.any(np.diff(t) < 0) or not t2_nm > t1_nm or t[0] > ROUNDING * t[-1]:
         raise InputError(f"{len(t)} torques and {len(a)} angles, T1 {t1_nm:g} and T2 {t2_nm:g} N m: must be as many angles as "
-                         "torques, the torques rising, T1 below T2")
+                         "torques, the torques rising from 0, T1 below T2")
     edges: np.ndarray = np.minimum([0.0, t1_nm, t2_nm, np.inf], t[-1])
     turn: np.ndarray = np.interp(edges, t, a)
     return [float((edges[i + 1] - edges[i]) / (turn[i + 1] - turn[i])) if edges[i + 1] > edges[i] else float("nan")

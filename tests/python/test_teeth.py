@@ -80,7 +80,8 @@ def test_modes_that_do_not_fit_are_refused(exe, tmp_path):
 
 
 def test_chords_of_a_catalogue_curve():
-    """K1, K2, K3 are recovered from the curve they make; one that the data end within is cut there, one beyond them is NaN."""
+    """K1, K2, K3 are recovered from the curve they make; one that the data end within is cut there, one beyond them is NaN. Data that begin above 0 are
+    refused: from 1 N m on K1 of size 14 read as 9.4 kN m/rad, twice what it is."""
     for unit in UNITS.values():
         t = np.union1d(np.linspace(0, 1.5 * unit.t2_nm, 50), [unit.t1_nm, unit.t2_nm])
         assert stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm) == pytest.approx(unit.slopes, rel=1e-6)
@@ -88,6 +89,8 @@ def test_chords_of_a_catalogue_curve():
     t = np.array([0, 2, 5])
     k = stages(t, unit.angle(t), unit.t1_nm, unit.t2_nm)
     assert k[:2] == pytest.approx([4.7e3, 6.1e3]) and np.isnan(k[2])
+    with pytest.raises(hdengine.InputError, match="rising from 0"):
+        stages(np.array([1, 2, 5]), unit.angle([1, 2, 5]), unit.t1_nm, unit.t2_nm)
 
 
 def test_run_against_teeth_says_what_it_is_for(exe, tmp_path):

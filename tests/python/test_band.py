@@ -82,6 +82,18 @@ def test_share_is_that_of_runs_with_the_input_moved(exe, banded, tmp_path, key, 
     assert of_input(banded, key) == pytest.approx(variance(change), rel=1e-3)
 
 
+def test_a_hats_walls_have_a_tolerance(exe, tmp_path):
+    """The thicknesses of all sections move together by a tenth, and what that adds to the variance of ln K2 is what runs say; no wall, rim or bottom
+    of a hat had a part in its band."""
+    def hat(name, *keys):
+        return solved(exe, tmp_path / name, ROOT / "data/drive14_hat.nml", *MESH, *keys).summary["results"]
+
+    key, found = "cup.sections_thickness", hat("a", "run.band=auto")
+    walls = hdengine.read_scene(ROOT / "data/drive14_hat.nml")[key]
+    ends = [hat("b", f"{key}={','.join(str(share * t) for t in walls)}", "run.band=.false.")["k2_nm_per_rad"] for share in (0.9, 1.1)]
+    assert of_input(found, key) == pytest.approx(variance(np.log(np.array(ends) / found["k2_nm_per_rad"])), rel=1e-2)
+
+
 def test_gaps_of_the_teeth_move_together(exe, banded, tmp_path):
     """The lists of both flanks are shifted by 1 um at size 14, and stay at 0 or above."""
     scene = hdengine.read_scene(ROOT / "data/drive14.nml")

@@ -8,7 +8,7 @@ module hd_tolerance_runs
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
   use hd_conditions, only: check_scene
-  use hd_cup_sections, only: has_sections
+  use hd_cup_sections, only: adopt_sections, has_sections
   use hd_error, only: error_t, raise, code_stopped
   use hd_load_path, only: path_end
   use hd_log, only: say, set_log_level, quiet
@@ -148,7 +148,8 @@ contains
     type(model_t), allocatable, intent(inout) :: model     !< of the run before
     type(run_t), intent(inout) :: run                      !< gets its part of the band, and warnings
     type(error_t), allocatable, intent(out) :: error       !< stopped
-    type(scene_t) :: at(2)
+    type(scene_t), target :: at(2)
+    type(parameter_table_t) :: table
     type(string_t), allocatable :: faults(:)
     type(input_t) :: input
     character(len=:), allocatable :: left_out
@@ -158,7 +159,9 @@ contains
     n = 0
     do i = 1, input%ends
       allocate (faults(0))
-      call check_scene(at(i), faults)
+      call new_table(at(i), table)
+      call adopt_sections(at(i), table, faults)
+      if (size(faults) == 0) call check_scene(at(i), faults)
       left_out = ''
       if (size(faults) > 0) left_out = faults(1)%s
       deallocate (faults)
@@ -276,6 +279,7 @@ contains
     takes_part = p%tolerance > 0
     if (p%key == 'tooth_gaps') takes_part = takes_part .and. scene%tooth_pairs <= most_gaps
     if (p%group == 'bearing') takes_part = takes_part .and. scene%balls > 0
+    if (p%group == 'cup') takes_part = takes_part .and. has_sections(scene)
     if (p%group == 'geometry' .and. has_sections(scene)) takes_part = takes_part .and. index(of_cup, ' '//p%key//' ') == 0
   end function takes_part
 

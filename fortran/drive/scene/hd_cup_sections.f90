@@ -3,7 +3,7 @@
 module hd_cup_sections
   use hd_kinds, only: dp
   use hd_meridian, only: meridian_t, new_meridian
-  use hd_parameter_row, only: parameter_table_t, add_list
+  use hd_parameter_row, only: parameter_table_t, add_list, tolerate
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, to_text
   implicit none
@@ -26,6 +26,7 @@ contains
       'distances of these points from the opening')
     call add_list(t, 'cup', 'sections_thickness', 'model', s%sections_thickness, s%sections_count(3), 'm', 0._dp, big, &
       'thickness of the wall at these points; where it jumps, the point stands twice, with the thickness before and behind it')
+    call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_list(t, 'cup', 'sections_fillet', 'model', s%sections_fillet, s%sections_count(4), 'm', 0._dp, big, &
       'radius of the inside at these points; 0: sharp; left out: all sharp')
   end subroutine add_cup_keys

@@ -282,9 +282,9 @@ class Record:
         Returns
         -------
         dict
-            hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad], closing_rad (by how much the
-            later branch ends beyond the beginning of the other, where both have one torque: drift, half of which the hysteresis
-            holds); each (value, low, high), NaN beyond the torques.
+            hysteresis_rad (between the branches at zero torque), lost_motion_rad, k1, k2, k3 [N m/rad], closing_rad (by how much
+            the later branch ends beyond the beginning of the other, where both have one torque: drift, half of which the
+            hysteresis holds); each (value, low, high), NaN beyond the torques.
 
         Raises
         ------

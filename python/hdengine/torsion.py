@@ -30,7 +30,7 @@ def facet_weights(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, n
     if any(shape[-1:] != (3,) for shape in shapes):
         raise InputError(f"position {shapes[0]}, normal {shapes[1]}: their last length must be 3")
     r, n = together(position=position, normal=normal)
-    w_n, w_t = _engine.call("torsion_weights", r.reshape(-1, 3).T, n.reshape(-1, 3).T)
+    w_n, w_t = _engine.ask("torsion_weights", r.reshape(-1, 3).T, n.reshape(-1, 3).T)
     return w_n.reshape(r.shape[:-1]), w_t.reshape(r.shape[:-1])
 
 
@@ -115,7 +115,7 @@ def torsional_stiffness_paper(k_n: ArrayLike, k_t: ArrayLike, theta: ArrayLike, 
     """
     k_n, k_t, theta = together(k_n=k_n, k_t=k_t, theta=theta)
     angles = np.asarray(theta)
-    w_n, w_t = (w.reshape(angles.shape) for w in _engine.call("torsion_weights_printed", angles.ravel(), r, w, slope))
+    w_n, w_t = (w.reshape(angles.shape) for w in _engine.ask("torsion_weights_printed", angles.ravel(), r, w, slope))
     return np.sum(k_n * w_n + k_t * w_t, axis=-1)
 
 

@@ -20,7 +20,7 @@ __all__ = ["Fit", "Ridges"]
 
 _OFFSETS = 3     # power of an axis over that of other directions that is told of (hd_map_fit)
 _UNEQUAL = 0.4   # ln of S of rows over S of columns that isotropic maps stay below
-_DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
+_DETERMINED = _engine.ask("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 
 
 def micrometres(*lengths: float, digits: int = 3) -> str:

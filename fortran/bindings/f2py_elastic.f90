@@ -33,9 +33,6 @@ contains
     !f2py threadsafe
     type(power_spectrum_t) :: spectrum
     type(error_t), allocatable :: error
-    k = 0
-    area = 0
-    variance = 0
     gap = 0
     call sampled_spectrum(q, height, spectrum, error)
     if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area, variance)
@@ -54,8 +51,6 @@ contains
     type(power_spectrum_t) :: spectrum
     type(error_t), allocatable :: error
     real(c_double) :: variance(m)
-    k = 0
-    area = 0
     call fractal_spectrum(surface(1), surface(2), surface(3), surface(4), spectrum, error)
     if (.not. allocated(error)) call contact_at(spectrum, e_star, hardness, pressure, k, area, variance)
     call tell(error, status)
@@ -72,9 +67,6 @@ contains
     !f2py threadsafe
     type(elastic_law_t) :: law
     type(error_t), allocatable :: error
-    k_n = 0
-    k_t = 0
-    derivatives = 0
     call new_elastic_law(table_p, table_n, table_t, law, error)
     if (.not. allocated(error)) call elastic_stiffness(law, mu, pressure, shear, k_n, k_t, derivatives(1, :), derivatives(2, :), &
       derivatives(3, :))
@@ -92,7 +84,6 @@ contains
     !f2py threadsafe
     type(elastic_law_t) :: law
     type(error_t), allocatable :: error
-    y = 0
     call new_elastic_law(table_p, table_n, table_n, law, error)
     if (.not. allocated(error)) then
       if (inverse == 0) y = elastic_closure(law, zero_pressure, x)
@@ -114,8 +105,6 @@ contains
     type(elastic_law_t) :: law
     type(error_t), allocatable :: error
     logical :: slips(m)
-    shear = 0
-    k = 0
     slips = .false.
     call new_elastic_law(table_p, table_t, table_t, law, error)
     if (.not. allocated(error)) call elastic_shear(law, mu, pressure, displacement, shear, k, slips)
@@ -134,10 +123,6 @@ contains
     type(error_t), allocatable :: error
     type(scene_t), allocatable :: s
     type(joint_t) :: joint
-    pressure = 0
-    k_n = 0
-    k_t = 0
-    mu = 0
     rows = 0
     allocate (s)
     call read_scene(path, lines_of(assignments), s, error)

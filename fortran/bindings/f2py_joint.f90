@@ -36,11 +36,6 @@ contains
     type(response_t) :: r
     type(error_t), allocatable :: error
     integer :: i
-    k_n = 0
-    k_t = 0
-    s_l = 0
-    derivatives = 0
-    iterations = 0
     call flat_joint(p, joint, error)
     if (.not. allocated(error)) then
       do i = 1, n
@@ -108,11 +103,6 @@ contains
     !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
     type(joint_t) :: joint
     type(error_t), allocatable :: error
-    load = 0
-    k_n = 0
-    k_t = 0
-    psi = 0
-    s_r = 0
     call flat_joint(p, joint, error)
     if (.not. allocated(error)) then
       load = joint_load(joint, s_l)
@@ -137,8 +127,6 @@ contains
     type(named_list_t) :: given, names
     type(error_t), allocatable :: error
     properties = 0
-    by_depth = 0
-    by_area = 0
     given%list = 'joint'
     names%list = 'asperity'
     call flat_asperity(p, a, error)
@@ -191,8 +179,6 @@ contains
     type(joint_t) :: joint
     type(interface_law_t) :: law
     type(error_t), allocatable :: error
-    y = 0
-    k = 0
     call flat_joint(p, joint, error)
     if (.not. allocated(error)) call new_interface_law(joint, zero_pressure, law, error)
     if (.not. allocated(error)) then
@@ -219,8 +205,6 @@ contains
     type(error_t), allocatable :: error
     logical :: slips
     integer :: i
-    shear = 0
-    k = 0
     slipping = 0
     call flat_joint(p, joint, error)
     if (.not. allocated(error)) call new_interface_law(joint, 1._c_double, law, error)

@@ -32,8 +32,6 @@ contains
     !f2py integer(c_int), intent(hide), depend(lags) :: n = len(lags)
     !f2py threadsafe
     type(error_t), allocatable :: error
-    s = 0
-    pairs = 0
     call check_map(z, 1._c_double, 1._c_double, error)
     if (.not. allocated(error)) then
       if (second > 0) then
@@ -55,9 +53,6 @@ contains
     !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
     !f2py threadsafe
     type(error_t), allocatable :: error
-    tau = 0
-    s = 0
-    pairs = 0
     call check_map(z, dx, dy, error)
     if (.not. allocated(error)) call structure_radial(z, dx, dy, tau, s, pairs, error)
     call tell(error, status)
@@ -72,7 +67,6 @@ contains
     !f2py integer(c_int), intent(hide), depend(z) :: nx = shape(z, 0), ny = shape(z, 1)
     !f2py threadsafe
     type(error_t), allocatable :: error
-    tilt = 0
     call check_map(z, 1._c_double, 1._c_double, error)
     if (.not. allocated(error)) call level_plane(z, tilt)
     call tell(error, status)
@@ -91,7 +85,6 @@ contains
     !f2py threadsafe
     type(error_t), allocatable :: error
     type(seams_t) :: seams
-    found = 0
     call check_map(z, dx, dy, error)
     if (.not. allocated(error)) call clean_map(z, [dx, dy], mend > 0, mask > 0, fill > 0, seams, found(1))
     found(2:) = seams%count
@@ -136,7 +129,6 @@ contains
     !f2py integer(c_int), intent(hide), depend(tau) :: n = len(tau)
     !f2py threadsafe
     type(error_t), allocatable :: error
-    s = 0
     call check_spectrum(band_spectrum_t(model, f_lo, f_hi), error)
     if (.not. allocated(error)) s = band_integral(model, d, tau, f_lo, f_hi)
     call tell(error, status)

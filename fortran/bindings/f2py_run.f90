@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Flat entries for Python: runs. Explicit shapes alone; the last argument of what can fail is its status.
+!> Flat entries for Python: runs. Explicit shapes alone; the last argument of what can fail is its status, beside an error of which
+!> the other results mean nothing.
 module f2py_run
   use, intrinsic :: iso_c_binding, only: c_int, c_double
   use hd_error, only: error_t, raise, code_input
@@ -34,7 +35,6 @@ contains
     type(scene_t), allocatable :: scene
     type(run_t), pointer :: run
     logical :: complete
-    handle = 0
     allocate (scene)
     lines = lines_of(assignments)
     call read_scene(path, lines, scene, error)
@@ -55,10 +55,6 @@ contains
     type(error_t), allocatable :: error
     type(run_t), pointer :: run
     type(place_t) :: last
-    facets = 0
-    axial = 0
-    dof = 0
-    steps = 0
     call find_run(handle, run, error)
     if (.not. allocated(error)) then
       facets = size(run%model%drive%face%nodes, 2)

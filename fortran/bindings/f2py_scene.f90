@@ -57,8 +57,6 @@ contains
     integer(c_int), intent(out) :: divisions, facets, status
     type(error_t), allocatable :: error
     type(scene_t), allocatable :: scene
-    divisions = 0
-    facets = 0
     allocate (scene)
     call read_scene(path, lines_of(assignments), scene, error)
     if (.not. allocated(error) .and. (level < 1 .or. level > finest)) call raise(error, code_input, 'level '//to_text(level)// &
@@ -92,9 +90,6 @@ contains
     type(cam_t) :: cam
     type(curve_t) :: line
     integer :: i
-    field = 0
-    curve = 0
-    length = 0
     allocate (scene)
     call read_scene(path, lines_of(assignments), scene, error)
     if (.not. allocated(error)) then

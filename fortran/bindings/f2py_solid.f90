@@ -57,7 +57,6 @@ contains
     type(solid_t), pointer :: solid
     type(field_t), pointer :: field
     type(error_t), allocatable :: error
-    n = 0
     call find_solid(handle, solid, error)
     if (.not. allocated(error)) call solid%field(name, field, error)
     if (.not. allocated(error)) n = field%count()

@@ -93,11 +93,6 @@ contains
     integer(c_int), intent(out) :: status
     type(waves_t) :: w
     type(error_t), allocatable :: error
-    fx = 0
-    fy = 0
-    amplitude = 0
-    phase = 0
-    offset = 0
     call new_waves(spectrum_t(p(1), p(2), p(3), p(4), p(5), ridges, seed), w, error)
     if (.not. allocated(error)) then
       fx = real(w%fx, c_double)

@@ -393,8 +393,8 @@ class StudyResult:
             if r.get("load.support") == "teeth" and contact:
                 k = r["k_fe_secant_nm_per_rad"]
                 rows.append({"tooth_clearance_m": r.get(CLEARANCE, self.summary["scene"][CLEARANCE]), "torque_nm": r["torque_nm"],
-                             "k_ts_nm_per_rad": contact[0], "k_fts_nm_per_rad": k, "k_wts_nm_per_rad": torsion.series(contact[0], k),
-                             **{key: r[key] for key in both}})
+                             "k_ts_nm_per_rad": contact[0], "k_fts_nm_per_rad": k,
+                             "k_wts_nm_per_rad": torsion.series(contact[0], k), **{key: r[key] for key in both}})
         return rows
 
     def frame(self) -> Any:

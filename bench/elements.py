@@ -304,20 +304,20 @@ def patch(element):
 
 
 def main(quick):
-    """Every case by every element."""
+    """Every case by our elements and the like of the default."""
     ccx, rows = program("ccx", "apt-get install calculix-ccx"), []
     for make in CASES[:4] if quick else CASES:
         pair = {q: make(q) for q in (False, True)}
-        for e in OURS + PEERS:
-            case = pair[e in ("hex20r", "C3D20R")]
+        for e in (*OURS, "C3D8I"):
+            case = pair[e == "hex20r"]
             with tempfile.TemporaryDirectory() as folder:
-                u, seconds = engine(case, e) if e in OURS else calculix(case, e, Path(folder))
+                u, _ = engine(case, e) if e in OURS else calculix(case, e, Path(folder))
             error = 100 * (abs((case.probe * u).sum()) / abs(case.exact) - 1)
-            rows.append({"case": case.name, "mesh": case.size, "element": e, "error_percent": float(f"{error:.3g}"), "cpu_s": float(f"{seconds:.3g}")})
+            rows.append({"case": case.name, "mesh": case.size, "element": e, "error_percent": float(f"{error:.3g}")})
             print(rows[-1], flush=True)
     if not quick:
         version = subprocess.run([ccx, "-v"], capture_output=True, text=True).stdout.strip()
-        write_record("elements", {"calculix": version, "patch_test_error": {e: float(f"{patch(e):.2g}") for e in OURS}, "rows": rows})
+        write_record("elements", {"calculix": version, "rows": rows})
 
 
 if __name__ == "__main__":

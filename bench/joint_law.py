@@ -137,14 +137,14 @@ def solved(numbers, shares=WHOLE):
             break
         gap = space._displacement_of(traction) - z
         found.append((space.normal_stiffness(traction > 0), corrected_area(traction > 0), gap.mean() - gap[traction > 0].mean()))
-    row = dict(zip(KEYS, numbers)) | {k: short(v) for k, v in zip(("p", "k", "contact", "gap"), (p[:len(found)], *np.transpose(found)))}
+    row = {"map": dict(zip(KEYS, numbers))} | {k: short(v) for k, v in zip(("p", "k", "contact", "gap"), (p[:len(found)], *np.transpose(found)))}
     print(row, flush=True)
     return row
 
 
 def theory(row):
     """Of a row of `solved`: ln of k_N, contact and gap by theory over boundary elements, stated error of ln k_N, waves, contact, height of the crests."""
-    z = made(*(row[k] for k in KEYS))
+    z = made(**row["map"])
     s, high = lattice(z), round(crests(z), 3)
     p = np.array(row["p"])
     k, area, gap = stiffness_from_spectrum(s.q, s.height_variance, p, 1.0)
@@ -236,7 +236,7 @@ def fewer():
 
 def levels(row):
     """Steps through the scales of a training map: A and dA/dP (steps, pressures), weights of dW/dA."""
-    s, p = lattice(made(*(row[k] for k in KEYS))), np.array(row["p"])
+    s, p = lattice(made(**row["map"])), np.array(row["p"])
     s = bands(s.q, s.height_variance, s.modes)
     full = np.concatenate([[0], np.cumsum(s.q**2 * s.height_variance / 4)])
     v, by_p, out = np.full(p.shape, 1e-300), np.zeros(p.shape), []
@@ -272,7 +272,7 @@ def train():
     for row in map(solved, TRAINING):
         errors, _, waves, area, high = theory(row)
         contact = np.array(row["contact"])
-        if row["skewness"] or row["plateau"] is not None:
+        if row["map"]["skewness"] or row["map"]["plateau"] is not None:
             worn = abs(math.log(high))
             skew.append(np.pad(abs(errors[0]) / np.where(area < CLOSING, worn, min(worn, 1)), (0, len(WHOLE) - len(area)), constant_values=np.nan))
             shares = area if len(area) == len(WHOLE) else shares
@@ -280,7 +280,7 @@ def train():
         counted.extend(counted_of(contact, waves))
         error.extend(errors[0])
         use = (contact > 0.002) & (contact < 0.985)
-        wide = 2.5 if row["longest"] > 11 * row["shortest"] else 1   # the spectra of machined faces
+        wide = 2.5 if row["map"]["longest"] > 11 * row["map"]["shortest"] else 1   # the spectra of machined faces
         cases.append((*levels(row), np.array(row["p"]) / row["k"], use * wide / np.hypot(0.03, 0.3 / np.sqrt(0.5 + counted_of(contact, waves)))))
 
     def misfit(c):

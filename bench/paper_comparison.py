@@ -61,7 +61,7 @@ def solved(keys):
 
 
 def judge(over_w, moved):
-    """A premise in one reading: K_TS at w = 0.2 mm, changes in per cent (with the torque; at 5 N m by eccentricity and over w), and its trends.
+    """A premise in one reading: changes of K_TS in per cent (with the torque; at 5 N m by eccentricity and over w), and its trends.
 
     Parameters
     ----------
@@ -79,17 +79,21 @@ def judge(over_w, moved):
                   "eccentricity": paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree",
                   "w": bool(np.all(np.isfinite(over_w)) and np.all((top > 0) & (top < len(W) - 1)) and np.all(gain > 0.5))}
 
-    def number(values):
-        return [float(f"{v:.4g}") if np.isfinite(v) else None for v in np.ravel(values)]
-    return {"k_nm_per_rad": number(k), "rise_percent": number(rise)[0], "fall_percent": number(fall)[2], "gain_percent": number(gain)[2],
-            "trends": [name for name, given in trends.items() if given]}
+    return dict(zip(("rise_percent", "fall_percent", "gain_percent"), short([rise, fall[2], gain[2]]))) | {
+        "trends": " ".join(name for name, given in trends.items() if given)}
+
+
+def short(values):
+    """Numbers of a record; none for what was not solved."""
+    return [float(f"{v:.4g}") if np.isfinite(v) else None for v in values]
 
 
 def explore(keys):
-    """All places of one premise, by reading."""
+    """All places of one premise: both readings at w = 0.2 mm, and what each says."""
     found = [solved({**keys, "wave_generator.w": w}) for w in W]
     moved = solved({**keys, "wave_generator.eccentricity": 10e-6})
-    return {name: judge(np.array([f[name] for f in found]), np.array(moved[name])) for name in READINGS}
+    return {**{f"{name}_nm_per_rad": short(found[W.index(0.2e-3)][name]) for name in READINGS},
+            **{name: judge(np.array([f[name] for f in found]), np.array(moved[name])) for name in READINGS}}
 
 
 def bench():

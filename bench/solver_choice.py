@@ -38,22 +38,22 @@ def run(scene, solver, *more):
     return solve("peer_hub.nml", *SCENES[scene], *SOLVERS[solver], "load.assembly_steps=1", "load.torque_steps=1", "solver.tolerance=1e-10", *more, limit=200)
 
 
-def predicted(summary):
-    """Predicted time and memory of every solver."""
-    return {k: float(f"{v:.4g}") for k, v in summary["predicted"].items() if k.split("_")[0] in SOLVERS}
+def predicted(summary, solver):
+    """Predicted time and memory of a solver."""
+    return {f"predicted_{k}": float(f"{summary['predicted'][f'{solver}_{k}']:.4g}") for k in ("s", "mb")}
 
 
 def main(words):
     """Measure, or predict anew."""
     if "--predict" in words:
-        rows = [row | {"predicted": predicted(run(row["scene"], row["solver"], "solver.time_limit_s=1e-9")[0])} for row in read_record("solver_choice")]
+        rows = [row | predicted(run(row["scene"], row["solver"], "solver.time_limit_s=1e-9")[0], row["solver"]) for row in read_record("solver_choice")]
     else:
         rows = []
         for scene in [s for s in SCENES if "fine" not in s or "--quick" not in words]:
             for solver in ("harmonic" if "formed" in scene or "large" in scene else "condensed", "exact"):   # condensation needs small displacements of round bodies
                 summary, done = run(scene, solver)
-                rows.append({"scene": scene, "solver": solver, "dof": summary["model"]["dof"], "cpu_s": float(f"{done.cpu_s:.3g}"),
-                             "memory_mb": float(f"{summary['peak_memory_mb']:.3g}"), "predicted": predicted(summary)})
+                rows.append({"scene": scene, "solver": solver, "cpu_s": float(f"{done.cpu_s:.3g}"),
+                             "memory_mb": float(f"{summary['peak_memory_mb']:.3g}")} | predicted(summary, solver))
                 print(rows[-1], flush=True)
     if "--quick" not in words:
         write_record("solver_choice", rows, threads=1)

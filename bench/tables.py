@@ -251,7 +251,7 @@ READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, l
 def drive_causes():
     """What fit, play, friction and gluing change, on a coarser mesh."""
     return ("size", "case", *READ), [
-        (r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes") if (r["drive"], r["case"][:8]) != ("14", "friction")]
+        (r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes")]
 
 
 def drive_bands():
@@ -274,13 +274,13 @@ def premises():
 
     def shown(found):
         changes = [found[f"{what}_percent"] for what in ("rise", "fall", "gain")]
-        return [*("-" if v is None else f"{v:+.0f}" for v in changes), " ".join(t[0].upper() for t in found["trends"]) or "-"]
+        return [*("-" if v is None else f"{v:+.0f}" for v in changes), " ".join(t[0].upper() for t in found["trends"].split()) or "-"]
     record = read_record("paper_comparison")
     rows = [r for group in GROUPS for r in record[group]]
-    out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded"]["k_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
+    out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
            for r in rows if r["premise"].startswith("fine") or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
-           or any(len(r[reading]["trends"]) > 1 for reading in READINGS)]
-    counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'] for r in rows)}" for name in ("torque", "eccentricity", "w"))
+           or any(len(r[reading]["trends"].split()) > 1 for reading in READINGS)]
+    counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'].split() for r in rows)}" for name in ("torque", "eccentricity", "w"))
               for reading in READINGS}
     return ("premise", "bonded reading at 1 / 3 / 5 N m", "torque", "e", "w", "has", "Eq. 45: torque", "e", "w", "has"), [
         *out, (f"all {len(rows)}", *[""] * 4, counts["bonded"], *[""] * 3, counts["eq45"])]

@@ -48,7 +48,7 @@ def main(now=None, earlier=None):
     version = subprocess.run([now, "--version"], capture_output=True, text=True).stdout.split()[1]
     origin = {"script": "threads.py", "commit": version.rpartition("+g")[2], "machine": f"{processor}, {os.cpu_count()} cores",
               "versions": {"hdengine": version}, "threads": COUNTS[-1], "seconds": round(sum(r["wall_s"] for r in rows), 1)}
-    (ROOT / "bench/results/threads.json").write_text(re.sub(r"\n\s{3}\s*", " ", json.dumps({"provenance": origin, "rows": rows}, indent=1)) + "\n")
+    (ROOT / "bench/results/threads.json").write_text(re.sub(r"\n\s{3}\s*|\n  (?=})", " ", json.dumps({"provenance": origin, "rows": rows}, indent=1)) + "\n")
 
 
 if __name__ == "__main__":

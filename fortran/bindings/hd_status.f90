@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Error values as status and message, for procedures called from Python. Of a text longer than its argument Python asks for the
-!> rest: the whole stands here until the next one.
+!> Error values as a status for procedures called from Python. Messages and other texts stand here until the next one: Python asks
+!> for them.
 module hd_status
   use, intrinsic :: iso_c_binding, only: c_int
   use hd_text, only: string_t, push
@@ -13,24 +13,20 @@ module hd_status
 
 contains
 
-  !> Status 0 and no message, or the code and message of an error.
-  subroutine tell(error, status, message)
+  !> Status 0, or the code of an error, whose message Python then asks for.
+  subroutine tell(error, status)
     type(error_t), allocatable, intent(in) :: error  !< what happened
     integer(c_int), intent(out) :: status            !< its code
-    character(len=*), intent(out) :: message         !< its message
     status = code_done
-    message = ''
     if (.not. allocated(error)) return
     status = error%code
-    call hand_over(error%message, message)
+    call hand_over(error%message)
   end subroutine tell
 
-  !> Begin of a text, as much as fits.
-  subroutine hand_over(whole, text)
-    character(len=*), intent(in) :: whole   !< text of any length
-    character(len=*), intent(out) :: text   !< its begin
-    last = whole
-    text = whole
+  !> Keep a text that Python will ask for.
+  subroutine hand_over(text)
+    character(len=*), intent(in) :: text   !< of any length
+    last = text
   end subroutine hand_over
 
   !> A part of the text that was handed over last.

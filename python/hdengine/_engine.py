@@ -7,13 +7,14 @@ import logging
 import os
 import threading
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 
 def _load() -> Any:
-    """The extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise."""
+    """Entries of the extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise."""
     waits = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "1000"}
     sets = not waits.keys() & os.environ.keys()
     if sets:
@@ -24,8 +25,10 @@ def _load() -> Any:
         if sets:
             for name in waits:
                 del os.environ[name]
-    extension.engine_begin()
-    return extension
+    modules = [module for name, module in vars(extension).items() if name.startswith("f2py_")]
+    entries = SimpleNamespace(**{name: entry for module in modules for name, entry in vars(module).items()})
+    entries.engine_begin()
+    return entries
 
 
 _hdengine = _load()
@@ -97,16 +100,16 @@ def _bytes(argument):
         raise InputError(f"{argument!r}: has a character that no file name can have") from None
 
 
-def _whole(begin):
-    """A text of the engine: what its argument held, and the rest where it was full."""
-    parts = [begin]
+def _text():
+    """The text that the last call handed over, of any length."""
+    parts = [_hdengine.handed_text(1)]
     while parts[-1].strip():
-        parts.append(_hdengine.rest_of_text(sum(map(len, parts)) + 1))
-    return b"".join(parts).decode(errors="replace")
+        parts.append(_hdengine.handed_text(sum(map(len, parts)) + 1))
+    return b"".join(parts).decode(errors="replace").strip()
 
 
 def call_with_text(name: str, *args: object) -> tuple:
-    """Call an entry of the extension whose last result is a text of any length.
+    """Call an entry of the extension that hands over a text, too.
 
     Returns
     -------
@@ -119,12 +122,12 @@ def call_with_text(name: str, *args: object) -> tuple:
         As `call`.
     """
     with _lock:
-        *results, begin = call(name, *args)
-        return *results, _whole(begin).strip()
+        results = call(name, *args)
+        return *(results or ()), _text()
 
 
 def call_text(name: str, *args: object) -> str:
-    """Call an entry of the extension whose one result is a text of any length.
+    """Text that an entry of the extension hands over.
 
     Returns
     -------
@@ -135,12 +138,11 @@ def call_text(name: str, *args: object) -> str:
     HdengineError
         As `call`.
     """
-    with _lock:
-        return _whole(call(name, *args)).strip()
+    return call_with_text(name, *args)[-1]
 
 
 def call(name: str, *args: object) -> Any:
-    """Call an entry of the extension; its last two results are status and message.
+    """Call an entry of the extension that can fail: its last result is the status.
 
     Returns
     -------
@@ -153,13 +155,20 @@ def call(name: str, *args: object) -> Any:
     """
     with _lock:
         entry = getattr(_hdengine, name)
-        *results, status, message = (_watched if name in _LONG else _plain)(entry, [*map(_bytes, args)])
-        text = _whole(message) if status != 0 else ""
+        found = (_watched if name in _LONG else _plain)(entry, [*map(_bytes, args)])
+        *results, status = found if isinstance(found, tuple) else (found,)
+        text = _text() if status != 0 else ""
     if status != 0:
-        raise _classes.get(int(status), InternalError)(text.strip().removeprefix("error: "))
+        raise _classes.get(int(status), InternalError)(text.removeprefix("error: "))
     if not results:
         return None
     return results[0] if len(results) == 1 else tuple(results)
+
+
+def ask(name: str, *args: object) -> Any:
+    """Call an entry of the extension that cannot fail."""
+    with _lock:
+        return getattr(_hdengine, name)(*args)
 
 
 def _plain(entry, args):
@@ -224,8 +233,7 @@ class FolderLock:
         return self
 
     def __exit__(self, *exc: Any) -> None:
-        with _lock:
-            _hdengine.folder_unlock(self._handle)
+        ask("folder_unlock", self._handle)
 
 
 def _after_fork():
@@ -237,11 +245,6 @@ def _after_fork():
 
 # A fork waits for the end of the call that is at work: the child would find the engine in the middle of it.
 os.register_at_fork(before=lambda: _lock.acquire(), after_in_parent=lambda: _lock.release(), after_in_child=_after_fork)
-
-
-def joint_moduli(*args: float) -> tuple[float, float]:
-    """Entry `joint_moduli` of the extension (it cannot fail)."""
-    return _hdengine.joint_moduli(*args)
 
 
 @functools.cache
@@ -265,5 +268,4 @@ def named(values: str, **given: float) -> np.ndarray:
 
 def version() -> str:
     """Version of the engine."""
-    text = _hdengine.engine_version()
-    return (text.decode() if isinstance(text, bytes) else str(text)).strip()
+    return ask("engine_version").decode().strip()

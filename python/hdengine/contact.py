@@ -232,7 +232,7 @@ def doubts(path: str = "", **keys: Value) -> list:
 
 def forget() -> None:
     """Give back the memory of the mesh and the factors that the last run left for the next one."""
-    _engine.call("model_forget")
+    _engine.ask("model_forget")
 
 
 def given_keys(assignments: list[str]) -> dict:

@@ -165,7 +165,7 @@ class _Problem:
         return self
 
     def __exit__(self, *exc):
-        _engine.call("solid_close", self._handle)
+        _engine.ask("solid_close", self._handle)
 
 
 def _common(bodies, element):

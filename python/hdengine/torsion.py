@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _engine
-from ._check import array, checked, flag, number, together
+from ._check import array, checked, number, together
 from ._engine import InputError
 
 __all__ = ["remaining_stiffness", "series", "torsional_stiffness", "torsional_stiffness_paper"]
@@ -30,39 +30,8 @@ def facet_weights(position: ArrayLike, normal: ArrayLike) -> tuple[np.ndarray, n
     if any(shape[-1:] != (3,) for shape in shapes):
         raise InputError(f"position {shapes[0]}, normal {shapes[1]}: their last length must be 3")
     r, n = together(position=position, normal=normal)
-    w_n, w_t = _engine.call("torsion_weights", r.reshape(-1, 3).T, n.reshape(-1, 3).T)
+    w_n, w_t = _engine.ask("torsion_weights", r.reshape(-1, 3).T, n.reshape(-1, 3).T)
     return w_n.reshape(r.shape[:-1]), w_t.reshape(r.shape[:-1])
-
-
-@checked(theta=array(), r=number(above=0), w=number(), slope=number(), homothetic=flag)
-def ellipse_facet(theta: ArrayLike, r: float, w: float, slope: float = 0.0, homothetic: bool = False) -> tuple:
-    """Point, normal and area density of an elliptic cone at eccentric angle theta.
-
-    Parameters
-    ----------
-    theta : array_like
-        Eccentric angle [rad].
-    r, w : float
-        Semi-axes are r + w and r - w [m].
-    slope : float
-        tan of the cone angle.
-    homothetic : bool
-        Generator slopes in proportion to the semi-axes; otherwise equal.
-
-    Returns
-    -------
-    position, normal : ndarray (..., 3)
-        [m], unit vector.
-    density : ndarray (...)
-        dA / (dtheta dz) [m].
-    """
-    theta = np.asarray(theta, float)
-    c, s = np.cos(theta), np.sin(theta)
-    a, b = r + w, r - w
-    da, db = (a * slope / r, b * slope / r) if homothetic else (slope, slope)
-    n = np.stack([b * c, a * s, -(a * db * s**2 + b * da * c**2)], axis=-1)
-    density = np.linalg.norm(n, axis=-1)
-    return np.stack([a * c, b * s, 0 * c], axis=-1), n / density[..., None], density
 
 
 @checked(k_n=array(empty=True), k_t=array(empty=True))
@@ -115,7 +84,7 @@ def torsional_stiffness_paper(k_n: ArrayLike, k_t: ArrayLike, theta: ArrayLike, 
     """
     k_n, k_t, theta = together(k_n=k_n, k_t=k_t, theta=theta)
     angles = np.asarray(theta)
-    w_n, w_t = (w.reshape(angles.shape) for w in _engine.call("torsion_weights_printed", angles.ravel(), r, w, slope))
+    w_n, w_t = (w.reshape(angles.shape) for w in _engine.ask("torsion_weights_printed", angles.ravel(), r, w, slope))
     return np.sum(k_n * w_n + k_t * w_t, axis=-1)
 
 

@@ -46,6 +46,7 @@ DRIVE = {
     "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
 }
 OF_SECTIONS = [f"geometry.{name}" for name in ("bore_radius", "wall_thickness", "rim_thickness", "cup_length", "bottom_thickness")]
+SEED = 1   # of all draws
 SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
 
 
@@ -132,18 +133,6 @@ def joint_tornado(field: ContactField) -> dict:
     return dict(sorted(ends.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
 
 
-def joint_band(field: ContactField, draws: int = 500, seed: int = 1) -> tuple:
-    """95 % band of K_TS from all joint inputs at once, each even over its range (in the logarithm where it spans a factor of 2).
-
-    Returns
-    -------
-    low, median, high : float
-        [N m/rad].
-    """
-    generator, ranges = np.random.default_rng(seed), ranges_of(field.scene, JOINT)
-    return _band([field.k_ts(**_point(ranges, generator.random(len(ranges)))) for _ in range(draws)])
-
-
 def _band(values):
     """Low end, median and high end of 95 % of some values."""
     return tuple(float(v) for v in np.quantile(values, [0.025, 0.5, 0.975]))
@@ -157,8 +146,7 @@ def _point(ranges, unit):
     return point
 
 
-def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, seed: int = 1,
-                  progress: Progress | None = None) -> dict:
+def joint_indices(field: ContactField, ranges: dict, base: int, progress: Progress | None = None) -> dict:
     """First-order and total variance-based indices of K_TS (Sobol; needs SALib: pip install 'hdengine[sensitivity]').
 
     Parameters
@@ -186,9 +174,9 @@ def joint_indices(field: ContactField, ranges: dict = JOINT, base: int = 128, se
     except ImportError:
         raise InputError("variance-based indices need SALib: pip install 'hdengine[sensitivity]'") from None
     problem = {"num_vars": len(ranges), "names": list(ranges), "bounds": [[0, 1]] * len(ranges)}
-    points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
+    points = sampling.sample(problem, base, calc_second_order=False, seed=SEED)
     y = np.array([field.k_ts(**_point(ranges, u)) for u in _counted(points, progress, "indices")])
-    s = analysis.analyze(problem, y, calc_second_order=False, seed=seed)
+    s = analysis.analyze(problem, y, calc_second_order=False, seed=SEED)
     return {key: tuple(float(s[name][i]) for name in ("S1", "S1_conf", "ST", "ST_conf")) for i, key in enumerate(ranges)}
 
 
@@ -197,7 +185,7 @@ def _places(low, high):
     return [low, high] if isinstance(low, str) else np.linspace(low, high, 5).tolist()
 
 
-def one_at_a_time(scene: PathLike = "", ranges: dict | None = None, fixed: dict | None = None) -> Study:
+def one_at_a_time(scene: PathLike, ranges: dict, fixed: dict | None = None) -> Study:
     """Study with the scene itself and five places of each range: point 0, then those of each key that differ from the scene.
 
     Parameters
@@ -205,11 +193,9 @@ def one_at_a_time(scene: PathLike = "", ranges: dict | None = None, fixed: dict 
     scene : str or Path
         Namelist.
     ranges : dict
-        Default: DRIVE.
     fixed : dict
         Keys that differ from the scene at every point.
     """
-    ranges = DRIVE if ranges is None else ranges
     base = read_scene(scene, **(fixed or {}))
     points = [{key: base[key] for key in ranges}]
     for key, (low, high, _) in ranges.items():
@@ -225,8 +211,8 @@ def _solved(result, key, column):
     return value[0], {row[key]: value[point] for point, row in rows.items() if point == 0 or row[key] != rows[0][key]}
 
 
-def drive_tornado(result: StudyResult, ranges: Mapping | None = None, column: str = "k_ts_nm_per_rad") -> tuple:
-    """Ends of each range from the study of `one_at_a_time`.
+def drive_tornado(result: StudyResult, ranges: Mapping, column: str = "k_ts_nm_per_rad") -> tuple:
+    """Ends of each range of the study of `one_at_a_time`.
 
     Returns
     -------
@@ -235,21 +221,21 @@ def drive_tornado(result: StudyResult, ranges: Mapping | None = None, column: st
         key: (at low, at high); NaN where a point failed; the widest first.
     """
     base, ends = np.nan, {}
-    for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
+    for key, (low, high, _) in ranges.items():
         base, found = _solved(result, key, column)
         first, last = (next((y for x, y in found.items() if alike(x, end)), np.nan) for end in (low, high))
         ends[key] = first, last
     return base, dict(sorted(ends.items(), key=lambda item: -abs(np.subtract(*item[1]))))
 
 
-def drive_curves(result: StudyResult, ranges: Mapping | None = None, column: str = "k_ts_nm_per_rad") -> dict:
+def drive_curves(result: StudyResult, ranges: Mapping, column: str = "k_ts_nm_per_rad") -> dict:
     """K_TS over each input from the study of `one_at_a_time`, relative to that of the scene.
 
     Parameters
     ----------
     result : StudyResult
     ranges : dict
-        Of the study; default DRIVE.
+        Of the study.
     column : str
 
     Returns
@@ -259,7 +245,7 @@ def drive_curves(result: StudyResult, ranges: Mapping | None = None, column: str
         1.96 (high).
     """
     curves = {}
-    for key, (low, high, _) in (DRIVE if ranges is None else ranges).items():
+    for key, (low, high, _) in ranges.items():
         base, found = _solved(result, key, column)
         points = {({low: -1.96, high: 1.96}.get(x, 0.0) if isinstance(x, str) else x): y / base for x, y in found.items()}
         places = sorted(x for x, y in points.items() if np.isfinite(y))
@@ -306,7 +292,7 @@ def _counted(items, progress, label):
             progress.step(label)
 
 
-def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, seed: int = 1, ranges: Mapping | None = None,
+def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, ranges: Mapping | None = None,
           progress: Progress | None = None) -> dict:
     """95 % bands of K_TS when groups of inputs scatter over their ranges.
 
@@ -333,7 +319,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
         keys = [k for k in curves or {} if k.startswith(drive)] if drive else []
         if drive and not keys:
             continue
-        generator, values = np.random.default_rng(seed), []
+        generator, values = np.random.default_rng(SEED), []
         chosen = {k: ranges[k] for k in joint}
         for _ in _counted(range(draws), progress, name):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
@@ -385,7 +371,7 @@ def table_ranges(scene: dict, folder: PathLike) -> dict:
     return {"joint.table_file": (*ends, "95 % band of its table")}
 
 
-def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) -> dict:
+def drive_factors(curves: dict, ranges: dict, draws: int = 4000) -> dict:
     """Factors on K_TS of every input, drawn over its range.
 
     A number is drawn evenly over its range and acts along its curve, a monotone cubic. The band of a table is drawn as a normal
@@ -402,7 +388,7 @@ def drive_factors(curves: dict, ranges: dict, draws: int = 4000, seed: int = 1) 
     -------
     dict of ndarray
     """
-    generator, found = np.random.default_rng(seed), {}
+    generator, found = np.random.default_rng(SEED), {}
     for key, curve in curves.items():
         if len(curve[0]) < 2:
             continue
@@ -493,10 +479,10 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
     indexed = sobol > 0 and not table and find_spec("SALib") is not None
     progress = Progress(10 * (len(groups) + indexed), show=show)
     found["bands_95_nm_per_rad"] = {name: band for name, band in bands(
-        field, curves, draws, ranges=of_joint | ranges, progress=progress).items()
+        field, curves, draws, of_joint | ranges, progress).items()
                                     if band[0] < band[2]}
     try:
-        found["indices"] = joint_indices(field, of_joint, sobol, progress=progress) if sobol and not table else {}
+        found["indices"] = joint_indices(field, of_joint, sobol, progress) if sobol and not table else {}
     except InputError as why:
         found |= {"indices": {}, "note": str(why)}
     if table:

@@ -2,7 +2,7 @@
 module test_parameters
   use hd_check, only: check
   use hd_parameter_row, only: stage_model, stage_assembly, stage_load, stage_control, stage_output
-  use hd_parameters, only: parameter_table_t, new_table, find_parameter
+  use hd_parameters, only: parameter_table_t, new_table
   use hd_scene, only: scene_t
   implicit none
   private
@@ -34,12 +34,12 @@ contains
     integer function stage(group, key, formed, joint_law)
       character(len=*), intent(in) :: group, key
       logical, intent(in), optional :: formed, joint_law
-      stage = table%rows(find_parameter(table, group, key))%stage(present(formed), present(joint_law))
+      stage = table%rows(table%find(group, key))%stage(present(formed), present(joint_law))
     end function stage
 
     logical function changes(group, key)
       character(len=*), intent(in) :: group, key
-      changes = table%rows(find_parameter(table, group, key))%may_change()
+      changes = table%rows(table%find(group, key))%may_change()
     end function changes
   end subroutine run_parameters
 end module test_parameters

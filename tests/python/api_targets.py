@@ -77,8 +77,6 @@ def targets():
     yield "torsion.torsional_stiffness_paper", torsion.torsional_stiffness_paper, {
         "k_n": np.ones(7), "k_t": np.ones(7), "theta": np.arange(7.0), "r": 17.5e-3, "w": 2e-4, "slope": 0.0}
     yield "torsion.facet_weights", torsion.facet_weights, {"position": position, "normal": normal}
-    yield "torsion.ellipse_facet", torsion.ellipse_facet, {"theta": np.arange(7.0), "r": 17.5e-3, "w": 2e-4, "slope": 0.0,
-                                                           "homothetic": False}
     yield "torsion.series", torsion.series, {"*": (1e4, 2e4)}
     yield "torsion.remaining_stiffness", torsion.remaining_stiffness, {"k_total": 1e3, "k_part": 2e3}
     yield "catalogue.stages", catalogue.stages, {"torque_nm": turn[:40], "angle_rad": turn[:40] / 5e3, "t1_nm": 2.0, "t2_nm": 4.0}

@@ -78,10 +78,7 @@ def stopped_and_whole(exe, keys, rows, tmp_path):
 @pytest.fixture(scope="session")
 def small_run(exe, tmp_path_factory):
     """Folder of a small finished run of the default scene."""
-    folder = tmp_path_factory.mktemp("runs") / "small.out"
-    done = call(exe, CD14, *SMALL, "--out", folder, "output.vtu=all", "-q")
-    assert done.returncode == 0, done.stderr
-    return folder
+    return solve_small(exe, tmp_path_factory.mktemp("runs") / "small.out", "output.vtu=all").folder
 
 
 @pytest.fixture(scope="session")

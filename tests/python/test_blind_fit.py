@@ -49,7 +49,7 @@ def test_crossovers_are_told(name, rises):
     for f in told:
         (long, middle, longest), (short, shortest, same) = f.ranges
         assert (short > long) is rises and middle == same and longest > 1.99 * middle > 3.9 * shortest
-        assert f"D = {round(long, 2)} for wavelengths of {middle:.4g} to".replace("e-0", "e-") in str(f)
+        assert f"D = {round(long, 2)} for wavelengths of {1e6 * middle:.4g} to" in str(f)
         assert f" and {round(short, 2)} for " in str(f)
     assert rises or any("this map cannot tell" in f.reason for f in told)
 

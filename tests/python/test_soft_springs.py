@@ -3,7 +3,7 @@
 import pytest
 
 import hdengine
-from conftest import ROOT, call
+from conftest import ROOT, call, solved
 
 GROUND = ROOT / "data/cd14_ground.nml"
 MESH = ["mesh.divisions=24", "mesh.band_facets=6", "load.assembly_steps=1", "load.torque_steps=2", "load.torque=2", "output.vtu=none"]
@@ -15,9 +15,7 @@ NUMBERS = ("rotation_rad", "normal_force_n", "pressure_mid_mean_pa", "wave_gener
 
 def solve(exe, folder, *keys, support="bearing"):
     """A small scene, solved; its summary."""
-    done = call(exe, GROUND, *MESH, f"load.support={support}", *keys, "--out", folder, "-q", "--force")
-    assert done.returncode == 0, done.stderr
-    return hdengine.load(folder).summary
+    return solved(exe, folder, GROUND, *MESH, f"load.support={support}", *keys).summary
 
 
 @pytest.mark.parametrize("keys, ours, tolerance, within", [

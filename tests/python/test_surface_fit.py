@@ -143,7 +143,7 @@ def test_anisotropy_is_reported():
 
 def test_rows_far_apart():
     """An isotropic map with points four to sixteen times as far apart one way has no wrong points and S alike both ways at equal distances, and so has
-    the map turned by a quarter; a wrong point is found, a hole filled from what is near."""
+    the map turned by a quarter; a wrong point is found, a hole filled from what is near. S of too few rows for the lags is said to be that of rows."""
     z = surface.periodic(512, 512e-6, 2.3, 1e-10, 2e-6, 1)
     for far in (4, 16):
         fits = [roughness.fit(z[:, ::far], (1e-6, far * 1e-6), lags=(1, 8)), roughness.fit(z[:, ::far].T, (far * 1e-6, 1e-6), lags=(1, 8))]
@@ -154,6 +154,8 @@ def test_rows_far_apart():
     rows[300, 20] += 6 * np.diff(rows, 2, axis=0).std()
     found, spikes = specimen.clean(specimen.Specimen(rows, (1e-6, 16e-6)), fill=True)
     assert spikes == 1 and abs(found.heights[300, 20] - z[300, 320]) < np.diff(z, axis=0).std()
+    few, square = roughness.fit(z[::64], (64e-6, 1e-6)), roughness.fit(z, 1e-6)
+    assert np.isfinite(few.anisotropy) and [name for name, _ in few.directions()] == ["rows"] and square.directions()[0][0] == "rows and columns"
 
 
 def test_detail_between_rows_far_apart_folds_back():

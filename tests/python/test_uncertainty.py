@@ -30,7 +30,7 @@ def test_tornado_and_band_agree(field):
     ends = u.joint_tornado(field)
     widths = [abs(b - a) for a, b in ends.values()]
     assert widths == sorted(widths, reverse=True) and set(ends) == set(u.JOINT)
-    low, median, high = u.joint_band(field, draws=60)
+    low, median, high = u.bands(field, draws=60)["D, G, r_m, s_min, hardness"]
     assert 0 <= low < median < high and low < field.k_ts() < high
 
 

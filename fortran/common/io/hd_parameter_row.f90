@@ -43,6 +43,9 @@ module hd_parameter_row
   type :: parameter_table_t
     type(parameter_t), allocatable :: rows(:)  !< keys; until `close_table` with room for more
     integer, private :: used = 0               !< rows that are keys
+  contains
+    procedure :: find
+    procedure :: given
   end type parameter_table_t
 
 contains
@@ -66,6 +69,22 @@ contains
       end do
     end select
   end function stage
+
+  !> Row of a key, 0 if there is none.
+  pure integer function find(self, group, key) result(row)
+    class(parameter_table_t), intent(in) :: self  !< table
+    character(len=*), intent(in) :: group, key    !< names
+    do row = size(self%rows), 1, -1
+      if (self%rows(row)%group == group .and. self%rows(row)%key == key) return
+    end do
+  end function find
+
+  !> A key of the table was set by the user.
+  pure logical function given(self, group, key)
+    class(parameter_table_t), intent(in) :: self  !< table
+    character(len=*), intent(in) :: group, key    !< names
+    given = self%rows(self%find(group, key))%given
+  end function given
 
   !> A stopped run may go on with another value: it changes nothing that was computed.
   pure logical function may_change(self)

@@ -5,7 +5,7 @@ module hd_band_matrix
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_linear_solver
-  use hd_lapack, only: dgemm
+  use hd_lapack, only: dgemm, dtrsm
   implicit none
   private
   public :: factorise_band, solve_band, part_of_inverse
@@ -39,13 +39,6 @@ module hd_band_matrix
       real(dp), intent(in) :: alpha, a(lda, *), x(*), beta
       real(dp), intent(inout) :: y(*)
     end subroutine dgemv
-    subroutine dtrsm(side, uplo, trans, diag, m, n, alpha, a, lda, b, ldb)
-      import :: dp
-      character(len=1), intent(in) :: side, uplo, trans, diag
-      integer, intent(in) :: m, n, lda, ldb
-      real(dp), intent(in) :: alpha, a(lda, *)
-      real(dp), intent(inout) :: b(ldb, *)
-    end subroutine dtrsm
   end interface
 
 contains

@@ -7,7 +7,7 @@ module hd_lapack
   use hd_text, only: to_text
   implicit none
   private
-  public :: dgemm, sgemm, blas_threads, blas_kernels, choose_kernels, multiply_dense, multiply_transposed, solve_dense
+  public :: dgemm, sgemm, dtrsm, blas_threads, blas_kernels, choose_kernels, multiply_dense, multiply_transposed, solve_dense
   public :: invert_symmetric, inverse_factor, solve_definite
 
   interface

@@ -9,7 +9,7 @@ module hd_gradient
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t, begin_adjoint
-  use hd_companion, only: companion_t, find_companions, change_residuals, change_law, forces_of, share_of_state
+  use hd_neighbour, only: neighbour_t, find_neighbours, change_residuals, change_law, forces_of, share_of_state
   use hd_contact_law, only: stick_state
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t
@@ -73,7 +73,7 @@ module hd_gradient
     type(spot_t) :: spot                             !< where the stress is largest
     integer :: edge(2) = 0                           !< where an end of the band carries most: end, column of facets
     integer :: keys = 0
-    type(companion_t), allocatable :: of(:)          !< of the keys, and room
+    type(neighbour_t), allocatable :: of(:)          !< of the keys, and room
     type(result_t), allocatable :: result(:)
     real(dp), allocatable :: by_turn(:, :)           !< of the results by the turn of rim or bottom (stations, results)
     real(dp), allocatable :: value(:, :)             !< changes of the results by those of the keys (keys, results)
@@ -142,7 +142,7 @@ contains
     type(string_t), intent(in), optional :: only(:)   !< keys that the readings are wanted by; all that hold forces come with them
     real(dp), allocatable :: value(:)
     integer :: i, images
-    call find_companions(scene, drive, joint, self%of, self%keys, error, only)
+    call find_neighbours(scene, drive, joint, self%of, self%keys, error, only)
     if (allocated(error)) return
     found%results = split(of_all)
     if (scene%support%loop) found%results = split(of_loop//of_all)
@@ -190,7 +190,7 @@ contains
   !> change with them (Euler): derivatives that do not say so were lost where a change of state nearly turns a matrix singular. Not
   !> all forces are keys of a joint by a table and of given torques, which count as one.
   subroutine check_scale(self, scene, value, found, lost)
-    class(gradient_t), intent(in) :: self             !< companions
+    class(gradient_t), intent(in) :: self             !< neighbours
     type(scene_t), intent(in) :: scene                !< of the run
     real(dp), intent(in) :: value(:)                  !< the results
     type(derivatives_t), intent(inout) :: found       !< NaN where they do not hold

@@ -6,7 +6,7 @@
 module hd_tangent_slopes
   use hd_kinds, only: dp
   use hd_adjoint, only: adjoint_t, begin_adjoint
-  use hd_companion, only: companion_t, share_of_state
+  use hd_neighbour, only: neighbour_t, share_of_state
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load
   use hd_error, only: error_t
@@ -35,7 +35,7 @@ contains
     type(drive_t), intent(inout) :: drive             !< its drive
     type(place_t), intent(in) :: place                !< of the reference step
     type(state_t), intent(in) :: before, top          !< the state before it, and its own
-    type(companion_t), intent(inout) :: of(:)         !< of the keys; get the tangents of their struts
+    type(neighbour_t), intent(inout) :: of(:)         !< of the keys; get the tangents of their struts
     real(dp), intent(out) :: change(:)                !< of K_TS by the changes of the keys [N m/rad]
     real(dp), intent(out) :: by_u(:, :), by_t(:, :)   !< derivatives by displacements (3, n) and tractions (3, points) there
     type(error_t), allocatable, intent(out) :: error  !< linear solver
@@ -100,9 +100,9 @@ contains
     end associate
   end subroutine find_tangent_slopes
 
-  !> What the run's answer leaves in the law of a companion's joint (3, points).
+  !> What the run's answer leaves in the law of a neighbour's joint (3, points).
   function law_of(c, own, load, top, points, answer, loose) result(left)
-    type(companion_t), intent(in) :: c             !< companion
+    type(neighbour_t), intent(in) :: c             !< neighbour
     type(drive_t), intent(in) :: own               !< its bodies
     type(load_t), intent(in) :: load               !< of the reference step
     type(state_t), intent(in) :: top               !< its state
@@ -199,7 +199,7 @@ contains
 
   !> Work on lambda of what a drive's own struts do more than the run's under a displacement.
   real(dp) function work_of_struts(c, drive, top, lambda, du) result(work)
-    type(companion_t), intent(inout) :: c       !< gets the tangents of its struts
+    type(neighbour_t), intent(inout) :: c       !< gets the tangents of its struts
     type(drive_t), intent(in) :: drive          !< of the run, at its reference step
     type(state_t), intent(in) :: top            !< its state
     real(dp), intent(in) :: lambda(:, :), du(:, :)  !< (3, n)

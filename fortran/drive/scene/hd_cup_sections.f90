@@ -144,13 +144,7 @@ contains
       character(len=*), intent(in) :: key, what
       real(dp), intent(inout) :: value
       real(dp), intent(in) :: settled
-      integer :: i
-      logical :: given
-      given = .false.
-      do i = 1, size(table%rows)
-        if (table%rows(i)%group == 'geometry' .and. table%rows(i)%key == key) given = table%rows(i)%given
-      end do
-      if (given .and. abs(value - settled) > near*settled) call push(faults, &
+      if (table%given('geometry', key) .and. abs(value - settled) > near*settled) call push(faults, &
         'error: geometry.'//key//' = '//to_text(value)//new_line('a')//'      valid: '//what//', '//to_text(settled)// &
         ', or left out: the cup is given by cup.sections')
       value = settled

@@ -6,7 +6,7 @@ module hd_input
   use hd_new_file, only: write_text
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
-  use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text
+  use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text
   use hd_plausible, only: slips_of
   use hd_scene, only: scene_t
   use hd_fit_report, only: place_files
@@ -32,14 +32,10 @@ contains
     type(namelist_t) :: list
     type(parameter_table_t) :: table
     type(string_t), allocatable :: slips(:)
-    integer :: i, row(7)
-    logical :: given(7)
+    logical, allocatable :: given(:)
+    integer :: i
     allocate (list%faults(0))
     call new_table(scene, table)
-    row = [find_parameter(table, 'wave_generator', 'clearance'), find_parameter(table, 'wave_generator', 'interference'), &
-      find_parameter(table, 'load', 'tooth_gaps'), find_parameter(table, 'load', 'tooth_clearance'), &
-      find_parameter(table, 'loop', 'torques'), find_parameter(table, 'load', 'torque'), &
-      find_parameter(table, 'load', 'tooth_gaps_back')]
     if (holds_study(trim(path))) then
       call raise(error, code_input, "'"//trim(path)//"' is a study of many scenes, not a scene: run it by 'hdengine study', of "// &
         'the Python package')
@@ -50,12 +46,12 @@ contains
       if (allocated(error)) return
       call apply_file(list, table)
     end if
-    given = table%rows(row)%given
-    call settle_pairs(scene, given)
-    table%rows(row)%given = .false.
+    given = table%rows%given
+    call settle_pairs(scene, table)
+    table%rows%given = .false.
     call apply_assignments(assignments, list%faults, table)
-    call settle_pairs(scene, table%rows(row)%given)
-    table%rows(row)%given = table%rows(row)%given .or. given
+    call settle_pairs(scene, table)
+    table%rows%given = table%rows%given .or. given
     if (size(list%faults) == 0 .and. len_trim(scene%joint_from_fit) > 0) then
       call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
       if (allocated(error)) return
@@ -78,20 +74,22 @@ contains
   !> Two keys may say one thing: where a source, a file or what is given beside it, has one alone, the other says nothing. Where it
   !> has both, a clearance counts more than an interference, and a list more than the one number that makes it. Gaps of the teeth
   !> that come alone are those of both flanks.
-  pure subroutine settle_pairs(scene, given)
-    type(scene_t), intent(inout) :: scene  !< scene
-    logical, intent(in) :: given(7)  !< by the source: clearance, interference; tooth_gaps, tooth_clearance; torques, torque; back
-    if (given(2) .and. .not. given(1)) scene%clearance = 0
-    if ((given(1) .and. .not. given(2)) .or. scene%clearance > 0) scene%interference = 0
-    if (given(4) .and. .not. given(3)) then
+  pure subroutine settle_pairs(scene, table)
+    type(scene_t), intent(inout) :: scene          !< scene
+    type(parameter_table_t), intent(in) :: table   !< its table: what the source gave
+    if (table%given('wave_generator', 'interference') .and. .not. table%given('wave_generator', 'clearance')) scene%clearance = 0
+    if (scene%clearance > 0 .or. (table%given('wave_generator', 'clearance') .and. &
+      .not. table%given('wave_generator', 'interference'))) scene%interference = 0
+    if (table%given('load', 'tooth_clearance') .and. .not. table%given('load', 'tooth_gaps')) then
       scene%gap_count = 1
       scene%gaps(1) = 0
     end if
-    if (any(given(3:4)) .and. .not. given(7)) then
+    if ((table%given('load', 'tooth_gaps') .or. table%given('load', 'tooth_clearance')) .and. &
+      .not. table%given('load', 'tooth_gaps_back')) then
       scene%gap_back_count = 1
       scene%gaps_back(1) = 0
     end if
-    if (given(6) .and. .not. given(5)) then
+    if (table%given('load', 'torque') .and. .not. table%given('loop', 'torques')) then
       scene%torque_count = 1
       scene%torques(1) = 0
     end if
@@ -148,7 +146,7 @@ contains
     do i = 1, size(list%assignments)
       associate (a => list%assignments(i))
         if (place_of(names, a%group) == 0) cycle
-        row = find_parameter(table, a%group, a%key)
+        row = table%find(a%group, a%key)
         if (row == 0) then
           call report(list, a%line, a%column, len(a%key), "unknown key '"//a%key//"' in &"//a%group, &
             suggestion(a%key, keys_of(table, a%group)))
@@ -183,7 +181,7 @@ contains
         else
           group = lower(s(:dot - 1))
           key = lower(s(dot + 1:equal - 1))
-          row = find_parameter(table, group, key)
+          row = table%find(group, key)
           if (place_of(groups_of(table), group) == 0) then
             what = 'unknown group &'//group
             hint = suggestion(group, groups_of(table))
@@ -239,7 +237,7 @@ contains
     end if
     do i = 1, size(list%assignments)
       associate (a => list%assignments(i))
-        row = find_parameter(table, 'joint', a%key)
+        row = table%find('joint', a%key)
         if (row == 0) cycle
         if (table%rows(row)%given) cycle
         call assign_words(table%rows(row), a%values, what, hint)

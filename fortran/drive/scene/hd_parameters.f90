@@ -13,7 +13,7 @@ module hd_parameters
   use hd_surface_keys, only: add_surface_keys, add_fit_keys
   implicit none
   private
-  public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, find_parameter, assign_words, value_text, &
+  public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text, &
     value_count, range_text
 
 contains
@@ -304,16 +304,6 @@ contains
       if (table%rows(i)%group == group) call push(names, table%rows(i)%key)
     end do
   end function keys_of
-
-  !> Row of a key, 0 if there is none.
-  pure integer function find_parameter(table, group, key) result(row)
-    type(parameter_table_t), intent(in) :: table           !< table
-    character(len=*), intent(in) :: group, key   !< names
-    do row = 1, size(table%rows)
-      if (table%rows(row)%group == group .and. table%rows(row)%key == key) return
-    end do
-    row = 0
-  end function find_parameter
 
   !> Present value as text that reads back exactly.
   function value_text(p) result(s)

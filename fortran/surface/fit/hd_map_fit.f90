@@ -219,8 +219,8 @@ contains
         .or. (reach < least_reach .and. clear < f%f_hi .and. f%noise_variance > 0)) then
         v%kind = noise_dominated
         v%name = 'noise'
-        v%reason = 'the spectrum is flat: white noise of '//to_text(sqrt(f%noise_variance))// &
-          ' m rms leaves a power law over a factor '//to_text(reach)//' of frequency'
+        v%reason = 'the spectrum is flat: white noise of '//rounded(1e6_dp * sqrt(f%noise_variance))// &
+          ' um rms leaves a power law over a factor '//to_text(reach)//' of frequency'
       else if (r%interval(2, 1) < smooth_end .or. (r%d < smooth_estimate .and. f%misfit > bent)) then
         v%name = 'smooth'
         v%reason = 'the spectrum falls faster than that of a fractal surface: G is not determined'
@@ -234,16 +234,16 @@ contains
         v%reason = 'no window of frequencies follows one power law: the model is off by '//percent(f%misfit)
       else if (size(b%ranges, 2) == 2) then
         v%name = 'crossover'
-        v%reason = 'D = '//hundredths(b%ranges(1, 1))//' for wavelengths of '//rounded(b%ranges(2, 1))//' to '// &
-          rounded(b%ranges(3, 1))//' m and '//hundredths(b%ranges(1, 2))//' for '//rounded(b%ranges(2, 2))//' to '// &
-          rounded(b%ranges(3, 2))//' m'
+        v%reason = 'D = '//hundredths(b%ranges(1, 1))//' for wavelengths of '//rounded(1e6_dp * b%ranges(2, 1))//' to '// &
+          rounded(1e6_dp * b%ranges(3, 1))//' um and '//hundredths(b%ranges(1, 2))//' for '// &
+          rounded(1e6_dp * b%ranges(2, 2))//' to '//rounded(1e6_dp * b%ranges(3, 2))//' um'
         if (f%crossed .and. f%one - f%two%deviance < quantile) v%reason = v%reason//'. One law with probe or noise, D = '// &
           hundredths(f%d)//', is as likely (deviance '//to_text(f%one)//', two laws '//to_text(f%two%deviance)// &
           '): this map cannot tell them apart'
       else
         v%kind = fractal
         v%reason = 'the spectrum follows the model for wavelengths of '// &
-          to_text(1 / f%f_hi)//' to '//to_text(1 / f%f_lo)//' m'
+          rounded(1e6_dp / f%f_hi)//' to '//rounded(1e6_dp / f%f_lo)//' um'
         if (r%interval(1, 1) < determined) v%reason = v%reason//'; the 95 % interval of D reaches 2, so G is not determined'
       end if
     end associate

@@ -70,7 +70,7 @@ contains
     if (high - low <= rounding * epsilon(low) * max(abs(high), abs(low))) then
       v = verdict_t(not_fractal, 'constant', 'all heights are equal')
     else if (rest <= max(level_left * (high - low), 4 * rounding * epsilon(low) * max(abs(high), abs(low)))) then
-      v = verdict_t(not_fractal, 'plane', 'heights lie on a plane to '//to_text(rest)//' m')
+      v = verdict_t(not_fractal, 'plane', 'heights lie on a plane to '//to_text(1e6_dp * rest)//' um')
     else
       call judge_line(raw, z, first, v, error)
     end if

@@ -15,7 +15,7 @@ def moduli(e1: float, nu1: float, e2: float, nu2: float) -> tuple[float, float]:
 
     Source: Mindlin (1949); for rough surfaces Campana, Persson and Mueser (2011), doi 10.1088/0953-8984/23/8/085001.
     """
-    e_star, ratio = _engine.joint_moduli(e1, nu1, e2, nu2)
+    e_star, ratio = _engine.ask("joint_moduli", e1, nu1, e2, nu2)
     return float(e_star), float(ratio)
 
 

@@ -12,7 +12,7 @@ SKEW = 0.7          # skewness beyond which heights are not those of random wave
 WORN, PEAKED = 0.5, 1.9   # height of the crests over that of random waves where a map is none of them (77 such: 0.53 to 1.7)
 # The engine's rule (hd_persson_error): TRUST, ln k_N within which the theory must hold 95 of 100 single maps to be taken; STEEP,
 # E* slope over hardness beyond which boundary elements may not converge; rms errors of ln k_N over touching waves
-(TRUST, STEEP), *_errors = _engine.call("theory_rule")
+(TRUST, STEEP), *_errors = _engine.ask("theory_rule")
 SCATTER = tuple(zip(*_errors))
 # ln k_N within which 95 of 100 maps lie per ln of their crests' height, over true contact (bench/joint_law.py fit); from CLOSING on
 # a crest counts as worn to a third at most, since the valleys decide
@@ -33,7 +33,7 @@ def scatter_of(area: np.ndarray, waves: float) -> np.ndarray:
     waves : float
         Independent waves (`Spectrum.waves`).
     """
-    return _engine.call("theory_scatters", np.atleast_1d(np.asarray(area, dtype=float)), float(waves))
+    return _engine.ask("theory_scatters", np.atleast_1d(np.asarray(area, dtype=float)), float(waves))
 
 
 def half_width_of(area: np.ndarray, waves: float, crests: float = 1.0) -> np.ndarray:

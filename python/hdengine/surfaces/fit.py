@@ -20,12 +20,17 @@ __all__ = ["Fit", "Ridges"]
 
 _OFFSETS = 3     # power of an axis over that of other directions that is told of (hd_map_fit)
 _UNEQUAL = 0.4   # ln of S of rows over S of columns that isotropic maps stay below
-_DETERMINED = _engine.call("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
+_DETERMINED = _engine.ask("determined_dimension")   # lowest end of the interval of D at which G is determined (hd_verdict)
 
 
 def micrometres(*lengths: float, digits: int = 3) -> str:
     """Lengths [m] as one text, "1 to 20 µm": the unit of roughness and of its standards."""
     return " to ".join(f"{1e6 * length:.{digits}g}" for length in lengths) + " µm"
+
+
+def rows_alone(lags: tuple, *maps: np.ndarray) -> bool:
+    """A map (rows, points) has too few rows for S along columns over the lags, as the engine has it (hd_observation)."""
+    return any(lags[1] > (len(np.atleast_2d(z)) - 1) // 2 for z in maps)
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ class Fit:
     curve_m2: np.ndarray = field(repr=False)    #: S of the model [m^2]
     curve_error: np.ndarray = field(repr=False)  #: standard error of ln of the model
     sample_error: np.ndarray = field(repr=False)  #: standard deviation of measured ln S about the model
+    rows_alone: bool = False                #: S is that of rows: a profile, or a map with too few rows for the lags
     ridges: Ridges | None = None            #: the sum of Eq. 1 that was told
     probe_m: float = float("nan")           #: standard deviation of the Gaussian probe that blurs the map, fitted [m]
     finer_detail: float = float("nan")      #: detail that folds back: 0 none, 0.5 down to half the spacing, 1 to a fifth
@@ -128,7 +134,7 @@ class Fit:
         """Directions of S, with the places of their lags in the arrays: [(name, indices), ..]."""
         n, count = len(self.tau_m), self.lags[1] - self.lags[0] + 1
         if n <= count:
-            return [("rows" if np.isnan(self.anisotropy) else "rows and columns", np.arange(n))]
+            return [("rows" if self.rows_alone else "rows and columns", np.arange(n))]
         names = ("rows", "columns") if n == 2 * count else ("rows and columns", "diagonals")
         return [(names[0], np.arange(count)), (names[1], np.arange(count, n))]
 

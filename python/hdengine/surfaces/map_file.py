@@ -17,7 +17,7 @@ import numpy as np
 from .._check import MOST_BYTES, NUMBER, input_file, seen
 from .._engine import FileError, InputError
 from .._types import Spacing
-from . import plain, roughness
+from . import roughness, text_file
 
 __all__: list[str] = []
 UNEVEN = 1e-3    # distance of a position from an even row of them, over the step: heights are interpolated beyond
@@ -57,7 +57,7 @@ def read(path: Path, unit: str | tuple[str, str] | None, spacing: Spacing | None
             return _load_array(path, unit, spacing, channel or 0)
     if b"<!DOCTYPE DATA" in head:
         return _softgauge(path, unit, spacing)
-    table = plain.read_table(path)
+    table = text_file.read_table(path)
     if table is not None:
         return _plain(path, table, unit, spacing)
     return _foreign(path, unit, spacing, channel)
@@ -127,7 +127,7 @@ def _scales(path, stated, unit):
 
 def _cut(path):
     """A note on a text that ends within a line."""
-    if not plain.is_text(path):
+    if not text_file.is_text(path):
         return []
     with open(path, "rb") as file:
         file.seek(-1, 2)
@@ -262,9 +262,9 @@ def _plain(path, table, unit, spacing):
         dx, dy = roughness._spacing(spacing)
         return table.values * height, (dy, dx), notes
     if columns == 2:
-        x, z, more = plain.profile(path, table)
+        x, z, more = text_file.profile(path, table)
         return _profile(path, x * lateral, z, 1.0, height, None, notes + more)
-    z, (dy, dx), more = plain.points(path, table)
+    z, (dy, dx), more = text_file.points(path, table)
     line = 1 in z.shape
     steps = (max(dx, dy),) * 2 if line else (dy, dx)
     if not min(steps) > 0:

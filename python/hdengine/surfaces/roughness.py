@@ -13,7 +13,7 @@ from .. import _engine
 from .._check import array, checked, flag, integers, kind, number, optional, word
 from .._engine import InputError
 from .._types import Spacing
-from .fit import Fit, Ridges
+from .fit import Fit, Ridges, rows_alone
 
 __all__ = ["expected_structure", "fit", "level", "structure_function"]
 _MOST_LAGS, _MOST_WAVES = 20, 4000   # of a window that nobody states; for the covariance of random phases (hd_fit_report)
@@ -273,6 +273,7 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
     elif model == "spectrum":
         model = "profile" if profile else "isotropic"
     result = _result(v, curves, text, model, weighted, surface, lags, band, level, dx, dy)
+    result = replace(result, rows_alone=rows_alone(lags, z.T, *[] if second is None else [other.T]))
     return result if np.isnan(rings["frequency"][0]) else replace(result, **_spectrum(v, rings))
 
 

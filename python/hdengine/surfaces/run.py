@@ -15,7 +15,7 @@ from ..contact import _assignments
 from ..files import write_files
 from ..results import read_summary
 from ..table_file import read_csv
-from .roughness import Fit, Ridges
+from .fit import Fit, Ridges, rows_alone
 from .specimen import JointSurface, Specimen
 
 __all__ = ["SurfaceResult", "run_surface"]
@@ -85,7 +85,8 @@ class SurfaceResult:
                 specimens.append(Specimen(z if len(z) > 1 else z[0], spacing, Path(fits.get(name, {}).get("file", name)).stem))
         self.specimens = tuple(specimens)
         table = read_csv(self.folder / "fit.csv") if fits else None
-        self.fits = {name: _fit(name, s, table) for name, s in fits.items()}
+        heights = [s.heights for s in specimens]
+        self.fits = {name: _fit(name, s, table, heights) for name, s in fits.items()}
 
     @property
     def joint(self) -> JointSurface | None:
@@ -116,8 +117,8 @@ class SurfaceResult:
         return [path]
 
 
-def _fit(name, s, table):
-    """Fit of the summary and of the rows of fit.csv."""
+def _fit(name, s, table, heights):
+    """Fit of the summary, of the rows of fit.csv and of the maps."""
     rows = table[table["surface"] == name]
     nan = float("nan")
     none = nan, nan
@@ -133,7 +134,8 @@ def _fit(name, s, table):
         rms=s.get("residual_rms", nan), rms_expected=s.get("residual_rms_expected", nan), misfit=s.get("misfit", nan),
         chi2=s.get("chi2", nan), freedom=s.get("freedom", 0), anisotropy=s.get("anisotropy", nan), tilt=tuple(s["tilt"]),
         levelled=s["levelled"], tau_m=rows["lag_m"], s_m2=rows["s_m2"], curve_m2=rows["model_m2"],
-        curve_error=rows["model_error_ln"], sample_error=rows["sample_error_ln"], ridges=_ridges(s.get("ridges")))
+        curve_error=rows["model_error_ln"], sample_error=rows["sample_error_ln"],
+        rows_alone=rows_alone(s["lags"], *heights), ridges=_ridges(s.get("ridges")))
 
 
 def _ridges(s):

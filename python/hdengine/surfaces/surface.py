@@ -201,11 +201,11 @@ def generate(shape: Sequence[int], spacing: Spacing, fractal_dimension: float, r
     """
     spectrum = (fractal_dimension, roughness, gamma, length, shortest_wavelength)
     head, size, kind, wanted = _head(shape, spacing, spectrum, ridges, seed, origin, method, dtype if out is None else float)
+    within = _tolerance("tolerance", tolerance) or 0.0
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
-        _engine.call("surface_method", *head, *size, _tolerance("tolerance", tolerance) or 0.0, kind.itemsize, wanted)
+        _engine.call("surface_method", *head, *size, within, kind.itemsize, wanted)
     heights = _room(size, kind, out)
-    entry = "surface_heights" if heights.dtype == np.float64 else "surface_heights_single"
-    _engine.call(entry, *head, _tolerance("tolerance", tolerance) or 0.0, wanted, heights.T)
+    _engine.call("surface_heights", *head, *size, within, heights.itemsize, wanted, heights.ctypes.data)
     return heights
 
 
@@ -294,8 +294,7 @@ def sum_waves(fx: ArrayLike, fy: ArrayLike, amplitude: ArrayLike, phase: ArrayLi
     if not 0 < min(size) <= size[0] * size[1] <= _LARGE:
         _engine.call("surface_free_method", lists[0].size, grid, *size, tolerance or 0.0, kind.itemsize, wanted)
     heights = _room(size, kind, out)
-    entry = "surface_free_heights" if heights.dtype == np.float64 else "surface_free_heights_single"
-    _engine.call(entry, *lists, grid, tolerance or 0.0, wanted, heights.T)
+    _engine.call("surface_free_heights", *lists, grid, *size, tolerance or 0.0, heights.itemsize, wanted, heights.ctypes.data)
     return heights
 
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Companions of a run: its drive with one key changed a little, and what that leaves in the run's equations.
-module hd_companion
+!> Neighbours of a run: its drive with one key changed a little, and what that leaves in the run's equations.
+module hd_neighbour
   use hd_kinds, only: dp
   use hd_conditions, only: check_scene
   use hd_contact_law, only: contact_law_t
@@ -21,7 +21,7 @@ module hd_companion
   use hd_text, only: string_t
   implicit none
   private
-  public :: companion_t, find_companions, change_residuals, change_law, forces_of, share_of_state
+  public :: neighbour_t, find_neighbours, change_residuals, change_law, forces_of, share_of_state
 
   !> Shares of its value by which a key is changed. What bends the bodies is changed more: their forces are small sums of large
   !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
@@ -34,7 +34,7 @@ module hd_companion
   character(len=7), parameter :: of_force(5) = ['N      ', 'N/m    ', 'N/m^1.5', 'N m    ', 'Pa     ']
 
   !> The run's drive with one key changed.
-  type :: companion_t
+  type :: neighbour_t
     type(string_t) :: key                            !< group.key
     real(dp) :: change = 0                           !< of it
     real(dp) :: force = 0                            !< its value, if its unit holds one of force
@@ -47,16 +47,16 @@ module hd_companion
     type(scene_t) :: scene
     type(drive_t) :: drive                           !< unless it is idle
     type(joint_t) :: joint
-  end type companion_t
+  end type neighbour_t
 
 contains
 
   !> The drives of all real keys, or of some.
-  subroutine find_companions(scene, drive, joint, of, keys, error, only)
+  subroutine find_neighbours(scene, drive, joint, of, keys, error, only)
     type(scene_t), intent(in) :: scene                !< of the run
     type(drive_t), intent(in) :: drive                !< its drive
     type(joint_t), intent(in) :: joint                !< its joint
-    type(companion_t), allocatable, intent(out) :: of(:)  !< of the keys, and room
+    type(neighbour_t), allocatable, intent(out) :: of(:)  !< of the keys, and room
     integer, intent(out) :: keys                      !< how many
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
     type(string_t), intent(in), optional :: only(:)   !< keys that are wanted; those that hold forces come with them
@@ -81,7 +81,7 @@ contains
       if (allocated(error)) return
       if (fits) keys = keys + 1
     end do
-  end subroutine find_companions
+  end subroutine find_neighbours
 
   !> A key counts: a number of the drive, in use. Where 0 is a word for something else, the number is not in use.
   pure logical function is_real(p, scene)
@@ -110,7 +110,7 @@ contains
     logical, intent(in) :: felt                       !< the joint counts
     type(drive_t), intent(in) :: drive                !< of the run
     type(joint_t), intent(in) :: joint                !< of the run
-    type(companion_t), intent(out) :: other           !< companion
+    type(neighbour_t), intent(out) :: other           !< neighbour
     logical, intent(out) :: fits                      !< it is valid, on the same mesh
     type(error_t), allocatable, intent(out) :: error  !< joint
     type(scene_t), target :: moved
@@ -187,7 +187,7 @@ contains
   subroutine compare_drives(scene, drive, other, law)
     type(scene_t), intent(in) :: scene           !< of the run
     type(drive_t), intent(in) :: drive           !< of the run
-    type(companion_t), intent(inout) :: other    !< companion
+    type(neighbour_t), intent(inout) :: other    !< neighbour
     logical, intent(in) :: law                   !< its joint may be another
     type(drive_t) :: light
     logical :: felt(3, size(drive%assembly, 2))
@@ -273,7 +273,7 @@ contains
   !> Residuals of a drive in a state of the run: all of its forces, and the change of the law's by its displacements. The way of a
   !> step is taken as linear: a change may be larger than the slip in it. Struts meet no displacements that are given.
   subroutine change_residuals(c, drive, place, load, before, state, bare, dw, r_u, r_c)
-    type(companion_t), intent(inout) :: c           !< its drive gets whether the wheel turns
+    type(neighbour_t), intent(inout) :: c           !< its drive gets whether the wheel turns
     type(drive_t), intent(in) :: drive              !< of the run
     type(place_t), intent(in) :: place              !< here
     type(load_t), intent(in) :: load                !< of the run
@@ -331,7 +331,7 @@ contains
 
   !> Residuals of another law, less those of the run.
   subroutine change_law(c, problem, place, load, before, state, left_c, r_c)
-    type(companion_t), intent(in) :: c              !< companion
+    type(neighbour_t), intent(in) :: c              !< neighbour
     type(problem_t), intent(inout) :: problem       !< of the run, has the law for a while
     type(place_t), intent(in) :: place              !< here
     type(load_t), intent(in) :: load                !< of the run
@@ -353,12 +353,12 @@ contains
     r_c = r_c + (left - left_c)
   end subroutine change_law
 
-  !> Forces of a companion's struts in a state of the run [N]. Where a wheel turns, flanks that push on the run but that a change
+  !> Forces of a neighbour's struts in a state of the run [N]. Where a wheel turns, flanks that push on the run but that a change
   !> has taken off pull: in the run their way is that of the wheel, also where the torque is 0 and they only just touch.
   function forces_of(problem, rate, load, u) result(force)
-    type(problem_t), intent(inout) :: problem   !< of the companion; gets the tangents of the struts
+    type(problem_t), intent(inout) :: problem   !< of the neighbour; gets the tangents of the struts
     real(dp), intent(in) :: rate(:)             !< of the run [N/m]
-    type(load_t), intent(in) :: load            !< of the companion
+    type(load_t), intent(in) :: load            !< of the neighbour
     real(dp), intent(in) :: u(:, :)             !< displacements (3, n) [m]
     real(dp), dimension(size(rate)) :: closing, force, pull
     closing = strut_closings(problem, load, u)
@@ -369,4 +369,4 @@ contains
     problem%strut_rate = rate
     force = force + linear_forces(problem, pull)
   end function forces_of
-end module hd_companion
+end module hd_neighbour

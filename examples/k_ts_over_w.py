@@ -24,7 +24,7 @@ x = [1e3 * row["wave_generator.w"] for row in rows]
 tangent = [row["k_ts_bonded_nm_per_rad"] for row in rows]
 eq45 = [row["k_ts_nm_per_rad"] for row in rows]
 
-# %
+# %%
 # Both readings relative to the first point.
 
 figure, axis = plt.subplots(figsize=(6, 4))

@@ -487,7 +487,9 @@ class Result:
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
             k = r["k_ts_bonded_nm_per_rad"]
-            stiffness = "K_TS none: these faces have no tangent" if k is None else f"K_TS {_number(k)} N m/rad, the tangent beside bonded faces"
+            stiffness = "K_TS none: these faces have no tangent"
+            if k is not None:
+                stiffness = f"K_TS {_number(k)} N m/rad, the tangent beside bonded faces"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "

@@ -486,7 +486,10 @@ class Result:
                 stiffness = f"K_FTS (torque over rotation) {self.secant_stiffness()[-1]:.4g} N m/rad   shares of the pairs " \
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
-            stiffness = f"K_TS {_number(r['k_ts_bonded_nm_per_rad'])} N m/rad, the tangent beside bonded faces"
+            k = r["k_ts_bonded_nm_per_rad"]
+            stiffness = "K_TS none: these faces have no tangent"
+            if k is not None:
+                stiffness = f"K_TS {_number(k)} N m/rad, the tangent beside bonded faces"
         lines = [
             f"{self.summary['title'] or self.folder}: {self.summary['status']}",
             f"  {r['steps']} load steps, {r['iterations']} Newton iterations, {self.summary['model']['dof']} dof, "

@@ -217,3 +217,11 @@ def test_python_takes_a_truth_value():
         assert hdengine.read_scene(ROOT / "data/drive14.nml", run__band=value)["run.band"] == text
     with pytest.raises(hdengine.InputError, match="is not a number"):
         hdengine.read_scene(contact__friction=True)
+
+
+def test_an_assembly_alone_has_no_readings(exe, tmp_path):
+    """Without torque there is neither K1 to K3 nor a band, and the log says so; what is left out of a drive is not its load path."""
+    done = call(exe, ROOT / "data/drive14.nml", *MESH, "loop.torques=0,0", "--out", tmp_path / "a")
+    assert "band      none" in done.stdout and "drive     no K1 to K3" in done.stdout and "quote" not in done.stdout
+    summary = json.loads((tmp_path / "a/summary.json").read_text())
+    assert "band_shares" not in summary["results"] and not any("load path" in line for line in summary["model_error"]["left_out"])

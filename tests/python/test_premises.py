@@ -131,6 +131,12 @@ def test_a_run_warns_of_slip_and_of_peaks_beyond_strength(exe, tmp_path):
     assert not any(TANGENT in w for w in stuck.summary["warnings"])
 
 
+def test_bonded_faces_have_no_tangent(exe, tmp_path):
+    """Log and result of faces without a tangent say so, in place of NaN."""
+    done = call(exe, CD14, "mesh.divisions=16", "mesh.band_facets=3", "contact.mode=bonded", "--out", tmp_path / "a")
+    assert "K_TS      none" in done.stdout and "NaN" not in done.stdout and "K_TS none" in repr(hdengine.load(tmp_path / "a"))
+
+
 def test_range_warnings_come_once_per_process(recwarn):
     """A kind of JointWarning is given once, however its numbers change, and says what to do."""
     hdengine.joint._warned.clear()

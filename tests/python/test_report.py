@@ -148,7 +148,8 @@ def test_colours_do_not_rest_on_edge_cells():
 
 def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     """The report of a whole drive opens with K1 to K3 of its summary, hysteresis in minutes of arc, and its loop."""
-    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2)
+    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2,
+                       joint__model="spectrum")
     page = write_report(tmp_path / "r").read_text()
     head, found = page.split("<nav>")[0], run.summary["results"]
     assert "data:image" not in page and not [*run.folder.glob("*.png")]
@@ -159,6 +160,7 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     assert len(re.findall('<tr class="(?:good|failed)">', head)) == 3
     assert ('class="failed"' in head) == (min(found["flexspline_yield_safety"], found["ring_yield_safety"], found["goodman_safety_min"]) < 1)
     assert "<dt>wall thickness</dt><dd>0.36</dd>" in head and head.split('class="views"')[1].split("</div>")[0].count("<circle") == run.scene["bearing.balls"]
+    assert f"it rests on {run.summary['k_ts_by_model']['chosen_rests_on']}." in page and "r_m" not in page
     places = [head.index(text) for text in ("K1 ", "Torque over the angle", "largest force of a ball", "front view", "Stress cycle")]
     assert places == sorted(places)
     assert "K1 {:.3g} kN m/rad, K2 {:.3g} kN m/rad".format(*(1e-3 * found[f"k{i}_nm_per_rad"] for i in (1, 2))) in head

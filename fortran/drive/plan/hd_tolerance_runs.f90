@@ -12,7 +12,7 @@ module hd_tolerance_runs
   use hd_error, only: error_t, raise, code_stopped
   use hd_load_path, only: path_end
   use hd_log, only: say, set_log_level, quiet
-  use hd_loop, only: read_loop
+  use hd_loop, only: read_loop, readings_t
   use hd_march, only: march
   use hd_mesh_series, only: small_displacements
   use hd_model, only: model_t, give_back
@@ -54,18 +54,24 @@ contains
     type(derivatives_t) :: by
     type(scene_t) :: coarse
     type(input_t), allocatable :: inputs(:)
+    type(readings_t) :: found
     character(len=:), allocatable :: reason
     real(dp) :: base(banded), seconds
     logical :: quick
     integer :: i
     quick = run%scene%with_band == 'auto'
     reason = ''
-    coarse = coarsened(run%scene)
-    call find_inputs(coarse, inputs)
-    call try(coarse, run%clock, model, base, seconds, error, inputs, by)
+    found = read_loop(run%loop, run%scene)
+    if (any(found%k > 0)) then
+      coarse = coarsened(run%scene)
+      call find_inputs(coarse, inputs)
+      call try(coarse, run%clock, model, base, seconds, error, inputs, by)
+    else
+      reason = 'the torque does not rise'
+    end if
     if (allocated(error)) then
       reason = 'the drive on a coarse mesh ended early: '//error%message
-    else
+    else if (len(reason) == 0) then
       do i = 1, size(inputs)
         call enter_slopes(inputs(i), base, by, run%record%band)
       end do

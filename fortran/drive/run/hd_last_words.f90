@@ -58,6 +58,7 @@ contains
     type(loop_t), intent(in) :: loop          !< likewise
     type(record_t), intent(inout) :: record   !< gets warnings
     type(string_t), allocatable :: lines(:)
+    character(len=:), allocatable :: line
     call range_warnings(joint, maxval(facets%corner(1, :, :)), lines)
     call warn(record, lines)
     if (scene%support%loop) then
@@ -69,8 +70,11 @@ contains
     if (scene%support%loop) then
       call tell_drive(scene, mark%step%torque, sums, loop, record%band)
     else
-      call say('K_TS      '//rounded(sums%k_tangent)//' N m/rad, the tangent beside bonded faces')
-      call detail('          secant '//rounded(sums%k_secant)//', contact alone '//contact_text(sums)//' N m/rad')
+      line = ' N m/rad, the tangent beside bonded faces'
+      if (.not. sums%k_tangent > 0) line = ': these faces have no tangent'
+      call say('K_TS      '//stiffness_text(sums%k_tangent)//line)
+      call detail('          secant '//stiffness_text(sums%k_secant)//', contact alone '//stiffness_text(sums%k_contact)// &
+        ' N m/rad')
     end if
     call detail('          Eq. 45 '//rounded(sums%k_ts)//' N m/rad, as printed '//rounded(sums%k_ts_paper)//' N; slipping: '// &
       percent(sums%slip_area)//' of the area, '//percent(sums%slip_force)//' of the force, '//percent(sums%slip_k_ts)// &
@@ -98,13 +102,18 @@ contains
     type(string_t), allocatable :: keys(:)
     real(dp), allocatable :: part(:)
     integer :: i
+    line = loop_text(loop, scene)
+    if (len(line) == 0) then
+      call say('drive     no K1 to K3, for the torque does not rise')
+      return
+    end if
     quote = 'variants beside each other; K1 to K3 with their band, which run.band finds'
     if (allocated(band%input)) then
       call say('drive     '//loop_text(loop, scene, band%bounds()))
       call band%ranked(keys, part)
       quote = 'K1 to K3 with these 95 % bands, made most by '//keys(1)%s//' ('//percent(part(1))//')'
     else
-      call say('drive     '//loop_text(loop, scene))
+      call say('drive     '//line)
     end if
     if (sums%shares(1) == sums%shares(1)) then  ! else no joint: none
       line = 'twist     the contact takes '//percent(sum(sums%shares(in_contact:)))//' at '//rounded(torque)//' N m:'
@@ -116,19 +125,19 @@ contains
       end do
       call say(trim(line))
       call detail('          K_TS '//rounded(sums%k_tangent)//' N m/rad beside the bonded drive (Eq. 46), '// &
-        contact_text(sums)//' of the contact alone')
+        stiffness_text(sums%k_contact)//' of the contact alone')
     end if
     call say('quote     '//quote//'; no K_TS without its fit')
     if (allocated(band%input)) call detail('band      '//band%text(banded_values(read_loop(loop, scene), sums)))
   end subroutine tell_drive
 
-  !> Stiffness of the contact alone, or that it has none.
-  function contact_text(sums) result(text)
-    type(sums_t), intent(in) :: sums  !< of the step
+  !> A stiffness, or that there is none.
+  function stiffness_text(k) result(text)
+    real(dp), intent(in) :: k  !< stiffness; NaN: none
     character(len=:), allocatable :: text
     text = 'none'
-    if (sums%k_contact > 0) text = rounded(sums%k_contact)
-  end function contact_text
+    if (k > 0) text = rounded(k)
+  end function stiffness_text
 
   !> Warnings of K_TS and of pressures.
   subroutine push_stiffness_warnings(scene, joint, certain, s, record)

@@ -196,9 +196,10 @@ def _stiffness(result):
     if "k_ts_bonded_nm_per_rad" in result.limits:
         limit, error, _ = result.limits["k_ts_bonded_nm_per_rad"]
         found["K_TS, tangent, limit of fine meshes / (MN m/rad)"] = f"{1e-6 * limit:.4g}, known to {100 * error:.2g} %"
+    law = result.summary.get("k_ts_by_model", {}).get("chosen_rests_on", "the law of the joint")
     return found, k, \
         "The tangent K_TS is what a test can measure: the slope of torque over rotation, less what glued faces give. " \
-        "Eq. 45 assumes that nothing slips further; its magnitude rests on r_m and s_min, which are inputs."
+        f"Eq. 45 assumes that nothing slips further; it rests on {html.escape(law)}."
 
 
 def _readings(results):

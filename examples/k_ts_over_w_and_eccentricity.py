@@ -18,7 +18,7 @@ data = next(d for d in (Path("data"), Path("../data")) if d.is_dir())  # of a ch
 out = Path(mkdtemp())
 COARSE = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.assembly_steps": 1, "load.torque_steps": 2}
 
-# %
+# %%
 # Both readings relative to the first point.
 
 figure, axes = plt.subplots(1, 2, figsize=(10, 4))

@@ -19,6 +19,7 @@ from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turni
 from .style import new_axes, styled
 
 __all__: list[str] = []
+MAPS, FRAMES = 6, 25   # at most, of the torque's maps and of an animation
 
 
 @styled
@@ -131,14 +132,14 @@ def plot_band(result: RunLike) -> Figure:
 
 
 @styled
-def plot_steps(result: RunLike, most: int = 6) -> Figure:
+def plot_steps(result: RunLike) -> Figure:
     """Contact pressure on the unrolled band over the torque: the first map, and what the others differ by from it.
 
     Where they differ by half of the scale or more, every map is drawn as it is, all on one scale.
     """
     steps = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)[:1].tolist()
     steps += [i for i in range(len(result.torque_nm)) if i > steps[0]] if steps else range(len(result.torque_nm))
-    steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, most).round().astype(int))]
+    steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, MAPS).round().astype(int))]
     columns = min(3, len(steps))
     rows = -(-len(steps) // columns)
     figure, axes = new_axes(rows, columns, figsize=(4 * columns + 1, 2.1 * rows + 1.2), sharex=True, sharey=True, squeeze=False)
@@ -184,15 +185,13 @@ def _against_resolution(result, p, steps):
 
 
 @styled
-def animate(result: RunLike, path: PathLike, most: int = 25) -> Path:
+def animate(result: RunLike, path: PathLike) -> Path:
     """Write a GIF of pressure and shear on the unrolled band over the load steps.
 
     Parameters
     ----------
     result : Result
     path : str or Path
-    most : int
-        Frames at most.
 
     Returns
     -------
@@ -201,7 +200,7 @@ def animate(result: RunLike, path: PathLike, most: int = 25) -> Path:
     from matplotlib.animation import FuncAnimation, PillowWriter
 
     p, q = result.contact["pressure_pa"] / 1e6, result.contact["traction_theta_pa"] / 1e6
-    frames = np.unique(np.linspace(0, len(p) - 1, most).round().astype(int))
+    frames = np.unique(np.linspace(0, len(p) - 1, FRAMES).round().astype(int))
     area = result.contact["area_m2"]
     top, shear = pressure_top(result), colour_top(np.where(p > 0, np.abs(q), 0), area)
     figure, axes = new_axes(2, 1, figsize=(8, 5.4), sharex=True)

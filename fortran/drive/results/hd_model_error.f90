@@ -44,7 +44,7 @@ contains
     if (scene%support%struts) then
       call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
         scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K1 to K3 of the shipped sizes are '// &
-        '0.8 to 1.2 times the catalogue''s (docs/evidence/drive.md)')
+        '0.8 to 1.2 times the catalogue''s, up to 1.6 times at ratio 30 (docs/evidence/drive.md)')
     else
       if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')

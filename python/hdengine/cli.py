@@ -235,7 +235,8 @@ def _record(args):
             continue
         short = name.removesuffix("_nm_per_rad").removesuffix("_rad")
         print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
-    if abs(numbers["closing_rad"][0]) > DRIFT * numbers["hysteresis_rad"][0]:
+    value, low, high = numbers["closing_rad"]
+    if low * high > 0 and abs(value) > DRIFT * numbers["hysteresis_rad"][0]:
         print("  warning: the loop does not close, and hysteresis holds half of what it lacks: let the drive creep first, or take "
               "the drift out of the angles")
     for path in record.write(out, numbers, args.input, args.size, args.force):

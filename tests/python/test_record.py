@@ -74,6 +74,7 @@ def test_a_loop_with_play_reads_as_its_run(exe, tmp_path, size, play, offset):
     torque, turn = (np.interp(time, way, loop[name]) + noise.normal(0, error, time.size) for name, error in (("torque_nm", 0.01), ("angle_rad", 5e-6)))
     read = Record(torque + offset, turn).numbers(UNITS[size], draws=2)
     assert read.pop("hysteresis_rad")[0] == pytest.approx(run["hysteresis_rad"], rel=0.06, abs=5e-6)
+    assert abs(read.pop("closing_rad")[0]) < 0.1 * run["hysteresis_rad"] + 5e-6   # the loop of a run closes
     for name, value in read.items():
         assert value[0] == pytest.approx(run[name], rel=0.03), name
 

@@ -16,10 +16,9 @@ from hdengine import load, paper
 
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 READINGS = {"eq45": "k_ts_nm_per_rad", "bonded": "k_ts_bonded_nm_per_rad"}
-COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1, "load.torque": 5, "load.torque_steps": 5, "joint.model": "hu2023",
-          "joint.asperity_radius": 5e-6}
-DRIVE = {"scene": "drive14", "loop.torques": 5}
-CUP = {"scene": "cd14"}
+COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1, "load.torque": 5, "load.torque_steps": 5, "load.tangent_steps": "all"}
+DRIVE = {"scene": "drive14", "loop.torques": 5, "joint.model": "hu2023", "joint.asperity_radius": 5e-6}
+CUP = {"scene": "paper", "load.support": "hub", "wave_generator.ring_tangent": "auto"}
 FORMED = {**CUP, "wave_generator.shape": "as_formed", "load.torque_load": "teeth"}
 GROUPS = ("drive", "loose", "fine", "rigid", "cup", "formed")   # how the names of premises begin
 

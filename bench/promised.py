@@ -62,9 +62,9 @@ def draw(i, seed):
         "contact.friction": r.uniform(0.03, 0.4),
         "load.torque": r.uniform(0.3, 15 if support == "hub" else 3),
     }
-    words = {"load.support": support, "contact.law": r.choice(["hard", "joint", "joint_elastic"], p=[0.4, 0.4, 0.2]),
+    words = {"load.support": support, "wave_generator.ring_tangent": "auto", "contact.law": r.choice(["hard", "joint", "joint_elastic"], p=[0.4, 0.4, 0.2]),
              "solver.kinematics": "nonlinear" if r.random() < 0.2 else "linear"}
-    data = "cd14.nml" if r.random() < 0.5 else "cd14_ground.nml"
+    data = "paper.nml" if r.random() < 0.5 else "cd14.nml"
     if seed >= ALL_FROM and i % 8 == 7:
         keys = {k: v for k, v in keys.items() if k.startswith("geometry")} | {"load.torque": keys["load.torque"],
                 "load.tooth_stiffness": 10 ** r.uniform(7.8, 8.4)}

@@ -234,8 +234,8 @@ def pair(i):
     name = list(others)[i % len(others)]
     if name == "condensed":  # which is linear
         keys["solver.kinematics"] = "linear"
-    first = solve("cd14.nml", keys, limit)
-    second = solve("cd14.nml", keys | others[name], limit, threads="4" if name == "threads" else "1")
+    first = solve("paper.nml", keys, limit)
+    second = solve("paper.nml", keys | others[name], limit, threads="4" if name == "threads" else "1")
     if second["code"] == 2:   # it does not take this scene
         return second
     if first["code"] != second["code"]:
@@ -262,7 +262,7 @@ def one(kind, i):
     """Solve run i; print what does not converge."""
     keys_of, _, limit = KINDS[kind]
     keys = keys_of(i)
-    data = "cd14.nml" if kind in ("scenes", "presses") else "drive14_hat.nml" if "cup.sections_r" in keys else "drive14.nml"
+    data = "paper.nml" if kind in ("scenes", "presses") else "drive14_hat.nml" if "cup.sections_r" in keys else "drive14.nml"
     row = pair(i) if kind == "pairs" else solve(data, keys, limit)
     if outcome(row) != "converged":
         print(kind, i, outcome(row), row["message"][:160].replace("\n", " "), row["faults"], flush=True)

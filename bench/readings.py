@@ -17,6 +17,7 @@ from hdengine.catalogue import UNITS
 VARIED = {"as it is": {}, "e = 10 µm": {"wave_generator.eccentricity": 10e-6}, "µ = 0.05": {"contact.friction": 0.05}, "µ = 0.3": {"contact.friction": 0.3}}
 KEPT = ("k_ts_nm_per_rad", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad", "slip_share_k_ts", "pressure_max_pa",
         "edge_line_load_n_per_m")
+PAPER = {"load.support": "hub", "wave_generator.ring_tangent": "auto"}   # what makes data/paper.nml CD-14-100 with the paper's joint
 COARSE = {"divisions": 48, "band_facets": 8}
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
 
@@ -26,36 +27,41 @@ def short(sums):
     return {name: float(f"{sums[name]:.5g}") for name in KEPT if name in sums}
 
 
-def last(**keys):
+def eq45(sums):
+    """What a record keeps of the same scene with the paper's joint."""
+    return {name: sums[name] for name in ("k_ts_nm_per_rad", "slip_share_k_ts")}
+
+
+def last(scene="cd14.nml", **keys):
     """Sums of the last step."""
-    with hdengine.Run(str(DATA / "cd14.nml"), **keys) as run:
+    with hdengine.Run(DATA / scene, **keys) as run:
         return short([*run][-1].sums)
 
 
 def frictions():
-    """Friction and eccentricity at three torques."""
-    found = {}
-    for what, keys in VARIED.items():
-        with hdengine.Run(str(DATA / "cd14.nml"), **{"load.torque": 20.0, "load.torque_steps": 20}, **keys) as run:
-            steps = {round(s.sums["torque_nm"], 6): short(s.sums) for s in run}
-        found |= {f"CD-14-100, {what}, {torque:g} N m": steps[torque] for torque in (1.0, 5.0, 20.0)}
-    return found
+    """Friction and eccentricity at three torques, by the paper's joint too."""
+    def steps(scene, **keys):
+        with hdengine.Run(DATA / scene, **{"load.torque": 20.0, "load.torque_steps": 20}, **keys) as run:
+            return {round(s.sums["torque_nm"], 6): short(s.sums) for s in run}
+    found = {what: (steps("cd14.nml", **keys), steps("paper.nml", **PAPER, **keys)) for what, keys in VARIED.items()}
+    return {f"CD-14-100, {what}, {torque:g} N m": ours[torque] | {"paper": eq45(paper[torque])} for what, (ours, paper) in found.items() for torque in (1.0, 5.0, 20.0)}
 
 
 def meshes():
-    """Equal rows, and rows that shorten towards the edges."""
-    return [{"divisions": n, "band_facets": m, "edge_length_m": edge, **last(mesh={"divisions": n, "band_facets": m, "edge_length": edge})}
-            for n, m, edge in ((24, 4, 0.0), (48, 8, 0.0), (96, 16, 0.0), (160, 24, 0.0), (64, 12, 1e-4), (64, 12, 5e-5), (64, 12, 2.5e-5))]
+    """Equal rows, and rows that shorten towards the edges, by the paper's joint too."""
+    return [{"divisions": n, "band_facets": m, "edge_length_m": edge, **last(mesh=(mesh := {"divisions": n, "band_facets": m, "edge_length": edge})),
+             "paper": eq45(last("paper.nml", mesh=mesh, **PAPER))} for n, m, edge in ((24, 4, 0.0), (48, 8, 0.0), (96, 16, 0.0), (160, 24, 0.0), (64, 12, 1e-4), (64, 12, 5e-5), (64, 12, 2.5e-5))]
 
 
 def inputs():
-    """The joint's inputs."""
-    cases = {"as it is": {}, "plastic spots elastic": {"plastic_spots": "elastic"}, "r_m = 20 µm": {"asperity_radius": 20e-6},
+    """Ground rings, and the paper's surface with its own law and others."""
+    cases = {"the paper's": {}, "plastic spots elastic": {"plastic_spots": "elastic"}, "r_m = 20 µm": {"asperity_radius": 20e-6},
              "r_m = 3.74 µm, s_min = 6e-13 m²": {"asperity_radius": 3.74e-6, "s_min": 6e-13},
              "s_min = 1e-13 m²": {"s_min": 1e-13}, "fitted to boundary elements (no yield)": {
                  "asperity_radius": 3.74e-6, "s_min": 2.4e-12, "hardness": 1e15}, "G / 4": {"roughness": 6.062e-8},
              "model `spectrum`": {"model": "spectrum"}}
-    return {name: last(mesh=COARSE, joint=keys) for name, keys in cases.items()}
+    return {"ground to Ra 0.4 µm (`data/cd14.nml`)": last(mesh=COARSE)} | {
+        name: last("paper.nml", mesh=COARSE, joint=keys, **PAPER) for name, keys in cases.items()}
 
 
 def steps():
@@ -65,12 +71,12 @@ def steps():
 
 
 def by_torque(w, wall, kinematics):
-    """Eq. 45, normal force and mid-band pressure at every torque."""
+    """Tangent, normal force and mid-band pressure at every torque."""
     with hdengine.Run(DATA / "cd14.nml", mesh={"divisions": 40, "band_facets": 7}, geometry={"wall_thickness": wall, "rim_thickness": 1.186 * wall},
-                      wave_generator={"w": w}, load={"torque": TORQUES[-1], "assembly_steps": 2, "torque_steps": 4},
+                      wave_generator={"w": w}, load={"torque": TORQUES[-1], "assembly_steps": 2, "torque_steps": 4, "tangent_steps": "all"},
                       solver={"kinematics": kinematics}) as run:
         at = {round(s.sums["torque_nm"], 6): s for s in run}
-    return np.array([[at[t].k_ts_nm_per_rad, at[t].sums["normal_force_n"], at[t].sums["pressure_mid_mean_pa"]] for t in TORQUES])
+    return np.array([[at[t].sums[name] for name in ("k_ts_bonded_nm_per_rad", "normal_force_n", "pressure_mid_mean_pa")] for t in TORQUES])
 
 
 def kinematics():

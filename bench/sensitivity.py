@@ -18,24 +18,24 @@ import hdengine
 from common import ROOT, write_record
 from hdengine import uncertainty
 
-FIXED = {"joint.model": "spectrum", "mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
+SCENE = str(ROOT / "data/cd14.nml")
+FIXED = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "output.vtu": "none"}
 JOINT = {key: uncertainty.JOINT[key] for key in ("joint.fractal_dimension", "joint.roughness", "joint.hardness")}  # what the model spectrum takes
-RANGES = JOINT | uncertainty.DRIVE
+RANGES = uncertainty.ranges_of(hdengine.read_scene(SCENE), JOINT | uncertainty.DRIVE)
 COLUMN = "k_ts_bonded_nm_per_rad"
 
 
-def tangent(scene, keys, work):
+def tangent(keys, work):
     """Tangent of one point, kept in a file of the folder so that a stopped call goes on where it was."""
     kept = work / f"tangent_{hash(tuple(keys.values())):x}"
     if not kept.exists():
-        kept.write_text(repr(hdengine.run(scene, work / "point.out", True, **FIXED, **keys).summary["results"][COLUMN]))
+        kept.write_text(repr(hdengine.run(SCENE, work / "point.out", True, **FIXED, **keys).summary["results"][COLUMN]))
     return float(kept.read_text())
 
 
 def by_factors(work):
     """Shares by factors, from one input at a time over the same ranges."""
-    scene = str(ROOT / "data/cd14.nml")
-    one = uncertainty.one_at_a_time(scene, RANGES, FIXED).run(Path(work) / "one.out", show=False)
+    one = uncertainty.one_at_a_time(SCENE, RANGES, FIXED).run(Path(work) / "one.out", show=False)
     middle, _ = uncertainty.drive_tornado(one, RANGES, COLUMN)
     curves = uncertainty.drive_curves(one, RANGES, COLUMN)
     _, shares = uncertainty.drive_bands(uncertainty.drive_factors(curves, RANGES), middle)
@@ -44,10 +44,9 @@ def by_factors(work):
 
 def measure(base, work, seed=1):
     """Indices of every input, all drawn at once."""
-    scene = str(ROOT / "data/cd14.nml")
     problem = {"num_vars": len(RANGES), "names": list(RANGES), "bounds": [list(r[:2]) for r in RANGES.values()]}
     points = sampling.sample(problem, base, calc_second_order=False, seed=seed)
-    y = np.array([tangent(scene, dict(zip(RANGES, map(float, point))), Path(work)) for point in points])
+    y = np.array([tangent(dict(zip(RANGES, map(float, point))), Path(work)) for point in points])
     s = analysis.analyze(problem, np.log(y), calc_second_order=False, seed=seed)
     rows = [{"input": key, **{name: round(float(s[name][i]), 4) for name in ("ST", "ST_conf")}} for i, key in enumerate(RANGES)]
     return {"fixed": FIXED, "base": base, "band_95_nm_per_rad": [float(f"{v:.5g}") for v in np.quantile(y, (0.025, 0.975))],

@@ -121,9 +121,9 @@ def reading(sums, key):
 
 def meshes():
     """CD-14-100 over its mesh."""
-    return ("facets", "cells at the edges / µm", *(name for name, _ in [*KINDS.values()][:2]), "peak / MPa", "line load / (kN/m)"), [
+    return ("facets", "cells at the edges / µm", "Eq. 45, `hu2023`", *(name for name, _ in [*KINDS.values()][:2]), "peak / MPa", "line load / (kN/m)"), [
         (f"{s['divisions']} x {s['band_facets']}", f"{1e6 * s['edge_length_m']:g}" if s["edge_length_m"] else "even",
-         *(reading(s, k) for k in [*KINDS][:2]), f"{s['pressure_max_pa'] / 1e6:.0f}", f"{s['edge_line_load_n_per_m'] / 1e3:.1f}")
+         reading(s["paper"], "k_ts_nm_per_rad"), *(reading(s, k) for k in [*KINDS][:2]), f"{s['pressure_max_pa'] / 1e6:.0f}", f"{s['edge_line_load_n_per_m'] / 1e3:.1f}")
         for s in read_record("readings")["meshes"]]
 
 
@@ -139,7 +139,7 @@ def steps():
 
 def kinematics():
     """Largest change by large displacements over w."""
-    return ("w / mm", "Eq. 45", "normal force", "mid-band pressure"), [
+    return ("w / mm", "tangent", "normal force", "mid-band pressure"), [
         (f"{1e3 * r['w_m']:.2f}", *(percent(x, sign="") for x in r["largest"])) for r in read_record("readings")["kinematics"]]
 
 
@@ -148,9 +148,9 @@ def frictions():
     found = {}
     for name, s in read_record("readings")["frictions"].items():
         found.setdefault(name.split(", ")[1], []).append(s)
-    return ("scene", *(name for name, _ in [*KINDS.values()][:2]), "slip of Eq. 45 / %"), [
-        (what, *(" / ".join(reading(s, k) for s in at) for k in [*KINDS][:2]), triple([100 * s["slip_share_k_ts"] for s in at], "{:.0f}"))
-        for what, at in found.items()]
+    return ("scene", "tangent", "Eq. 45, `hu2023`", "its slip / %"), [
+        (what, *(" / ".join(reading(s, "k_ts_bonded_nm_per_rad") for s in at), " / ".join(reading(s["paper"], "k_ts_nm_per_rad") for s in at),
+                 triple([100 * s["paper"]["slip_share_k_ts"] for s in at], "{:.0f}"))) for what, at in found.items()]
 
 
 def joints():

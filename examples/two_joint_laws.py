@@ -18,7 +18,7 @@ from hdengine.elastic import ElasticJoint
 data = next(d for d in (Path("data"), Path("../data")) if d.is_dir())  # of a checkout of hdengine
 
 pressure = np.geomspace(1e5, 2e8, 40)
-scene = hdengine.read_scene(data / "cd14.nml", joint__model="spectrum")
+scene = hdengine.read_scene(data / "paper.nml", joint__model="spectrum")
 k_spectrum = ElasticJoint.of_scene(scene).stiffness(pressure)[0]
 
 figure, axis = plt.subplots(figsize=(6, 4.2))

@@ -3,7 +3,7 @@
 Compare two lubricants by their friction
 ========================================
 
-Two coefficients of friction, all else equal. Less friction means more slip, so the tangent K_TS falls. Eq. 45 hardly sees it. Coarse mesh:
+Two coefficients of friction, all else equal. Less friction means more slip, so the tangent K_TS falls. Coarse mesh:
 24 x 4 facets.
 """
 from pathlib import Path

@@ -21,7 +21,8 @@ for _name in (signal.SIGINT, signal.SIGHUP):  # a shell ignores them for what it
         signal.signal(_name, signal.SIG_DFL)
 
 ROOT = Path(__file__).resolve().parents[2]
-CD14 = ROOT / "data/cd14.nml"
+CD14, PAPER = ROOT / "data/cd14.nml", ROOT / "data/paper.nml"
+HELD = {"load__support": "hub", "wave_generator__ring_tangent": "auto"}  # what makes PAPER CD14 with the paper's joint
 SMALL = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=2", "load.assembly_steps=1"]
 
 

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import CD14, ROOT, solved
+from conftest import CD14, HELD, PAPER, solved
 
 ONE = {"load__assembly_steps": 1, "load__torque_steps": 1}
 
 
 def last(**keys):
     """Last load step of the reference scene, and its facets round the axis and along the band."""
-    with hdengine.Run(CD14, **ONE, **keys) as run:
+    with hdengine.Run(PAPER, **HELD, **ONE, **keys) as run:
         for step in run:
             pass
     return step, (run.facets // run.axial_facets, run.axial_facets)
@@ -58,7 +58,7 @@ def test_power_means_stand_where_contact_ends():
     assert lower.any() and not lower.all() and np.all(corners <= (1 + 1e-9) * f["pressure_pa"])
     near = sum(np.roll(opened, (i, j), (0, 1)) for i in range(-2, 3) for j in range(-2, 3)) > 0
     assert not np.any(lower & ~near) and not near.all()
-    joint = hdengine.Joint.of_scene(hdengine.read_scene(CD14))
+    joint = hdengine.Joint.of_scene(hdengine.read_scene(PAPER))
     assert all(np.all(f[f"shear_{i}_pa"] <= joint.friction * f[f"pressure_{i}_pa"] * (1 + 1e-12)) for i in (1, 2, 3, 4))
     assert step.sums["normal_force_n"] == pytest.approx((f["pressure_pa"] * f["area_m2"]).sum(), rel=1e-9)
 
@@ -66,7 +66,7 @@ def test_power_means_stand_where_contact_ends():
 def test_points_that_slip_apart_do_not_stiffen_their_facet():
     """A facet's K_T is the mean of its corners', by the Joint of Python: below that of its means, by a tenth in K_TS at 8 rows."""
     step, _ = last(mesh={"divisions": 44, "band_facets": 8, "edge_length": 30e-6})
-    f, joint = step.facets, hdengine.Joint.of_scene(hdengine.read_scene(CD14))
+    f, joint = step.facets, hdengine.Joint.of_scene(hdengine.read_scene(PAPER))
     corners = [joint.stiffness(f[f"pressure_{i}_pa"], f[f"shear_{i}_pa"], f["area_m2"])[1] for i in (1, 2, 3, 4)]
     np.testing.assert_allclose(f["k_t_n_per_m"], np.mean(corners, axis=0), rtol=1e-9, atol=1e-3)
     q, limit = np.hypot(f["traction_theta_pa"], f["traction_z_pa"]), joint.friction * f["pressure_pa"]
@@ -86,7 +86,7 @@ def test_rounding_does_not_decide_k_ts():
 def test_points_beyond_the_slip_limit_slip():
     """The residual leaves some that slip beyond mu p by more than rounding, where K_T of the model is 0: they count as the others."""
     step, _ = last(mesh={"divisions": 44, "band_facets": 8, "edge_length": 23.4e-6}, solver={"kinematics": "linear"})
-    f, joint = step.facets, hdengine.Joint.of_scene(hdengine.read_scene(CD14))
+    f, joint = step.facets, hdengine.Joint.of_scene(hdengine.read_scene(PAPER))
     for i in (1, 2, 3, 4):
         assert np.all(f[f"shear_{i}_pa"] <= (1 - 0.9e-6) * joint.friction * f[f"pressure_{i}_pa"])
 
@@ -125,6 +125,6 @@ def test_line_load_of_the_edge_converges_where_the_peak_does_not():
 @pytest.mark.parametrize("keys", [["mesh.edge_length=1e-4"], ["mesh.edge_length=2.5e-5"], ["mesh.element=hex20r", "mesh.wall_elements=4"]])
 def test_strong_friction_does_not_cycle(exe, tmp_path, keys):
     """Friction 0.63 with thin edge cells, and quadratic elements: no contact state runs in a cycle, no load step is halved, moments balance."""
-    r = solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", "mesh.divisions=32", "mesh.band_facets=6", "contact.friction=0.63", *keys,
+    r = solved(exe, tmp_path / "r", CD14, "mesh.divisions=32", "mesh.band_facets=6", "contact.friction=0.63", *keys,
                "output.vtu=none").summary["results"]
     assert r["iterations"] <= 60 and r["cut_backs"] == 0 and abs(r["torque_balance_nm"]) < 1e-8

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT, SMALL, call, solved
+from conftest import CD14, ROOT, SMALL, call, solved
 from hdengine import _engine
 from hdengine.prediction.choice import STEEP, TRUST, scatter_of
 
-GROUND = ROOT / "data/cd14_ground.nml"
+PAPER = ROOT / "data/paper.nml"
 FEW = ["joint.fractal_dimension=2.1", "joint.sample_length=4e-3", "joint.roughness=1e-28"]   # few long waves hold the height
 
 
-def run(exe, out, *keys, scene=GROUND):
+def run(exe, out, *keys, scene=CD14):
     """Summary, process."""
     done = call(exe, scene, *SMALL, *keys, "output.vtu=none", "--out", out, "--force")
     return (json.loads((out / "summary.json").read_text()) if done.returncode == 0 else None), done
@@ -54,7 +54,7 @@ def test_choice_flips_at_the_edge_of_the_rule(exe, tmp_path, table):
 
 def test_a_trial_that_slips_ends_nothing(exe, tmp_path, table):
     """Where the trial of the choice slips, as the scene will, the run goes on to its own steps and ends there, with its last state."""
-    _, done = run(exe, tmp_path / "o", "joint.model=auto", table, "load.support=bearing", "load.torque=60", scene=ROOT / "data/cd14.nml")
+    _, done = run(exe, tmp_path / "o", "joint.model=auto", table, "load.torque=60", scene=PAPER)
     assert done.returncode == 4 and "gross slip at T = " in done.stderr
     told = json.loads((tmp_path / "o/summary.json").read_text())
     assert told["joint"]["model"] in ("spectrum", "boundary_elements")
@@ -79,12 +79,12 @@ def test_without_a_table_the_theory_warns(exe, tmp_path):
 
 def test_steep_faces(exe, tmp_path, table):
     """On the paper's faces E* times slope is beyond the rule: the error is not said as a size, the theory warns, a table is taken."""
-    found, _ = run(exe, tmp_path / "o", "joint.model=auto", scene=ROOT / "data/cd14.nml")
+    found, _ = run(exe, tmp_path / "o", "joint.model=auto", scene=PAPER)
     error = found["joint"]["theory_error"]
     assert error["e_star_slope_over_hardness"] > STEEP and "ln_k_n_half_width" not in error
     assert found["joint"]["model"] == "spectrum" and any("hardnesses, where nearly all contact yields" in w for w in found["warnings"])
     assert "half of it lowers K_TS by Eq. 45 as much, and changes its tangent by -" in "".join(found["model_error"]["left_out"])
-    found, _ = run(exe, tmp_path / "o", "joint.model=auto", table, scene=ROOT / "data/cd14.nml")
+    found, _ = run(exe, tmp_path / "o", "joint.model=auto", table, scene=PAPER)
     assert found["joint"]["model"] == "boundary_elements" and "theory_error" not in found["joint"]
 
 
@@ -122,40 +122,40 @@ def test_chosen_model_is_run_as_if_it_were_named(exe, tmp_path, table):
             rows = [[row.rsplit(",", 1)[0] for row in (tmp_path / name / file).read_text().splitlines()] for name in "ab"]
             assert rows[0] == rows[1]
         assert f"model = '{named}'" in (tmp_path / "a/echo.nml").read_text()
-        again = call(exe, GROUND, *SMALL, "joint.model=auto", *keys, "output.vtu=none", "--out", tmp_path / "b", "--resume")
+        again = call(exe, CD14, *SMALL, "joint.model=auto", *keys, "output.vtu=none", "--out", tmp_path / "b", "--resume")
         assert again.returncode == 0 and "complete: nothing to do" in again.stdout, again.stderr
-    other = call(exe, GROUND, *SMALL, "joint.model=auto", "output.vtu=none", "--out", tmp_path / "b", "--resume")
+    other = call(exe, CD14, *SMALL, "joint.model=auto", "output.vtu=none", "--out", tmp_path / "b", "--resume")
     assert other.returncode == 2 and "joint." in other.stderr
 
 
 def test_planned_scene(exe, tmp_path, table):
     """With a tolerance the reason stands in --plan and among the reasons of the plan, and the plan is that of the model named."""
     keys = ["run.tolerance=0.3", "solver.kinematics=linear", "joint.model=auto", *FEW, table]
-    plan = call(exe, GROUND, *keys, "--plan")
+    plan = call(exe, CD14, *keys, "--plan")
     assert plan.returncode == 0 and "\njoint boundary_elements: k_N by theory lies within" in "\n" + plan.stdout
-    found = solved(exe, tmp_path / "o", GROUND, *keys, "output.vtu=none").summary
+    found = solved(exe, tmp_path / "o", CD14, *keys, "output.vtu=none").summary
     assert [r for r in found["plan"]["reasons"] if r.startswith("joint boundary_elements: k_N by theory lies within")]
     assert found["joint"]["model"] == "boundary_elements"
-    told = _engine.call_text("scene_text", str(GROUND), "\n".join(keys), 1)
+    told = _engine.call_text("scene_text", str(CD14), "\n".join(keys), 1)
     assert "joint boundary_elements: k_N by theory lies within" in told
 
 
 def test_python_and_studies(tmp_path, table):
     """From Python a scene's own model is chosen, a study over the torque keeps the mesh of the run before, and a joint alone asks for a model."""
     keys = dict(key.split("=") for key in SMALL) | {"joint.model": "auto", "output.vtu": "none"}
-    found = [hdengine.run(GROUND, tmp_path / f"o{torque}", **keys, **{"load.torque": torque}) for torque in (4.0, 5.0)]
+    found = [hdengine.run(CD14, tmp_path / f"o{torque}", **keys, **{"load.torque": torque}) for torque in (4.0, 5.0)]
     assert [r.scene["joint.model"] for r in found] == ["spectrum", "spectrum"]
     assert [json.loads((tmp_path / f"o{t}/summary.json").read_text())["model"]["mesh_and_factors"] for t in (4.0, 5.0)][1] == "kept"
     with pytest.raises(hdengine.InputError, match="joint.model = 'auto' is chosen when the scene is run"):
-        hdengine.elastic.ElasticJoint.of_scene(hdengine.read_scene(GROUND, **keys))
+        hdengine.elastic.ElasticJoint.of_scene(hdengine.read_scene(CD14, **keys))
 
 
 def test_bad_tables_and_spectra_end_before_the_run(exe, tmp_path):
     """A table or a spectrum that cannot be read ends the run with its key or name, and nothing is written; a spectrum without waves of its own has them
     from its bands, fewer at most by half, and one with waves that are none is refused."""
-    done = call(exe, GROUND, *SMALL, "joint.model=auto", "joint.table_file=none.csv", "--out", tmp_path / "o")
+    done = call(exe, CD14, *SMALL, "joint.model=auto", "joint.table_file=none.csv", "--out", tmp_path / "o")
     assert done.returncode == 3 and "joint.table_file: " in done.stderr and not (tmp_path / "o/summary.json").exists()
-    done = call(exe, GROUND, *SMALL, "joint.model=auto", "joint.spectrum_file=none.csv", "--out", tmp_path / "o")
+    done = call(exe, CD14, *SMALL, "joint.model=auto", "joint.spectrum_file=none.csv", "--out", tmp_path / "o")
     assert done.returncode == 3 and "joint.spectrum_file: " in done.stderr
     q, h = np.array([1e4, 2e4, 4e4, 8e4]), np.array([4e-14, 1e-14, 2.5e-15, 6e-16])
     waves = {}

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import CD14, SMALL, call, solve_small
+from conftest import CD14, HELD, PAPER, SMALL, call, solved
 
 LAW = ["contact.law=joint", "output.vtu=none"]
 
 
 def solve(exe, folder, *keys):
-    return solve_small(exe, folder, *LAW, *keys)
+    return solved(exe, folder, PAPER, *(f"{key.replace('__', '.')}={value}" for key, value in HELD.items()), *SMALL, *LAW, *keys)
 
 
 @pytest.mark.parametrize("keys", [[], ["load.support=bearing", "load.torque=3"],

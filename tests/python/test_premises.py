@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import CD14, ROOT, call, solved
+from conftest import CD14, HELD, PAPER, ROOT, call, solved
 from hdengine import Joint
 
 SMALL = {"mesh__divisions": 32, "mesh__band_facets": 6}
@@ -16,7 +16,7 @@ TANGENT, SECANT, OVER = "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_f
 
 def sums(**keys):
     """Sums of the steps from the end of the assembly on; those solved where the run ends in gross slip."""
-    with hdengine.Run(CD14, **{**SMALL, **keys}) as run:
+    with hdengine.Run(PAPER, **{**HELD, **SMALL, **keys}) as run:
         steps = []
         try:
             steps.extend(run)
@@ -82,11 +82,11 @@ def test_tangent_settles_with_the_mesh_faster_than_eq_45():
 def test_a_joint_without_stiffness_is_refused_with_the_way_out(exe, tmp_path):
     """Plastic spots from s_min on: code 2 before anything is solved; each way out that the message names works."""
     words = ["mesh.divisions=16", "mesh.band_facets=3", "joint.asperity_radius=3.7e-6", "joint.s_min=2.4e-12"]
-    done = call(exe, CD14, *words, "--out", tmp_path / "a")
+    done = call(exe, PAPER, *words, "--out", tmp_path / "a")
     assert done.returncode == 2 and "K_N = K_T = 0" in done.stderr and "plastic_spots" in done.stderr
     assert not (tmp_path / "a/summary.json").exists()
     for i, way in enumerate(("joint.plastic_spots=elastic", "joint.s_min=6e-13", "joint.asperity_radius=20e-6")):
-        found = solved(exe, tmp_path / str(i), CD14, *words, way).summary["results"]
+        found = solved(exe, tmp_path / str(i), PAPER, *words, way).summary["results"]
         assert found["k_ts_nm_per_rad"] > 1e5 and found[TANGENT] > 1e5
 
 
@@ -120,14 +120,14 @@ def test_plastic_spots_that_unload_elastically():
 
 def test_a_run_warns_of_slip_and_of_peaks_beyond_strength(exe, tmp_path):
     """The log states one K_TS, with -v the others; slip above half of K_TS and a peak above yield or hardness are warned of, with the way out."""
-    done = call(exe, CD14, "mesh.divisions=32", "mesh.band_facets=8", "mesh.edge_length=2e-5", "-v", "--out", tmp_path / "a")
+    done = call(exe, PAPER, "load.support=hub", "mesh.divisions=32", "mesh.band_facets=8", "mesh.edge_length=2e-5", "-v", "--out", tmp_path / "a")
     warnings = json.loads((tmp_path / "a/summary.json").read_text())["warnings"]
     assert any("slip" in w and TANGENT in w for w in warnings)
     assert any("above the" in w and "edge_line_load_n_per_m" in w for w in warnings)
     assert re.search(r"^K_TS      \S+ N m/rad, the tangent beside bonded faces\n          secant \S+, contact alone", done.stdout, re.M)
     result = hdengine.load(tmp_path / "a")
     assert "tangent" in repr(result)
-    stuck = hdengine.run(CD14, tmp_path / "b", True, **SMALL, contact__torque_friction=10.0)
+    stuck = hdengine.run(PAPER, tmp_path / "b", True, **HELD, **SMALL, contact__torque_friction=10.0)
     assert not any(TANGENT in w for w in stuck.summary["warnings"])
 
 

@@ -20,7 +20,7 @@ import pytest
 from conftest import ROOT, executable
 
 RECORD = ROOT / "tests/cases/instructions.json"
-SMALL = ("mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=1", "load.torque_steps=1", "output.vtu=none",
+SMALL = ("mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=1", "load.torque_steps=1", "output.vtu=none", "joint.model=hu2023",
          "joint.spectrum_file=none")  # no file: the comparison of joint models, a third of such a run, leaves Persson's theory out
 LESS = ("mesh.divisions=16", "mesh.band_facets=3")
 LEAST = ("mesh.divisions=12", "mesh.band_facets=2")

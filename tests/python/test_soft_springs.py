@@ -3,9 +3,8 @@
 import pytest
 
 import hdengine
-from conftest import ROOT, call, solved
+from conftest import CD14, call, solved
 
-GROUND = ROOT / "data/cd14_ground.nml"
 MESH = ["mesh.divisions=24", "mesh.band_facets=6", "load.assembly_steps=1", "load.torque_steps=2", "load.torque=2", "output.vtu=none"]
 DIRECT = ["solver.method=newton", "solver.factors=exact"]
 HARMONIC = ["solver.method=newton", "solver.factors=harmonic"]
@@ -15,7 +14,7 @@ NUMBERS = ("rotation_rad", "normal_force_n", "pressure_mid_mean_pa", "wave_gener
 
 def solve(exe, folder, *keys, support="bearing"):
     """A small scene, solved; its summary."""
-    return solved(exe, folder, GROUND, *MESH, f"load.support={support}", *keys).summary
+    return solved(exe, folder, CD14, *MESH, f"load.support={support}", *keys).summary
 
 
 @pytest.mark.parametrize("keys, ours, tolerance, within", [
@@ -57,7 +56,7 @@ def test_its_tangent_with_short_cells():
     found = []
     for method in ("condensed", "newton"):
         hdengine.forget()
-        with hdengine.Run(GROUND, solver__method=method, **keys) as run:
+        with hdengine.Run(CD14, solver__method=method, **keys) as run:
             found.append(list(run)[-1].sums["k_ts_bonded_nm_per_rad"])
     assert found[0] == pytest.approx(found[1], rel=1e-5)
 
@@ -66,7 +65,7 @@ def test_a_false_slip_does_not_pass_the_torque(exe, tmp_path):
     """Springs of 1e-9 N/m let Newton's method run away as if all slipped, with more friction than the torque asks for: the step is halved.
     It went on to 1.21 N m, where 1 N m was asked for, and called that complete."""
     keys = ["mesh.divisions=32", "mesh.band_facets=5", "load.assembly_steps=2", "load.support_stiffness=1e-9", "load.torque=1"]
-    done = call(exe, ROOT / "data/cd14.nml", *keys, "load.support=bearing", "contact.friction=0.01", "load.torque_steps=2", *DIRECT,
+    done = call(exe, CD14, *keys, "load.support=bearing", "contact.friction=0.01", "load.torque_steps=2", *DIRECT,
                 "output.vtu=none", "--out", tmp_path / "r", "-q")
     run = hdengine.load(tmp_path / "r")
     assert done.returncode == 0 and run.summary["results"]["cut_backs"] > 0

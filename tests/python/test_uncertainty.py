@@ -18,7 +18,7 @@ def test_cheap_model_is_the_engine(field, small_run):
     stored where contact ends are those of the first joint."""
     result = hdengine.load(small_run)
     assert field.k_ts() == pytest.approx(result.torsional_stiffness()[0][-1], rel=1e-9)
-    keys = {"joint.fractal_dimension": 2.52, "joint.hardness": 2.5e9}
+    keys = {"joint.fractal_dimension": 2.312, "joint.hardness": 2.5e9}
     fixed = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2, "load.assembly_steps": 1}
     with hdengine.Run(ROOT / "data/cd14.nml", **fixed, **keys) as run:
         *_, last = run

@@ -54,7 +54,8 @@ _STATED: dict[int, tuple[Any, ...]] = {
 UNITS, AT_50, AT_30 = ({size: Unit(size, t1, t2, *(1e3 * k for k in stated[i]))
                         for size, (t1, t2, *stated) in _STATED.items() if i < len(stated)} for i in range(3))
 
-# Rated torques [N m] at 2000 rpm at these ratios, 0 where none is stated: HFUC and, divided by 1.3, CSG of the same project.
+# Rated torques [N m] at 2000 rpm at these ratios, 0 where none is stated: HFUC and, divided by 1.3, CSG of the same project;
+# ZD Motor's SHF-2UH (en.zd-motor.com) has the same for sizes 14 to 32 at 50 to 120.
 _RATIOS = (30, 50, 80, 100, 120, 160)
 _RATED = {11: (0, 3.5, 0, 5), 14: (4, 5.4, 7.8, 7.8), 17: (8.8, 16, 22, 24, 24), 20: (15, 25, 34, 40, 40, 40),
           25: (27, 39, 63, 67, 67, 67), 32: (54, 76, 118, 137, 137, 137), 40: (0, 137, 206, 265, 294, 294),

@@ -11,7 +11,7 @@ from scipy.special import ellipe, ellipk
 import hdengine
 from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine import cli, load
-from hdengine.catalogue import UNITS, unit
+from hdengine.catalogue import UNITS, rated_torque, unit
 from hdengine.drive import _scene
 from hdengine.figures.run import plot_run
 from hdengine.table_file import read_csv
@@ -563,6 +563,12 @@ def test_the_fit_is_that_of_the_standards(size, clearance):
 def test_the_catalogue_states_ratio_30():
     """Sizes 14 to 32 have K1 to K3 at ratio 30, larger ones have not; we said that none has."""
     assert list(unit(20, 30).slopes) == [5700, 7100, 11000] and unit(40, 30) is None and unit(20, 31) is None
+
+
+@pytest.mark.parametrize("size, torques", [(14, (5.4, 7.8, 7.8)), (17, (16, 22, 24)), (20, (25, 34, 40, 40)), (25, (39, 63, 67, 67)), (32, (76, 118, 137, 137))])
+def test_rated_torques_are_those_of_another_maker(size, torques):
+    """ZD Motor rates its SHF-2UH at ratios 50, 80, 100 and 120 as the series whose table is kept, which another hand typed."""
+    assert [rated_torque(size, ratio) for ratio in (50, 80, 100, 120)[:len(torques)]] == pytest.approx(torques)
 
 
 @pytest.mark.parametrize("size, ratio, torque", [(14, 50, 5.4), (20, 30, 15), (20, 50, 25), (20, 65, 29.5), (20, 200, 40), (40, 30, 137), (90, 100, 2270)])

@@ -45,6 +45,7 @@ DRIVE = {
     "material.flexspline_e": (205e9, 213e9, "2 %"),
     "material.ring_e": (190e9, 219e9, "52100 steel in sources, and the paper"),
 }
+OF_ASPERITIES = ["joint.asperity_radius", "joint.s_min"]   # which the law hu2023 alone has
 OF_SECTIONS = [f"geometry.{name}" for name in ("bore_radius", "wall_thickness", "rim_thickness", "cup_length", "bottom_thickness")]
 SEED = 1   # of all draws
 SOLVED = {"tangent": ("k_ts_bonded_nm_per_rad", "tangent K_TS"), "k2": ("k2_nm_per_rad", "K2")}   # columns of a study of the drive
@@ -60,7 +61,8 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
     """Ranges of JOINT or DRIVE, which are those of CD-14, about the values of a scene.
 
     D moves with the scene's, what is of its size or its surface is in proportion to it; friction, eccentricity and moduli stay. A
-    clearance, from 0 to twice its value, takes the place of the interference. What cup.sections settle has no range.
+    clearance, from 0 to twice its value, takes the place of the interference. What cup.sections settle has no range, nor has what
+    the law of the joint does not read.
 
     Parameters
     ----------
@@ -82,7 +84,7 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
         elif key.startswith(("joint.", "geometry.", "wave_generator.w", "wave_generator.interference")):
             low, high = (end * (own[key] / known[key]) for end in (low, high))
         found[key] = low, high, why
-    settled = OF_SECTIONS if any(own["cup.sections_r"]) else []
+    settled = OF_SECTIONS * any(own["cup.sections_r"]) + OF_ASPERITIES * (own["joint.model"] != "hu2023")
     return {key: ends for key, ends in found.items() if ends[0] < ends[1] and key not in settled}
 
 
@@ -277,7 +279,7 @@ def _follow(curve, at):
 
 GROUPS = {  # of bands: keys of JOINT, beginnings of keys of DRIVE
     "D and G": (("joint.fractal_dimension", "joint.roughness"), ()),
-    "D, G, r_m, s_min, hardness": (tuple(JOINT), ()),
+    "joint": (tuple(JOINT), ()),
     "geometry": ((), ("geometry.", "wave_generator.")),
     "material and friction": (("joint.hardness",), ("material.", "contact.")),
     "all": (tuple(JOINT), ("geometry.", "wave_generator.", "material.", "contact.")),
@@ -320,7 +322,7 @@ def bands(field: ContactField, curves: Mapping | None = None, draws: int = 500, 
         if drive and not keys:
             continue
         generator, values = np.random.default_rng(SEED), []
-        chosen = {k: ranges[k] for k in joint}
+        chosen = {k: ranges[k] for k in joint if k in ranges}
         for _ in _counted(range(draws), progress, name):
             value = field.k_ts(**_point(chosen, generator.random(len(chosen))))
             for key in keys:

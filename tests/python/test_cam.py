@@ -142,9 +142,9 @@ def test_bad_tables_are_named(tmp_path, text, words):
 def scene(kinematics, part, **keys):
     """Sums and K_TS after the assembly of a share of w and interference, on a coarse mesh; the ring held: with a sliding one single points
     turn from stick to slip there, and K_TS by Eq. 45 jumps."""
-    with hdengine.Run(ROOT / "data/cd14.nml", mesh={"divisions": 32, "band_facets": 4, "wall_elements": 4, "bottom_elements": 3},
-                      solver={"kinematics": kinematics}, load={"torque_steps": 0, "assembly_steps": 1},
-                      wave_generator={"w": W * part, "interference": 1e-5 * part, "ring_tangent": "follow", **keys}) as run:
+    with hdengine.Run(ROOT / "data/paper.nml", mesh={"divisions": 32, "band_facets": 4, "wall_elements": 4, "bottom_elements": 3},
+                      solver={"kinematics": kinematics}, load={"support": "hub", "torque_steps": 0, "assembly_steps": 1},
+                      wave_generator={"w": W * part, "interference": 1e-5 * part, **keys}) as run:
         step = list(run)[-1]
     return np.array([step.sums["normal_force_n"], step.k_ts_nm_per_rad])
 

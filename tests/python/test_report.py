@@ -21,6 +21,7 @@ from hdengine.figures.run import plot_steps
 from hdengine.report import write_pdf, write_report
 from hdengine.report.chart import Chart, _legend, ticks
 from hdengine.report.parts import _answer
+from hdengine.uncertainty import analyse
 from hdengine.views.palette import STEPS
 from hdengine.views.run import colour_top
 
@@ -32,7 +33,7 @@ def folder(small_run, tmp_path_factory):
     """A copy of the small run with its sensitivity and its report, made without PyVista."""
     out = shutil.copytree(small_run, tmp_path_factory.mktemp("report") / "run.out")
     with open(out / "progress.txt", "w") as told, contextlib.redirect_stderr(told):
-        assert main(["sensitivity", str(out), "--draws", "30"]) == 0
+        analyse(out, draws=30, sobol=16)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "pyvista", None)
         write_report(out, picture=True, animation=True)

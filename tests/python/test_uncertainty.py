@@ -29,8 +29,8 @@ def test_tornado_and_band_agree(field):
     """The tornado is sorted by width, and the band of all inputs holds the scene's value and both ends of the widest."""
     ends = u.joint_tornado(field)
     widths = [abs(b - a) for a, b in ends.values()]
-    assert widths == sorted(widths, reverse=True) and set(ends) == set(u.JOINT)
-    low, median, high = u.bands(field, draws=60)["D, G, r_m, s_min, hardness"]
+    assert widths == sorted(widths, reverse=True) and set(ends) == set(u.JOINT) - set(u.OF_ASPERITIES)
+    low, median, high = u.bands(field, draws=60)["joint"]
     assert 0 <= low < median < high and low < field.k_ts() < high
 
 
@@ -66,7 +66,7 @@ def test_one_at_a_time_changes_one_key():
     assert curves["joint.table_file"] == ([-1.96, 0.0, 1.96], [1.9, 1.0, 2.0])
 
 
-@pytest.mark.parametrize("scene", ["cd14", "drive20", "drive20_30"])
+@pytest.mark.parametrize("scene", ["cd14", "paper", "drive20", "drive20_30"])
 def test_ranges_lie_about_the_scene(scene):
     """Those of CD-14 are stated; another size, surface or fit has its own about its own values, of the same relative width."""
     own = hdengine.read_scene(ROOT / f"data/{scene}.nml", joint__fractal_dimension=2.3, joint__roughness=1e-9, joint__s_min=1e-15,
@@ -80,6 +80,7 @@ def test_ranges_lie_about_the_scene(scene):
     for key in set(found) & {k for k in u.DRIVE if k.startswith("geometry.")}:
         assert found[key][1] / found[key][0] == pytest.approx(u.DRIVE[key][1] / u.DRIVE[key][0])
     assert u.ranges_of(hdengine.read_scene(ROOT / "data/cd14.nml"), u.DRIVE) == u.DRIVE
+    assert (set(u.OF_ASPERITIES) <= found.keys()) == (own["joint.model"] == "hu2023")
 
 
 def test_both_ends_of_a_hats_ranges_are_scenes():

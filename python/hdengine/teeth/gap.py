@@ -22,17 +22,17 @@ def _line(name, value):
 def _onto(points, curve, left):
     """Nearest places of a curve for points: distance, side (positive: free), before or after the curve's ends, way, normal."""
     a, d = curve[:-1], np.diff(curve, axis=0)
-    rel = points[:, None, :] - a
-    share = np.einsum("psk,sk->ps", rel, d) / np.einsum("sk,sk->s", d, d)
+    x, y = points[:, :1] - a[:, 0], points[:, 1:] - a[:, 1]
+    share = (x * d[:, 0] + y * d[:, 1]) / np.einsum("sk,sk->s", d, d)
     inside = np.clip(share, 0.0, 1.0)
-    foot = rel - inside[..., None] * d
-    far = np.hypot(foot[..., 0], foot[..., 1])
-    i = np.argmin(far, axis=1)
+    foot_x, foot_y = x - inside * d[:, 0], y - inside * d[:, 1]
+    i = np.argmin(foot_x * foot_x + foot_y * foot_y, axis=1)
     row = np.arange(len(points))
-    cross = left * (d[i, 0] * rel[row, i, 1] - d[i, 1] * rel[row, i, 0])
+    foot = np.column_stack([foot_x[row, i], foot_y[row, i]])
+    cross = left * (d[i, 0] * y[row, i] - d[i, 1] * x[row, i])
     before, after = (i == 0) & (share[row, i] < 0), (i == len(d) - 1) & (share[row, i] > 1)
     normal = left * np.column_stack([d[i, 1], -d[i, 0]]) / np.hypot(d[i, 0], d[i, 1])[:, None]
-    return far[row, i], cross, before, after, -foot[row, i], normal
+    return np.hypot(*foot.T), cross, before, after, -foot, normal
 
 
 @checked(tooth=_line, space=_line)

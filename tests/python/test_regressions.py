@@ -34,15 +34,15 @@ CASES = {  # name: what it holds, scene, keys
     "apart": ("non-matching meshes, mortar segments", "cd14.nml", (*SMALL, *LESS, "mesh.ring_divisions=20", "mesh.ring_facets=4")),
     "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14", *LEAST)),
     "teeth": ("bonded ring against teeth", "teeth.nml", (*SMALL, *LEAST)),
-    "product": ("heights by matrix products; fit of ridges", "surface.nml", ("surface.nx=128", "surface.ny=128")),
+    "product": ("heights by matrix products; fit of ridges", "surface.nml", ("surface.nx=96", "surface.ny=96")),
     "transform": ("heights by the NUFFT", "surface.nml", ("surface.nx=256", "surface.ny=256", "surface.ridges=200", "surface.method=nufft",
                                                          "surface.tolerance=1e-6", "fit.model=none")),
-    "map": ("blind fit of a map of 48 x 48 points", "surface.nml", ("fit.first_file=map.npy", "fit.dx=1e-6")),
+    "map": ("blind fit of a map of 32 x 32 points", "surface.nml", ("fit.first_file=map.npy", "fit.dx=1e-6")),
 }
 LOSS = 1.3
 
 
-def rough_map(n=48, slope=-3.5):
+def rough_map(n=32, slope=-3.5):
     """Heights [m] of n x n points whose power spectrum falls with the given power; the same in every call."""
     q = np.hypot(np.fft.fftfreq(n)[:, None], np.fft.rfftfreq(n))
     q[0, 0] = np.inf

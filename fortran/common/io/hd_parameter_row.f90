@@ -79,11 +79,14 @@ contains
     end do
   end function find
 
-  !> A key of the table was set by the user.
+  !> A key was set by the user; one that the table does not hold is an internal error.
   pure logical function given(self, group, key)
     class(parameter_table_t), intent(in) :: self  !< table
     character(len=*), intent(in) :: group, key    !< names
-    given = self%rows(self%find(group, key))%given
+    integer :: row
+    row = self%find(group, key)
+    if (row == 0) error stop 'internal error: the program asks for a key that there is not'
+    given = self%rows(row)%given
   end function given
 
   !> A stopped run may go on with another value: it changes nothing that was computed.

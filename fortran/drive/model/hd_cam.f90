@@ -50,6 +50,7 @@ module hd_cam
     real(dp), allocatable, private :: arc(:)   !< arc length up to them [m]
   contains
     procedure :: put
+    procedure :: radius
     procedure, private :: step
   end type curve_t
 
@@ -260,6 +261,15 @@ contains
     s = (high - low)*sum(weight_8/2*speed)
     if (present(moment)) moment = moment + (high - low)*sum(weight_8/2*speed*phi)
   end function step
+
+  !> Distance of the curve from the axis at a polar angle; what it leaves out is of the order w**4/r**3 [m].
+  elemental real(dp) function radius(self, phi)
+    class(curve_t), intent(in) :: self  !< curve
+    real(dp), intent(in) :: phi         !< polar angle [rad]
+    real(dp) :: r, dr, ddr
+    call self%cam%polar(self%w, phi, r, dr, ddr)
+    radius = r + self%parallel*hypot(r, dr)/r
+  end function radius
 
   !> Put a point of the circle on the curve.
   subroutine put(self, theta, x, normal, bend)

@@ -7,7 +7,7 @@ module hd_drive
   use hd_kinds, only: dp, pi, hair
   use hd_ball_bearing, only: ball_angles, ball_patches, ball_struts
   use hd_ball_patch, only: ball_patch_t
-  use hd_cam, only: cam_t, new_cam
+  use hd_cam, only: cam_t, new_cam, curve_t, new_curve
   use hd_error, only: error_t
   use hd_scene, only: scene_t
   use hd_body, only: body_t
@@ -322,11 +322,13 @@ contains
   end subroutine turn_cam
 
   !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way. Without balls the slope of
-  !> the cam at the nodes that it moves.
+  !> the cam at the nodes that it moves. Large displacements take the way on the cam's curve: to first order a ring that keeps its
+  !> length has no change of its mean radius, of which w**2/r is missing.
   subroutine turn_cam_under_balls(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets way, slope
     real(dp), dimension(merge(scene%balls, size(drive%inner), scene%balls > 0)) :: theta, w, way, before, after, v
+    type(curve_t) :: curve
     real(dp), parameter :: h = 1e-4_dp
     if (scene%balls > 0) then
       theta = ball_angles(scene)
@@ -338,6 +340,10 @@ contains
     call drive%cam%displace(w, theta - h, before, v)
     call drive%cam%displace(w, theta + h, after, v)
     call drive%cam%displace(w, theta, way, v)
+    if (drive%exact) then
+      call new_curve(drive%cam, drive%cam%w, 1._dp, curve)
+      way = curve%radius(theta) - drive%cam%radius
+    end if
     associate (e => drive%eccentricity)
       drive%slope = (after - before)/(2*h) - e(1)*sin(theta) + e(2)*cos(theta)
       drive%way = way(:scene%balls) + e(1)*cos(theta(:scene%balls)) + e(2)*sin(theta(:scene%balls)) - scene%ball_clearance

@@ -390,13 +390,25 @@ def test_large_displacements_of_a_drive(exe, tmp_path):
         assert near <= abs(large/small - 1) < far
 
 
+@pytest.mark.parametrize("kinematics", ["linear", "nonlinear"])
+def test_the_balls_do_not_stretch_the_ring(exe, tmp_path, kinematics):
+    """A ring that keeps its length stands off the balls near the short axis, at w = 0.95 mm too: a cam without the shrinkage of its mean
+    radius by w^2/r pressed them with 330 to 390 N by large displacements."""
+    done = call(exe, ROOT / "data/drive20_30.nml", "mesh.divisions=36", "mesh.band_facets=4", f"solver.kinematics={kinematics}", "output.vtu=none",
+                "load.assembly_steps=1", "load.torque_steps=1", "loop.torques=1", "run.band=.false.", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 0, done.stderr
+    balls = read_csv(tmp_path / "r/balls.csv")
+    force, side = (balls[name][balls["step"] == 1] for name in ("force_n", "theta_rad"))
+    assert force.max() > 100 and force[abs(np.cos(side)) < 0.5].max() < 0.02*force.max()
+
+
 def test_pairs_of_large_displacements_are_where_they_belong(exe, tmp_path):
     """K1 to K3 of a coarse size 14 are those of pairs within 1e-8 rad and 1e-8 of the radius of their places and a tolerance of 1e-10."""
     done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=44", "mesh.band_facets=6", "solver.kinematics=nonlinear", "output.vtu=none",
                 "run.band=.false.", "--out", tmp_path / "r", "-q")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "r/summary.json").read_text())["results"]
-    for name, value in {"k1": 5857.622575, "k2": 7328.450041, "k3": 6469.786142}.items():
+    for name, value in {"k1": 5774.364960, "k2": 6796.320717, "k3": 6162.815382}.items():
         assert found[f"{name}_nm_per_rad"] == pytest.approx(value, rel=5e-8)
 
 
@@ -411,7 +423,7 @@ def test_the_plan_measures_large_displacements_on_the_drive(exe):
     """They correct the limits where they change K1 to K3 by more than half the tolerance: 2.6 % at w = 0.2 mm."""
     done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.04", "bearing.model=given")
     assert done.returncode == 0, done.stderr
-    assert 2 < changed_by_large_displacements(done.stdout, ", a correction known to 1") < 6
+    assert 2 < changed_by_large_displacements(done.stdout, ", a correction known to [01]") < 6
 
 
 def test_clearances_of_single_pairs(exe, tmp_path):

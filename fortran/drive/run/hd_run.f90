@@ -156,7 +156,10 @@ contains
   subroutine build(run, error)
     type(run_t), intent(inout) :: run                 !< prepared run
     type(error_t), allocatable, intent(out) :: error  !< mesh, memory
+    integer :: threads
+    threads = blas_threads(1)  ! it wakes its threads for the smallest matrix, and waits for them long where others compute
     call fit_run(run, error)
+    threads = blas_threads(threads)
     if (allocated(error)) return
     run%record%kept = run%model%kept
     run%record%choice = run%model%choice

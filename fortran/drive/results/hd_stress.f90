@@ -126,9 +126,9 @@ contains
     real(dp), intent(in) :: u(:, :)                   !< displacements of all (3, n) [m]
     type(stress_matrices_t), intent(inout) :: matrices   !< of the body, made if there are none
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), intent(out), optional :: stress(:, :)   !< at the nodes (6, nodes) [Pa]
-    real(dp), intent(out), optional :: peak(:, :)     !< at the Gauss point of every cell where von Mises' stress is largest
-                                                      !< (6, cells of all sectors) [Pa]
+    real(dp), intent(out), optional :: stress(6, problem%bodies(b)%nodes())  !< at the nodes [Pa]
+    real(dp), intent(out), optional :: peak(6, size(problem%bodies(b)%cells, 2)*problem%bodies(b)%sectors)  !< at the Gauss point
+                                                      !< of every cell of all sectors where von Mises' stress is largest [Pa]
     real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     associate (body => problem%bodies(b), low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
       if (allocated(problem%lagrangian)) then

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import torsion
 from ._check import ROUNDING
-from ._types import RunLike, StudyLike
 from .catalogue import UNITS
+
+if TYPE_CHECKING:
+    from .results import Result
+    from .studies.study import StudyResult
 
 __all__: list[str] = []
 TORQUES_NM = (1.0, 3.0, 5.0)
@@ -169,13 +172,13 @@ def series_rows(k_ts: float, k_fts: float) -> list:
                 judge_figure(s["k_wts_highest"], k).replace("does not", "cannot"), because)]
 
 
-def of_run(result: RunLike) -> list:
+def of_run(result: Result) -> list:
     """Rows that a run can answer; none for a scene unlike the paper's."""
     steps = [i for i, torque in enumerate(result.torque_nm) if any(abs(torque - t) < ROUNDING for t in TORQUES_NM)]
     return torque_rows(result.rows(steps)) if applies(result.scene) else []
 
 
-def of_study(result: StudyLike) -> list:
+def of_study(result: StudyResult) -> list:
     """Rows that a study can answer: the first curve over torque, eccentricity or w at the scene's other values."""
     scene, swept = result.summary["scene"], result.summary["swept"]
     if result.summary["figure"].get("kind") == "series":

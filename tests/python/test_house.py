@@ -68,13 +68,18 @@ def python_room(path):
     return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
+def imports(path):
+    """Imports from the package in a module, inside of functions too; not those of names that stand in annotations alone."""
+    tree = ast.parse(path.read_text())
+    typed = {node for branch in tree.body if isinstance(branch, ast.If) and ast.unparse(branch.test) == "TYPE_CHECKING" for node in branch.body}
+    return [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level and node not in typed]
+
+
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: "/".join(p.relative_to(PACKAGE).parts))
 def test_python_looks_down(path):
     """A Python module imports from lower floors and its own folder alone, inside of functions too."""
     room, here = python_room(path), ("hdengine", *path.relative_to(PACKAGE).parts[:-1])
-    for node in ast.walk(ast.parse(path.read_text())):
-        if not isinstance(node, ast.ImportFrom) or not node.level:
-            continue
+    for node in imports(path):
         base = [*here[:len(here) - node.level + 1], *(node.module.split(".") if node.module else [])]
         for target in base[1:2] or [alias.name for alias in node.names]:
             if target not in (room, "_hdengine"):
@@ -82,10 +87,10 @@ def test_python_looks_down(path):
 
 
 def imported(path):
-    """Modules of its own folder that a module imports, inside of functions too."""
+    """Modules of its own folder that a module imports."""
     names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.level == 1:
+    for node in imports(path):
+        if node.level == 1:
             names |= {node.module.split(".")[0]} if node.module else {alias.name for alias in node.names}
     return {name for name in names if (path.parent / f"{name}.py").exists()}
 

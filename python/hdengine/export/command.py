@@ -8,8 +8,9 @@ from pathlib import Path
 
 from .._check import RUN, checked, optional, word
 from .._check import path as a_path
-from .._types import PathLike, RunLike
+from .._types import PathLike
 from ..files import write_files
+from ..results import Result
 from .deck import to_deck
 from .fmu import to_fmu
 from .formats import FORMATS
@@ -21,7 +22,7 @@ KINDS = (*LAWS, "inp")
 
 
 @checked(run=RUN, kind=word(*KINDS), path=optional(a_path))
-def export(run: RunLike, kind: str, path: PathLike | None = None) -> Path:
+def export(run: Result, kind: str, path: PathLike | None = None) -> Path:
     """Write a run for another program.
 
     Parameters

@@ -13,7 +13,7 @@ import numpy as np
 
 from .._check import input_file, package
 from .._engine import FileError, HdengineError
-from .._types import RunLike
+from ..results import Result
 from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
 __all__: list[str] = []
@@ -218,7 +218,7 @@ def _ball_struts(run, mesh):
     return lines, equations, ground, patches
 
 
-def to_deck(run: RunLike) -> str:
+def to_deck(run: Result) -> str:
     """Text of the deck [mm, N, MPa]; a step of the deck for every grid that the run wrote.
 
     Parameters

@@ -8,7 +8,7 @@ import numpy as np
 
 from .._check import ROUNDING, RUN, checked
 from .._engine import InputError
-from .._types import RunLike
+from ..results import Result
 
 __all__ = ["JointLaw", "joint_law"]
 PAST = 0.1   # of the largest torque, that a branch reaches on either side of 0
@@ -66,7 +66,7 @@ def _first_rise(torque, angle, legs):
 
 
 @checked(run=RUN)
-def joint_law(run: RunLike) -> JointLaw:
+def joint_law(run: Result) -> JointLaw:
     """Law of a run of a whole drive: the middle of the last falling and the last rising branch, or the largest rise mirrored.
 
     Parameters

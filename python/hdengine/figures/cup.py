@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .._check import input_file
 from .._engine import FileError
-from .._types import PathLike, RunLike
+from .._types import PathLike
 from ..files import write_files
 from .run import pressure_top
+
+if TYPE_CHECKING:
+    from ..results import Result
 
 __all__: list[str] = []
 
@@ -28,7 +32,7 @@ def _last(folder, stem):
     return found[-1]
 
 
-def draw_cup(result: RunLike, path: PathLike, size: tuple = (1400, 1000)) -> float:
+def draw_cup(result: Result, path: PathLike, size: tuple = (1400, 1000)) -> float:
     """Write a PNG of the cup cut open along its axis, deformed, with the contact pressure on the ring.
 
     Parameters

@@ -2,22 +2,26 @@
 """Figures of the whole drive: the torsion loop, loads of balls and teeth, stress cycle of the flexspline."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from .._types import RunLike
 from ..views.palette import COLOURS, PARTS, PRESSURE, REFERENCE
 from ..views.run import ARCMIN, NEAR_CATALOGUE, ball_steps, band_of, forces_of, loop_of, reference_twist, stresses_of, twist_of
 from .style import new_axes, new_figure, styled
+
+if TYPE_CHECKING:
+    from ..results import Result
 
 __all__: list[str] = []
 WIDTH = 0.32   # of a chord's text and what is before it, over that of the frame
 
 
 @styled
-def plot_loop(result: RunLike) -> Figure:
+def plot_loop(result: Result) -> Figure:
     """Torque over the angle of the output with the chords K1, K2, K3, beside those of the catalogue's size with the same T1, T2."""
     loop = loop_of(result)
     figure, axis = new_axes(figsize=(7.5, 5))
@@ -40,7 +44,7 @@ def plot_loop(result: RunLike) -> Figure:
 
 
 @styled
-def plot_twist(result: RunLike) -> Figure | None:
+def plot_twist(result: Result) -> Figure | None:
     """What takes a further twist, part by part, over the torque of the last rise, or at the reference torque alone.
 
     None without shares (faces bonded).
@@ -74,7 +78,7 @@ def plot_twist(result: RunLike) -> Figure | None:
 
 
 @styled
-def plot_contact(result: RunLike) -> Figure:
+def plot_contact(result: Result) -> Figure:
     """Pressure and slip at the largest torque: on the unrolled band, and round the ellipse, whose deformation is drawn larger."""
     band = band_of(result)
     theta = (np.arange(len(band.load)) + 0.5) * 2 * np.pi / len(band.load)
@@ -112,7 +116,7 @@ def _ellipse(theta):
 
 
 @styled
-def plot_loads(result: RunLike) -> Figure:
+def plot_loads(result: Result) -> Figure:
     """Force of every ball, and of every pair's larger flank, round the axis: assembled and at the largest torque."""
     figure, axes = new_axes(1, 2, figsize=(9.5, 4.8), subplot_kw={"projection": "polar"})
     for axis, table, title in zip(axes, (result.balls, result.teeth), ("balls", "pairs of teeth")):
@@ -132,7 +136,7 @@ def plot_loads(result: RunLike) -> Figure:
 
 
 @styled
-def plot_fatigue(result: RunLike) -> Figure:
+def plot_fatigue(result: Result) -> Figure:
     """Mean and alternating stress of the flexspline's points beside Goodman's limit line, and their safety along the cup."""
     table = result.fatigue
     strength, limit = (result.scene[f"fatigue.{k}"] for k in ("tensile_strength", "fatigue_limit"))
@@ -157,7 +161,7 @@ def plot_fatigue(result: RunLike) -> Figure:
 
 
 @styled
-def plot_turning(result: RunLike) -> Figure:
+def plot_turning(result: Result) -> Figure:
     """Turn of the bottom about its mean and stiffness, over the angle of the turning wave generator; dotted: one ball on."""
     table = result.turning
     assert table is not None, "the wave generator stands"

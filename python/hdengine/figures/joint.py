@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from .._types import JointLike
 from .style import new_axes, styled
+
+if TYPE_CHECKING:
+    from ..joint import Joint
 
 __all__: list[str] = []
 
 
 @styled
-def plot_joint(joint: JointLike, pressure: np.ndarray, axis: Axes | None = None) -> Axes:
+def plot_joint(joint: Joint, pressure: np.ndarray, axis: Axes | None = None) -> Axes:
     """K_N and K_T per nominal area over the pressure, with the regime of the largest spot shaded.
 
     Parameters

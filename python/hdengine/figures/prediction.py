@@ -2,17 +2,21 @@
 """Figure of a predicted joint."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 
-from .._types import PredictionLike
 from .style import new_axes, styled
+
+if TYPE_CHECKING:
+    from ..prediction.law import Prediction
 
 __all__: list[str] = []
 
 
 @styled
-def plot_prediction(found: PredictionLike) -> Figure:
+def plot_prediction(found: Prediction) -> Figure:
     """Stiffness over pressure with the band, and the spectrum (a figure).
 
     Parameters

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from .._types import RecordLike
 from .style import new_axes, styled
+
+if TYPE_CHECKING:
+    from ..record import Record
 
 __all__: list[str] = []
 ARCMIN = 180 * 60 / pi
 
 
 @styled
-def plot_record(record: RecordLike) -> Figure:
+def plot_record(record: Record) -> Figure:
     """Loop of torque over angle, and stiffness over torque with its 95 % band.
 
     Parameters

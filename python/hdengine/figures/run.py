@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,19 +12,22 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
 from .. import _engine
-from .._types import PathLike, RunLike
+from .._types import PathLike
 from ..files import write_files
 from ..views.palette import PRESSURE, SIGNED
 from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positions_of, rest_of
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
 from .style import new_axes, styled
 
+if TYPE_CHECKING:
+    from ..results import Result
+
 __all__: list[str] = []
 MAPS, FRAMES = 6, 25   # at most, of the torque's maps and of an animation
 
 
 @styled
-def plot_run(result: RunLike, debug: bool = False) -> list:
+def plot_run(result: Result, debug: bool = False) -> list:
     """Make the figures of a run in its folder: those of a drive if it is one, else of its contact.
 
     Figures that this version has made of the same summary are kept.
@@ -82,7 +86,7 @@ def _band(axis, result, field, **keys):
     return axis.pcolormesh(angle, 1e3 * result.row_edges(), field, **keys)
 
 
-def pressure_top(result: RunLike) -> float:
+def pressure_top(result: Result) -> float:
     """Top of the colours of every pressure map of a run, from the end of the assembly on [MPa]."""
     late = np.flatnonzero(result.steps["load_factor"] >= 1 - 1e-9)
     first = late[0] if len(late) else 0
@@ -95,7 +99,7 @@ def _colours(top):
 
 
 @styled
-def plot_positions(result: RunLike) -> Figure:
+def plot_positions(result: Result) -> Figure:
     """Normal and tangential stress over the angle at Positions I, II, III (Fig. 7 A, B), last step."""
     figure, axes = new_axes(2, 1, sharex=True, figsize=(8, 7))
     theta = np.degrees(result.contact_at(-1)["theta_rad"].reshape(result.shape)[:, 0])
@@ -113,7 +117,7 @@ def plot_positions(result: RunLike) -> Figure:
 
 
 @styled
-def plot_band(result: RunLike) -> Figure:
+def plot_band(result: Result) -> Figure:
     """Contact pressure on the unrolled band, last step."""
     figure, axis = new_axes(figsize=(9, 4))
     p = result.contact["pressure_pa"][-1].reshape(result.shape).T / 1e6
@@ -132,7 +136,7 @@ def plot_band(result: RunLike) -> Figure:
 
 
 @styled
-def plot_steps(result: RunLike) -> Figure:
+def plot_steps(result: Result) -> Figure:
     """Contact pressure on the unrolled band over the torque: the first map, and what the others differ by from it.
 
     Where they differ by half of the scale or more, every map is drawn as it is, all on one scale.
@@ -185,7 +189,7 @@ def _against_resolution(result, p, steps):
 
 
 @styled
-def animate(result: RunLike, path: PathLike) -> Path:
+def animate(result: Result, path: PathLike) -> Path:
     """Write a GIF of pressure and shear on the unrolled band over the load steps.
 
     Parameters
@@ -227,7 +231,7 @@ def animate(result: RunLike, path: PathLike) -> Path:
 
 
 @styled
-def plot_torsion(result: RunLike) -> Figure:
+def plot_torsion(result: Result) -> Figure:
     """K_TS over the torque, coupled and by Eq. 45, and the FE rotation; against the teeth K_FTS, rotation, shares of the pairs."""
     if result.against_teeth:
         return plot_teeth(result)
@@ -260,7 +264,7 @@ def _over_torque(axis, torque, values, label):
 
 
 @styled
-def plot_teeth(result: RunLike) -> Figure:
+def plot_teeth(result: Result) -> Figure:
     """K_FTS and rotation over the torque; share of each pair of teeth at one end of the long axis, first and last torque."""
     figure, axes = new_axes(1, 3, figsize=(11, 3.6))
     after = result.torque_nm != 0
@@ -278,13 +282,13 @@ def plot_teeth(result: RunLike) -> Figure:
 
 
 @styled
-def draw_shares(axis: Axes, result: RunLike, torque: float, style: str, label: str) -> None:
+def draw_shares(axis: Axes, result: Result, torque: float, style: str, label: str) -> None:
     """Share of each pair of teeth at one end of the long axis at a torque [per cent]; the other end is alike."""
     axis.plot(*pair_shares(result, torque), style, ms=4, label=label)
 
 
 @styled
-def plot_newton(result: RunLike) -> Figure:
+def plot_newton(result: Result) -> Figure:
     """Relative residual over the Newton iterations of all steps."""
     h = result.history
     figure, axis = new_axes(figsize=(9, 4.2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import colormaps
@@ -12,17 +13,19 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from .._engine import InputError
-from .._types import StudyLike
 from ..catalogue import UNITS
 from ..files import write_files
 from ..paper import BORE, STATED, of_size
 from ..views.labels import LABELS, LOOP, label
 from .style import new_axes, styled
 
+if TYPE_CHECKING:
+    from ..studies.study import StudyResult
+
 __all__: list[str] = []
 
 
-def axes_of(result: StudyLike) -> tuple:
+def axes_of(result: StudyResult) -> tuple:
     """(x, y list, lines) of the figure: as the study asks, else the first numeric swept key, or the torque.
 
     Of a whole drive, K1 to K3 and hysteresis; a point has one of each, so the torque draws no lines of them.
@@ -46,7 +49,7 @@ RAMP = ListedColormap(colormaps["viridis"](np.linspace(0, 0.88, 256)))  # its la
 
 
 @styled
-def draw(axis: Axes, result: StudyLike, x: str, y: str, lines: str | None, chosen: dict | None = None) -> None:
+def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, chosen: dict | None = None) -> None:
     """Lines of one panel, colour by `lines`, style by the other swept keys; points that failed are left out.
 
     Where the other keys would take more than four styles, those that vary are held at the values of the first point.
@@ -130,7 +133,7 @@ def _name(column, value):
 
 
 @styled
-def plot_study(result: StudyLike) -> list:
+def plot_study(result: StudyResult) -> list:
     """Make the figure of a study in its folder.
 
     Parameters
@@ -182,7 +185,7 @@ def _save(figure, result):
 
 
 @styled
-def plot_series(result: StudyLike) -> Figure:
+def plot_series(result: StudyResult) -> Figure:
     """K_TS, K_FTS and K_WTS (Eq. 46) over the torque, beside catalogue and paper (Fig. 10); a matplotlib figure."""
     rows, unit = result.series(), UNITS[14]
     figure, axis = new_axes(figsize=(9, 5.6))
@@ -213,7 +216,7 @@ def plot_series(result: StudyLike) -> Figure:
 
 
 @styled
-def plot_catalogue(result: StudyLike) -> Figure:
+def plot_catalogue(result: StudyResult) -> Figure:
     """K_FTS of several sizes, a line per clearance of the outermost teeth, beside the catalogue; a matplotlib figure."""
     figure, axis = new_axes(figsize=(9, 5))
     fixed = result.summary["scene"]["load.tooth_clearance"]

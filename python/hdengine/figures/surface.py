@@ -2,20 +2,23 @@
 """Figures of surfaces."""
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .._types import FitLike, PairLike, SpecimenLike
 from .style import new_axes, new_figure, styled
+
+if TYPE_CHECKING:
+    from ..surfaces.fit import Fit
+    from ..surfaces.specimen import JointSurface, Specimen
 
 __all__: list[str] = []
 
 
 @styled
-def plot_fit(fit: FitLike, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:
+def plot_fit(fit: Fit, axis: Axes | None = None, label: str = "measured", colour: str = "C0") -> Axes:
     """S over the lag with the fitted model and its 95 % band.
 
     Parameters
@@ -51,7 +54,7 @@ def plot_fit(fit: FitLike, axis: Axes | None = None, label: str = "measured", co
 
 
 @styled
-def plot_residual(fit: FitLike, axis: Axes, colour: str = "C0") -> None:
+def plot_residual(fit: Fit, axis: Axes, colour: str = "C0") -> None:
     """What S is off the model by, in percent, with the 95 % band."""
     if not np.isfinite(fit.fractal_dimension):
         return
@@ -76,7 +79,7 @@ def _label_lags(axis):
 
 
 @styled
-def plot_map(specimen: SpecimenLike, axis: Axes) -> None:
+def plot_map(specimen: Specimen, axis: Axes) -> None:
     """Height map, or the profile of a line scan, less its plane."""
     z = specimen.levelled() * 1e6
     if z.ndim == 1:
@@ -93,7 +96,7 @@ def plot_map(specimen: SpecimenLike, axis: Axes) -> None:
 
 
 @styled
-def plot_specimen(specimen: SpecimenLike, fit: FitLike) -> Figure:
+def plot_specimen(specimen: Specimen, fit: Fit) -> Figure:
     """One specimen: map and structure function.
 
     Parameters
@@ -120,7 +123,7 @@ def plot_specimen(specimen: SpecimenLike, fit: FitLike) -> Figure:
 
 
 @styled
-def plot_joint_surface(joint: PairLike) -> Figure:
+def plot_joint_surface(joint: JointSurface) -> Figure:
     """Both specimens, their middle rows, and the three structure functions with fit and 95 % band (Fig. 5).
 
     Parameters

@@ -2,17 +2,21 @@
 """The figure of tooth profiles: teeth in mesh, and the clearance of the pairs."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 
-from .._types import GapsLike
 from .style import new_axes, styled
+
+if TYPE_CHECKING:
+    from ..teeth.pairs import ToothGaps
 
 __all__: list[str] = []
 
 
 @styled
-def plot_gaps(gaps: GapsLike) -> Figure:
+def plot_gaps(gaps: ToothGaps) -> Figure:
     """Tooth and space of three places, and clearance and pressure angle over the place.
 
     Parameters

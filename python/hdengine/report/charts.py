@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .._types import RunLike
+from ..results import Result
 from ..views import run as views
 from ..views.palette import COLOURS, PARTS, REFERENCE
 from .chart import Chart, bars, polar
@@ -21,7 +21,7 @@ def figure(caption: str, *charts: str) -> str:
     return f'<figure><div class="charts">{"".join(charts)}</div><figcaption>{html.escape(caption)}</figcaption></figure>'
 
 
-def answer(result: RunLike) -> str:
+def answer(result: Result) -> str:
     """Figure of a drive's answer: its loop and the parts of its twist."""
     return figure("Torque over the angle of the output, with its chords K1, K2, K3 and the catalogue's; what takes a twist.",
                   _loop_chart(result), *_twist_charts(result))
@@ -164,7 +164,7 @@ def _position_charts(result):
         yield chart.svg()
 
 
-def pictures(result: RunLike) -> Iterator[str]:
+def pictures(result: Result) -> Iterator[str]:
     """Figures of a run, those of a drive without its loop, which stands in the answer."""
     if views.is_drive(result):
         band = views.band_of(result)

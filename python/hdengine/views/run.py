@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .._check import ROUNDING
-from .._types import RunLike
 from ..catalogue import unit_of
 from .palette import PARTS
+
+if TYPE_CHECKING:
+    from ..results import Result
 
 __all__: list[str] = []
 ARCMIN = np.degrees(1) * 60
@@ -20,17 +23,17 @@ EDGE = 0.35       # length of a row over that of even rows from which down it is
 NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalogue (docs/evidence/drive.md)
 
 
-def is_drive(result: RunLike) -> bool:
+def is_drive(result: Result) -> bool:
     """A whole drive whose assembly was reached."""
     return result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists() and is_assembled(result)
 
 
-def is_assembled(result: RunLike) -> bool:
+def is_assembled(result: Result) -> bool:
     """The run was not stopped on its way to the assembled state."""
     return bool(np.any(result.steps["load_factor"] >= 1 - ROUNDING))
 
 
-def reference_step(result: RunLike) -> int:
+def reference_step(result: Result) -> int:
     """Row of the step that the results of a drive are of: the largest torque, of equals the last; of others the last step."""
     torque = result.summary["results"].get("reference_torque_nm", result.torque_nm[-1])
     return int(np.flatnonzero(abs(result.torque_nm - torque) <= ROUNDING * max(1.0, abs(torque)))[-1])
@@ -61,7 +64,7 @@ class Loop:
     title: str
 
 
-def loop_of(result: RunLike) -> Loop:
+def loop_of(result: Result) -> Loop:
     """The loop of a drive with the chords of its K1, K2, K3, beside those of the catalogue."""
     table, results, scene = result.loop, result.summary["results"], result.scene
     table = table[max(0, np.count_nonzero(table["phase"] == "assembly") - 1):]
@@ -88,7 +91,7 @@ def loop_of(result: RunLike) -> Loop:
                 "stiffness in kN m/rad" + (f"; {widths}" if widths else ""))
 
 
-def twist_of(result: RunLike) -> tuple[np.ndarray, dict[str, np.ndarray], str] | None:
+def twist_of(result: Result) -> tuple[np.ndarray, dict[str, np.ndarray], str] | None:
     """Torques of the last rise [N m], shares of a further twist by part [per cent], a title; None without shares (faces bonded)."""
     loop = result.loop
     names = [p for p in PARTS if f"share_{p}" in (loop.dtype.names or ())]
@@ -105,7 +108,7 @@ def twist_of(result: RunLike) -> tuple[np.ndarray, dict[str, np.ndarray], str] |
     return rows["torque_nm"], shares, f"what takes a further twist: the contact {contact:.0f} % at {rows['torque_nm'][-1]:.3g} N m"
 
 
-def reference_twist(result: RunLike) -> tuple[dict[str, float], str]:
+def reference_twist(result: Result) -> tuple[dict[str, float], str]:
     """Shares of a further twist at the reference torque by part [per cent], empty without; a title."""
     results = result.summary["results"]
     shares = {part: 100 * share for part, share in (results.get("twist_shares") or {}).items() if share is not None}
@@ -142,7 +145,7 @@ class Band:
     rest: str
 
 
-def band_of(result: RunLike) -> Band:
+def band_of(result: Result) -> Band:
     """Pressure and slip of the reference step."""
     step = reference_step(result)
     facets = result.contact_at(step)
@@ -156,12 +159,12 @@ def band_of(result: RunLike) -> Band:
                 1e3 * result.row_edges(), closed.mean(), rest_of(result))
 
 
-def rest_of(result: RunLike) -> str:
+def rest_of(result: Result) -> str:
     """What facets without pressure are."""
     return "tension" if result.scene["contact.mode"] == "bonded" else "open"
 
 
-def forces_of(result: RunLike, table: np.ndarray) -> list:
+def forces_of(result: Result, table: np.ndarray) -> list:
     """(torque [N m], angles [rad], forces [N]) of balls or pairs of teeth (the larger flank): assembled, at the reference step."""
     assembled = table["step"][table["phase"] == "assembly"]
     found = []
@@ -176,7 +179,7 @@ def forces_of(result: RunLike, table: np.ndarray) -> list:
     return found
 
 
-def ball_steps(result: RunLike, degrees: float) -> np.ndarray:
+def ball_steps(result: Result, degrees: float) -> np.ndarray:
     """Turns of the wave generator at which the balls have moved on by one, up to some degrees; empty without balls."""
     balls, teeth, outer = (result.scene[key] for key in ("bearing.balls", "load.teeth", "geometry.bore_radius"))
     if not balls:
@@ -187,7 +190,7 @@ def ball_steps(result: RunLike, degrees: float) -> np.ndarray:
     return pitch * np.arange(int(degrees / pitch + 1e-6) + 1)
 
 
-def positions_of(result: RunLike) -> list:
+def positions_of(result: Result) -> list:
     """(name, pressure, shear along theta [MPa]) round the rows next to Positions I, II, III (Fig. 7 A, B), last step."""
     facets = result.contact_at(-1)
     pressure, shear = (facets[name].reshape(result.shape) / 1e6 for name in ("pressure_pa", "traction_theta_pa"))
@@ -200,7 +203,7 @@ def positions_of(result: RunLike) -> list:
     return found
 
 
-def pair_shares(result: RunLike, torque: float) -> tuple[np.ndarray, np.ndarray]:
+def pair_shares(result: Result, torque: float) -> tuple[np.ndarray, np.ndarray]:
     """Angles [degree] and shares [per cent] of the pairs of teeth at one end of the long axis at a torque; both ends are alike."""
     rows = result.teeth[abs(result.teeth["torque_nm"] - torque) < ROUNDING]
     angle = (np.degrees(rows["theta_rad"]) + 90) % 360 - 90

@@ -10,7 +10,7 @@ import pytest
 import hdengine
 from conftest import ROOT, solved
 from hdengine import cli
-from hdengine.elastic import ElasticJoint, contact_from_spectrum, moduli, pressure_density, stiffness_from_spectrum
+from hdengine.elastic import ElasticJoint, contact_from_spectrum, moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space, patches
 from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.law import predict
@@ -104,16 +104,6 @@ def test_gap_closes_as_the_stiffness_says():
     steps = (p[1:] - p[:-1]) * (1 / k[1:] + 1 / k[:-1]) / 2
     assert gap[:-1] - gap[1:] == pytest.approx(steps, rel=5e-3, abs=1e-5 * gap[0])
     assert 1 < gap[0] / h.sum() ** 0.5 < 5 and gap[area > 0.9999].max() < 1e-4 * gap[0]
-
-
-def test_pressures_of_the_density():
-    """Shares of local pressures add up to the true contact and carry the load."""
-    q, load = np.geomspace(1e4, 1e6, 120), 3e7
-    _, area, spread = contact_from_spectrum(q, 1e-14 * q**-0.2, load, E_STAR)
-    x = np.linspace(0, load + 10 * spread[0], 20001)
-    share = pressure_density(x, load, spread[0])
-    assert np.trapezoid(share, x) == pytest.approx(area[0], rel=1e-4)
-    assert np.trapezoid(x * share, x) == pytest.approx(load, rel=1e-6)
 
 
 def test_yielding_contact_carries_the_hardness():

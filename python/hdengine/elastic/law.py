@@ -53,7 +53,7 @@ def stiffness_from_spectrum(q: ArrayLike, height_variance: ArrayLike, pressure: 
 
 def contact_from_spectrum(q: ArrayLike, height_variance: ArrayLike, pressure: ArrayLike, e_star: float,
                           hardness: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Normal stiffness per area, true contact, and the spread of the local pressures that `pressure_density` takes [Pa].
+    """Normal stiffness per area, true contact, and the spread of the local pressures (Persson 2001) [Pa].
 
     Arguments and errors as of `stiffness_from_spectrum`; the gap is left out, which takes longer than all of these.
     """
@@ -68,18 +68,3 @@ def _contact(q, height_variance, pressure, e_star, hardness, gap):
         raise _engine.InputError(f"pressures from {p.min():g} to {p.max():g} Pa; valid: above 0 and below the hardness, "
                                  f"{hardness:g} Pa")
     return _engine.call("spectrum_joint", np.asarray(q, float), np.asarray(height_variance, float), e_star, hardness, p, int(gap))
-
-
-def pressure_density(local: ArrayLike, pressure: float, spread: float) -> np.ndarray:
-    """Share of the nominal area per local pressure [1/Pa]: a Gauss curve about the nominal pressure less its image (Persson 2001).
-
-    Parameters
-    ----------
-    local : array_like
-        Local pressures, above 0 and below the hardness [Pa]. What does not touch has none, what yields has the hardness.
-    pressure, spread : float
-        Nominal pressure, and the spread of `contact_from_spectrum` under it [Pa].
-    """
-    x = np.asarray(local, dtype=float)
-    low, high = (np.exp(-0.5 * ((x - sign * pressure) / spread) ** 2) for sign in (-1, 1))
-    return (high - low) / (np.sqrt(2 * np.pi) * spread)

@@ -16,6 +16,23 @@ from ..contact import cam, read_scene
 from .rim_shape import RimShape
 
 __all__ = ["Rim"]
+PROFILE = [f"wave_generator.{key}" for key in ("w", "cam", "cam_file", "lobes", "arc_angle_deg")]   # keys of a cam's curve
+
+
+def _second_order(scene):
+    """What the cam's curve has beyond its first order, on the outside of a rim that keeps its length: u_r and u_theta at the
+    meridians of the mesh (2, n), of the size of w^2/R. A run of small displacements leaves it out [m]."""
+    n, half = scene["mesh.divisions"], scene["geometry.rim_thickness"] / 2
+    radius, theta = scene["geometry.bore_radius"] + half, 2 * np.pi * np.arange(n) / n
+    ring = scene["geometry.ring_thickness"]
+    found = cam(theta, "", **{"geometry.bore_radius": radius + ring, "geometry.ring_thickness": ring},
+                **{key: scene[key] for key in PROFILE if scene[key]})
+    u, v = np.fft.rfft(found.field, axis=1)
+    turn = (v - 1j * np.arange(len(u)) * u) / radius
+    first = np.fft.irfft([u, v + half * turn], n, axis=1)
+    c, s = np.cos(theta), np.sin(theta)
+    x, y = found.points + half * found.normal
+    return np.stack([c * x + s * y - radius - half, c * y - s * x]) - first
 
 
 @dataclass(frozen=True)
@@ -75,7 +92,8 @@ class Rim:
         if barred:
             raise InputError(f"{barred[0]} with the run '{path}': its rim is that of the run; valid: keys of load")
         scene = read_scene(Path(path) / "echo.nml", **flat)
-        return cls(scene, path, flat, RimShape.read(path, scene))
+        more = 0 if scene["solver.kinematics"] == "nonlinear" else _second_order(scene)
+        return cls(scene, path, flat, RimShape.read(path, scene, more))
 
     @property
     def radius(self) -> float:

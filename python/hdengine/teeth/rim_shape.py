@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._check import ROUNDING, input_file
 from .._engine import FileError, InputError
@@ -69,7 +70,7 @@ class RimShape:
     harmonics: np.ndarray = field(repr=False)
 
     @classmethod
-    def read(cls, folder: PathLike, scene: dict) -> RimShape:
+    def read(cls, folder: PathLike, scene: dict, more: ArrayLike = 0) -> RimShape:
         """Shape at the end of the assembly.
 
         Parameters
@@ -78,6 +79,8 @@ class RimShape:
             Of a run.
         scene : dict
             Its keys.
+        more : ndarray (2, n)
+            u_r and u_theta at the meridians of the mesh that the run leaves out [m].
 
         Returns
         -------
@@ -96,13 +99,13 @@ class RimShape:
             grid = read_grid(path, "Points", "displacement_m")
             tried.append(f"{grid.get('torque_nm', np.nan):g}")
             if grid.get("TimeValue", 0) >= 1 - ROUNDING and abs(grid.get("torque_nm", 1)) < ROUNDING:
-                return cls._of(grid["Points"], grid["displacement_m"], scene)
+                return cls._of(grid["Points"], grid["displacement_m"], scene, more)
         seen = f"grids at {', '.join(tried)} N m" if tried else "no bodies_*.vtu"
         raise InputError(f"'{folder}' has {seen}: must have one of the whole assembly at 0 N m; run it with loop.torques=0,0 "
                          "load.torque_steps=1 output.vtu=last (support 'drive'), or load.torque_steps=0")
 
     @classmethod
-    def _of(cls, points, moved, scene) -> Any:
+    def _of(cls, points, moved, scene, more) -> Any:
         """Nodes of the rim's outside: rows along the axis count by their share of its length."""
         radius = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"]
         r, turn = np.hypot(points[:, 0], points[:, 1]), np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
@@ -120,7 +123,7 @@ class RimShape:
         c, s = np.cos(turn[on]), np.sin(turn[on])
         u = moved[on]
         mean = [np.bincount(step, share * part, sectors) for part in (c * u[:, 0] + s * u[:, 1], c * u[:, 1] - s * u[:, 0])]
-        harmonics = np.fft.rfft(mean, axis=1) / sectors
+        harmonics = np.fft.rfft(np.add(mean, more), axis=1) / sectors
         if sectors % 2 == 0:
             harmonics[:, -1] /= 2      # counts once, others for two signs
         return cls(radius, harmonics)

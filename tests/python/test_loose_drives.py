@@ -112,11 +112,11 @@ def test_eq_45_of_a_joint_does_not_depend_on_the_steps(exe, tmp_path):
 
 
 def test_no_softer_part_stiffens_the_contact(exe, tmp_path):
-    """A softer body moves the forces, so by 1 % at most; beside the bonded drive, whose gaps close, a softer ring is stiffer by 5 %."""
+    """A softer body moves the forces, so by 1.5 % at most; beside the bonded drive, whose gaps close, a softer ring is stiffer by 5 %."""
     stiff, *soft = (loop(exe, tmp_path / "run", "loop.torques=30", *key) for key in (
         [], ["material.ring_e=103e9"], ["material.flexspline_e=100e9"], ["load.tooth_stiffness=6e7"], ["load.spline_diameter=64e-3"],
         ["bearing.ball_rate=5e9"], ["geometry.wall_thickness=0.4e-3"]))
-    assert max(found["k_ts_contact_nm_per_rad"] for found in soft) < 1.01 * stiff["k_ts_contact_nm_per_rad"]
+    assert max(found["k_ts_contact_nm_per_rad"] for found in soft) < 1.015 * stiff["k_ts_contact_nm_per_rad"]
     assert soft[0]["k_ts_bonded_nm_per_rad"] > 1.03 * stiff["k_ts_bonded_nm_per_rad"]
 
 

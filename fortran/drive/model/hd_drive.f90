@@ -322,8 +322,8 @@ contains
   end subroutine turn_cam
 
   !> The cam at the balls: the inner race follows the cam, and an offset of the curve has its radial way. Without balls the slope of
-  !> the cam at the nodes that it moves. Large displacements take the way on the cam's curve: to first order a ring that keeps its
-  !> length has no change of its mean radius, of which w**2/r is missing.
+  !> the cam at the nodes that it moves. Large displacements take the way on the cam's curve, whose mean radius is smaller by
+  !> w**2/r than to first order, for the ring keeps its length.
   subroutine turn_cam_under_balls(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets way, slope
@@ -339,10 +339,11 @@ contains
     end if
     call drive%cam%displace(w, theta - h, before, v)
     call drive%cam%displace(w, theta + h, after, v)
-    call drive%cam%displace(w, theta, way, v)
     if (drive%exact) then
       call new_curve(drive%cam, drive%cam%w, 1._dp, curve)
       way = curve%radius(theta) - drive%cam%radius
+    else
+      call drive%cam%displace(w, theta, way, v)
     end if
     associate (e => drive%eccentricity)
       drive%slope = (after - before)/(2*h) - e(1)*sin(theta) + e(2)*cos(theta)

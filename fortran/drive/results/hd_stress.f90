@@ -119,7 +119,7 @@ contains
     end do
   end subroutine node_stress
 
-  !> Stresses of a body of a problem, those that are asked for.
+  !> Stresses of a body of a problem, those that are asked for. Of explicit shape: an absent array has no descriptor to be read.
   subroutine body_stress(problem, b, u, matrices, error, stress, peak, largest)
     type(problem_t), intent(in) :: problem            !< bodies
     integer, intent(in) :: b                          !< which
